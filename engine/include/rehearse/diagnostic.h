@@ -1,0 +1,108 @@
+// Diagnostics: how every part of Rehearse says that something is wrong with the data it was given.
+//
+// A data error (a bad file, a bad argument, a controller that failed) is a value: a function that can meet one
+// returns Result<T>, which holds either the value or at least one Diagnostic. A programmer error (a broken invariant of
+// ours) is REHEARSE_ASSERT, which stays on in every build. Nothing here throws.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace rehearse {
+
+enum class Severity {
+  note,     // something was ignored, and nothing depends on it
+  repair,   // the data was changed on the way in; the text says how
+  warning,  // it works, but it is probably not what the author meant
+  error,    // it can't be used
+};
+
+/// One finding about somebody's data, with its place.
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string file;     // as the user named it; empty when there is none
+  int line = 0;         // 1-based; 0 when unknown
+  int column = 0;       // 1-based; 0 when unknown
+  std::string message;  // what is wrong
+  std::string hint;     // what would be right; may be empty
+};
+
+using Diagnostics = std::vector<Diagnostic>;
+
+/// "error", "warning", "repair" or "note".
+std::string_view to_string(Severity severity);
+
+/// One line in the form compilers use: `file:line:column: severity: message (hint)`, parts that are unknown left out.
+std::string to_string(const Diagnostic& diagnostic);
+
+/// All of them, one a line, each with its newline.
+std::string to_string(const Diagnostics& diagnostics);
+
+/// A diagnostic of severity error without a place.
+Diagnostic error(std::string message, std::string hint = {});
+
+/// True if any is of severity error.
+bool has_error(const Diagnostics& diagnostics);
+
+/// Prints the place and the message to stderr and aborts. The body of REHEARSE_ASSERT.
+[[noreturn]] void assertion_failed(const char* expression, const char* file, int line, const char* message);
+
+/// An invariant of ours; checked in every build type.
+#define REHEARSE_ASSERT(condition, message) \
+  ((condition) ? static_cast<void>(0) : ::rehearse::assertion_failed(#condition, __FILE__, __LINE__, message))
+
+/// A value, or the diagnostics that say why there is none (never empty then).
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
+  Result(Diagnostic diagnostic) : content_(std::in_place_index<1>, Diagnostics{std::move(diagnostic)}) {}
+  Result(Diagnostics diagnostics) : content_(std::in_place_index<1>, std::move(diagnostics)) {
+    REHEARSE_ASSERT(!std::get<1>(content_).empty(), "a failed Result says why");
+  }
+
+  bool ok() const { return content_.index() == 0; }
+  explicit operator bool() const { return ok(); }
+
+  T& value() & { return check(), std::get<0>(content_); }
+  const T& value() const& { return check(), std::get<0>(content_); }
+  T&& value() && { return check(), std::get<0>(std::move(content_)); }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T&& operator*() && { return std::move(*this).value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+
+  /// Why there is no value; only when !ok().
+  const Diagnostics& errors() const {
+    REHEARSE_ASSERT(!ok(), "errors() asked of a Result that has a value");
+    return std::get<1>(content_);
+  }
+
+ private:
+  void check() const { REHEARSE_ASSERT(ok(), "value() asked of a Result that failed"); }
+  std::variant<T, Diagnostics> content_;
+};
+
+/// Success, or why not.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Diagnostic diagnostic) : errors_{std::move(diagnostic)} {}
+  Result(Diagnostics diagnostics) : errors_(std::move(diagnostics)) {
+    REHEARSE_ASSERT(!errors_.empty(), "a failed Result says why");
+  }
+  bool ok() const { return errors_.empty(); }
+  explicit operator bool() const { return ok(); }
+  const Diagnostics& errors() const { return errors_; }
+
+ private:
+  Diagnostics errors_;
+};
+
+}  // namespace rehearse

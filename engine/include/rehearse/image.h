@@ -1,0 +1,23 @@
+// Pixels: what a camera draws and a controller reads. Row 0 is the top row.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace rehearse {
+
+/// Colour, three bytes a pixel (red, green, blue), rows from the top, no padding.
+struct Image {
+  int width = 0;                       // [pixels]
+  int height = 0;                      // [pixels]
+  std::vector<std::uint8_t> pixels;    // width * height * 3
+};
+
+/// Distance along the camera's optical axis [m] for each pixel, rows from the top; +inf where nothing was hit.
+struct DepthImage {
+  int width = 0;                       // [pixels]
+  int height = 0;                      // [pixels]
+  std::vector<float> meters;           // width * height
+};
+
+}  // namespace rehearse

@@ -1,0 +1,95 @@
+// Observation and Command: all that goes from a robot to its controllers in one tick, and all that comes back.
+//
+// This is the one boundary. World produces an Observation and takes a Command; a recording is made of both; a replay
+// feeds recorded Observations to the same code and compares Commands. Whatever a controller can read of a robot is in here.
+// World frame unless said otherwise; SI units.
+#pragma once
+
+#include <rehearse/image.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace rehearse {
+
+struct JointReading {
+  double q = 0.0;    // displacement [rad] or [m]; a revolute joint's angle is unwrapped
+  double dq = 0.0;   // [rad/s] or [m/s]
+  double ddq = 0.0;  // [rad/s²] or [m/s²], difference of dq over the last step
+  double u = 0.0;    // effort applied in the last step [N·m] or [N]
+};
+
+/// Motion of a link frame's origin. The rotation is a unit quaternion: a controller's matrix is always made from it, live
+/// and in replay, so that both see the same bits.
+struct LinkReading {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();                 // [m]
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                 // [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();         // [rad/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();             // [m/s²]
+  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();     // [rad/s²]
+};
+
+/// What a device says, if it said anything since the last tick.
+/// `values` by kind: ForceSensor force [N] then torque about the sensor's origin [N·m]; Gyro angular velocity [rad/s];
+/// Accelerometer specific force [m/s²]; Imu angular velocity then specific force; all in the device frame.
+/// A camera has no values but pictures.
+struct DeviceReading {
+  bool fresh = false;                         // new since the last tick
+  double measured_at = 0.0;                   // time of the measurement [s]; a camera's is when it captured
+  std::vector<double> values;
+  std::shared_ptr<const Image> image;         // null until the first frame
+  std::shared_ptr<const DepthImage> depth;    // null unless the camera measures depth
+};
+
+struct BodyObservation {
+  std::vector<JointReading> joints;    // by joint id
+  std::vector<LinkReading> links;      // by link index
+  std::vector<DeviceReading> devices;  // by device index
+};
+
+/// The state at the beginning of a tick.
+struct Observation {
+  std::vector<BodyObservation> bodies;  // in scenario order
+};
+
+/// What drives a joint: bits, so that a later step may combine them.
+enum Drive : std::uint8_t {
+  drive_none = 0,
+  drive_effort = 1,        // u
+  drive_displacement = 2,  // q
+  drive_velocity = 4,      // dq
+};
+
+struct JointCommand {
+  std::uint8_t drive = drive_none;
+  double q = 0.0;   // wanted displacement [rad] or [m]
+  double dq = 0.0;  // wanted velocity [rad/s] or [m/s]
+  double u = 0.0;   // effort [N·m] or [N]
+};
+
+/// Force and torque, the torque about the world's origin.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // [N]
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // [N·m]
+};
+
+/// A controller's word to a device. Only fresh ones mean anything.
+struct DeviceCommand {
+  bool fresh = false;
+  bool on = true;
+};
+
+struct BodyCommand {
+  std::vector<JointCommand> joints;    // by joint id
+  std::vector<Wrench> external;        // by link index
+  std::vector<DeviceCommand> devices;  // by device index
+};
+
+struct Command {
+  std::vector<BodyCommand> bodies;  // in scenario order
+};
+
+}  // namespace rehearse

@@ -1,0 +1,143 @@
+// Model: one robot or object as its author described it. Immutable after loading.
+//
+// A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It knows nothing of where it stands
+// or how it moves: that is World's. Units are SI, angles [rad]. Links stand in depth-first order, children of a link in
+// the document order of their joints, so a parent always comes before its children and links[0] is the root.
+// A link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent * origin * motion(axis, q).
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace rehearse {
+
+struct Box {
+  Eigen::Vector3d size;  // full extents along x, y, z [m]
+};
+struct Sphere {
+  double radius;  // [m]
+};
+struct Cylinder {  // along z
+  double radius;   // [m]
+  double length;   // [m]
+};
+struct Capsule {  // along z; length without the caps
+  double radius;  // [m]
+  double length;  // [m]
+};
+using Geometry = std::variant<Box, Sphere, Cylinder, Capsule>;
+
+/// Red, green, blue, opacity, each 0 to 1.
+using Color = Eigen::Vector4f;
+
+struct Shape {
+  std::string name;  // as in the file; may be empty
+  Geometry geometry;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of the shape in its link's frame
+  std::optional<Color> color;                              // visuals only; none: the renderer's default
+};
+
+struct Inertial {
+  double mass = 0.0;                                    // [kg]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();     // centre of mass in the link frame [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();    // about the centre, along the link's axes [kg·m²]
+};
+
+enum class JointType { free, fixed, revolute, continuous, prismatic };
+
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// What joins a link to its parent; the root link has one too, free or fixed to the world.
+struct Joint {
+  std::string name;  // empty for the root
+  JointType type = JointType::free;
+  int id = -1;       // document order among the movable joints of the file; -1 for free and fixed
+  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // joint frame in the parent link's frame
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit vector in the joint frame
+  double lower = -unlimited;                                 // [rad] or [m]
+  double upper = unlimited;                                  // [rad] or [m]
+  double effort = unlimited;                                 // [N·m] or [N], magnitude
+  double velocity = unlimited;                               // [rad/s] or [m/s], magnitude
+  double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
+  double friction = 0.0;                                     // [N·m] or [N]
+};
+
+struct Link {
+  std::string name;
+  int parent = -1;  // index into Model::links; -1 for the root
+  Joint joint;      // to the parent
+  Inertial inertial;
+  std::vector<Shape> visuals;
+  std::vector<Shape> collisions;
+};
+
+struct ForceSensor {};
+struct Gyro {};
+struct Accelerometer {};
+struct Imu {};
+
+/// A pinhole camera. It looks along its device frame's -z with +y up (the convention of OpenGL and of Choreonoid).
+struct Camera {
+  int width = 640;                   // [pixels]
+  int height = 480;                  // [pixels]
+  double field_of_view = 0.785398;   // [rad]: vertical if width >= height, else horizontal
+  double near_clip = 0.04;           // [m]
+  double far_clip = 200.0;           // [m]
+  double frame_rate = 30.0;          // [Hz] of simulated time
+  bool depth = false;                // also measures depth (a RangeCamera)
+};
+
+using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera>;
+
+/// A sensor (later issues: a light, ...) fixed to a link. Models list them in document order, stably sorted by link.
+struct Device {
+  std::string name;
+  int id = -1;    // as in the file; -1 if it gives none
+  int link = 0;   // index into Model::links
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // device frame in the link frame; see the kind for its axes
+  DeviceKind kind;
+};
+
+/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera" or "RangeCamera".
+std::string_view type_name(const Device& device);
+
+struct Model {
+  std::string name;
+  std::vector<Link> links;          // depth-first; links[0] is the root
+  std::vector<int> joints;          // by joint id: the index of the link it moves
+  std::vector<Device> devices;
+  std::string source_file;          // as the user named it; empty for a single shape
+  std::string source_text;          // the file's bytes, for the record; empty for a single shape
+  Diagnostics report;               // the load report: repairs, warnings and notes in document order
+
+  /// Index of the link, or -1.
+  int find_link(std::string_view name) const;
+  /// Index of the link whose joint (then, if there is none, whose link) has that name, or -1.
+  int find_joint(std::string_view name) const;
+  /// Index of the device, or -1.
+  int find_device(std::string_view name) const;
+  /// Of all links [kg].
+  double mass() const;
+};
+
+/// An object of one link named like the model, one shape for looks and contact.
+/// `mass` [kg], spread evenly over the shape; 0 is allowed only if the body will be fixed.
+Model single_shape_model(std::string name, const Geometry& geometry, double mass, std::optional<Color> color);
+
+/// Mass, centre and inertia of a solid of even density.
+Inertial solid_inertial(const Geometry& geometry, double mass);
+
+/// World poses of all links by forward kinematics.
+/// `root`: pose of links[0]; `q`: by joint id, size Model::joints.size() [rad or m]. Returns one pose a link.
+std::vector<Eigen::Isometry3d> forward_kinematics(const Model& model, const Eigen::Isometry3d& root,
+                                                  const std::vector<double>& q);
+
+}  // namespace rehearse
