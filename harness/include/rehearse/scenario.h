@@ -1,0 +1,115 @@
+// Scenario: everything that decides a run, as a YAML file states it. fixtures/README.md describes the file form.
+//
+// Loading checks the file by itself and against the models that it names: every mistake is a Diagnostic with file, line
+// and column, all of them in one go. A loaded scenario can be run; whether a controller's library loads is found out then.
+#pragma once
+
+#include <rehearse/model.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+/// The place of something in the scenario file, for messages that come up only when it runs.
+struct Place {
+  std::string file;  // as the user named it
+  int line = 0;      // 1-based
+  int column = 0;    // 1-based
+};
+
+/// What World is made with; the defaults are those of Choreonoid's ODE simulator item.
+struct SolverSettings {
+  enum class Method {
+    quick,  // dWorldQuickStep: iterative, linear in the number of constraints
+    exact,  // dWorldStep: direct, cubic
+  };
+  Method method = Method::quick;
+  int iterations = 50;                     // quick only
+  double over_relaxation = 1.3;            // quick only, 0 to 2
+  double erp = 0.4;                        // error reduction per step, 0 to 1
+  double cfm = 1e-10;                      // constraint force mixing, >= 0
+  double max_correcting_velocity = 0.01;   // of contacts [m/s]
+  double surface_layer = 1e-4;             // contacts rest this deep [m]
+  double friction = 1.0;                   // coefficient of every contact
+  int max_contacts = 100;                  // per pair of shapes
+};
+
+struct ScenarioController {
+  std::string name;                         // unique within its body; names the channels
+  std::string library;                      // a name (SR1MinimumController) or a path relative to the scenario
+  std::string options;                      // the controller's own option string
+  bool delay = true;                        // commands act one tick late
+  std::vector<ScenarioController> children;  // share their parent's body; one level
+  Place place;
+};
+
+struct ScenarioBody {
+  std::string name;                         // unique; names the channels
+  std::string model_file;                   // as written; empty for an inline shape
+  std::shared_ptr<const Model> model;       // never null in a loaded scenario
+  bool fixed = false;                       // the root link is fixed to the world
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();                // of the root link [m]
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();      // of the root link, unit
+  std::vector<double> joints;               // initial displacement by joint id [rad] or [m]
+  std::vector<ScenarioController> controllers;
+  Place place;
+};
+
+/// A force and torque on a link over a span of time: from <= t < until.
+struct Push {
+  int body = 0;                                        // index into Scenario::bodies
+  int link = 0;                                        // index into its model's links
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     // world [N]
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();    // world [N·m]
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();     // where the force acts, link frame [m]
+  double from = 0.0;                                   // [s]
+  double until = 0.0;                                  // [s]
+};
+
+/// How far the channels that match may be from the golden: |x - g| <= max(atol, rtol * scale).
+struct ToleranceRule {
+  std::string channel;          // a glob over series names, as `SR1/*/q`; see trace.h
+  std::optional<double> atol;   // in the channel's unit
+  std::optional<double> rtol;   // of the largest magnitude of the channel in the golden
+  std::optional<double> pixel_share;  // images: share of pixels that may differ, 0 to 1
+  std::optional<double> pixel_delta;  // images: difference of a colour channel [0..255] that still counts as equal
+  Place place;
+};
+
+struct Scenario {
+  static constexpr double max_duration = 86400.0;  // [s]
+  static constexpr double min_time_step = 1e-5;    // [s]
+  static constexpr double max_time_step = 0.1;     // [s]
+
+  std::string file;                     // as the user named it
+  std::string text;                     // the file's bytes
+  std::string name;                     // `name:`, or the file's name without .yaml
+  std::string golden;                   // `golden:` Suite.Test, or empty
+  double duration = 0.0;                // [s]
+  double time_step = 0.001;             // [s]
+  std::uint32_t seed = 0;
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
+  SolverSettings solver;
+  std::string options;                  // simulator-wide option string, before each controller's own
+  std::vector<ScenarioBody> bodies;
+  std::vector<Push> pushes;
+  /// Cameras that run, as "Body/Camera"; nullopt: all.
+  std::optional<std::vector<std::string>> cameras;
+  bool record_frames = true;            // pictures go into the trace
+  std::vector<ToleranceRule> tolerances;  // in file order; the last that matches wins
+  Diagnostics warnings;                 // of the scenario and its models
+
+  /// lround(duration / time_step), as Choreonoid counts.
+  std::int64_t ticks() const;
+
+  /// Reads, checks, and loads the models. Every mistake in one go.
+  static Result<Scenario> load(const std::filesystem::path& file);
+};
+
+}  // namespace rehearse
