@@ -5,6 +5,7 @@
 #pragma once
 
 #include <rehearse/model.h>
+#include <rehearse/solver_settings.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -21,23 +22,6 @@ struct Place {
   std::string file;  // as the user named it
   int line = 0;      // 1-based
   int column = 0;    // 1-based
-};
-
-/// What World is made with; the defaults are those of Choreonoid's ODE simulator item.
-struct SolverSettings {
-  enum class Method {
-    quick,  // dWorldQuickStep: iterative, linear in the number of constraints
-    exact,  // dWorldStep: direct, cubic
-  };
-  Method method = Method::quick;
-  int iterations = 50;                     // quick only
-  double over_relaxation = 1.3;            // quick only, 0 to 2
-  double erp = 0.4;                        // error reduction per step, 0 to 1
-  double cfm = 1e-10;                      // constraint force mixing, >= 0
-  double max_correcting_velocity = 0.01;   // of contacts [m/s]
-  double surface_layer = 1e-4;             // contacts rest this deep [m]
-  double friction = 1.0;                   // coefficient of every contact
-  int max_contacts = 100;                  // per pair of shapes
 };
 
 struct ScenarioController {

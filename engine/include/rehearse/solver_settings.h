@@ -1,0 +1,22 @@
+// SolverSettings: how the physics engine solves a step. The defaults are those of Choreonoid's ODE simulator item.
+#pragma once
+
+namespace rehearse {
+
+struct SolverSettings {
+  enum class Method {
+    quick,  // dWorldQuickStep: iterative, linear in the number of constraints
+    exact,  // dWorldStep: direct, cubic
+  };
+  Method method = Method::quick;
+  int iterations = 50;                    // quick only
+  double over_relaxation = 1.3;           // quick only, 0 to 2
+  double erp = 0.4;                       // share of a joint's error corrected in a step, 0 to 1
+  double cfm = 1e-10;                     // constraint force mixing, >= 0
+  double max_correcting_velocity = 0.01;  // of contacts [m/s]
+  double surface_layer = 1e-4;            // contacts rest this deep [m]
+  double friction = 1.0;                  // coefficient of every contact
+  int max_contacts = 100;                 // per pair of shapes
+};
+
+}  // namespace rehearse
