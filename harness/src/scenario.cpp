@@ -1,0 +1,177 @@
+#include <rehearse/scenario.h>
+
+#include "scenario_parts.h"
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace rehearse {
+namespace {
+
+// A scenario is written by hand. The limit keeps a mistaken path (a recording, a device) from being read to its end.
+constexpr std::size_t max_file_size = 1 << 20;
+
+Result<std::string> read_file(const std::filesystem::path& path) {
+  const auto failed = [&path](std::string message, std::string hint) {
+    Diagnostic diagnostic = error(std::move(message), std::move(hint));
+    diagnostic.file = path.string();
+    return diagnostic;
+  };
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return failed("there is no such file", "expected a scenario, a YAML file");
+  if (std::filesystem::is_directory(path, ignored))
+    return failed("it is a directory", "expected a scenario, a YAML file");
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(max_file_size + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad() || !stream.eof()) {
+    if (stream.good()) return failed("it is larger than 1 MiB", "a scenario is a short YAML file");
+    return failed("it can't be read", "look at its permissions");
+  }
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+bool is_golden_name(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  const auto is_word = [](std::string_view part) {
+    return !part.empty() && std::all_of(part.begin(), part.end(), [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    });
+  };
+  return dot != std::string_view::npos && is_word(text.substr(0, dot)) && is_word(text.substr(dot + 1));
+}
+
+void read_names(Findings& findings, const Keys& keys, Scenario& scenario) {
+  scenario.name = std::filesystem::path(scenario.file).stem().string();
+  if (const YamlNode* node = keys.find("name")) {
+    const auto name = read_text(findings, *node, "name");
+    if (name && (name->empty() || name->find_first_of("/\n") != std::string::npos)) {
+      expected(findings, *node, "name", "one line without '/', because files are named after it");
+    } else if (name) {
+      scenario.name = *name;
+    }
+  }
+  if (const YamlNode* node = keys.find("golden")) {
+    const auto golden = read_text(findings, *node, "golden", "Suite.Test");
+    if (golden && !is_golden_name(*golden)) {
+      expected(findings, *node, "golden", "Suite.Test, each of letters, digits, '_' and '-'");
+    } else if (golden) {
+      scenario.golden = *golden;
+    }
+  }
+}
+
+void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
+  const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
+  keys.number("time_step", steps, scenario.time_step);
+  const Range durations{0.0, Scenario::max_duration, "[s]", true};
+  const YamlNode* node = keys.require("duration", "how long the run lasts [s]");
+  if (node == nullptr) return;
+  const auto duration = read_number(findings, *node, "duration", durations);
+  if (!duration) return;
+  scenario.duration = *duration;
+  if (scenario.ticks() < 1)
+    findings.error(*node, fmt::format("duration is {}, which is no tick", *duration),
+                   fmt::format("expected at least one time step, {} s", scenario.time_step));
+}
+
+void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
+  if (const YamlNode* node = keys.find("seed")) {
+    const auto seed = read_integer(findings, *node, "seed", 0, std::numeric_limits<std::uint32_t>::max());
+    if (seed) scenario.seed = static_cast<std::uint32_t>(*seed);
+  }
+}
+
+void read_method(Findings& findings, const YamlNode& node, SolverSettings& solver) {
+  const bool is_word = node.kind == YamlNode::Kind::scalar;
+  if (is_word && node.text == "quick") {
+    solver.method = SolverSettings::Method::quick;
+  } else if (is_word && node.text == "exact") {
+    solver.method = SolverSettings::Method::exact;
+  } else {
+    expected(findings, node, "method", "quick (iterative) or exact (direct)");
+  }
+}
+
+void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
+  const Keys keys(findings, node, "the solver",
+                  {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
+                   "friction", "max_contacts"});
+  if (const YamlNode* method = keys.find("method")) read_method(findings, *method, solver);
+  keys.integer("iterations", 1, 10000, solver.iterations);
+  keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
+  keys.number("erp", {0.0, 1.0}, solver.erp);
+  keys.number("cfm", {0.0, 1.0}, solver.cfm);
+  keys.number("max_correcting_velocity", {0.0, 1e6, "[m/s]"}, solver.max_correcting_velocity);
+  keys.number("surface_layer", {0.0, 1.0, "[m]"}, solver.surface_layer);
+  keys.number("friction", {0.0, 1e6}, solver.friction);
+  keys.integer("max_contacts", 1, 1000, solver.max_contacts);
+}
+
+void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const Keys keys(findings, node, "record", {"frames"});
+  keys.flag("frames", scenario.record_frames);
+}
+
+// False if the rest of the file can't be judged: it isn't a scenario, or of another version.
+bool check_version(Findings& findings, const YamlNode& root) {
+  if (root.kind != YamlNode::Kind::map) {
+    expected(findings, root, "the scenario", "a map that begins with rehearse: 1");
+    return false;
+  }
+  const YamlNode* version = find_key(root, "rehearse");
+  if (version == nullptr) {
+    findings.error(root, "the scenario has no 'rehearse'", "expected rehearse: 1, the version of the form");
+    return true;
+  }
+  if (version->kind == YamlNode::Kind::scalar && version->text == "1") return true;
+  expected(findings, *version, "rehearse", "1, the version of the form that this program reads");
+  return false;
+}
+
+void read_scenario(Findings& findings, const YamlNode& root, Scenario& scenario) {
+  if (!check_version(findings, root)) return;
+  const Keys keys(findings, root, "the scenario",
+                  {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
+                   "bodies", "pushes", "cameras", "record", "tolerances"});
+  read_names(findings, keys, scenario);
+  read_clock(findings, keys, scenario);
+  read_seed(findings, keys, scenario);
+  keys.vector3("gravity", any_acceleration, scenario.gravity);
+  keys.text("options", scenario.options);
+  if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
+  if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
+  if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))
+    read_bodies(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
+}
+
+}  // namespace
+
+std::int64_t Scenario::ticks() const { return std::lround(duration / time_step); }
+
+Result<Scenario> Scenario::load(const std::filesystem::path& file) {
+  Scenario scenario;
+  scenario.file = file.string();
+  Result<std::string> text = read_file(file);
+  if (!text) return text.errors();
+  scenario.text = std::move(*text);
+  const Result<YamlNodePtr> root = parse_yaml(scenario.text, scenario.file);
+  if (!root) return root.errors();
+  Findings findings(scenario.file);
+  read_scenario(findings, **root, scenario);
+  if (findings.any_error()) return findings.errors();
+  scenario.warnings = findings.warnings();
+  return scenario;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,79 @@
+#include "scenario_parts.h"
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+namespace rehearse {
+namespace {
+
+// The controllers of one body; children share their parent's name space, because they share its body's channels.
+class ControllerReader {
+ public:
+  ControllerReader(Findings& findings, const ScenarioBody& body, const std::string& file)
+      : findings_(findings), body_(body), file_(file) {}
+
+  std::vector<ScenarioController> read_list(const YamlNode& node, std::string_view label, bool are_children) {
+    std::vector<ScenarioController> controllers;
+    const auto* list = rehearse::read_list(findings_, node, label, "a list of controllers, each with its library");
+    if (list == nullptr) return controllers;
+    for (const YamlNodePtr& item : *list) controllers.push_back(read(*item, are_children));
+    return controllers;
+  }
+
+ private:
+  ScenarioController read(const YamlNode& node, bool is_child) {
+    const Keys keys(findings_, node, "a controller", {"name", "library", "options", "delay", "children"});
+    ScenarioController controller;
+    controller.place = {file_, node.line, node.column};
+    if (!keys.is_map()) return controller;
+    const YamlNode* library = keys.require("library", "a name such as SR1MinimumController, or a path");
+    if (library != nullptr) {
+      controller.library = read_text(findings_, *library, "library", "a name or a path").value_or("");
+      controller.place = {file_, library->line, library->column};
+      if (library->kind == YamlNode::Kind::scalar && library->text.empty())
+        expected(findings_, *library, "library", "a name or a path");
+    }
+    read_name(keys, library, controller);
+    keys.text("options", controller.options);
+    keys.flag("delay", controller.delay);
+    if (const YamlNode* children = keys.find("children")) {
+      if (is_child) {
+        findings_.error(*children, "a child controller has children", "they nest one level deep");
+      } else {
+        controller.children = read_list(*children, "children", true);
+      }
+    }
+    return controller;
+  }
+
+  void read_name(const Keys& keys, const YamlNode* library, ScenarioController& controller) {
+    const YamlNode* node = keys.find("name");
+    if (node != nullptr) {
+      controller.name = rehearse::read_name(findings_, *node, "name").value_or("");
+    } else {
+      controller.name = std::filesystem::path(controller.library).stem().string();
+      node = library;
+    }
+    if (controller.name.empty()) return;  // told already
+    const auto [first, is_new] = first_line_.emplace(controller.name, node->line);
+    if (!is_new)
+      findings_.error(*node, fmt::format("a second controller of {} is named '{}'", body_.name, controller.name),
+                      fmt::format("the first is in line {}; expected a name of its own", first->second));
+  }
+
+  Findings& findings_;
+  const ScenarioBody& body_;
+  const std::string& file_;
+  std::map<std::string, int> first_line_;
+};
+
+}  // namespace
+
+void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file) {
+  body.controllers = ControllerReader(findings, body, file).read_list(node, "controllers", false);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,105 @@
+#include "scenario_findings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+
+namespace rehearse {
+namespace {
+
+constexpr std::size_t max_errors = 20;
+constexpr std::size_t max_names_listed = 12;
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+// Levenshtein's, blind to the case of ASCII letters: `Knee` for `KNEE` is the commonest slip of all.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (lower(a[i - 1]) == lower(b[j - 1]) ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+void Findings::error(const YamlNode& at, std::string message, std::string hint, Diagnostics details) {
+  Finding finding{at.line, at.column, {}};
+  finding.lines.push_back({Severity::error, file_, at.line, at.column, std::move(message), std::move(hint)});
+  std::move(details.begin(), details.end(), std::back_inserter(finding.lines));
+  errors_.push_back(std::move(finding));
+}
+
+void Findings::warning(const YamlNode& at, std::string message, std::string hint) {
+  pass_through(at, {{Severity::warning, file_, at.line, at.column, std::move(message), std::move(hint)}});
+}
+
+void Findings::pass_through(const YamlNode& at, Diagnostics warnings) {
+  if (!warnings.empty()) warnings_.push_back({at.line, at.column, std::move(warnings)});
+}
+
+std::vector<Findings::Finding> Findings::in_document_order(std::vector<Finding> findings) {
+  std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
+    return std::tie(a.line, a.column) < std::tie(b.line, b.column);
+  });
+  return findings;
+}
+
+Diagnostics Findings::errors() const {
+  Diagnostics told;
+  const std::vector<Finding> sorted = in_document_order(errors_);
+  for (std::size_t i = 0; i < std::min(sorted.size(), max_errors); ++i)
+    told.insert(told.end(), sorted[i].lines.begin(), sorted[i].lines.end());
+  if (sorted.size() > max_errors) {
+    const std::size_t rest = sorted.size() - max_errors;
+    told.push_back(
+        {Severity::note, file_, 0, 0, fmt::format("{} more error{} not shown", rest, rest == 1 ? "" : "s"), ""});
+  }
+  return told;
+}
+
+Diagnostics Findings::warnings() const {
+  Diagnostics told;
+  for (const Finding& finding : in_document_order(warnings_))
+    told.insert(told.end(), finding.lines.begin(), finding.lines.end());
+  return told;
+}
+
+std::vector<std::string> near_names(std::string_view wanted, const std::vector<std::string>& names) {
+  constexpr std::size_t longest = 100;  // keeps a hostile key from costing seconds
+  if (wanted.size() > longest) return {};
+  std::vector<std::pair<std::size_t, std::string>> near;
+  for (const std::string& name : names) {
+    const auto [shorter, longer] = std::minmax(wanted.size(), name.size());
+    const std::size_t most = std::max<std::size_t>(1, shorter / 3);
+    if (longer - shorter > most) continue;
+    const std::size_t distance = edit_distance(wanted, name);
+    if (distance <= most) near.emplace_back(distance, name);
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> result;
+  for (std::size_t i = 0; i < std::min<std::size_t>(near.size(), 3); ++i) result.push_back(near[i].second);
+  return result;
+}
+
+std::string name_hint(std::string_view wanted, const std::vector<std::string>& names, std::string_view kind) {
+  if (names.empty()) return fmt::format("there are no {}", kind);
+  const std::vector<std::string> near = near_names(wanted, names);
+  if (!near.empty()) return fmt::format("did you mean '{}'?", fmt::join(near, "' or '"));
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(names.size(), max_names_listed));
+  std::string hint = fmt::format("known {}: {}", kind, fmt::join(names.begin(), names.begin() + shown, ", "));
+  if (names.size() > max_names_listed) hint += fmt::format(" and {} more", names.size() - max_names_listed);
+  return hint;
+}
+
+}  // namespace rehearse

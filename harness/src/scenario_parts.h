@@ -1,0 +1,33 @@
+// The parts of a scenario file, each read by a function of its own into the Scenario.
+#pragma once
+
+#include <rehearse/scenario.h>
+
+#include "scenario_findings.h"
+#include "scenario_yaml.h"
+
+namespace rehearse {
+
+/// The `bodies` list, models included. A body that has a mistake is there nevertheless, so that indices and names hold
+/// for those who refer to it; its model is null if that is what's wrong.
+void read_bodies(Findings& findings, const YamlNode& node, Scenario& scenario);
+
+/// The `controllers` list of a body.
+void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);
+
+/// Initial displacements: a map by name or a list by joint id. Sets body.joints; body.model must not be null.
+void read_joints(Findings& findings, const YamlNode& node, ScenarioBody& body);
+
+/// The `pushes` list. After the bodies.
+void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario);
+
+/// all, none, or a list of Body/Camera. After the bodies.
+void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario);
+
+/// The `tolerances` list.
+void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario);
+
+/// The index of the body of that name in scenario.bodies; reports it if there is none.
+std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario);
+
+}  // namespace rehearse

@@ -1,0 +1,161 @@
+// What refers to bodies that were read before: pushes, cameras, and tolerances.
+#include "scenario_parts.h"
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rehearse {
+namespace {
+
+std::vector<std::string> link_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const Link& link : model.links) names.push_back(link.name);
+  return names;
+}
+
+std::vector<std::string> camera_names(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const ScenarioBody& body : scenario.bodies) {
+    if (body.model == nullptr) continue;
+    for (const Device& device : body.model->devices)
+      if (std::holds_alternative<Camera>(device.kind)) names.push_back(body.name + "/" + device.name);
+  }
+  return names;
+}
+
+void read_link(Findings& findings, const YamlNode& node, const ScenarioBody& body, Push& push) {
+  const auto name = read_text(findings, node, "link", "the name of a link");
+  if (!name || body.model == nullptr) return;
+  push.link = body.model->find_link(*name);
+  if (push.link < 0)
+    findings.error(node, fmt::format("{} has no link '{}'", body.name, *name),
+                   name_hint(*name, link_names(*body.model), "links"));
+}
+
+void read_target(Findings& findings, const Keys& keys, const Scenario& scenario, Push& push) {
+  const YamlNode* body_node = keys.require("body", "the name of a body");
+  if (body_node == nullptr) return;
+  const auto name = read_text(findings, *body_node, "body", "the name of a body");
+  const auto body = name ? find_body(findings, *body_node, *name, scenario) : std::nullopt;
+  if (!body) return;
+  push.body = *body;
+  const ScenarioBody& target = scenario.bodies[static_cast<std::size_t>(*body)];
+  if (const YamlNode* link = keys.find("link")) read_link(findings, *link, target, push);
+  if (target.fixed && push.link == 0)
+    findings.warning(*body_node, fmt::format("the push does nothing: the root link of {} is fixed", target.name),
+                     "name another link");
+}
+
+void read_span(Findings& findings, const Keys& keys, const Scenario& scenario, Push& push) {
+  const Range times{0.0, Scenario::max_duration, "[s]"};
+  const YamlNode* from_node = keys.require("from", "when it begins [s]");
+  const YamlNode* until_node = keys.require("until", "when it ends [s]");
+  const auto from = from_node == nullptr ? std::nullopt : read_number(findings, *from_node, "from", times);
+  const auto until = until_node == nullptr ? std::nullopt : read_number(findings, *until_node, "until", times);
+  if (!from || !until) return;
+  push.from = *from;
+  push.until = *until;
+  if (*until <= *from) {
+    findings.error(*until_node, fmt::format("until is {}, which is not after from", *until),
+                   fmt::format("expected a time above {} [s]", *from));
+  } else if (scenario.duration > 0.0 && *from >= scenario.duration) {
+    findings.warning(*from_node, fmt::format("the push begins at {} s, after the end of the run", *from),
+                     fmt::format("the duration is {} s", scenario.duration));
+  }
+}
+
+void read_push(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const Keys keys(findings, node, "a push", {"body", "link", "force", "torque", "at", "from", "until"});
+  if (!keys.is_map()) return;
+  Push push;
+  read_target(findings, keys, scenario, push);
+  if (keys.find("force") == nullptr && keys.find("torque") == nullptr)
+    findings.error(node, "a push has neither 'force' nor 'torque'", "expected force: [x, y, z] in the world frame [N]");
+  keys.vector3("force", any_force, push.force);
+  keys.vector3("torque", any_torque, push.torque);
+  keys.vector3("at", any_position, push.point);
+  if (const YamlNode* at = keys.find("at"); at != nullptr && keys.find("force") == nullptr)
+    findings.error(*at, "'at' without 'force'", "it says where the force acts; a torque acts on the link as a whole");
+  read_span(findings, keys, scenario, push);
+  scenario.pushes.push_back(push);
+}
+
+void read_camera(Findings& findings, const YamlNode& node, const Scenario& scenario,
+                 std::vector<std::string>& cameras) {
+  const auto name = read_text(findings, node, "a camera", "Body/Camera");
+  if (!name) return;
+  if (std::find(cameras.begin(), cameras.end(), *name) != cameras.end())
+    findings.error(node, fmt::format("the camera '{}' is listed twice", *name), "once is enough");
+  const std::string body_name = name->substr(0, name->find('/'));
+  if (body_name.size() == name->size()) {
+    expected(findings, node, "a camera", "Body/Camera");
+    return;
+  }
+  const auto body = find_body(findings, node, body_name, scenario);
+  if (!body || scenario.bodies[static_cast<std::size_t>(*body)].model == nullptr) return;
+  const std::vector<std::string> known = camera_names(scenario);
+  if (std::find(known.begin(), known.end(), *name) == known.end())
+    findings.error(node, fmt::format("there is no camera '{}'", *name), name_hint(*name, known, "cameras"));
+  cameras.push_back(*name);
+}
+
+void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const Keys keys(findings, node, "a tolerance", {"channel", "atol", "rtol", "pixel_share", "pixel_delta"});
+  if (!keys.is_map()) return;
+  ToleranceRule rule;
+  rule.place = {scenario.file, node.line, node.column};
+  if (const YamlNode* channel = keys.require("channel", "a pattern of channels, such as SR1/*/q")) {
+    rule.channel = read_text(findings, *channel, "channel", "a pattern of channels").value_or("");
+    rule.place = {scenario.file, channel->line, channel->column};
+    if (channel->kind == YamlNode::Kind::scalar && (rule.channel.empty() || rule.channel.front() == '/'))
+      expected(findings, *channel, "channel", "a pattern such as SR1/*/q, without a slash at its beginning");
+  }
+  keys.number("atol", {0.0, 1e9}, rule.atol);
+  keys.number("rtol", {0.0, 1.0}, rule.rtol);
+  keys.number("pixel_share", {0.0, 1.0}, rule.pixel_share);
+  keys.number("pixel_delta", {0.0, 255.0}, rule.pixel_delta);
+  const auto given = [&keys](std::string_view key) { return keys.find(key) != nullptr; };
+  if (!given("atol") && !given("rtol") && !given("pixel_share") && !given("pixel_delta"))
+    findings.error(node, "a tolerance allows nothing", "expected one of atol, rtol, pixel_share, pixel_delta");
+  scenario.tolerances.push_back(std::move(rule));
+}
+
+}  // namespace
+
+std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const ScenarioBody& body : scenario.bodies) {
+    if (body.name == name) return static_cast<int>(names.size());
+    names.push_back(body.name);
+  }
+  findings.error(at, fmt::format("there is no body '{}'", name), name_hint(name, names, "bodies"));
+  return std::nullopt;
+}
+
+void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const auto* list = read_list(findings, node, "pushes", "a list of pushes");
+  if (list == nullptr) return;
+  for (const YamlNodePtr& push : *list) read_push(findings, *push, scenario);
+}
+
+void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  if (node.kind == YamlNode::Kind::scalar && node.text == "all") {
+    scenario.cameras.reset();
+    return;
+  }
+  scenario.cameras.emplace();
+  if (node.kind == YamlNode::Kind::scalar && node.text == "none") return;
+  const auto* list = read_list(findings, node, "cameras", "all, none, or a list of Body/Camera");
+  if (list == nullptr) return;
+  for (const YamlNodePtr& camera : *list) read_camera(findings, *camera, scenario, *scenario.cameras);
+}
+
+void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const auto* list = read_list(findings, node, "tolerances", "a list of tolerances, each with its channel");
+  if (list == nullptr) return;
+  for (const YamlNodePtr& rule : *list) read_tolerance(findings, *rule, scenario);
+}
+
+}  // namespace rehearse

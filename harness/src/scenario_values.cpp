@@ -1,0 +1,301 @@
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <system_error>
+
+namespace rehearse {
+namespace {
+
+// The longest prefix of `text` that is a number, as double; `rest` is what follows it.
+std::optional<double> leading_number(std::string_view text, std::string_view& rest) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || !std::isfinite(value)) return std::nullopt;
+  rest = text.substr(static_cast<std::size_t>(end - text.data()));
+  return value;
+}
+
+std::optional<double> plain_number(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::scalar || node.quoted) return std::nullopt;
+  std::string_view rest;
+  const std::optional<double> value = leading_number(node.text, rest);
+  return rest.empty() ? value : std::nullopt;
+}
+
+// For messages: short, on one line, and never cut inside a UTF-8 sequence.
+std::string shortened(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  std::string result;
+  for (const char c : text) {
+    if (result.size() >= longest && (static_cast<unsigned char>(c) & 0xC0u) != 0x80u) return result + "...";
+    result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  }
+  return result;
+}
+
+std::string element(std::string_view label, std::size_t index) { return fmt::format("{}[{}]", label, index); }
+
+std::optional<Eigen::Quaterniond> unit_quaternion(Findings& findings, const YamlNode& node) {
+  const auto w_x_y_z = read_numbers(findings, node, "quaternion", 4, 4, Range{-1e6, 1e6});
+  if (!w_x_y_z) return std::nullopt;
+  const Eigen::Quaterniond read((*w_x_y_z)[0], (*w_x_y_z)[1], (*w_x_y_z)[2], (*w_x_y_z)[3]);
+  if (read.norm() < 1e-6) {
+    findings.error(node, "quaternion is zero", "[w, x, y, z] of any length but 0; no rotation is [1, 0, 0, 0]");
+    return std::nullopt;
+  }
+  return read.normalized();
+}
+
+std::optional<Eigen::Quaterniond> axis_and_angle(Findings& findings, const YamlNode& axis_node,
+                                                 const YamlNode& angle_node) {
+  const auto axis = read_vector3(findings, axis_node, "axis", Range{-1e6, 1e6});
+  const auto angle = read_angle(findings, angle_node, "angle");
+  if (axis && axis->norm() < 1e-6) {
+    findings.error(axis_node, "axis is zero", "[x, y, z] of any length but 0");
+    return std::nullopt;
+  }
+  if (!axis || !angle) return std::nullopt;
+  return Eigen::Quaterniond(Eigen::AngleAxisd(*angle, axis->normalized()));
+}
+
+// R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF.
+std::optional<Eigen::Quaterniond> roll_pitch_yaw(Findings& findings, const YamlNode& node, std::string_view label) {
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    if (const auto angle = read_angle(findings, *node.items[i], element(label, i))) angles.push_back(*angle);
+  }
+  if (angles.size() != 3) return std::nullopt;
+  using Eigen::AngleAxisd, Eigen::Vector3d;
+  return Eigen::Quaterniond(AngleAxisd(angles[2], Vector3d::UnitZ()) * AngleAxisd(angles[1], Vector3d::UnitY()) *
+                            AngleAxisd(angles[0], Vector3d::UnitX()))
+      .normalized();
+}
+
+}  // namespace
+
+bool Range::contains(double value) const {
+  return (open_low ? value > low : value >= low) && (open_high ? value < high : value <= high);
+}
+
+std::string Range::text() const {
+  const std::string limits = open_low || open_high ? fmt::format("{} {} and {} {}", open_low ? "above" : "at least",
+                                                                 low, open_high ? "below" : "at most", high)
+                                                   : fmt::format("from {} to {}", low, high);
+  return unit.empty() ? limits : fmt::format("{} {}", limits, unit);
+}
+
+std::string describe(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::empty: return "empty";
+    case YamlNode::Kind::list: return "a list";
+    case YamlNode::Kind::map: return "a map";
+    case YamlNode::Kind::scalar: break;
+  }
+  if (plain_number(node)) return shortened(node.text);
+  return fmt::format("{}'{}'", node.quoted ? "the text " : "", shortened(node.text));
+}
+
+void expected(Findings& findings, const YamlNode& node, std::string_view label, std::string_view what) {
+  findings.error(node, fmt::format("{} is {}", label, describe(node)), fmt::format("expected {}", what));
+}
+
+std::optional<double> read_number(Findings& findings, const YamlNode& node, std::string_view label,
+                                  const Range& range) {
+  const std::optional<double> value = plain_number(node);
+  if (value && range.contains(*value)) return value;
+  expected(findings, node, label, "a number " + range.text());
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& node, std::string_view label,
+                                         std::int64_t low, std::int64_t high) {
+  if (node.kind == YamlNode::Kind::scalar && !node.quoted) {
+    std::int64_t value = 0;
+    const char* const end = node.text.data() + node.text.size();
+    const auto [stop, status] = std::from_chars(node.text.data(), end, value);
+    if (status == std::errc() && stop == end && value >= low && value <= high) return value;
+  }
+  expected(findings, node, label, fmt::format("a whole number from {} to {}", low, high));
+  return std::nullopt;
+}
+
+std::optional<std::string> read_text(Findings& findings, const YamlNode& node, std::string_view label,
+                                     std::string_view what) {
+  if (node.kind == YamlNode::Kind::scalar) return node.text;
+  expected(findings, node, label, what);
+  return std::nullopt;
+}
+
+std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label) {
+  const bool fits = node.kind == YamlNode::Kind::scalar && !node.text.empty() &&
+                    std::none_of(node.text.begin(), node.text.end(), [](char c) {
+                      return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f ||
+                             std::string_view("/*?[]").find(c) != std::string_view::npos;
+                    });
+  if (fits) return node.text;
+  expected(findings, node, label, "a name without blanks and none of / * ? [ ], because channels are named after it");
+  return std::nullopt;
+}
+
+std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::string_view label) {
+  if (node.kind == YamlNode::Kind::scalar && !node.quoted && (node.text == "true" || node.text == "false"))
+    return node.text == "true";
+  expected(findings, node, label, "true or false");
+  return std::nullopt;
+}
+
+std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label) {
+  // In quotes as well: "10 deg" is how many people would write it.
+  std::string_view unit;
+  const auto number = node.kind == YamlNode::Kind::scalar ? leading_number(node.text, unit) : std::nullopt;
+  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
+  if (number && (unit.empty() ? !node.quoted : unit == "rad" || unit == "deg")) {
+    const double value = unit == "deg" ? *number * std::numbers::pi / 180.0 : *number;
+    if (any_angle.contains(value)) return value;
+  }
+  expected(findings, node, label, angle_form);
+  return std::nullopt;
+}
+
+std::optional<std::vector<double>> read_numbers(Findings& findings, const YamlNode& node, std::string_view label,
+                                                std::size_t least, std::size_t most, const Range& range) {
+  const std::string count = least == most ? fmt::format("{}", most) : fmt::format("{} or {}", least, most);
+  if (node.kind != YamlNode::Kind::list) {
+    expected(findings, node, label, fmt::format("a list of {} numbers", count));
+    return std::nullopt;
+  }
+  if (node.items.size() < least || node.items.size() > most) {
+    findings.error(node, fmt::format("{} has {} elements", label, node.items.size()),
+                   fmt::format("expected {} numbers", count));
+    return std::nullopt;
+  }
+  std::vector<double> values;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    if (const auto value = read_number(findings, *node.items[i], element(label, i), range)) values.push_back(*value);
+  }
+  if (values.size() != node.items.size()) return std::nullopt;
+  return values;
+}
+
+std::optional<Eigen::Vector3d> read_vector3(Findings& findings, const YamlNode& node, std::string_view label,
+                                            const Range& range) {
+  const auto values = read_numbers(findings, node, label, 3, 3, range);
+  if (!values) return std::nullopt;
+  return Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]);
+}
+
+std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNode& node, std::string_view label) {
+  if (node.kind == YamlNode::Kind::list && node.items.size() == 3) return roll_pitch_yaw(findings, node, label);
+  if (node.kind != YamlNode::Kind::map) {
+    findings.error(node,
+                   node.kind == YamlNode::Kind::list ? fmt::format("{} has {} elements", label, node.items.size())
+                                                     : fmt::format("{} is {}", label, describe(node)),
+                   "expected [roll, pitch, yaw], {axis: [x, y, z], angle: A} or {quaternion: [w, x, y, z]}");
+    return std::nullopt;
+  }
+  const Keys keys(findings, node, "a rotation", {"axis", "angle", "quaternion"});
+  if (const YamlNode* quaternion = keys.find("quaternion")) {
+    if (keys.find("axis") != nullptr || keys.find("angle") != nullptr)
+      findings.error(node, "the rotation is given twice", "either quaternion, or axis and angle");
+    return unit_quaternion(findings, *quaternion);
+  }
+  const YamlNode* axis = keys.require("axis", "[x, y, z], or quaternion: [w, x, y, z] instead");
+  const YamlNode* angle = keys.require("angle", angle_form);
+  if (axis == nullptr || angle == nullptr) return std::nullopt;
+  return axis_and_angle(findings, *axis, *angle);
+}
+
+const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
+                                          std::string_view what) {
+  constexpr std::size_t longest = 1000;  // far beyond any scenario; what it stops is a file made to cost minutes
+  if (node.kind == YamlNode::Kind::list && node.items.size() <= longest) return &node.items;
+  if (node.kind == YamlNode::Kind::list) {
+    findings.error(node, fmt::format("{} has {} elements", label, node.items.size()),
+                   fmt::format("expected at most {}", longest));
+  } else {
+    expected(findings, node, label, what);
+  }
+  return nullptr;
+}
+
+std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map) {
+  std::vector<NamedEntry> entries;
+  std::map<std::string_view, int> first_line;
+  for (std::size_t i = 0; i < map.keys.size(); ++i) {
+    const YamlNode& key = *map.keys[i];
+    if (key.kind != YamlNode::Kind::scalar) {
+      findings.error(key, fmt::format("a key is {}", describe(key)), "expected a word");
+      continue;
+    }
+    const auto [place, is_new] = first_line.emplace(key.text, key.line);
+    if (is_new) {
+      entries.push_back({key.text, &key, map.items[i].get()});
+    } else {
+      findings.error(key, fmt::format("'{}' is given twice", shortened(key.text)),
+                     fmt::format("it is already in line {}", place->second));
+    }
+  }
+  return entries;
+}
+
+const YamlNode* find_key(const YamlNode& map, std::string_view key) {
+  for (std::size_t i = 0; i < map.keys.size(); ++i) {
+    if (map.keys[i]->kind == YamlNode::Kind::scalar && map.keys[i]->text == key) return map.items[i].get();
+  }
+  return nullptr;
+}
+
+Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner,
+           std::initializer_list<std::string_view> known)
+    : findings_(findings), node_(node), owner_(owner) {
+  if (!is_map()) {
+    findings_.error(node, fmt::format("{} is {}", owner, describe(node)), "expected a map of KEY: VALUE");
+    return;
+  }
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    if (std::find(known.begin(), known.end(), entry.name) != known.end()) continue;
+    findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), owner),
+                    name_hint(entry.name, {known.begin(), known.end()}, "keys"));
+  }
+}
+
+const YamlNode* Keys::require(std::string_view key, std::string_view what) const {
+  const YamlNode* value = find(key);
+  if (value == nullptr && is_map())
+    findings_.error(node_, fmt::format("{} has no '{}'", owner_, key), fmt::format("expected {}: {}", key, what));
+  return value;
+}
+
+void Keys::number(std::string_view key, const Range& range, double& out) const {
+  if (const YamlNode* node = find(key)) out = read_number(findings_, *node, key, range).value_or(out);
+}
+
+void Keys::number(std::string_view key, const Range& range, std::optional<double>& out) const {
+  if (const YamlNode* node = find(key)) out = read_number(findings_, *node, key, range);
+}
+
+void Keys::integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const {
+  if (const YamlNode* node = find(key))
+    out = static_cast<int>(read_integer(findings_, *node, key, low, high).value_or(out));
+}
+
+void Keys::text(std::string_view key, std::string& out) const {
+  if (const YamlNode* node = find(key)) out = read_text(findings_, *node, key).value_or(out);
+}
+
+void Keys::flag(std::string_view key, bool& out) const {
+  if (const YamlNode* node = find(key)) out = read_flag(findings_, *node, key).value_or(out);
+}
+
+void Keys::vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const {
+  if (const YamlNode* node = find(key)) out = read_vector3(findings_, *node, key, range).value_or(out);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,112 @@
+// Typed values out of YAML nodes. Every reader either gives a value or tells Findings what is there and what would be
+// right.
+//
+// Numbers are read by std::from_chars: no locale, no octal, nothing that isn't finite. Text in quotes is never a
+// number.
+#pragma once
+
+#include "scenario_findings.h"
+#include "scenario_yaml.h"
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+/// Which numbers are right.
+struct Range {
+  double low;
+  double high;
+  std::string_view unit = "";  // "[m]"; empty: none
+  bool open_low = false;       // low itself is wrong
+  bool open_high = false;      // high itself is wrong
+
+  bool contains(double value) const;
+  /// "above 0 and at most 86400 [s]"
+  std::string text() const;
+};
+
+// Beyond these no double-precision simulation means anything; they also keep every product in it finite.
+inline constexpr Range any_position{-1e6, 1e6, "[m]"};
+inline constexpr Range any_length{1e-6, 1e6, "[m]"};
+inline constexpr Range any_mass{1e-9, 1e9, "[kg]"};
+inline constexpr Range any_force{-1e9, 1e9, "[N]"};
+inline constexpr Range any_torque{-1e9, 1e9, "[N·m]"};
+inline constexpr Range any_acceleration{-1e6, 1e6, "[m/s²]"};
+inline constexpr Range any_angle{-1e6, 1e6, "[rad]"};
+
+inline constexpr std::string_view angle_form = "an angle: a number [rad], or with its unit as 10 deg or 0.1 rad";
+
+/// What stands there, for a message: "a list", "empty", "'ten'", "-1".
+std::string describe(const YamlNode& node);
+
+/// Says that `label` is what it is, and what was expected. The common form of all our messages on values.
+void expected(Findings& findings, const YamlNode& node, std::string_view label, std::string_view what);
+
+std::optional<double> read_number(Findings& findings, const YamlNode& node, std::string_view label, const Range& range);
+std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& node, std::string_view label,
+                                         std::int64_t low, std::int64_t high);
+/// Any scalar, as written; empty text only in quotes.
+std::optional<std::string> read_text(Findings& findings, const YamlNode& node, std::string_view label,
+                                     std::string_view what = "text");
+/// A name that can stand in a channel's: no '/', blanks, control characters or the globs' * ? [ ].
+std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label);
+std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::string_view label);
+/// [rad]
+std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label);
+/// A list of `least` to `most` numbers.
+std::optional<std::vector<double>> read_numbers(Findings& findings, const YamlNode& node, std::string_view label,
+                                                std::size_t least, std::size_t most, const Range& range);
+std::optional<Eigen::Vector3d> read_vector3(Findings& findings, const YamlNode& node, std::string_view label,
+                                            const Range& range);
+/// rpy angles [r, p, y] about fixed axes, {axis, angle}, or {quaternion: [w, x, y, z]}; the result is a unit
+/// quaternion.
+std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNode& node, std::string_view label);
+/// The elements, at most 1000, or null if it isn't a list.
+const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
+                                          std::string_view what);
+
+/// The value of the first such key of a map, or null.
+const YamlNode* find_key(const YamlNode& map, std::string_view key);
+
+/// A map whose keys are known beforehand. Making one reports what isn't a map, unknown keys and duplicate keys.
+class Keys {
+ public:
+  /// `owner` is what the map describes, with its article: "a body".
+  Keys(Findings& findings, const YamlNode& node, std::string_view owner, std::initializer_list<std::string_view> known);
+
+  bool is_map() const { return node_.kind == YamlNode::Kind::map; }
+  /// The value, or null if the key isn't there.
+  const YamlNode* find(std::string_view key) const { return find_key(node_, key); }
+  /// The same; reports if the key isn't there. `what` says what belongs there.
+  const YamlNode* require(std::string_view key, std::string_view what) const;
+
+  // Each reads a key into `out`, and leaves `out` as it is if the key isn't there or its value is wrong.
+  void number(std::string_view key, const Range& range, double& out) const;
+  void number(std::string_view key, const Range& range, std::optional<double>& out) const;
+  void integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const;
+  void text(std::string_view key, std::string& out) const;
+  void flag(std::string_view key, bool& out) const;
+  void vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const;
+
+ private:
+  Findings& findings_;
+  const YamlNode& node_;
+  std::string owner_;
+};
+
+/// The entries of a map whose keys are names of the user's, each name once; reports keys that aren't names and
+/// duplicates.
+struct NamedEntry {
+  std::string name;
+  const YamlNode* key;
+  const YamlNode* value;
+};
+std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map);
+
+}  // namespace rehearse

@@ -1,0 +1,35 @@
+// The YAML file as a tree of our own, in document order, every node with its place. The only door to yaml-cpp.
+//
+// Our own tree, because YAML::Node forgets duplicate keys and throws wherever it is touched. Anchors and aliases work:
+// an alias stands for the same node, at the place of its anchor.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+struct YamlNode;
+using YamlNodePtr = std::shared_ptr<const YamlNode>;
+
+struct YamlNode {
+  enum class Kind { empty, scalar, list, map };
+  Kind kind = Kind::empty;
+  std::string text;                // of a scalar
+  bool quoted = false;             // a scalar in quotes (or tagged): text, never a number
+  std::vector<YamlNodePtr> keys;   // of a map, in document order, duplicates included
+  std::vector<YamlNodePtr> items;  // of a list; of a map: the values, parallel to keys
+  int line = 1;                    // 1-based; an empty value has the place of its key
+  int column = 1;                  // 1-based
+  std::size_t weight = 1;          // nodes below and including this one, aliases counted in full
+};
+
+/// Parses one YAML document; never null. `file` stands in messages. Text without a document is an empty node.
+/// Fails if it isn't YAML, holds a second document, nests too deep, or if its aliases unfold to over a million nodes.
+Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file);
+
+}  // namespace rehearse
