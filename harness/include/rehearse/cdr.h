@@ -1,0 +1,193 @@
+// CDR: how a ROS 2 message becomes bytes, and back. Classic CDR (XCDR version 1), as DDS-XTypes 1.3, section 7.4.3 has it.
+//
+// A payload begins with four bytes that say which byte order follows; values then stand at multiples of their own size,
+// counted from behind those four bytes. Strings carry their length with a final zero; sequences carry their count.
+// The writer writes little-endian; the reader takes both byte orders. Both reuse their memory from message to message.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace rehearse {
+
+/// What a CDR value of a single number may be.
+template <class T>
+concept CdrNumber = std::is_arithmetic_v<T> && sizeof(T) <= 8;
+
+class CdrWriter {
+ public:
+  CdrWriter() { reset(); }
+
+  /// Begins the next message; the memory stays.
+  void reset() {
+    size_ = 0;
+    constexpr std::uint8_t little_endian[4] = {0, 1, 0, 0};
+    std::memcpy(grow(4), little_endian, 4);
+  }
+
+  template <CdrNumber T>
+  void put(T value) {
+    align(sizeof(T));
+    std::memcpy(grow(sizeof(T)), &value, sizeof(T));
+  }
+
+  /// A string: length with the final zero, characters, zero.
+  void put(std::string_view text) {
+    put(static_cast<std::uint32_t>(text.size() + 1));
+    std::byte* place = grow(text.size() + 1);
+    std::memcpy(place, text.data(), text.size());
+    place[text.size()] = std::byte{0};
+  }
+
+  /// The elements of an array, without a count.
+  template <CdrNumber T>
+  void put_array(std::span<const T> values) {
+    if (values.empty()) return;
+    align(sizeof(T));
+    std::memcpy(grow(values.size_bytes()), values.data(), values.size_bytes());
+  }
+
+  /// A sequence: count, then elements.
+  template <CdrNumber T>
+  void put_sequence(std::span<const T> values) {
+    put(static_cast<std::uint32_t>(values.size()));
+    put_array(values);
+  }
+
+  /// The message so far; valid until the next call of anything.
+  std::span<const std::byte> bytes() const { return {buffer_.data(), size_}; }
+
+ private:
+  void align(std::size_t alignment) {
+    const std::size_t padding = (4 - size_) & (alignment - 1);  // from behind the first four bytes
+    if (padding != 0) std::memset(grow(padding), 0, padding);
+  }
+  std::byte* grow(std::size_t count) {
+    if (size_ + count > buffer_.size()) buffer_.resize((size_ + count) * 2 + 256);
+    std::byte* place = buffer_.data() + size_;
+    size_ += count;
+    return place;
+  }
+
+  std::vector<std::byte> buffer_;
+  std::size_t size_ = 0;
+};
+
+/// Takes values from a payload in order. The first that isn't there makes ok() false for good; values are 0 or empty then.
+/// No length in the payload is believed before that many bytes are seen to be there.
+class CdrReader {
+ public:
+  explicit CdrReader(std::span<const std::byte> payload) : bytes_(payload) {
+    if (payload.size() < 4 || payload[0] != std::byte{0} || payload[1] > std::byte{1}) {
+      fail();
+      return;
+    }
+    swap_ = (payload[1] == std::byte{1}) != (std::endian::native == std::endian::little);
+    position_ = 4;
+  }
+
+  bool ok() const { return ok_; }
+  /// Bytes from the payload's beginning to the next value (before its alignment); where it failed if it failed.
+  std::size_t position() const { return position_; }
+  /// Bytes not read yet.
+  std::size_t left() const { return ok_ ? bytes_.size() - position_ : 0; }
+  /// The payload is in the other byte order than this machine's.
+  bool swapped() const { return swap_; }
+
+  template <CdrNumber T>
+  T get() {
+    align(sizeof(T));
+    const std::byte* place = take(sizeof(T));
+    return place == nullptr ? T{} : load<T>(place);
+  }
+
+  /// The string's characters, in the payload.
+  std::string_view get_string() {
+    const auto length = get<std::uint32_t>();
+    const std::byte* place = take(length);
+    if (place == nullptr || length == 0) return {};  // a length of 0 is what some writers make of an empty string
+    return {reinterpret_cast<const char*>(place), length - std::size_t{place[length - 1] == std::byte{0}}};
+  }
+
+  /// The count of a sequence whose elements take at least `element_size` bytes each; 0 if so many can't be there.
+  std::uint32_t get_count(std::size_t element_size) {
+    const auto count = get<std::uint32_t>();
+    if (!ok_ || count > (bytes_.size() - position_) / (element_size == 0 ? 1 : element_size)) return fail(), 0;
+    return count;
+  }
+
+  /// Fills all of `values`.
+  template <CdrNumber T>
+  void get_array(std::span<T> values) {
+    if (values.empty()) return;
+    align(sizeof(T));
+    const std::byte* place = take(values.size_bytes());
+    if (place == nullptr) return zero(values);
+    if constexpr (std::is_same_v<T, bool>) {
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = place[i] != std::byte{0};
+    } else if (!swap_ || sizeof(T) == 1) {
+      std::memcpy(values.data(), place, values.size_bytes());
+    } else {
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = load<T>(place + i * sizeof(T));
+    }
+  }
+
+  template <CdrNumber T>
+  void get_sequence(std::vector<T>& values) {
+    values.resize(get_count(sizeof(T)));
+    get_array(std::span<T>(values));
+  }
+
+  /// `count` bytes as they stand; null if there aren't so many. For decoders that know what is in them.
+  const std::byte* take(std::size_t count) {
+    if (!ok_ || count > bytes_.size() - position_) return fail(), nullptr;
+    const std::byte* place = bytes_.data() + position_;
+    position_ += count;
+    return place;
+  }
+
+  /// Skips to a multiple of `alignment` (a power of two, at most 8).
+  void align(std::size_t alignment) {
+    const std::size_t padding = (4 - position_) & (alignment - 1);
+    if (padding != 0) take(padding);
+  }
+
+ private:
+  void fail() { ok_ = false; }
+
+  template <class T>
+  static void zero(std::span<T> values) {
+    for (T& value : values) value = T{};
+  }
+
+  template <CdrNumber T>
+  T load(const std::byte* place) const {
+    if constexpr (std::is_same_v<T, bool>) {
+      return *place != std::byte{0};
+    } else {
+      T value;
+      if (!swap_ || sizeof(T) == 1) {
+        std::memcpy(&value, place, sizeof(T));
+      } else {
+        std::byte turned[sizeof(T)];
+        for (std::size_t i = 0; i < sizeof(T); ++i) turned[i] = place[sizeof(T) - 1 - i];
+        std::memcpy(&value, turned, sizeof(T));
+      }
+      return value;
+    }
+  }
+
+  std::span<const std::byte> bytes_;
+  std::size_t position_ = 0;
+  bool swap_ = false;
+  bool ok_ = true;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,230 @@
+// MCAP: the container in which a recording stands. Writer and Reader of the public format, version 0.
+//
+// A file is a sequence of records: schemas and channels (what can be said), messages packed into chunks (what was said,
+// compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here knows
+// what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into such a file: harness/TRACE_FORMAT.md.
+//
+// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own compresses,
+// checksums and writes finished chunks. The bytes of the file depend on the calls and their arguments, on nothing else.
+// Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
+// damaged file before it says where the damage is. Neither class may be used from two threads at a time.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse::mcap {
+
+using Bytes = std::span<const std::byte>;
+using StringMap = std::map<std::string, std::string>;
+
+/// Says what the messages of a channel look like.
+struct Schema {
+  std::uint16_t id = 0;  // never 0
+  std::string name;      // as sensor_msgs/msg/JointState
+  std::string encoding;  // "ros2msg" in what we write
+  std::string data;      // the schema itself
+  bool operator==(const Schema&) const = default;
+};
+
+/// A stream of messages of one kind about one thing.
+struct Channel {
+  std::uint16_t id = 0;
+  std::uint16_t schema_id = 0;   // 0: none
+  std::string topic;             // as /SR1/joints
+  std::string message_encoding;  // "cdr" in what we write
+  StringMap metadata;
+  bool operator==(const Channel&) const = default;
+};
+
+/// Where a message stands, for Reader::message_at.
+struct Location {
+  std::uint64_t record = 0;  // byte offset in the file of the chunk, or of the message itself if it is in none
+  std::uint64_t inside = 0;  // byte offset of the message's record in the chunk's decompressed records; 0 if in none
+  bool chunked = false;
+};
+
+/// One message, as a Reader delivers it. The data is valid during the callback only.
+struct Message {
+  const Channel* channel = nullptr;  // never null; lives as long as the Reader
+  std::uint32_t sequence = 0;        // counts from 0 on each channel, in what we write
+  std::uint64_t log_time = 0;        // [ns]
+  std::uint64_t publish_time = 0;    // [ns]
+  Bytes data;
+  Location location;
+};
+
+/// A file within the file. Of a Reader: the data lives as long as it.
+struct Attachment {
+  std::uint64_t log_time = 0;     // [ns]
+  std::uint64_t create_time = 0;  // [ns]
+  std::string name;
+  std::string media_type;
+  Bytes data;
+  std::uint64_t offset = 0;  // of its record in the file
+};
+
+struct Metadata {
+  std::string name;
+  StringMap values;
+  std::uint64_t offset = 0;  // of its record in the file
+};
+
+/// Counts, as the file's summary states them.
+struct Statistics {
+  std::uint64_t message_count = 0;
+  std::uint16_t schema_count = 0;
+  std::uint32_t channel_count = 0;
+  std::uint32_t attachment_count = 0;
+  std::uint32_t metadata_count = 0;
+  std::uint32_t chunk_count = 0;
+  std::uint64_t message_start_time = 0;  // [ns], of the earliest message; 0 without messages
+  std::uint64_t message_end_time = 0;    // [ns], of the latest
+  std::map<std::uint16_t, std::uint64_t> channel_message_counts;
+};
+
+enum class Compression { none, lz4, zstd };
+
+/// "", "lz4" or "zstd": the format's own names.
+std::string_view to_string(Compression compression);
+
+struct WriterOptions {
+  /// The profile of the header. With "ros2" every channel gets the metadata key offered_qos_profiles that it demands.
+  std::string profile = "ros2";
+  /// A chunk is finished when its records reach this size [bytes]; so it is at most one message larger.
+  std::size_t chunk_size = 768 * 1024;
+  /// ... or when a message comes whose log time is this much after the chunk's first [ns]. This bounds what a kill loses.
+  std::uint64_t chunk_span = 1'000'000'000;
+  int zstd_level = 3;
+  /// Finished chunks that may wait for the writer thread; then write() waits too. Bounds the memory.
+  std::size_t queue_length = 4;
+};
+
+/// How the messages of a channel are stored. Channels with equal values share chunks.
+struct ChunkGroup {
+  int id = 0;
+  Compression compression = Compression::zstd;
+};
+/// Numbers: many, small, alike.
+inline constexpr ChunkGroup numbers{0, Compression::zstd};
+/// Pictures and other data that is already compressed.
+inline constexpr ChunkGroup pictures{1, Compression::none};
+
+/// Writes one file, front to back; it never seeks. Every call may return the error of an earlier one (a full disk shows
+/// late); after an error nothing more is written. Destroying a Writer without close() leaves a file without summary,
+/// readable up to the last finished chunk: as a kill does.
+class Writer {
+ public:
+  /// Creates or truncates the file. Fails if it can't be opened.
+  static Result<std::unique_ptr<Writer>> create(const std::filesystem::path& file, WriterOptions options = {});
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  /// Adds a schema and returns its id (from 1); the same name, encoding and data again is the same id.
+  std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
+
+  /// Adds a channel and returns its id (from 1). `schema` is 0 or an id of add_schema. At most 65535.
+  std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
+                            StringMap metadata = {}, ChunkGroup group = numbers);
+
+  /// Copies the message into the open chunk of its channel's group. Tens of nanoseconds, unless the queue is full.
+  Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
+
+  /// Adds an attachment. Times are 0 where nothing better is known: never the wall clock's.
+  Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,
+                              std::uint64_t log_time_ns = 0, std::uint64_t create_time_ns = 0);
+
+  Result<void> add_metadata(std::string_view name, const StringMap& values);
+
+  /// Finishes the open chunks and waits until all of them are in the file. Changes the bytes of the file: the chunks
+  /// end here. For the moment before something may crash for good.
+  Result<void> flush();
+
+  /// Finishes the open chunks, writes the summary and closes the file. Only add nothing after it; a second close()
+  /// returns what the first did.
+  Result<void> close();
+
+ private:
+  class Impl;
+  explicit Writer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+struct ReaderOptions {
+  bool check_crcs = true;
+  /// A chunk that says it is larger decompressed is refused as damaged [bytes].
+  std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
+};
+
+/// A record as it stands in the file.
+struct Record {
+  std::uint8_t opcode = 0;
+  Bytes body;                       // without opcode and length; valid during the callback only
+  std::uint64_t offset = 0;         // of its opcode: in the file, or in the chunk's decompressed records
+  std::optional<std::uint64_t> chunk;  // offset of its chunk in the file, if it is in one
+};
+
+/// Reads one file. open() fails only if there is nothing to be had: no such file, not MCAP. A file that is cut or
+/// damaged opens; damage() says where, passes deliver what is whole and then return all the damage they met.
+class Reader {
+ public:
+  using OnMessage = std::function<bool(const Message&)>;  // false: stop
+  using OnRecord = std::function<bool(const Record&)>;    // false: stop
+
+  /// Maps the file and walks its outermost records (not into chunks, except for channels if there is no summary).
+  static Result<std::unique_ptr<Reader>> open(const std::filesystem::path& file, ReaderOptions options = {});
+  /// The same over bytes that outlive the Reader; `name` is what messages call them.
+  static Result<std::unique_ptr<Reader>> open_bytes(Bytes bytes, std::string name, ReaderOptions options = {});
+  ~Reader();
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  const std::string& name() const;     // as the user named the file
+  const std::string& profile() const;  // of the header
+  const std::string& library() const;  // of the header: who wrote it
+  std::uint64_t size() const;          // [bytes]
+
+  /// What the walk at open() found: cut at byte N, summary damaged, ... Empty: the file is whole as far as its frame goes.
+  const Diagnostics& damage() const;
+
+  const std::map<std::uint16_t, Schema>& schemas() const;
+  const std::map<std::uint16_t, Channel>& channels() const;
+  /// The schema of a channel; null if it has none.
+  const Schema* schema_of(const Channel& channel) const;
+  const std::vector<Attachment>& attachments() const;
+  const std::vector<Metadata>& metadata() const;
+  const std::optional<Statistics>& statistics() const;  // nullopt: the file has none
+
+  /// Every message of the chosen channels (all if empty) in file order. A chunk whose CRC is wrong is left out whole.
+  /// Unless stopped, the pass also checks the data section's CRC. Its errors include damage().
+  Result<void> for_each_message(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
+
+  /// The same in order of (log time, position in the file), over chunks that overlap in time. Holds those chunks.
+  Result<void> for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
+
+  /// Every record in file order, chunks first and then what is in them, the summary last; for tools. Checks no CRC but
+  /// the chunks'.
+  Result<void> for_each_record(const OnRecord& callback);
+
+  /// One message again. Its data is valid until the next call of any function of this Reader.
+  Result<Message> message_at(const Location& location);
+
+ private:
+  class Impl;
+  explicit Reader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,610 @@
+// The messages that a trace holds: plain structs with the names and fields of ROS 2, and how they are written and read.
+//
+// Each struct lists its fields once, in for_each_field(); encode(), decode() and the schema text all come from that list,
+// so they can't disagree. encode() and decode() don't allocate once strings and vectors have had their size.
+// The types of package rehearse_msgs are ours; what they are for stands in harness/TRACE_FORMAT.md.
+#pragma once
+
+#include <rehearse/cdr.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse::msg {
+
+/// In a recording: simulated time since its start.
+struct Time {
+  static constexpr std::string_view type_name = "builtin_interfaces/msg/Time";
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+
+  /// From nanoseconds, as log times are.
+  static Time from_ns(std::uint64_t ns) {
+    return {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
+  }
+  std::uint64_t to_ns() const { return static_cast<std::uint64_t>(sec) * 1'000'000'000 + nanosec; }
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("sec", self.sec);
+    visit("nanosec", self.nanosec);
+  }
+};
+
+struct Header {
+  static constexpr std::string_view type_name = "std_msgs/msg/Header";
+  Time stamp;
+  std::string frame_id;  // the frame that the quantities are in
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("stamp", self.stamp);
+    visit("frame_id", self.frame_id);
+  }
+};
+
+struct Vector3 {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Vector3";
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("x", self.x);
+    visit("y", self.y);
+    visit("z", self.z);
+  }
+};
+
+/// [m]
+struct Point {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Point";
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("x", self.x);
+    visit("y", self.y);
+    visit("z", self.z);
+  }
+};
+
+struct Quaternion {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Quaternion";
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  double w = 1.0;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("x", self.x);
+    visit("y", self.y);
+    visit("z", self.z);
+    visit("w", self.w);
+  }
+};
+
+struct Pose {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Pose";
+  Point position;
+  Quaternion orientation;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("position", self.position);
+    visit("orientation", self.orientation);
+  }
+};
+
+struct Twist {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Twist";
+  Vector3 linear;   // [m/s]
+  Vector3 angular;  // [rad/s]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("linear", self.linear);
+    visit("angular", self.angular);
+  }
+};
+
+struct Accel {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Accel";
+  Vector3 linear;   // [m/s²]
+  Vector3 angular;  // [rad/s²]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("linear", self.linear);
+    visit("angular", self.angular);
+  }
+};
+
+struct Wrench {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Wrench";
+  Vector3 force;   // [N]
+  Vector3 torque;  // [N·m]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("force", self.force);
+    visit("torque", self.torque);
+  }
+};
+
+struct Transform {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/Transform";
+  Vector3 translation;  // [m]
+  Quaternion rotation;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("translation", self.translation);
+    visit("rotation", self.rotation);
+  }
+};
+
+/// The pose of the frame child_frame_id in the header's frame.
+struct TransformStamped {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/TransformStamped";
+  Header header;
+  std::string child_frame_id;
+  Transform transform;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("child_frame_id", self.child_frame_id);
+    visit("transform", self.transform);
+  }
+};
+
+struct PoseStamped {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/PoseStamped";
+  Header header;
+  Pose pose;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("pose", self.pose);
+  }
+};
+
+struct TwistStamped {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/TwistStamped";
+  Header header;
+  Twist twist;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("twist", self.twist);
+  }
+};
+
+struct AccelStamped {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/AccelStamped";
+  Header header;
+  Accel accel;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("accel", self.accel);
+  }
+};
+
+struct WrenchStamped {
+  static constexpr std::string_view type_name = "geometry_msgs/msg/WrenchStamped";
+  Header header;
+  Wrench wrench;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("wrench", self.wrench);
+  }
+};
+
+struct TFMessage {
+  static constexpr std::string_view type_name = "tf2_msgs/msg/TFMessage";
+  std::vector<TransformStamped> transforms;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("transforms", self.transforms);
+  }
+};
+
+/// Each array is empty or as long as `name`. NaN: not given for this joint.
+struct JointState {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/JointState";
+  Header header;
+  std::vector<std::string> name;
+  std::vector<double> position;  // [rad] or [m]
+  std::vector<double> velocity;  // [rad/s] or [m/s]
+  std::vector<double> effort;    // [N·m] or [N]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("name", self.name);
+    visit("position", self.position);
+    visit("velocity", self.velocity);
+    visit("effort", self.effort);
+  }
+};
+
+/// A covariance whose first element is -1: the quantity is not measured.
+struct Imu {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/Imu";
+  Header header;
+  Quaternion orientation;
+  std::array<double, 9> orientation_covariance{};
+  Vector3 angular_velocity;  // [rad/s]
+  std::array<double, 9> angular_velocity_covariance{};
+  Vector3 linear_acceleration;  // [m/s²]
+  std::array<double, 9> linear_acceleration_covariance{};
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("orientation", self.orientation);
+    visit("orientation_covariance", self.orientation_covariance);
+    visit("angular_velocity", self.angular_velocity);
+    visit("angular_velocity_covariance", self.angular_velocity_covariance);
+    visit("linear_acceleration", self.linear_acceleration);
+    visit("linear_acceleration_covariance", self.linear_acceleration_covariance);
+  }
+};
+
+struct Image {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/Image";
+  Header header;
+  std::uint32_t height = 0;  // [pixels]
+  std::uint32_t width = 0;   // [pixels]
+  std::string encoding;      // as rgb8, 32FC1
+  std::uint8_t is_bigendian = 0;
+  std::uint32_t step = 0;    // bytes a row
+  std::vector<std::uint8_t> data;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("height", self.height);
+    visit("width", self.width);
+    visit("encoding", self.encoding);
+    visit("is_bigendian", self.is_bigendian);
+    visit("step", self.step);
+    visit("data", self.data);
+  }
+};
+
+struct CompressedImage {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/CompressedImage";
+  Header header;
+  std::string format;  // as png
+  std::vector<std::uint8_t> data;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("format", self.format);
+    visit("data", self.data);
+  }
+};
+
+struct RegionOfInterest {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/RegionOfInterest";
+  std::uint32_t x_offset = 0;
+  std::uint32_t y_offset = 0;
+  std::uint32_t height = 0;
+  std::uint32_t width = 0;
+  bool do_rectify = false;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("x_offset", self.x_offset);
+    visit("y_offset", self.y_offset);
+    visit("height", self.height);
+    visit("width", self.width);
+    visit("do_rectify", self.do_rectify);
+  }
+};
+
+/// The matrices are by rows; see the ROS documentation of the type.
+struct CameraInfo {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/CameraInfo";
+  Header header;
+  std::uint32_t height = 0;  // [pixels]
+  std::uint32_t width = 0;   // [pixels]
+  std::string distortion_model;
+  std::vector<double> d;        // distortion
+  std::array<double, 9> k{};    // intrinsics [pixels]
+  std::array<double, 9> r{};    // rectification
+  std::array<double, 12> p{};   // projection [pixels]
+  std::uint32_t binning_x = 0;
+  std::uint32_t binning_y = 0;
+  RegionOfInterest roi;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("height", self.height);
+    visit("width", self.width);
+    visit("distortion_model", self.distortion_model);
+    visit("d", self.d);
+    visit("k", self.k);
+    visit("r", self.r);
+    visit("p", self.p);
+    visit("binning_x", self.binning_x);
+    visit("binning_y", self.binning_y);
+    visit("roi", self.roi);
+  }
+};
+
+/// One per tick: what makes two runs comparable at a glance.
+struct Tick {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";
+  Time stamp;
+  std::int64_t tick = 0;
+  std::uint64_t state_hash = 0;   // of the complete simulation state after the tick
+  std::uint64_t input_hash = 0;   // of all that went to controllers
+  std::uint64_t output_hash = 0;  // of all that they commanded
+  std::vector<bool> controller_results;  // what control() returned, in scenario order
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("stamp", self.stamp);
+    visit("tick", self.tick);
+    visit("state_hash", self.state_hash);
+    visit("input_hash", self.input_hash);
+    visit("output_hash", self.output_hash);
+    visit("controller_results", self.controller_results);
+  }
+};
+
+/// A device's numbers, where ROS has no type for it.
+struct DeviceState {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/DeviceState";
+  Header header;
+  std::vector<double> values;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("values", self.values);
+  }
+};
+
+/// As long as each other. NaN: not given for this joint.
+struct JointAccelerations {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/JointAccelerations";
+  Header header;
+  std::vector<std::string> name;
+  std::vector<double> acceleration;  // [rad/s²] or [m/s²]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("name", self.name);
+    visit("acceleration", self.acceleration);
+  }
+};
+
+/// Something that happened once: a controller failed, a push began.
+struct Event {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/Event";
+  Time stamp;
+  std::int64_t tick = 0;
+  std::string severity;  // note, warning or error
+  std::string source;    // as SR1/SR1Minimum
+  std::string text;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("stamp", self.stamp);
+    visit("tick", self.tick);
+    visit("severity", self.severity);
+    visit("source", self.source);
+    visit("text", self.text);
+  }
+};
+
+/// The complete state of the simulation, to go on from.
+struct Checkpoint {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/Checkpoint";
+  Time stamp;
+  std::int64_t tick = 0;
+  std::string format;  // names and versions the layout of data
+  std::vector<std::uint8_t> data;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("stamp", self.stamp);
+    visit("tick", self.tick);
+    visit("format", self.format);
+    visit("data", self.data);
+  }
+};
+
+/// Any struct of this header.
+template <class T>
+concept MessageStruct = requires { T::type_name; };
+
+/// Appends the message to the writer; begin with writer.reset().
+template <MessageStruct T>
+void encode(const T& message, CdrWriter& writer);
+
+/// Reads all fields, reusing the memory of `message`; returns reader.ok().
+template <MessageStruct T>
+bool decode(CdrReader& reader, T& message);
+
+/// The complete ros2msg text of the type: its fields, then each type that it uses under its own heading.
+template <MessageStruct T>
+std::string schema_text();
+
+namespace detail {
+
+template <CdrNumber T>
+void encode_value(T value, CdrWriter& writer) {
+  writer.put(value);
+}
+inline void encode_value(const std::string& text, CdrWriter& writer) { writer.put(std::string_view(text)); }
+inline void encode_value(const std::vector<bool>& values, CdrWriter& writer) {
+  writer.put(static_cast<std::uint32_t>(values.size()));
+  for (const bool value : values) writer.put(value);
+}
+template <MessageStruct T>
+void encode_value(const T& message, CdrWriter& writer) {
+  encode(message, writer);
+}
+template <CdrNumber T, std::size_t N>
+void encode_value(const std::array<T, N>& values, CdrWriter& writer) {
+  writer.put_array(std::span<const T>(values));
+}
+template <class T>
+void encode_value(const std::vector<T>& values, CdrWriter& writer) {
+  if constexpr (CdrNumber<T>) {
+    writer.put_sequence(std::span<const T>(values));
+  } else {
+    writer.put(static_cast<std::uint32_t>(values.size()));
+    for (const T& value : values) encode_value(value, writer);
+  }
+}
+
+template <CdrNumber T>
+void decode_value(CdrReader& reader, T& value) {
+  value = reader.get<T>();
+}
+inline void decode_value(CdrReader& reader, std::string& text) { text = reader.get_string(); }
+inline void decode_value(CdrReader& reader, std::vector<bool>& values) {
+  values.resize(reader.get_count(1));
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = reader.get<bool>();
+}
+template <MessageStruct T>
+void decode_value(CdrReader& reader, T& message) {
+  decode(reader, message);
+}
+template <CdrNumber T, std::size_t N>
+void decode_value(CdrReader& reader, std::array<T, N>& values) {
+  reader.get_array(std::span<T>(values));
+}
+template <class T>
+void decode_value(CdrReader& reader, std::vector<T>& values) {
+  if constexpr (CdrNumber<T>) {
+    reader.get_sequence(values);
+  } else {
+    const std::uint32_t count = reader.get_count(1);
+    std::size_t i = 0;  // grows with what is really there, whatever the count says
+    for (; i < count && reader.ok(); ++i) {
+      if (i == values.size()) values.emplace_back();
+      decode_value(reader, values[i]);
+    }
+    values.resize(i);
+  }
+}
+
+}  // namespace detail
+
+template <MessageStruct T>
+void encode(const T& message, CdrWriter& writer) {
+  T::for_each_field(message, [&](const char*, const auto& field) { detail::encode_value(field, writer); });
+}
+
+template <MessageStruct T>
+bool decode(CdrReader& reader, T& message) {
+  T::for_each_field(message, [&](const char*, auto& field) { detail::decode_value(reader, field); });
+  return reader.ok();
+}
+
+namespace detail {
+
+/// Collects the text of a type and of those it uses, each once, in order of first use.
+class SchemaComposer {
+ public:
+  template <MessageStruct T>
+  std::string compose() {
+    add<T>();
+    std::string text;
+    for (const Definition& definition : definitions_) {
+      if (!text.empty()) text += separator + "MSG: " + short_name(definition.type) + "\n";
+      text += definition.fields;
+    }
+    return text;
+  }
+
+ private:
+  struct Definition {
+    std::string_view type;
+    std::string fields;
+  };
+
+  template <MessageStruct T>
+  void add() {
+    for (const Definition& definition : definitions_) {
+      if (definition.type == T::type_name) return;
+    }
+    const std::size_t index = definitions_.size();
+    definitions_.push_back({T::type_name, {}});
+    T message;
+    T::for_each_field(message, [&](const char* name, const auto& field) {
+      definitions_[index].fields += type_text(field) + " " + name + "\n";
+    });
+    T::for_each_field(message, [&](const char*, const auto& field) { add_used(field); });
+  }
+
+  template <class T>
+  void add_used(const T&) {
+    if constexpr (MessageStruct<T>) add<T>();
+  }
+  template <class T>
+  void add_used(const std::vector<T>&) {
+    if constexpr (MessageStruct<T>) add<T>();
+  }
+
+  template <class T>
+  static std::string type_text(const T&) {
+    if constexpr (MessageStruct<T>) return short_name(T::type_name);
+    if constexpr (std::is_same_v<T, bool>) return "bool";
+    if constexpr (std::is_same_v<T, double>) return "float64";
+    if constexpr (std::is_same_v<T, std::string>) return "string";
+    if constexpr (std::is_integral_v<T>) {
+      return (std::is_signed_v<T> ? "int" : "uint") + std::to_string(8 * sizeof(T));
+    }
+  }
+  template <class T>
+  static std::string type_text(const std::vector<T>&) {
+    return type_text(T{}) + "[]";
+  }
+  template <class T, std::size_t N>
+  static std::string type_text(const std::array<T, N>&) {
+    return type_text(T{}) + "[" + std::to_string(N) + "]";
+  }
+
+  /// ros2msg text says std_msgs/Header where a channel's schema is named std_msgs/msg/Header.
+  static std::string short_name(std::string_view type) {
+    std::string text(type);
+    return text.erase(text.find("/msg/"), 4);
+  }
+
+  inline static const std::string separator = std::string(80, '=') + "\n";
+  std::vector<Definition> definitions_;
+};
+
+}  // namespace detail
+
+template <MessageStruct T>
+std::string schema_text() {
+  return detail::SchemaComposer().compose<T>();
+}
+
+}  // namespace rehearse::msg

@@ -1,0 +1,111 @@
+#include "codec.h"
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+namespace rehearse::mcap {
+
+std::uint32_t crc32(Bytes bytes, std::uint32_t seed) { return libdeflate_crc32(seed, bytes.data(), bytes.size()); }
+
+std::string_view to_string(Compression compression) {
+  switch (compression) {
+    case Compression::none: return "";
+    case Compression::lz4: return "lz4";
+    case Compression::zstd: return "zstd";
+  }
+  REHEARSE_ASSERT(false, "a compression that doesn't exist");
+}
+
+struct Compressor::State {
+  std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> zstd{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+  RawBuffer out;
+};
+
+Compressor::Compressor(int zstd_level) : state_(std::make_unique<State>()) {
+  ZSTD_CCtx_setParameter(state_->zstd.get(), ZSTD_c_compressionLevel, zstd_level);
+}
+
+Compressor::~Compressor() = default;
+
+Result<Bytes> Compressor::compress(Compression compression, Bytes raw) {
+  if (compression == Compression::none) return raw;
+  const bool zstd = compression == Compression::zstd;
+  const std::size_t bound = zstd ? ZSTD_compressBound(raw.size()) : LZ4F_compressFrameBound(raw.size(), nullptr);
+  std::byte* out = state_->out.reserve(bound);
+  const std::size_t size = zstd ? ZSTD_compress2(state_->zstd.get(), out, bound, raw.data(), raw.size())
+                                : LZ4F_compressFrame(out, bound, raw.data(), raw.size(), nullptr);
+  if (zstd ? ZSTD_isError(size) : LZ4F_isError(size)) {
+    return error(fmt::format("{} can't compress a chunk: {}", to_string(compression),
+                             zstd ? ZSTD_getErrorName(size) : LZ4F_getErrorName(size)));
+  }
+  return Bytes(out, size);
+}
+
+namespace {
+LZ4F_dctx* create_lz4_context() {
+  LZ4F_dctx* context = nullptr;
+  const auto status = LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+  REHEARSE_ASSERT(!LZ4F_isError(status), "lz4 has no memory for a context");
+  return context;
+}
+}  // namespace
+
+struct Decompressor::State {
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+  std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> lz4{create_lz4_context(),
+                                                                           &LZ4F_freeDecompressionContext};
+};
+
+Decompressor::Decompressor() : state_(std::make_unique<State>()) {}
+
+Decompressor::~Decompressor() = default;
+
+namespace {
+
+Diagnostic wrong_size(std::uint64_t said, std::uint64_t found) {
+  return error(fmt::format("it says that it holds {} bytes decompressed and holds {}", said, found));
+}
+
+Result<Bytes> decompress_zstd(ZSTD_DCtx* context, Bytes compressed, std::uint64_t size, RawBuffer& out) {
+  std::byte* target = out.reserve(size);
+  const std::size_t got = ZSTD_decompressDCtx(context, target, size, compressed.data(), compressed.size());
+  if (ZSTD_isError(got)) return error(fmt::format("zstd says: {}", ZSTD_getErrorName(got)));
+  if (got != size) return wrong_size(size, got);
+  return Bytes(target, size);
+}
+
+Result<Bytes> decompress_lz4(LZ4F_dctx* context, Bytes compressed, std::uint64_t size, RawBuffer& out) {
+  LZ4F_resetDecompressionContext(context);
+  std::byte* target = out.reserve(size);
+  std::size_t written = 0;
+  std::size_t read = 0;
+  std::size_t wanted = 1;
+  while (wanted != 0) {
+    std::size_t room = size - written;
+    std::size_t taken = compressed.size() - read;
+    wanted = LZ4F_decompress(context, target + written, &room, compressed.data() + read, &taken, nullptr);
+    if (LZ4F_isError(wanted)) return error(fmt::format("lz4 says: {}", LZ4F_getErrorName(wanted)));
+    written += room;
+    read += taken;
+    if (wanted != 0 && room == 0 && taken == 0) return error("its lz4 frame doesn't end where it should");
+  }
+  if (written != size || read != compressed.size()) return wrong_size(size, written);
+  return Bytes(target, size);
+}
+
+}  // namespace
+
+Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compressed, std::uint64_t size,
+                                       RawBuffer& out) {
+  if (compression.empty()) {
+    if (compressed.size() != size) return wrong_size(size, compressed.size());
+    return compressed;
+  }
+  if (compression == "zstd") return decompress_zstd(state_->zstd.get(), compressed, size, out);
+  if (compression == "lz4") return decompress_lz4(state_->lz4.get(), compressed, size, out);
+  return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", compression));
+}
+
+}  // namespace rehearse::mcap

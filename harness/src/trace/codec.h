@@ -1,0 +1,63 @@
+// CRC32 and the two compressions of MCAP chunks. Internal; the only file that knows zstd, lz4 and libdeflate.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include <memory>
+
+namespace rehearse::mcap {
+
+/// CRC32 as in zlib; `seed` continues an earlier one.
+std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0);
+
+/// Compresses chunks, one after the other, with state that is reused.
+class Compressor {
+ public:
+  explicit Compressor(int zstd_level);
+  ~Compressor();
+  Compressor(const Compressor&) = delete;
+  Compressor& operator=(const Compressor&) = delete;
+
+  /// The compressed bytes; valid until the next call. With Compression::none: the input itself.
+  Result<Bytes> compress(Compression compression, Bytes raw);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A buffer whose memory isn't touched until it is written to: what a hostile length costs is address space.
+class RawBuffer {
+ public:
+  std::byte* reserve(std::size_t size) {
+    if (size > capacity_) {
+      data_ = std::make_unique_for_overwrite<std::byte[]>(size);
+      capacity_ = size;
+    }
+    return data_.get();
+  }
+  std::byte* data() const { return data_.get(); }
+  std::size_t capacity() const { return capacity_; }
+
+ private:
+  std::unique_ptr<std::byte[]> data_;
+  std::size_t capacity_ = 0;
+};
+
+class Decompressor {
+ public:
+  Decompressor();
+  ~Decompressor();
+  Decompressor(const Decompressor&) = delete;
+  Decompressor& operator=(const Decompressor&) = delete;
+
+  /// Decompresses into `out`, which must come to exactly `size` bytes. `compression` is the chunk's own word for it; the
+  /// empty word gives back `compressed` itself. The diagnostic says what is wrong, not where.
+  Result<Bytes> decompress(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,274 @@
+#include "mcap_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <unistd.h>
+
+namespace rehearse::mcap {
+
+namespace {
+
+/// Starts a thread that no signal is delivered to: alarms and interrupts belong to the program's own threads.
+template <class Function>
+std::thread start_quiet_thread(Function function) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::move(function));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
+}  // namespace
+
+Output::Output(int file, std::string name, const WriterOptions& options)
+    : file_(file),
+      name_(std::move(name)),
+      queue_length_(std::max<std::size_t>(1, options.queue_length)),
+      compressor_(options.zstd_level),
+      thread_(start_quiet_thread([this] { run(); })) {}
+
+Output::~Output() {
+  stop();
+  close_file();
+}
+
+void Output::push(Job job) {
+  std::unique_lock lock(mutex_);
+  from_thread_.wait(lock, [this] { return queue_.size() < queue_length_; });
+  queue_.push_back(std::move(job));
+  to_thread_.notify_one();
+}
+
+ChunkData Output::take_chunk() {
+  const std::scoped_lock lock(mutex_);
+  if (free_.empty()) return {};
+  ChunkData chunk = std::move(free_.back());
+  free_.pop_back();
+  return chunk;
+}
+
+Result<void> Output::status() {
+  if (!failed()) return {};
+  const std::scoped_lock lock(mutex_);
+  return error_;
+}
+
+Result<void> Output::drain() {
+  std::unique_lock lock(mutex_);
+  from_thread_.wait(lock, [this] { return queue_.empty() && !busy_; });
+  lock.unlock();
+  return status();
+}
+
+void Output::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    to_thread_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    Job job = std::move(queue_.front());
+    queue_.pop_front();
+    busy_ = true;
+    lock.unlock();
+    from_thread_.notify_all();
+    process(job);
+    lock.lock();
+    if (auto* chunk = std::get_if<ChunkData>(&job)) {
+      chunk->records.clear();
+      chunk->index.clear();
+      free_.push_back(std::move(*chunk));
+    }
+    busy_ = false;
+    from_thread_.notify_all();
+  }
+}
+
+void Output::stop() {
+  if (!thread_.joinable()) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  to_thread_.notify_one();
+  thread_.join();
+}
+
+void Output::process(Job& job) {
+  if (failed()) return;
+  if (const auto* raw = std::get_if<RawJob>(&job)) return process_raw(*raw);
+  process_chunk(std::get<ChunkData>(job));
+}
+
+void Output::process_raw(const RawJob& job) {
+  const std::uint64_t start = offset_;
+  write_data(job.bytes);
+  if (job.kind == RawJob::Kind::attachment) {
+    ++counts_.attachment_count;
+    ByteWriter out(attachment_indexes_);
+    out.begin_record(op::attachment_index);
+    out.put(start);
+    out.put(offset_ - start);
+    out.put(job.attachment.log_time);
+    out.put(job.attachment.create_time);
+    out.put(job.data_size);
+    out.put_string(job.attachment.name);
+    out.put_string(job.attachment.media_type);
+    out.end_record();
+  } else if (job.kind == RawJob::Kind::metadata) {
+    ++counts_.metadata_count;
+    ByteWriter out(metadata_indexes_);
+    out.begin_record(op::metadata_index);
+    out.put(start);
+    out.put(offset_ - start);
+    out.put_string(job.metadata_name);
+    out.end_record();
+  }
+}
+
+void Output::process_chunk(const ChunkData& chunk) {
+  const auto compressed = compressor_.compress(chunk.compression, chunk.records);
+  if (!compressed) return fail(compressed.errors().front());
+  const std::string_view compression = to_string(chunk.compression);
+
+  scratch_.clear();
+  ByteWriter out(scratch_);
+  out.begin_record(op::chunk);
+  out.put(chunk.start_time);
+  out.put(chunk.end_time);
+  out.put(static_cast<std::uint64_t>(chunk.records.size()));
+  out.put(crc32(chunk.records));
+  out.put_string(compression);
+  out.put(static_cast<std::uint64_t>(compressed->size()));
+  out.put_bytes(*compressed);
+  out.end_record();
+  const std::uint64_t chunk_length = out.size();
+  std::vector<std::byte> offsets;
+  ByteWriter offset_map(offsets);
+  put_message_indexes(chunk, out, offset_, offset_map);
+
+  ++counts_.chunk_count;
+  ByteWriter summary(chunk_indexes_);
+  summary.begin_record(op::chunk_index);
+  summary.put(chunk.start_time);
+  summary.put(chunk.end_time);
+  summary.put(offset_);
+  summary.put(chunk_length);
+  summary.put(static_cast<std::uint32_t>(offsets.size()));
+  summary.put_bytes(offsets);
+  summary.put(static_cast<std::uint64_t>(out.size() - chunk_length));
+  summary.put_string(compression);
+  summary.put(static_cast<std::uint64_t>(compressed->size()));
+  summary.put(static_cast<std::uint64_t>(chunk.records.size()));
+  summary.end_record();
+
+  write_data(scratch_);
+}
+
+/// One MessageIndex record per channel, by ascending channel; `offsets` gets channel and file offset of each.
+void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, std::uint64_t record_start,
+                                 ByteWriter& offsets) const {
+  std::vector<IndexEntry> entries = chunk.index;
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
+  for (auto first = entries.begin(); first != entries.end();) {
+    const auto last = std::find_if(first, entries.end(), [&](const auto& e) { return e.channel != first->channel; });
+    offsets.put(first->channel);
+    offsets.put(record_start + out.size());
+    out.begin_record(op::message_index);
+    out.put(first->channel);
+    out.put(static_cast<std::uint32_t>((last - first) * 16));
+    for (; first != last; ++first) {
+      out.put(first->log_time);
+      out.put(first->offset);
+    }
+    out.end_record();
+  }
+}
+
+Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vector<Channel>& channels,
+                            Statistics statistics) {
+  stop();
+  if (failed()) {
+    close_file();
+    return status();
+  }
+  statistics.attachment_count = counts_.attachment_count;
+  statistics.metadata_count = counts_.metadata_count;
+  statistics.chunk_count = counts_.chunk_count;
+
+  std::vector<std::byte> bytes;
+  ByteWriter out(bytes);
+  out.begin_record(op::data_end);
+  out.put(data_crc_);
+  out.end_record();
+  const std::size_t data_end_size = bytes.size();
+  const std::uint64_t summary_start = offset_ + data_end_size;
+
+  std::vector<std::byte> group_offsets;
+  ByteWriter offset_records(group_offsets);
+  const auto put_group = [&](std::uint8_t opcode, auto&& put_records) {
+    const std::size_t start = out.size();
+    put_records();
+    if (out.size() == start) return;
+    offset_records.begin_record(op::summary_offset);
+    offset_records.put(opcode);
+    offset_records.put(offset_ + start);
+    offset_records.put(static_cast<std::uint64_t>(out.size() - start));
+    offset_records.end_record();
+  };
+  put_group(op::schema, [&] { for (const auto& schema : schemas) put_schema(out, schema); });
+  put_group(op::channel, [&] { for (const auto& channel : channels) put_channel(out, channel); });
+  put_group(op::statistics, [&] { put_statistics(out, statistics); });
+  put_group(op::chunk_index, [&] { out.put_bytes(chunk_indexes_); });
+  put_group(op::attachment_index, [&] { out.put_bytes(attachment_indexes_); });
+  put_group(op::metadata_index, [&] { out.put_bytes(metadata_indexes_); });
+
+  const std::uint64_t summary_offset_start = offset_ + out.size();
+  out.put_bytes(group_offsets);
+  out.begin_record(op::footer);
+  out.put(summary_start);
+  out.put(summary_offset_start);
+  out.put(std::uint32_t{0});
+  out.end_record();
+  const std::size_t crc_at = out.size() - 4;
+  out.patch(crc_at, crc32(Bytes(bytes).subspan(data_end_size, crc_at - data_end_size)));
+  out.put_bytes(magic);
+  write_file(bytes);
+  close_file();
+  return status();
+}
+
+void Output::write_data(Bytes bytes) {
+  data_crc_ = crc32(bytes, data_crc_);
+  write_file(bytes);
+}
+
+void Output::write_file(Bytes bytes) {
+  while (!bytes.empty() && !failed()) {
+    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return fail(error(fmt::format("can't write the trace: {}", std::strerror(errno))));
+    offset_ += static_cast<std::uint64_t>(written);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+void Output::fail(Diagnostic diagnostic) {
+  diagnostic.file = name_;
+  const std::scoped_lock lock(mutex_);
+  if (error_.empty()) error_ = {std::move(diagnostic)};
+  failed_.store(true, std::memory_order_release);
+}
+
+void Output::close_file() {
+  if (file_ < 0) return;
+  const int result = ::close(file_);
+  file_ = -1;
+  if (result != 0 && !failed()) fail(error(fmt::format("can't finish writing the trace: {}", std::strerror(errno))));
+}
+
+}  // namespace rehearse::mcap

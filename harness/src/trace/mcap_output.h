@@ -1,0 +1,112 @@
+// The thread of a Writer: takes finished chunks and other records, compresses, checksums, writes. Internal.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include "codec.h"
+#include "mcap_records.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+namespace rehearse::mcap {
+
+/// Where a message's record stands in its chunk.
+struct IndexEntry {
+  std::uint64_t log_time = 0;
+  std::uint64_t offset = 0;
+  std::uint16_t channel = 0;
+};
+
+/// A chunk while it is being filled, and until it is written.
+struct ChunkData {
+  std::vector<std::byte> records;
+  std::vector<IndexEntry> index;
+  std::uint64_t first_time = 0;  // of the first message in file order: decides when the chunk is old enough
+  std::uint64_t start_time = 0;
+  std::uint64_t end_time = 0;
+  Compression compression = Compression::none;
+
+  bool empty() const { return index.empty(); }
+};
+
+/// A record outside of chunks, composed already, and what the summary says of it.
+struct RawJob {
+  enum class Kind { plain, attachment, metadata };
+  Kind kind = Kind::plain;
+  std::vector<std::byte> bytes;
+  Attachment attachment;        // kind attachment; without its data, whose size is below
+  std::uint64_t data_size = 0;  // kind attachment
+  std::string metadata_name;    // kind metadata
+};
+
+using Job = std::variant<RawJob, ChunkData>;
+
+class Output {
+ public:
+  /// Takes over the open file and starts the thread.
+  Output(int file, std::string name, const WriterOptions& options);
+  /// Writes what is queued and closes the file.
+  ~Output();
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  /// Hands a job over; waits while the queue is full. After a failure jobs are dropped.
+  void push(Job job);
+  /// An empty chunk, with the memory of one that was written.
+  ChunkData take_chunk();
+
+  bool failed() const { return failed_.load(std::memory_order_acquire); }
+  /// Success, or the failure.
+  Result<void> status();
+  /// Waits until everything queued is written.
+  Result<void> drain();
+  /// Ends the thread, writes the end of the data section, the summary and the footer, and closes the file. `statistics`
+  /// need not know the counts of attachments, metadata and chunks.
+  Result<void> finish(const std::vector<Schema>& schemas, const std::vector<Channel>& channels, Statistics statistics);
+
+ private:
+  void run();
+  void stop();
+  void process(Job& job);
+  void process_raw(const RawJob& job);
+  void process_chunk(const ChunkData& chunk);
+  void put_message_indexes(const ChunkData& chunk, ByteWriter& out, std::uint64_t record_start,
+                           ByteWriter& offsets) const;
+  void write_data(Bytes bytes);  // of the data section: counted into its CRC
+  void write_file(Bytes bytes);
+  void fail(Diagnostic diagnostic);
+  void close_file();
+
+  int file_;
+  const std::string name_;
+  const std::size_t queue_length_;
+  Compressor compressor_;
+
+  std::mutex mutex_;
+  std::condition_variable to_thread_;
+  std::condition_variable from_thread_;
+  std::deque<Job> queue_;             // guarded by mutex_, as all down to error_
+  std::vector<ChunkData> free_;
+  bool busy_ = false;
+  bool stopping_ = false;
+  Diagnostics error_;
+  std::atomic<bool> failed_{false};
+
+  // Of the thread while it runs, of finish() after it.
+  std::uint64_t offset_ = 0;
+  std::uint32_t data_crc_ = 0;
+  Statistics counts_;
+  std::vector<std::byte> chunk_indexes_;  // whole records of the summary, as are the next two
+  std::vector<std::byte> attachment_indexes_;
+  std::vector<std::byte> metadata_indexes_;
+  std::vector<std::byte> scratch_;
+
+  std::thread thread_;  // last: starts when all else is there
+};
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,68 @@
+// The records of MCAP, parsed and composed one at a time. Internal.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include "bytes.h"
+
+#include <array>
+
+namespace rehearse::mcap {
+
+inline constexpr std::array<std::byte, 8> magic{std::byte{0x89}, std::byte{'M'},  std::byte{'C'},  std::byte{'A'},
+                                                std::byte{'P'},  std::byte{0x30}, std::byte{'\r'}, std::byte{'\n'}};
+
+/// Opcode and length before the body of every record.
+inline constexpr std::size_t record_head = 9;
+/// Channel, sequence and two times before the data of a message.
+inline constexpr std::size_t message_head = 2 + 4 + 8 + 8;
+inline constexpr std::size_t footer_size = record_head + 20;
+
+namespace op {
+inline constexpr std::uint8_t header = 0x01, footer = 0x02, schema = 0x03, channel = 0x04, message = 0x05, chunk = 0x06,
+                              message_index = 0x07, chunk_index = 0x08, attachment = 0x09, attachment_index = 0x0a,
+                              statistics = 0x0b, metadata = 0x0c, metadata_index = 0x0d, summary_offset = 0x0e,
+                              data_end = 0x0f;
+}  // namespace op
+
+/// The head of a Chunk record and its still compressed records.
+struct ChunkHead {
+  std::uint64_t start_time = 0;
+  std::uint64_t end_time = 0;
+  std::uint64_t uncompressed_size = 0;
+  std::uint32_t uncompressed_crc = 0;  // 0: none
+  std::string_view compression;
+  Bytes records;
+};
+
+struct Footer {
+  std::uint64_t summary_start = 0;
+  std::uint64_t summary_offset_start = 0;
+  std::uint32_t summary_crc = 0;
+};
+
+/// An attachment as parsed, with what its CRC covers.
+struct AttachmentRecord {
+  Attachment attachment;
+  Bytes covered;
+  std::uint32_t crc = 0;  // 0: none
+};
+
+// Each takes the body of a record and is nullopt if the body is too short for what it says.
+std::optional<Schema> parse_schema(Bytes body);
+std::optional<Channel> parse_channel(Bytes body);
+std::optional<ChunkHead> parse_chunk(Bytes body);
+std::optional<AttachmentRecord> parse_attachment(Bytes body);
+std::optional<Metadata> parse_metadata(Bytes body);
+std::optional<Statistics> parse_statistics(Bytes body);
+std::optional<Footer> parse_footer(Bytes body);
+
+// Each appends a whole record.
+void put_header(ByteWriter& out, std::string_view profile, std::string_view library);
+void put_schema(ByteWriter& out, const Schema& schema);
+void put_channel(ByteWriter& out, const Channel& channel);
+void put_attachment(ByteWriter& out, const Attachment& attachment);
+void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values);
+void put_statistics(ByteWriter& out, const Statistics& statistics);
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,249 @@
+#include "mcap_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <limits>
+#include <utility>
+
+namespace rehearse::mcap {
+
+namespace {
+/// Later than any log time.
+constexpr std::uint64_t no_time = std::numeric_limits<std::uint64_t>::max();
+}  // namespace
+
+class Writer::Impl {
+ public:
+  Impl(int file, std::string name, const WriterOptions& options)
+      : options_(options), output_(file, std::move(name), options) {
+    RawJob job;
+    ByteWriter out(job.bytes);
+    out.put_bytes(magic);
+    put_header(out, options.profile, "rehearse " REHEARSE_VERSION);
+    output_.push(std::move(job));
+  }
+
+  std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
+  std::uint16_t add_channel(Channel channel, ChunkGroup group);
+  Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data);
+  Result<void> add_attachment(Attachment attachment);
+  Result<void> add_metadata(std::string_view name, const StringMap& values);
+  Result<void> flush();
+  Result<void> close();
+
+ private:
+  struct Group {
+    ChunkGroup key;
+    ChunkData open;
+  };
+  struct ChannelState {
+    std::size_t group = 0;
+    std::uint64_t count = 0;
+  };
+
+  std::size_t find_or_add_group(ChunkGroup key);
+  /// The log time at which the chunk is old enough to be finished.
+  std::uint64_t deadline_of(const ChunkData& chunk) const {
+    return chunk.first_time + std::min(options_.chunk_span, no_time - chunk.first_time);
+  }
+  void finish_chunk(Group& group);
+  void finish_old_chunks(std::uint64_t now);
+
+  const WriterOptions options_;
+  std::vector<Schema> schemas_;
+  std::vector<Channel> channels_;      // id - 1 is the index
+  std::vector<ChannelState> states_;   // like channels_
+  std::vector<Group> groups_;
+  std::uint64_t next_deadline_ = no_time;  // log time at which some chunk is old
+  std::uint64_t message_count_ = 0;
+  std::uint64_t start_time_ = no_time;
+  std::uint64_t end_time_ = 0;
+  std::optional<Result<void>> closed_;
+  Output output_;
+};
+
+std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
+  for (const Schema& schema : schemas_) {
+    if (schema.name == name && schema.encoding == encoding && schema.data == data) return schema.id;
+  }
+  REHEARSE_ASSERT(schemas_.size() < 0xffff, "a trace holds at most 65535 schemas");
+  schemas_.push_back({static_cast<std::uint16_t>(schemas_.size() + 1), std::string(name), std::string(encoding),
+                      std::string(data)});
+  RawJob job;
+  ByteWriter out(job.bytes);
+  put_schema(out, schemas_.back());
+  output_.push(std::move(job));
+  return schemas_.back().id;
+}
+
+std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
+  REHEARSE_ASSERT(channel.schema_id <= schemas_.size(), "a channel's schema is added before it");
+  REHEARSE_ASSERT(channels_.size() < 0xffff, "a trace holds at most 65535 channels");
+  if (options_.profile == "ros2") channel.metadata.try_emplace("offered_qos_profiles");
+  channel.id = static_cast<std::uint16_t>(channels_.size() + 1);
+  RawJob job;
+  ByteWriter out(job.bytes);
+  put_channel(out, channel);
+  output_.push(std::move(job));
+  states_.push_back({find_or_add_group(group)});
+  channels_.push_back(std::move(channel));
+  return channels_.back().id;
+}
+
+std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    if (groups_[i].key.id == key.id && groups_[i].key.compression == key.compression) return i;
+  }
+  groups_.push_back({key, {}});
+  return groups_.size() - 1;
+}
+
+Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+                                 Bytes data) {
+  REHEARSE_ASSERT(channel >= 1 && channel <= channels_.size(), "a message's channel is added before it");
+  REHEARSE_ASSERT(!closed_, "nothing is written to a closed trace");
+  if (log_time >= next_deadline_) finish_old_chunks(log_time);
+  ChannelState& state = states_[channel - 1];
+  Group& group = groups_[state.group];
+  ChunkData& chunk = group.open;
+  if (chunk.empty()) {
+    chunk.records.reserve(options_.chunk_size + options_.chunk_size / 8);
+    chunk.compression = group.key.compression;
+    chunk.first_time = chunk.start_time = chunk.end_time = log_time;
+    next_deadline_ = std::min(next_deadline_, deadline_of(chunk));
+  }
+  chunk.start_time = std::min(chunk.start_time, log_time);
+  chunk.end_time = std::max(chunk.end_time, log_time);
+  chunk.index.push_back({log_time, chunk.records.size(), channel});
+
+  std::array<std::byte, record_head + message_head> head;
+  const std::uint64_t length = message_head + data.size();
+  const auto sequence = static_cast<std::uint32_t>(state.count++);
+  head[0] = std::byte{op::message};
+  std::memcpy(&head[1], &length, 8);
+  std::memcpy(&head[9], &channel, 2);
+  std::memcpy(&head[11], &sequence, 4);
+  std::memcpy(&head[15], &log_time, 8);
+  std::memcpy(&head[23], &publish_time, 8);
+  chunk.records.insert(chunk.records.end(), head.begin(), head.end());
+  chunk.records.insert(chunk.records.end(), data.begin(), data.end());
+
+  ++message_count_;
+  start_time_ = std::min(start_time_, log_time);
+  end_time_ = std::max(end_time_, log_time);
+  if (chunk.records.size() >= options_.chunk_size) finish_chunk(group);
+  if (output_.failed()) [[unlikely]] return output_.status();
+  return {};
+}
+
+void Writer::Impl::finish_chunk(Group& group) {
+  ChunkData next = output_.take_chunk();
+  output_.push(std::exchange(group.open, std::move(next)));
+}
+
+/// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups.
+void Writer::Impl::finish_old_chunks(std::uint64_t now) {
+  next_deadline_ = no_time;
+  for (Group& group : groups_) {
+    if (group.open.empty()) continue;
+    const std::uint64_t deadline = deadline_of(group.open);
+    if (deadline <= now) {
+      finish_chunk(group);
+    } else {
+      next_deadline_ = std::min(next_deadline_, deadline);
+    }
+  }
+}
+
+Result<void> Writer::Impl::add_attachment(Attachment attachment) {
+  REHEARSE_ASSERT(!closed_, "nothing is attached to a closed trace");
+  RawJob job;
+  job.kind = RawJob::Kind::attachment;
+  ByteWriter out(job.bytes);
+  put_attachment(out, attachment);
+  job.data_size = attachment.data.size();
+  attachment.data = {};
+  job.attachment = std::move(attachment);
+  output_.push(std::move(job));
+  return output_.status();
+}
+
+Result<void> Writer::Impl::add_metadata(std::string_view name, const StringMap& values) {
+  REHEARSE_ASSERT(!closed_, "nothing is added to a closed trace");
+  RawJob job;
+  job.kind = RawJob::Kind::metadata;
+  job.metadata_name = name;
+  ByteWriter out(job.bytes);
+  put_metadata(out, name, values);
+  output_.push(std::move(job));
+  return output_.status();
+}
+
+Result<void> Writer::Impl::flush() {
+  finish_old_chunks(no_time);
+  return output_.drain();
+}
+
+Result<void> Writer::Impl::close() {
+  if (closed_) return *closed_;
+  finish_old_chunks(no_time);
+  Statistics statistics;
+  statistics.message_count = message_count_;
+  statistics.schema_count = static_cast<std::uint16_t>(schemas_.size());
+  statistics.channel_count = static_cast<std::uint32_t>(channels_.size());
+  statistics.message_start_time = message_count_ == 0 ? 0 : start_time_;
+  statistics.message_end_time = end_time_;
+  for (const Channel& channel : channels_) {
+    const std::uint64_t count = states_[channel.id - 1].count;
+    if (count > 0) statistics.channel_message_counts[channel.id] = count;
+  }
+  closed_ = output_.finish(schemas_, channels_, statistics);
+  return *closed_;
+}
+
+Result<std::unique_ptr<Writer>> Writer::create(const std::filesystem::path& file, WriterOptions options) {
+  const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (opened < 0) {
+    Diagnostic failure = error(fmt::format("can't create the trace: {}", std::strerror(errno)));
+    failure.file = file.string();
+    return failure;
+  }
+  return std::unique_ptr<Writer>(new Writer(std::make_unique<Impl>(opened, file.string(), options)));
+}
+
+Writer::Writer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Writer::~Writer() = default;
+
+std::uint16_t Writer::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
+  return impl_->add_schema(name, encoding, data);
+}
+
+std::uint16_t Writer::add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
+                                  StringMap metadata, ChunkGroup group) {
+  return impl_->add_channel({0, schema, std::string(topic), std::string(message_encoding), std::move(metadata)}, group);
+}
+
+Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                           Bytes data) {
+  return impl_->write(channel, log_time_ns, publish_time_ns, data);
+}
+
+Result<void> Writer::add_attachment(std::string_view name, std::string_view media_type, Bytes data,
+                                    std::uint64_t log_time_ns, std::uint64_t create_time_ns) {
+  return impl_->add_attachment({log_time_ns, create_time_ns, std::string(name), std::string(media_type), data, 0});
+}
+
+Result<void> Writer::add_metadata(std::string_view name, const StringMap& values) {
+  return impl_->add_metadata(name, values);
+}
+
+Result<void> Writer::flush() { return impl_->flush(); }
+
+Result<void> Writer::close() { return impl_->close(); }
+
+}  // namespace rehearse::mcap
