@@ -1,1 +1,13 @@
-# filled by the renderer
+# The renderer draws with OSMesa. Pictures as files (png.h) are a library of their own: a replay reads frames from a
+# trace, and may not link OSMesa.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
+find_package(PNG REQUIRED)
+find_package(fmt REQUIRED)
+
+rehearse_add_library(png src/png.cpp)
+target_link_libraries(rehearse_png PUBLIC Rehearse::model PRIVATE PNG::PNG PkgConfig::libdeflate fmt::fmt)
+
+rehearse_add_library(renderer src/renderer.cpp src/renderer_gl.cpp src/renderer_meshes.cpp)
+target_link_libraries(rehearse_renderer PUBLIC Rehearse::model PRIVATE PkgConfig::osmesa fmt::fmt)

@@ -1,0 +1,102 @@
+// OpenGL as the renderer needs it: a context, one shader program, a target to draw into, and the pictures in it.
+//
+// Knows nothing of shapes and cameras. OpenGL lives in a thread's current context, so whoever calls anything here calls
+// Context::make_current() first.
+#pragma once
+
+#include "renderer_meshes.h"
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/image.h>
+#include <rehearse/model.h>
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+
+struct osmesa_context;
+
+namespace rehearse::gl {
+
+/// An OSMesa context; frees all that was made in it when it goes.
+class Context {
+ public:
+  static Result<std::unique_ptr<Context>> create();
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  void make_current();
+  std::string description() const { return description_; }
+
+ private:
+  Context() = default;
+  Result<void> check_abilities();
+
+  osmesa_context* handle_ = nullptr;
+  std::array<unsigned char, 4> window_{};  // OSMesa wants a buffer; pictures are drawn into Targets
+  std::string description_;
+};
+
+/// One shape as the vertex shader reads it, in the camera's frame.
+struct Instance {
+  std::array<float, 9> rotation;   // columns: the shape's axes
+  std::array<float, 3> origin;     // [m]
+  std::array<float, 4> scale;      // of the mesh along x, y, z, then its stretch [m]
+  std::array<float, 4> color;
+};
+
+/// What is the same for all shapes of one picture.
+struct View {
+  std::array<float, 4> lens;  // 1 / tan of half the horizontal and of half the vertical angle, near and far clip [m]
+  std::array<float, 3> up;    // world +z in the camera's frame
+  std::array<float, 3> sun;   // direction towards the sun in the camera's frame
+};
+
+/// The meshes, and the program that draws them.
+class Painter {
+ public:
+  Painter();  // in the current context
+  void begin(const View& view);
+  /// Draws a run of instances of one mesh, in order; `mesh` as Geometry's alternatives are numbered.
+  void paint(std::size_t mesh, std::span<const Instance> instances, bool translucent);
+
+ private:
+  struct Buffers {
+    unsigned array = 0;
+    int count = 0;
+  };
+  Buffers upload(const Mesh& mesh) const;
+
+  unsigned program_ = 0;
+  unsigned instances_ = 0;
+  std::array<Buffers, std::variant_size_v<Geometry>> meshes_;
+  struct {
+    int lens, up, sun;
+  } uniforms_{};
+};
+
+/// Where pictures are drawn: colour, z buffer and, if wanted, a float for the distance of each pixel.
+class Target {
+ public:
+  /// Makes it the place that is drawn into, of the given size, and empties it.
+  void begin(int width, int height, bool depth, const Color& background);
+  Image read_color();
+  DepthImage read_depth() const;
+
+ private:
+  void allocate();
+
+  int width_ = 0;
+  int height_ = 0;
+  bool depth_ = false;
+  unsigned framebuffer_ = 0;
+  std::array<unsigned, 3> buffers_{};         // colour, z, distance
+  std::vector<std::uint8_t> pixels_;          // as OpenGL hands them out, four bytes a pixel
+};
+
+/// Waits until everything is drawn.
+void finish();
+
+}  // namespace rehearse::gl

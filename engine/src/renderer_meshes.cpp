@@ -1,0 +1,128 @@
+#include "renderer_meshes.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace rehearse {
+namespace {
+
+// A chord of one of n segments comes as close to the centre as cos(pi / n) of its ends' distance: with 80 segments 0.08 %.
+// A sphere loses that along both circles. Each mesh is blown up by half of what it loses, so that it is as much too large
+// at its edges as it is too small between them.
+constexpr int segments = 80;       // around the axis
+constexpr int rings = segments / 2;  // from pole to pole
+const double sagitta = 1.0 - std::cos(std::numbers::pi / segments);
+
+std::array<float, 3> to_floats(double x, double y, double z) {
+  return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+}
+
+/// The i-th of `segments` places around the unit circle; the same bits whenever it comes round to it.
+std::array<double, 2> on_circle(int i) {
+  const double around = 2.0 * std::numbers::pi * (i % segments) / segments;
+  return {std::cos(around), std::sin(around)};
+}
+
+void add_triangle(Mesh& mesh, std::size_t a, std::size_t b, std::size_t c) {
+  for (const std::size_t index : {a, b, c}) mesh.indices.push_back(static_cast<std::uint16_t>(index));
+}
+
+/// One circle of segments + 1 vertices (the first and the last at one place) on the sphere of radius 1 * `blow_up`;
+/// ring 0 is the upper pole, the last one the lower.
+void add_ring(Mesh& mesh, int ring, double blow_up, float shift) {
+  const double polar_angle = std::numbers::pi * ring / rings;
+  const double r = ring % rings == 0 ? 0.0 : std::sin(polar_angle);
+  const double z = std::cos(polar_angle);
+  for (int i = 0; i <= segments; ++i) {
+    const double x = r * on_circle(i)[0];
+    const double y = r * on_circle(i)[1];
+    mesh.vertices.push_back({to_floats(x * blow_up, y * blow_up, z * blow_up), to_floats(x, y, z), shift});
+  }
+}
+
+enum class Between { poles, upper_pole_and_ring, ring_and_lower_pole };
+
+/// Joins the last two rings, the first of them the upper one. At a pole a quad is a triangle.
+void join_last_rings(Mesh& mesh, Between where = Between::poles) {
+  const std::size_t lower = mesh.vertices.size() - (segments + 1);
+  const std::size_t upper = lower - (segments + 1);
+  for (std::size_t i = 0; i < segments; ++i) {
+    if (where != Between::ring_and_lower_pole) add_triangle(mesh, lower + i, lower + i + 1, upper + i + 1);
+    if (where != Between::upper_pole_and_ring) add_triangle(mesh, lower + i, upper + i + 1, upper + i);
+  }
+}
+
+/// A sphere; with a shift its equator is there twice, so that its halves can be moved apart.
+Mesh sphere_of_halves(float shift) {
+  Mesh mesh;
+  const double blow_up = 1.0 + sagitta;
+  const int equator = rings / 2;
+  add_ring(mesh, 0, blow_up, shift);
+  for (int ring = 1; ring <= rings; ++ring) {
+    add_ring(mesh, ring, blow_up, ring <= equator ? shift : -shift);
+    join_last_rings(mesh, ring == 1       ? Between::upper_pole_and_ring
+                          : ring == rings ? Between::ring_and_lower_pole
+                                          : Between::poles);
+    if (ring == equator && shift != 0.0f) {
+      add_ring(mesh, ring, blow_up, -shift);
+      join_last_rings(mesh);
+    }
+  }
+  return mesh;
+}
+
+void add_disc(Mesh& mesh, double radius, double z) {
+  const std::size_t first = mesh.vertices.size();
+  const bool up = z > 0.0;
+  for (int i = 0; i < segments; ++i) {
+    const auto [x, y] = on_circle(up ? i : segments - i);
+    mesh.vertices.push_back({to_floats(radius * x, radius * y, z), to_floats(0.0, 0.0, up ? 1.0 : -1.0), 0.0f});
+  }
+  for (std::size_t i = 1; i + 1 < segments; ++i) add_triangle(mesh, first, first + i, first + i + 1);
+}
+
+}  // namespace
+
+Mesh box_mesh() {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0f, 1.0f}) {
+      const std::size_t first = mesh.vertices.size();
+      const auto u = static_cast<std::size_t>((axis + 1) % 3);
+      const auto v = static_cast<std::size_t>((axis + 2) % 3);
+      // u, v and the outward normal are right-handed when the u direction turns with the side
+      for (const auto& [along_u, along_v] : {std::array{-side, -1.0f}, {side, -1.0f}, {side, 1.0f}, {-side, 1.0f}}) {
+        Vertex vertex{{}, {}, 0.0f};
+        vertex.normal[static_cast<std::size_t>(axis)] = side;
+        vertex.position[static_cast<std::size_t>(axis)] = 0.5f * side;
+        vertex.position[u] = 0.5f * along_u;
+        vertex.position[v] = 0.5f * along_v;
+        mesh.vertices.push_back(vertex);
+      }
+      add_triangle(mesh, first, first + 1, first + 2);
+      add_triangle(mesh, first, first + 2, first + 3);
+    }
+  }
+  return mesh;
+}
+
+Mesh sphere_mesh() { return sphere_of_halves(0.0f); }
+
+Mesh capsule_mesh() { return sphere_of_halves(1.0f); }
+
+Mesh cylinder_mesh() {
+  Mesh mesh;
+  const double radius = 1.0 + 0.5 * sagitta;
+  for (const double z : {0.5, -0.5}) {
+    for (int i = 0; i <= segments; ++i) {
+      const auto [x, y] = on_circle(i);
+      mesh.vertices.push_back({to_floats(radius * x, radius * y, z), to_floats(x, y, 0.0), 0.0f});
+    }
+  }
+  join_last_rings(mesh);
+  add_disc(mesh, radius, 0.5);
+  add_disc(mesh, radius, -0.5);
+  return mesh;
+}
+
+}  // namespace rehearse
