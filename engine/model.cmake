@@ -1,6 +1,26 @@
-rehearse_add_library(model src/diagnostic.cpp)
+find_package(PkgConfig REQUIRED)
+find_package(tinyxml2 9 REQUIRED)
+find_package(fmt REQUIRED)
+pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET urdfdom)
+
+rehearse_add_library(model
+  src/diagnostic.cpp
+  src/model.cpp
+  src/urdf.cpp
+  src/urdf_devices.cpp
+  src/urdf_dynamics.cpp
+  src/urdf_findings.cpp
+  src/urdf_joints.cpp
+  src/urdf_links.cpp
+  src/urdf_materials.cpp
+  src/urdf_referee.cpp
+  src/urdf_schema.cpp
+  src/urdf_text.cpp
+  src/urdf_tree.cpp
+  src/urdf_values.cpp)
 target_include_directories(rehearse_model PUBLIC
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-target_link_libraries(rehearse_model PUBLIC Eigen3::Eigen)
+target_link_libraries(rehearse_model PUBLIC Eigen3::Eigen
+  PRIVATE $<BUILD_INTERFACE:PkgConfig::URDFDOM> $<BUILD_INTERFACE:tinyxml2::tinyxml2> $<BUILD_INTERFACE:fmt::fmt>)
 # Eigen's alignment is part of the layout of every public type: the same whatever -m flags a user compiles with.
 target_compile_definitions(rehearse_model PUBLIC EIGEN_MAX_ALIGN_BYTES=16)

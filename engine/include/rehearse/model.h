@@ -68,6 +68,7 @@ struct Joint {
   double velocity = unlimited;                               // [rad/s] or [m/s], magnitude
   double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
   double friction = 0.0;                                     // [N·m] or [N]
+  int line = 0;                                              // where the file states it; 0: it doesn't
 };
 
 struct Link {
@@ -77,6 +78,7 @@ struct Link {
   Inertial inertial;
   std::vector<Shape> visuals;
   std::vector<Shape> collisions;
+  int line = 0;  // where the file states it; 0: it doesn't
 };
 
 struct ForceSensor {};
@@ -104,7 +106,14 @@ struct Device {
   int link = 0;   // index into Model::links
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // device frame in the link frame; see the kind for its axes
   DeviceKind kind;
+  int line = 0;  // where the file states it; 0: it doesn't
 };
+
+/// True if a joint of this type has a displacement, and with it an id.
+bool is_movable(JointType type);
+
+/// "free", "fixed", "revolute", "continuous" or "prismatic".
+std::string_view type_name(JointType type);
 
 /// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera" or "RangeCamera".
 std::string_view type_name(const Device& device);
@@ -132,7 +141,9 @@ struct Model {
 /// `mass` [kg], spread evenly over the shape; 0 is allowed only if the body will be fixed.
 Model single_shape_model(std::string name, const Geometry& geometry, double mass, std::optional<Color> color);
 
-/// Mass, centre and inertia of a solid of even density.
+/// Mass, centre and inertia of a solid of even density, centred on and aligned with the shape's own frame.
+/// The formulas are the textbook ones of solid bodies (J. L. Meriam, Dynamics, appendix on mass moments of inertia);
+/// a capsule is a cylinder and two half spheres that share the mass by volume.
 Inertial solid_inertial(const Geometry& geometry, double mass);
 
 /// World poses of all links by forward kinematics.

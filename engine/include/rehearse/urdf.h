@@ -1,12 +1,41 @@
 // URDF: from the file to a Model, with nothing lost in silence.
+//
+// Two readers see every file. Our own strict pass knows lines, document order, sensors and colours, checks every number
+// and mends what can be mended; what it has mended goes to urdfdom, and where the two then disagree about a link or a
+// joint the load fails. A finding is one of: error (no model), repair (loaded after the named change; an error when
+// strict), warning (loaded as written, probably not as meant), note (ignored, counted once per kind).
+//
+// - Joint ids count the revolute, continuous and prismatic joints in document order.
+// - A root link called "world" is bolted to the world; any other root is free. A single floating joint below an empty
+//   "world" says the same as no "world" at all, and is read so.
+// - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
+// - Shapes are box, sphere, cylinder and capsule (radius, length without the caps). A mesh is an error in this version.
+// - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, in SDF's words: type imu,
+//   accelerometer, gyroscope (or gyro), force_torque (reference: link, or joint = its child link), camera, and
+//   depth, depth_camera, rgbd or rgbd_camera (cameras that measure depth). Read are `<pose>` (x y z roll pitch yaw in the
+//   link frame), and of a camera `<update_rate>`, `<camera><pose>`, `<horizontal_fov>`, `<image><width>, <height>`,
+//   `<clip><near>, <far>`, with SDF's defaults (1.047 rad, 320 x 240, 0.1 m, 100 m; 30 Hz). SDF's camera looks along +x
+//   with +z up; Device::pose is already turned to look along -z with +y up.
+//   Two children are ours: `<sensor><id>N</id>` is Device::id, and `<camera><vertical_fov>` [rad] may stand instead of
+//   `<horizontal_fov>`.
+// - What hostile files can cost is bounded by the limits below.
 #pragma once
 
 #include <rehearse/model.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
 namespace rehearse {
+
+inline constexpr std::size_t max_urdf_bytes = std::size_t{64} << 20;  // 64 MiB
+inline constexpr int max_urdf_depth = 100;                            // elements within elements
+inline constexpr int max_urdf_tags = 250'000;                         // "<" in the file
+inline constexpr int max_urdf_attributes = 500'000;                   // "=" in the file
+inline constexpr int max_urdf_links = 5'000;
+inline constexpr int max_image_side = 8192;  // of a camera [pixels]
+inline constexpr int max_urdf_errors = 20;   // told of one file
 
 struct UrdfOptions {
   bool strict = false;  // repairs become errors

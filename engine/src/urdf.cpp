@@ -1,0 +1,117 @@
+#include <rehearse/urdf.h>
+
+#include "urdf_draft.h"
+#include "urdf_materials.h"
+#include "urdf_schema.h"
+#include "urdf_text.h"
+#include "urdf_values.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace rehearse {
+namespace {
+
+using tinyxml2::XMLDocument;
+using tinyxml2::XMLElement;
+using urdf::Findings;
+
+/// Everything of the robot that our own pass reads, with the document brought to what urdfdom may see of it.
+urdf::Draft read_draft(XMLElement& robot, Findings& findings) {
+  urdf::Draft draft;
+  draft.name = urdf::read_name(robot, "name", findings).value_or("");
+  urdf::prune_to_schema(robot, findings);
+  draft.devices = urdf::read_devices(robot, findings);
+  const urdf::Materials materials(robot, findings);
+  for (auto* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
+    auto read = urdf::read_link(*link, materials, findings);
+    draft.is_complete = draft.is_complete && read.has_value();
+    if (read) draft.links.push_back(std::move(*read));
+  }
+  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr; joint = joint->NextSiblingElement("joint")) {
+    auto read = urdf::read_joint(*joint, findings);
+    draft.is_complete = draft.is_complete && read.has_value();
+    if (read) draft.joints.push_back(std::move(*read));
+  }
+  urdf::declare_world(robot, draft, findings);
+  return draft;
+}
+
+/// Takes out what urdfdom reads worse than we do, or not at all.
+void leave_to_urdfdom(XMLElement& element) {
+  XMLElement* next = nullptr;
+  for (XMLElement* child = element.FirstChildElement(); child != nullptr; child = next) {
+    next = child->NextSiblingElement();
+    const std::string_view name = child->Name();
+    if (name == "gazebo" || name == "material") {
+      element.DeleteChild(child);
+    } else if (name == "link" || name == "visual") {
+      leave_to_urdfdom(*child);
+    }
+  }
+}
+
+bool has_broken_inertial(const urdf::Draft& draft) {
+  return std::any_of(draft.links.begin(), draft.links.end(),
+                     [](const urdf::LinkDraft& link) { return link.has_broken_inertial; });
+}
+
+/// The robot in a sound text; null if there is an error.
+std::optional<Model> read_robot(const std::string& text, Findings& findings) {
+  XMLDocument document;
+  XMLElement* robot = urdf::parse_xml(text, document, findings);
+  if (robot == nullptr) return std::nullopt;
+  const urdf::Draft draft = read_draft(*robot, findings);
+  if (draft.links.size() > max_urdf_links) {
+    findings.error(0, fmt::format("the robot has {} links, more than {}", draft.links.size(), max_urdf_links));
+    return std::nullopt;
+  }
+  std::optional<Model> model = urdf::join(draft, findings);
+  if (model && !has_broken_inertial(draft)) urdf::check_dynamics(*model, findings);
+  if (findings.has_error()) return std::nullopt;
+  leave_to_urdfdom(*robot);
+  urdf::compare_with_urdfdom(document, draft, findings);
+  return model;
+}
+
+Diagnostic file_error(const std::filesystem::path& file, std::string message) {
+  Diagnostic diagnostic = error(std::move(message));
+  diagnostic.file = file.string();
+  return diagnostic;
+}
+
+}  // namespace
+
+Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
+  std::error_code problem;
+  const auto status = std::filesystem::status(file, problem);
+  if (!std::filesystem::exists(status)) return file_error(file, "there is no such file");
+  if (!std::filesystem::is_regular_file(status)) return file_error(file, "this is not a file that can be read");
+  const auto size = std::filesystem::file_size(file, problem);
+  if (!problem && size > max_urdf_bytes) {
+    return file_error(file, fmt::format("the file has {} bytes, more than {} MiB", size, max_urdf_bytes >> 20));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) return file_error(file, "the file can't be read");
+  return parse_urdf(text, file.string(), options);
+}
+
+Result<Model> parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options) {
+  Findings findings(name, options.strict);
+  std::optional<Model> model;
+  if (urdf::text_is_sound(text, findings)) model = read_robot(text, findings);
+  if (findings.has_error()) return findings.errors();
+  REHEARSE_ASSERT(model.has_value(), "a robot that can't be read leaves an error");
+  model->source_file = name;
+  model->source_text = text;
+  model->report = findings.report();
+  return std::move(*model);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,73 @@
+// Draft: what our own pass has read of a URDF file, before the parts are joined to a Model.
+#pragma once
+
+#include <rehearse/model.h>
+
+#include "urdf_findings.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tinyxml2 {
+class XMLDocument;
+class XMLElement;
+}  // namespace tinyxml2
+
+namespace rehearse::urdf {
+
+struct LinkDraft {
+  Link link;  // name, inertial, shapes, line
+  bool has_inertial = false;
+  bool has_broken_inertial = false;  // it has one, but it couldn't be read
+};
+
+struct JointDraft {
+  Joint joint;  // all but the id; a floating one is free
+  std::string parent;
+  std::string child;
+};
+
+struct DeviceDraft {
+  Device device;          // all but the link; its pose is in the frame of what `reference` names
+  std::string reference;  // a link; a joint, which stands for its child link
+  bool prefers_joint = false;
+};
+
+struct Draft {
+  std::string name;
+  std::vector<LinkDraft> links;      // in document order
+  std::vector<JointDraft> joints;    // in document order
+  std::vector<DeviceDraft> devices;  // in document order
+  bool is_complete = true;           // no link or joint had to be left out
+};
+
+class Materials;
+
+// Each reads one kind of element. What it mends for urdfdom's sake it changes in the document as well, so that both
+// readers see the same robot.
+
+/// Null if the link has no name. A shape that can't be read is left out, with an error.
+std::optional<LinkDraft> read_link(tinyxml2::XMLElement& element, const Materials& materials, Findings& findings);
+
+/// Null if the joint has no name, type, parent or child.
+std::optional<JointDraft> read_joint(tinyxml2::XMLElement& element, Findings& findings);
+
+/// The sensors of all <gazebo> blocks.
+std::vector<DeviceDraft> read_devices(const tinyxml2::XMLElement& robot, Findings& findings);
+
+/// An undeclared "world" as parent is added to the draft and to the document: a repair.
+void declare_world(tinyxml2::XMLElement& robot, Draft& draft, Findings& findings);
+
+/// Joins links, joints and devices into a tree: depth-first links, joint ids, the root's joint. Null, with an error for
+/// each reason, if they don't form one.
+std::optional<Model> join(const Draft& draft, Findings& findings);
+
+/// What physics can't take: a moving link without mass or with an inertia that isn't positive definite, and warnings
+/// about the improbable.
+void check_dynamics(const Model& model, Findings& findings);
+
+/// Lets urdfdom parse the document and compares its robot with ours; each difference is an error.
+void compare_with_urdfdom(const tinyxml2::XMLDocument& document, const Draft& draft, Findings& findings);
+
+}  // namespace rehearse::urdf

@@ -1,0 +1,62 @@
+// Findings: everything the URDF loader has to say about one file, brought into document order.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace rehearse::urdf {
+
+class Findings {
+ public:
+  /// `strict`: a repair is an error.
+  Findings(std::string file, bool strict) : file_(std::move(file)), strict_(strict) {}
+
+  void error(int line, std::string message, std::string hint = {});
+  void repair(int line, std::string message, std::string hint = {});
+  void warning(int line, std::string message, std::string hint = {});
+  void note(int line, std::string message, std::string hint = {});
+
+  /// Something of this kind was passed over. Becomes one note a kind, with a count, at the first such place.
+  void ignored(int line, const std::string& kind);
+
+  bool has_error() const { return error_count_ > 0; }
+  int error_count() const { return error_count_; }
+
+  /// The errors in document order, at most max_urdf_errors and a note that says how many more there are.
+  Diagnostics errors() const;
+
+  /// Repairs, warnings and notes in document order.
+  Diagnostics report() const;
+
+ private:
+  struct Passed {
+    int line = 0;
+    int count = 0;
+  };
+
+  void add(Severity severity, int line, std::string message, std::string hint);
+
+  std::string file_;
+  bool strict_;
+  int error_count_ = 0;
+  Diagnostics found_;
+  std::map<std::string, Passed> ignored_;  // by kind
+};
+
+/// The text fit for one line of a message: shortened, without control characters and broken UTF-8.
+std::string printable(std::string_view text);
+
+/// The same in single quotes, for names and values.
+std::string in_quotes(std::string_view text);
+
+/// The same as a tag, for names of elements: <name>.
+std::string tag(std::string_view name);
+
+/// True if the bytes are UTF-8 (RFC 3629: no overlong forms, no surrogates).
+bool is_utf8(std::string_view text);
+
+}  // namespace rehearse::urdf

@@ -1,0 +1,192 @@
+#include "urdf_draft.h"
+#include "urdf_values.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <limits>
+
+namespace rehearse::urdf {
+namespace {
+
+using tinyxml2::XMLElement;
+
+std::optional<JointType> read_type(const XMLElement& element, Findings& findings) {
+  const char* text = element.Attribute("type");
+  const std::string_view type = text == nullptr ? "" : text;
+  if (type == "fixed") return JointType::fixed;
+  if (type == "revolute") return JointType::revolute;
+  if (type == "continuous") return JointType::continuous;
+  if (type == "prismatic") return JointType::prismatic;
+  if (type == "floating") return JointType::free;
+  const std::string what =
+      text == nullptr ? "a joint without a type" : fmt::format("unknown joint type {}", in_quotes(type));
+  findings.error(element.GetLineNum(), type == "planar" ? "planar joints aren't supported" : what,
+                 "fixed, revolute, continuous, prismatic, or floating below a root link 'world'");
+  return std::nullopt;
+}
+
+/// The link that <parent> or <child> names.
+std::optional<std::string> read_end(const XMLElement& element, const char* end, const std::string& joint,
+                                    Findings& findings) {
+  const XMLElement* place = element.FirstChildElement(end);
+  if (place == nullptr) {
+    findings.error(element.GetLineNum(), fmt::format("joint {} has no <{}>", in_quotes(joint), end));
+    return std::nullopt;
+  }
+  return read_name(*place, "link", findings);
+}
+
+void read_axis(XMLElement& element, Joint& joint, Findings& findings) {
+  XMLElement* axis = element.FirstChildElement("axis");
+  if (axis == nullptr) return;
+  // urdfdom would take an <axis/> without numbers for 0 0 0.
+  if (axis->Attribute("xyz") == nullptr) axis->SetAttribute("xyz", "1 0 0");
+  const auto xyz = read_vector(*axis, "xyz", findings);
+  if (!xyz || !is_movable(joint.type)) return;
+  const double length = xyz->stableNorm();
+  if (length == 0.0) {
+    findings.error(axis->GetLineNum(), fmt::format("the axis of joint {} is zero", in_quotes(joint.name)),
+                   "a direction as in 0 0 1");
+    return;
+  }
+  joint.axis = *xyz / length;
+}
+
+/// A bound on effort or velocity. `attribute` goes into the document as 0, urdfdom's word for the same, if it is
+/// missing.
+double read_magnitude(XMLElement& limit, const char* attribute, const Joint& joint, Findings& findings) {
+  if (limit.Attribute(attribute) == nullptr) {
+    findings.repair(limit.GetLineNum(),
+                    fmt::format("the limit of joint {} has no {}; it is unlimited", in_quotes(joint.name), attribute));
+    limit.SetAttribute(attribute, "0");
+    return unlimited;
+  }
+  const auto value = read_number(limit, attribute, findings);
+  if (!value) return unlimited;
+  if (*value > 0.0) return *value;
+  if (*value < 0.0) {
+    findings.repair(limit.GetLineNum(), fmt::format("the {} limit of joint {} is negative; it is unlimited", attribute,
+                                                    in_quotes(joint.name)));
+  } else {
+    findings.note(limit.GetLineNum(), fmt::format("the {} limit of joint {} is 0, which means not given: unlimited",
+                                                  attribute, in_quotes(joint.name)));
+  }
+  return unlimited;
+}
+
+void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
+  const bool has_lower = limit.Attribute("lower") != nullptr;
+  const bool has_upper = limit.Attribute("upper") != nullptr;
+  const auto lower = read_number_or(limit, "lower", 0.0, findings);
+  const auto upper = read_number_or(limit, "upper", 0.0, findings);
+  if (!lower || !upper) return;
+  if (joint.type == JointType::continuous) {
+    if (has_lower || has_upper) findings.ignored(limit.GetLineNum(), "the range of a continuous joint");
+    return;
+  }
+  if (*lower > *upper) {
+    findings.error(limit.GetLineNum(), fmt::format("joint {} has a lower limit of {} above its upper limit of {}",
+                                                   in_quotes(joint.name), *lower, *upper));
+    return;
+  }
+  if (*lower == *upper) {
+    findings.warning(limit.GetLineNum(), fmt::format("joint {} can't move: its lower and upper limits are both {}",
+                                                     in_quotes(joint.name), *lower));
+  }
+  joint.lower = *lower;
+  joint.upper = *upper;
+}
+
+/// urdfdom refuses a revolute or prismatic joint without limits: it gets some that never act.
+void add_endless_limit(XMLElement& element) {
+  XMLElement* limit = element.InsertNewChildElement("limit");
+  limit->SetAttribute("lower", fmt::format("{}", std::numeric_limits<double>::lowest()).c_str());
+  limit->SetAttribute("upper", fmt::format("{}", std::numeric_limits<double>::max()).c_str());
+  limit->SetAttribute("effort", "0");
+  limit->SetAttribute("velocity", "0");
+}
+
+void read_limit(XMLElement& element, Joint& joint, Findings& findings) {
+  XMLElement* limit = element.FirstChildElement("limit");
+  if (!is_movable(joint.type)) {
+    if (limit != nullptr) {
+      findings.ignored(limit->GetLineNum(), "the limit of a joint that doesn't move");
+      element.DeleteChild(limit);
+    }
+    return;
+  }
+  if (limit != nullptr) {
+    read_range(*limit, joint, findings);
+    joint.effort = read_magnitude(*limit, "effort", joint, findings);
+    joint.velocity = read_magnitude(*limit, "velocity", joint, findings);
+  } else if (joint.type != JointType::continuous) {
+    findings.repair(joint.line, fmt::format("{} joint {} has no <limit>; it is unlimited", type_name(joint.type),
+                                            in_quotes(joint.name)));
+    add_endless_limit(element);
+  }
+}
+
+void read_dynamics(XMLElement& element, Joint& joint, Findings& findings) {
+  XMLElement* dynamics = element.FirstChildElement("dynamics");
+  if (dynamics == nullptr) return;
+  joint.damping = read_number_or(*dynamics, "damping", 0.0, findings).value_or(0.0);
+  joint.friction = read_number_or(*dynamics, "friction", 0.0, findings).value_or(0.0);
+  if (joint.damping < 0.0 || joint.friction < 0.0) {
+    findings.error(dynamics->GetLineNum(),
+                   fmt::format("joint {} has a negative damping or friction", in_quotes(joint.name)));
+  }
+  // urdfdom refuses one that says nothing.
+  if (dynamics->FirstAttribute() == nullptr) element.DeleteChild(dynamics);
+}
+
+void read_mimic(XMLElement& element, const Joint& joint, Findings& findings) {
+  XMLElement* mimic = element.FirstChildElement("mimic");
+  if (mimic == nullptr) return;
+  findings.warning(mimic->GetLineNum(), fmt::format("joint {} doesn't follow the joint it should mimic: this version "
+                                                    "lets it move on its own",
+                                                    in_quotes(joint.name)));
+  element.DeleteChild(mimic);
+}
+
+}  // namespace
+
+std::optional<JointDraft> read_joint(XMLElement& element, Findings& findings) {
+  JointDraft draft;
+  Joint& joint = draft.joint;
+  joint.line = element.GetLineNum();
+  const auto name = read_name(element, "name", findings);
+  if (name) joint.name = *name;
+  const auto parent = read_end(element, "parent", joint.name, findings);
+  const auto child = read_end(element, "child", joint.name, findings);
+  joint.origin = read_origin(element, findings);
+  const auto type = read_type(element, findings);
+  if (type) {
+    joint.type = *type;
+    read_axis(element, joint, findings);
+    read_limit(element, joint, findings);
+    read_dynamics(element, joint, findings);
+    read_mimic(element, joint, findings);
+  }
+  if (!name || !type || !parent || !child) return std::nullopt;
+  draft.parent = *parent;
+  draft.child = *child;
+  return draft;
+}
+
+void declare_world(XMLElement& robot, Draft& draft, Findings& findings) {
+  for (const LinkDraft& link : draft.links) {
+    if (link.link.name == "world") return;
+  }
+  for (const JointDraft& joint : draft.joints) {
+    if (joint.parent != "world") continue;
+    findings.repair(joint.joint.line, fmt::format("joint {} hangs on a link 'world' that isn't declared; it is added",
+                                                  in_quotes(joint.joint.name)));
+    LinkDraft& world = draft.links.emplace_back();
+    world.link.name = "world";
+    robot.InsertNewChildElement("link")->SetAttribute("name", "world");
+    return;
+  }
+}
+
+}  // namespace rehearse::urdf

@@ -1,0 +1,176 @@
+#include "urdf_draft.h"
+#include "urdf_materials.h"
+#include "urdf_values.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+
+namespace rehearse::urdf {
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr const char* known_shapes = "box, sphere, cylinder or capsule";
+
+std::optional<Geometry> read_box(const XMLElement& element, Findings& findings) {
+  const auto size = read_vector(element, "size", findings);
+  if (!size) return std::nullopt;
+  return Box{*size};
+}
+
+std::optional<Geometry> read_sphere(const XMLElement& element, Findings& findings) {
+  const auto radius = read_number(element, "radius", findings);
+  if (!radius) return std::nullopt;
+  return Sphere{*radius};
+}
+
+template <class Round>
+std::optional<Geometry> read_round(const XMLElement& element, Findings& findings) {
+  const auto radius = read_number(element, "radius", findings);
+  const auto length = read_number(element, "length", findings);
+  if (!radius || !length) return std::nullopt;
+  return Round{*radius, *length};
+}
+
+std::optional<Geometry> read_shape(XMLElement& element, Findings& findings) {
+  const std::string_view kind = element.Name();
+  if (kind == "box") return read_box(element, findings);
+  if (kind == "sphere") return read_sphere(element, findings);
+  if (kind == "cylinder") return read_round<Cylinder>(element, findings);
+  if (kind == "capsule") {
+    const auto capsule = read_round<Capsule>(element, findings);
+    element.SetName("cylinder");  // urdfdom doesn't know it; the measures are the same
+    return capsule;
+  }
+  if (kind == "mesh") {
+    const char* file = element.Attribute("filename");
+    findings.error(element.GetLineNum(),
+                   fmt::format("the mesh {} can't be used: this version doesn't read meshes",
+                               in_quotes(file == nullptr ? "" : file)),
+                   fmt::format("use a {}", known_shapes));
+    return std::nullopt;
+  }
+  findings.error(element.GetLineNum(), fmt::format("unknown geometry {}", tag(kind)),
+                 fmt::format("a {}", known_shapes));
+  return std::nullopt;
+}
+
+/// The geometry of a <visual> or <collision>.
+std::optional<Geometry> read_geometry(XMLElement& element, Findings& findings) {
+  XMLElement* geometry = element.FirstChildElement("geometry");
+  XMLElement* shape = geometry == nullptr ? nullptr : geometry->FirstChildElement();
+  if (shape == nullptr) {
+    findings.error((geometry == nullptr ? element : *geometry).GetLineNum(),
+                   fmt::format("<{}> has no shape", element.Name()), fmt::format("<geometry> with a {}", known_shapes));
+    return std::nullopt;
+  }
+  if (const XMLElement* second = shape->NextSiblingElement()) {
+    findings.error(second->GetLineNum(), "a second shape in one <geometry>",
+                   fmt::format("one <{}> for each shape", element.Name()));
+  }
+  return read_shape(*shape, findings);
+}
+
+/// The smallest measure of a shape [m].
+double smallest(const Geometry& geometry) {
+  struct Measure {
+    double operator()(const Box& box) const { return box.size.minCoeff(); }
+    double operator()(const Sphere& sphere) const { return sphere.radius; }
+    double operator()(const Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.length); }
+    double operator()(const Capsule& capsule) const { return capsule.length < 0.0 ? capsule.length : capsule.radius; }
+  };
+  return std::visit(Measure{}, geometry);
+}
+
+bool has_name(const XMLElement& element) {
+  const char* name = element.Attribute("name");
+  return name != nullptr && *name != '\0';
+}
+
+/// All shapes of one kind; those without extent are taken out of the document too.
+std::vector<Shape> read_shapes(XMLElement& link, const char* kind, const Materials* materials, Findings& findings) {
+  std::vector<Shape> shapes;
+  XMLElement* next = nullptr;
+  for (XMLElement* element = link.FirstChildElement(kind); element != nullptr; element = next) {
+    next = element->NextSiblingElement(kind);
+    const std::optional<Geometry> geometry = read_geometry(*element, findings);
+    const Eigen::Isometry3d pose = read_origin(*element, findings);
+    if (!geometry) continue;
+    if (smallest(*geometry) < 0.0) {
+      findings.error(element->GetLineNum(), fmt::format("<{}> has a shape of negative size", kind));
+      continue;
+    }
+    if (smallest(*geometry) == 0.0) {
+      findings.warning(element->GetLineNum(), fmt::format("<{}> has a shape of size 0; it is left out", kind));
+      link.DeleteChild(element);
+      continue;
+    }
+    Shape& shape = shapes.emplace_back();
+    if (has_name(*element)) shape.name = read_name(*element, "name", findings).value_or("");
+    shape.geometry = *geometry;
+    shape.pose = pose;
+    if (materials != nullptr) shape.color = materials->of(*element);
+  }
+  return shapes;
+}
+
+/// The tensor about the centre, along the axes of the inertial frame.
+std::optional<Eigen::Matrix3d> read_tensor(const XMLElement& element, Findings& findings) {
+  std::array<double, 6> moments{};
+  std::size_t read = 0;
+  for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
+    const auto value = read_number(element, name, findings);
+    if (!value) return std::nullopt;
+    moments[read++] = *value;
+  }
+  const auto [xx, xy, xz, yy, yz, zz] = moments;
+  return (Eigen::Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
+}
+
+/// False if it can't be read.
+bool read_inertial(const XMLElement& element, LinkDraft& draft, Findings& findings) {
+  const XMLElement* mass = element.FirstChildElement("mass");
+  const XMLElement* inertia = element.FirstChildElement("inertia");
+  if (mass == nullptr || inertia == nullptr) {
+    findings.error(element.GetLineNum(),
+                   fmt::format("<inertial> of link {} has no <{}>", in_quotes(draft.link.name),
+                               mass == nullptr ? "mass" : "inertia"),
+                   "an <inertial> has <mass value> and <inertia ixx ixy ixz iyy iyz izz>");
+    return false;
+  }
+  const Eigen::Isometry3d frame = read_origin(element, findings);
+  const auto kilograms = read_number(*mass, "value", findings);
+  const auto tensor = read_tensor(*inertia, findings);
+  if (!kilograms || !tensor) return false;
+  if (*kilograms < 0.0) {
+    findings.error(mass->GetLineNum(), fmt::format("link {} has negative mass", in_quotes(draft.link.name)));
+    return false;
+  }
+  draft.has_inertial = true;
+  draft.link.inertial.mass = *kilograms;
+  draft.link.inertial.center = frame.translation();
+  const Eigen::Matrix3d turned = frame.linear() * *tensor * frame.linear().transpose();
+  draft.link.inertial.inertia = (turned + turned.transpose()) / 2.0;  // symmetric to the last bit
+  return true;
+}
+
+}  // namespace
+
+std::optional<LinkDraft> read_link(XMLElement& element, const Materials& materials, Findings& findings) {
+  LinkDraft draft;
+  draft.link.line = element.GetLineNum();
+  const auto name = read_name(element, "name", findings);
+  if (name) draft.link.name = *name;
+  if (const XMLElement* inertial = element.FirstChildElement("inertial")) {
+    draft.has_broken_inertial = !read_inertial(*inertial, draft, findings);
+  }
+  draft.link.visuals = read_shapes(element, "visual", &materials, findings);
+  draft.link.collisions = read_shapes(element, "collision", nullptr, findings);
+  if (!name) return std::nullopt;
+  return draft;
+}
+
+}  // namespace rehearse::urdf

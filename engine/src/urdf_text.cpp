@@ -1,0 +1,187 @@
+#include "urdf_text.h"
+
+#include <rehearse/urdf.h>
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <set>
+
+namespace rehearse::urdf {
+namespace {
+
+using tinyxml2::XMLDocument;
+using tinyxml2::XMLElement;
+using tinyxml2::XMLNode;
+
+constexpr std::string_view blanks = " \t\r\n";
+constexpr std::size_t most_attributes_of_one = 100;
+constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
+
+int line_at(std::string_view text, std::size_t position) {
+  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+}
+
+/// Position of the first thing in the text that is neither blank, declaration nor comment.
+std::size_t end_of_prolog(std::string_view text) {
+  std::size_t position = text.starts_with(utf8_mark) ? utf8_mark.size() : 0;
+  while (true) {
+    position = std::min(text.find_first_not_of(blanks, position), text.size());
+    const std::string_view rest = text.substr(position);
+    const std::string_view closing = rest.starts_with("<?") ? "?>" : rest.starts_with("<!--") ? "-->" : "";
+    if (closing.empty()) return position;
+    const std::size_t end = text.find(closing, position);
+    if (end == std::string_view::npos) return position;
+    position = end + closing.size();
+  }
+}
+
+void find_merge_marker(std::string_view text, Findings& findings) {
+  for (const std::string_view marker : {"<<<<<<< ", ">>>>>>> "}) {
+    std::size_t position = text.find(marker);
+    while (position != std::string_view::npos && position > 0 && text[position - 1] != '\n') {
+      position = text.find(marker, position + 1);
+    }
+    if (position == std::string_view::npos) continue;
+    findings.error(line_at(text, position), "a merge conflict is left in the file",
+                   fmt::format("resolve it; this line begins with {}", marker.substr(0, 7)));
+    return;
+  }
+}
+
+void check_amount(std::string_view text, char sign, int most, std::string_view what, Findings& findings) {
+  const auto count = std::count(text.begin(), text.end(), sign);
+  if (count > most) findings.error(0, fmt::format("the file has {} {}, more than {}", count, what, most));
+}
+
+void check_prolog(std::string_view text, Findings& findings) {
+  const std::size_t start = end_of_prolog(text);
+  const std::string_view rest = text.substr(start);
+  const int line = line_at(text, start);
+  if (rest.empty()) {
+    findings.error(0, "the file is empty");
+  } else if (rest.starts_with("<!DOCTYPE") || rest.starts_with("<!doctype")) {
+    findings.error(line, "a document type isn't allowed here",
+                   "remove the DOCTYPE; if it says html, this is a web page and not the file it shows");
+  } else if (rest.front() != '<') {
+    findings.error(line, fmt::format("this is not XML: it begins with {}", in_quotes(rest.substr(0, rest.find('\n')))));
+  }
+}
+
+/// What tinyxml2's error means, in a sentence.
+std::string describe(tinyxml2::XMLError error) {
+  switch (error) {
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this tag isn't well-formed XML";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE: return "an attribute of this tag isn't well-formed XML";
+    case tinyxml2::XML_ERROR_PARSING_TEXT: return "the text that begins here isn't followed by a tag";
+    case tinyxml2::XML_ERROR_PARSING_CDATA: return "the CDATA section that begins here has no end";
+    case tinyxml2::XML_ERROR_PARSING_COMMENT: return "the comment that begins here has no end";
+    case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "a declaration <?...?> stands here or has no end";
+    case tinyxml2::XML_ERROR_PARSING_UNKNOWN: return "the tag <!... that begins here has no end";
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT: return "the element that begins here isn't closed by its own end tag";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
+      return fmt::format("elements are nested deeper than {} levels", max_urdf_depth);
+    default: return "this isn't well-formed XML";
+  }
+}
+
+/// The element after `element` in document order, or null. `depth` follows.
+const XMLElement* next_in_document(const XMLElement* element, int& depth) {
+  if (const XMLElement* child = element->FirstChildElement()) return ++depth, child;
+  while (element != nullptr) {
+    if (const XMLElement* sibling = element->NextSiblingElement()) return sibling;
+    const XMLNode* parent = element->Parent();
+    element = parent == nullptr ? nullptr : parent->ToElement();
+    --depth;
+  }
+  return nullptr;
+}
+
+void check_attributes(const XMLElement& element, Findings& findings) {
+  std::set<std::string_view> seen;
+  for (const auto* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
+    if (!seen.insert(attribute->Name()).second) {
+      findings.error(attribute->GetLineNum(),
+                     fmt::format("{} has two attributes {}", tag(element.Name()), in_quotes(attribute->Name())));
+      return;
+    }
+    if (seen.size() > most_attributes_of_one) {
+      findings.error(element.GetLineNum(),
+                     fmt::format("{} has more than {} attributes", tag(element.Name()), most_attributes_of_one));
+      return;
+    }
+  }
+}
+
+bool is_xacro(const XMLElement& element) {
+  if (std::string_view(element.Name()).starts_with("xacro:")) return true;
+  for (const auto* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
+    const std::string_view value = attribute->Value();
+    if (value.find("${") != std::string_view::npos || value.find("$(") != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+void check_elements(const XMLElement& root, Findings& findings) {
+  int depth = 1;
+  bool xacro_told = false;
+  for (const XMLElement* element = &root; element != nullptr; element = next_in_document(element, depth)) {
+    if (depth > max_urdf_depth) {
+      findings.error(element->GetLineNum(), describe(tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED));
+      return;
+    }
+    if (!xacro_told && is_xacro(*element)) {
+      xacro_told = true;
+      findings.error(element->GetLineNum(), "this is a xacro file that hasn't been expanded",
+                     "run: xacro FILE.urdf.xacro > FILE.urdf");
+    }
+    check_attributes(*element, findings);
+  }
+}
+
+}  // namespace
+
+bool text_is_sound(std::string_view text, Findings& findings) {
+  if (text.size() > max_urdf_bytes) {
+    findings.error(0, fmt::format("the file has {} bytes, more than {} MiB", text.size(), max_urdf_bytes >> 20));
+  } else if (text.starts_with("version https://git-lfs")) {
+    findings.error(1, "this is a git-lfs pointer, not the file it stands for", "run: git lfs pull");
+  } else if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    findings.error(0, "the file is UTF-16", "save it as UTF-8");
+  } else if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
+    findings.error(line_at(text, zero), "a zero byte: this is not a text file");
+  } else {
+    check_prolog(text, findings);
+    find_merge_marker(text, findings);
+    check_amount(text, '<', max_urdf_tags, "tags", findings);
+    check_amount(text, '=', max_urdf_attributes, "attributes", findings);
+  }
+  return !findings.has_error();
+}
+
+XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& findings) {
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    findings.error(document.ErrorLineNum(), describe(document.ErrorID()));
+    return nullptr;
+  }
+  XMLElement* root = document.RootElement();
+  if (root == nullptr) {
+    findings.error(0, "the file has no element");
+    return nullptr;
+  }
+  if (std::string_view(root->Name()) != "robot") {
+    findings.error(root->GetLineNum(), fmt::format("the file's element is {}", tag(root->Name())),
+                   "a URDF file has one element <robot name=\"...\">");
+    return nullptr;
+  }
+  for (const XMLNode* node = root->NextSibling(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToElement() == nullptr && node->ToText() == nullptr) continue;
+    findings.error(node->GetLineNum(), "something follows after </robot>", "a file describes one robot");
+    break;
+  }
+  check_elements(*root, findings);
+  return findings.has_error() ? nullptr : root;
+}
+
+}  // namespace rehearse::urdf

@@ -1,0 +1,234 @@
+#include "urdf_draft.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+namespace rehearse::urdf {
+namespace {
+
+/// The graph of links and joints, by index into the draft.
+struct Graph {
+  std::map<std::string_view, int> link_by_name;
+  std::map<std::string_view, int> joint_by_name;
+  std::vector<int> parent_joint;           // by link; -1 without
+  std::vector<int> parent_link;            // by link; -1 without
+  std::vector<std::vector<int>> children;  // by link: the joints below it, in document order
+};
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+void name_parts(const Draft& draft, Graph& graph, Findings& findings) {
+  const auto add = [&](auto& names, const auto& part, int i, const char* kind, const auto& line_of) {
+    const auto [found, is_new] = names.emplace(part.name, i);
+    if (is_new) return;
+    findings.error(part.line, fmt::format("a second {} with the name {}, after the one in line {}", kind,
+                                          in_quotes(part.name), line_of(found->second)));
+  };
+  for (std::size_t i = 0; i < draft.links.size(); ++i) {
+    add(graph.link_by_name, draft.links[i].link, static_cast<int>(i), "link",
+        [&](int first) { return draft.links[index(first)].link.line; });
+  }
+  for (std::size_t i = 0; i < draft.joints.size(); ++i) {
+    add(graph.joint_by_name, draft.joints[i].joint, static_cast<int>(i), "joint",
+        [&](int first) { return draft.joints[index(first)].joint.line; });
+  }
+}
+
+/// Index of the link that a joint names, or -1 with an error.
+int end_of(const JointDraft& joint, const char* end, const std::string& name, const Graph& graph, Findings& findings) {
+  const auto found = graph.link_by_name.find(name);
+  if (found != graph.link_by_name.end()) return found->second;
+  findings.error(joint.joint.line, fmt::format("joint {} has the {} {}, which is not a link",
+                                               in_quotes(joint.joint.name), end, in_quotes(name)));
+  return -1;
+}
+
+void connect(const Draft& draft, Graph& graph, Findings& findings) {
+  graph.parent_joint.assign(draft.links.size(), -1);
+  graph.parent_link.assign(draft.links.size(), -1);
+  graph.children.resize(draft.links.size());
+  for (std::size_t i = 0; i < draft.joints.size(); ++i) {
+    const JointDraft& joint = draft.joints[i];
+    const int parent = end_of(joint, "parent", joint.parent, graph, findings);
+    const int child = end_of(joint, "child", joint.child, graph, findings);
+    if (parent < 0 || child < 0) continue;
+    if (const int other = graph.parent_joint[index(child)]; other >= 0) {
+      findings.error(joint.joint.line,
+                     fmt::format("link {} has two parents: joint {} in line {} and joint {}", in_quotes(joint.child),
+                                 in_quotes(draft.joints[index(other)].joint.name),
+                                 draft.joints[index(other)].joint.line, in_quotes(joint.joint.name)));
+      continue;
+    }
+    graph.parent_joint[index(child)] = static_cast<int>(i);
+    graph.parent_link[index(child)] = parent;
+    graph.children[index(parent)].push_back(static_cast<int>(i));
+  }
+}
+
+/// Every loop once. A link that never comes to a root when one goes up is in a loop or hangs below one.
+void find_loops(const Draft& draft, const Graph& graph, Findings& findings) {
+  std::vector<int> seen_from(draft.links.size(), -1);
+  for (std::size_t start = 0; start < draft.links.size(); ++start) {
+    int at = static_cast<int>(start);
+    while (at >= 0 && seen_from[index(at)] < 0) {
+      seen_from[index(at)] = static_cast<int>(start);
+      at = graph.parent_link[index(at)];
+    }
+    if (at < 0 || seen_from[index(at)] != static_cast<int>(start)) continue;
+    const Joint& joint = draft.joints[index(graph.parent_joint[index(at)])].joint;
+    findings.error(joint.line,
+                   fmt::format("a loop: joint {} makes link {} its own ancestor", in_quotes(joint.name),
+                               in_quotes(draft.links[index(at)].link.name)),
+                   "links and joints form a tree");
+  }
+}
+
+/// The one link without a parent, or -1 with an error.
+int find_root(const Draft& draft, const Graph& graph, Findings& findings) {
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < draft.links.size(); ++i) {
+    if (graph.parent_joint[i] < 0) roots.push_back(static_cast<int>(i));
+  }
+  if (roots.size() == 1) return roots.front();
+  if (roots.empty()) return -1;  // a loop, which has been told
+  std::string names;
+  constexpr std::size_t most_names = 5;
+  for (std::size_t i = 0; i < std::min(roots.size(), most_names); ++i) {
+    names += (i == 0 ? "" : ", ") + in_quotes(draft.links[index(roots[i])].link.name);
+  }
+  if (roots.size() > most_names) names += ", ...";
+  findings.error(draft.links[index(roots[1])].link.line, fmt::format("{} root links: {}", roots.size(), names),
+                 "a robot has one link that is no joint's child");
+  return -1;
+}
+
+/// True if the link is nothing but a name for the world.
+bool is_bare_world(const Draft& draft, const Graph& graph, int root) {
+  const LinkDraft& link = draft.links[index(root)];
+  return link.link.name == "world" && !link.has_inertial && link.link.visuals.empty() && link.link.collisions.empty() &&
+         graph.children[index(root)].size() == 1;
+}
+
+bool is_floating(const Draft& draft, int joint) { return draft.joints[index(joint)].joint.type == JointType::free; }
+
+/// A floating joint makes sense in one place. Goes down over it, from the world to the free base.
+int skip_floating(const Draft& draft, const Graph& graph, int root, Findings& findings) {
+  int base = root;
+  if (is_bare_world(draft, graph, root)) {
+    const int below = graph.children[index(root)].front();
+    const JointDraft& joint = draft.joints[index(below)];
+    if (joint.joint.type == JointType::free) {
+      base = graph.link_by_name.at(joint.child);
+      findings.note(joint.joint.line, fmt::format("floating joint {} below 'world': link {} is the free root",
+                                                  in_quotes(joint.joint.name), in_quotes(joint.child)));
+    }
+  }
+  for (std::size_t i = 0; i < draft.joints.size(); ++i) {
+    const bool is_skipped = base != root && static_cast<int>(i) == graph.parent_joint[index(base)];
+    if (!is_floating(draft, static_cast<int>(i)) || is_skipped) continue;
+    findings.error(draft.joints[i].joint.line,
+                   fmt::format("floating joint {} isn't supported here", in_quotes(draft.joints[i].joint.name)),
+                   "only as the single joint below an empty root link 'world', which makes a free base");
+  }
+  return base;
+}
+
+/// By joint of the draft: its id, -1 for those that don't move.
+std::vector<int> number_joints(const Draft& draft) {
+  std::vector<int> ids;
+  int next = 0;
+  for (const JointDraft& joint : draft.joints) ids.push_back(is_movable(joint.joint.type) ? next++ : -1);
+  return ids;
+}
+
+/// Depth-first without recursion: a chain may be as long as a file allows.
+void add_links(const Draft& draft, const Graph& graph, int root, Model& model) {
+  const std::vector<int> ids = number_joints(draft);
+  model.joints.assign(static_cast<std::size_t>(std::count_if(ids.begin(), ids.end(), [](int id) { return id >= 0; })),
+                      -1);
+
+  struct Place {
+    int link;    // in the draft
+    int parent;  // in the model
+  };
+  std::vector<Place> open = {{root, -1}};
+  while (!open.empty()) {
+    const Place place = open.back();
+    open.pop_back();
+    const int here = static_cast<int>(model.links.size());
+    Link& link = model.links.emplace_back(draft.links[index(place.link)].link);
+    link.parent = place.parent;
+    if (place.parent < 0) {
+      link.joint.type = link.name == "world" ? JointType::fixed : JointType::free;
+    } else {
+      const int joint = graph.parent_joint[index(place.link)];
+      link.joint = draft.joints[index(joint)].joint;
+      link.joint.id = ids[index(joint)];
+      if (link.joint.id >= 0) model.joints[index(link.joint.id)] = here;
+    }
+    const std::vector<int>& below = graph.children[index(place.link)];
+    for (auto joint = below.rbegin(); joint != below.rend(); ++joint) {
+      open.push_back({graph.link_by_name.at(draft.joints[index(*joint)].child), here});
+    }
+  }
+}
+
+/// Index in the model of the link that a sensor's block refers to, or -1.
+int link_of(const DeviceDraft& device, const std::map<std::string_view, int>& links,
+            const std::map<std::string_view, int>& joints) {
+  const auto link = links.find(device.reference);
+  const auto joint = joints.find(device.reference);
+  const bool takes_joint = joint != joints.end() && (device.prefers_joint || link == links.end());
+  if (takes_joint) return joint->second;
+  return link == links.end() ? -1 : link->second;
+}
+
+void add_devices(const Draft& draft, Model& model, Findings& findings) {
+  std::map<std::string_view, int> links;
+  std::map<std::string_view, int> joints;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    links.emplace(model.links[i].name, static_cast<int>(i));
+    if (i > 0) joints.emplace(model.links[i].joint.name, static_cast<int>(i));
+  }
+  for (const DeviceDraft& device : draft.devices) {
+    const int link = link_of(device, links, joints);
+    if (link < 0) {
+      findings.error(device.device.line, fmt::format("sensor {} is on {}, which is not a link",
+                                                     in_quotes(device.device.name), in_quotes(device.reference)));
+      continue;
+    }
+    model.devices.push_back(device.device);
+    model.devices.back().link = link;
+  }
+  std::stable_sort(model.devices.begin(), model.devices.end(),
+                   [](const Device& a, const Device& b) { return a.link < b.link; });
+}
+
+}  // namespace
+
+std::optional<Model> join(const Draft& draft, Findings& findings) {
+  if (draft.links.empty()) {
+    findings.error(0, "the robot has no links");
+    return std::nullopt;
+  }
+  const int errors_before = findings.error_count();
+  Graph graph;
+  name_parts(draft, graph, findings);
+  connect(draft, graph, findings);
+  find_loops(draft, graph, findings);
+  // A part that is missing or in doubt would make false roots.
+  if (!draft.is_complete || findings.error_count() > errors_before) return std::nullopt;
+  const int root = find_root(draft, graph, findings);
+  if (root < 0) return std::nullopt;
+
+  Model model;
+  model.name = draft.name;
+  add_links(draft, graph, skip_floating(draft, graph, root, findings), model);
+  add_devices(draft, model, findings);
+  return model;
+}
+
+}  // namespace rehearse::urdf

@@ -1,0 +1,161 @@
+#include "urdf_values.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+namespace rehearse::urdf {
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr std::string_view blanks = " \t\r\n";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
+/// The numbers in a text, if it is exactly `count` of them.
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  for (text = trimmed(text); !text.empty() && numbers.size() <= count; text = trimmed(text)) {
+    const std::size_t end = std::min(text.find_first_of(blanks), text.size());
+    const std::optional<double> number = parse_number(text.substr(0, end));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    text.remove_prefix(end);
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+std::optional<std::vector<double>> read_numbers(const XMLElement& element, const char* attribute, std::size_t count,
+                                                Findings& findings) {
+  const char* text = element.Attribute(attribute);
+  if (text == nullptr) {
+    findings.error(element.GetLineNum(), fmt::format("{} has no attribute '{}'", tag(element.Name()), attribute));
+    return std::nullopt;
+  }
+  std::optional<std::vector<double>> numbers = parse_numbers(text, count);
+  if (!numbers) {
+    const char* wanted[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
+    findings.error(
+        element.FindAttribute(attribute)->GetLineNum(),
+        fmt::format("{} of {} is {}, not {}", attribute, tag(element.Name()), in_quotes(text), wanted[count]),
+        "decimal numbers as in 1.5 or -2e-3, with blanks between them");
+  }
+  return numbers;
+}
+
+std::string_view text_of(const XMLElement& element) {
+  const char* text = element.GetText();
+  return text == nullptr ? std::string_view() : std::string_view(text);
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<double> read_number(const XMLElement& element, const char* attribute, Findings& findings) {
+  const auto numbers = read_numbers(element, attribute, 1, findings);
+  if (!numbers) return std::nullopt;
+  return numbers->front();
+}
+
+std::optional<double> read_number_or(const XMLElement& element, const char* attribute, double fallback,
+                                     Findings& findings) {
+  if (element.Attribute(attribute) == nullptr) return fallback;
+  return read_number(element, attribute, findings);
+}
+
+std::optional<Eigen::Vector3d> read_vector(const XMLElement& element, const char* attribute, Findings& findings) {
+  const auto numbers = read_numbers(element, attribute, 3, findings);
+  if (!numbers) return std::nullopt;
+  return Eigen::Vector3d(numbers->data());
+}
+
+std::optional<Eigen::Vector3d> read_vector_or(const XMLElement& element, const char* attribute,
+                                              const Eigen::Vector3d& fallback, Findings& findings) {
+  if (element.Attribute(attribute) == nullptr) return fallback;
+  return read_vector(element, attribute, findings);
+}
+
+std::optional<Eigen::Vector4d> read_vector4(const XMLElement& element, const char* attribute, Findings& findings) {
+  const auto numbers = read_numbers(element, attribute, 4, findings);
+  if (!numbers) return std::nullopt;
+  return Eigen::Vector4d(numbers->data());
+}
+
+Eigen::Isometry3d read_origin(const XMLElement& element, Findings& findings) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  const XMLElement* origin = element.FirstChildElement("origin");
+  if (origin == nullptr) return pose;
+  if (origin->Attribute("quat_xyzw") != nullptr) {
+    findings.error(origin->GetLineNum(), "quat_xyzw of <origin> isn't supported", "give the rotation as rpy");
+  }
+  const auto xyz = read_vector_or(*origin, "xyz", Eigen::Vector3d::Zero(), findings);
+  const auto rpy = read_vector_or(*origin, "rpy", Eigen::Vector3d::Zero(), findings);
+  if (xyz) pose.translation() = *xyz;
+  if (rpy) pose.linear() = rotation_from_rpy(*rpy);
+  return pose;
+}
+
+std::optional<std::string> read_name(const XMLElement& element, const char* attribute, Findings& findings) {
+  const char* text = element.Attribute(attribute);
+  if (text == nullptr || *text == '\0') {
+    findings.error(element.GetLineNum(), fmt::format("{} has no {}", tag(element.Name()), attribute));
+    return std::nullopt;
+  }
+  const std::string_view name = text;
+  const bool has_control =
+      std::any_of(name.begin(), name.end(), [](unsigned char byte) { return byte < 0x20 || byte == 0x7F; });
+  if (has_control || !is_utf8(name)) {
+    findings.error(element.GetLineNum(), fmt::format("the {} {} of {} isn't plain UTF-8 text", attribute,
+                                                     in_quotes(name), tag(element.Name())));
+    return std::nullopt;
+  }
+  return std::string(name);
+}
+
+std::optional<double> read_text_number(const XMLElement& element, Findings& findings) {
+  const std::optional<double> number = parse_number(text_of(element));
+  if (!number) {
+    findings.error(element.GetLineNum(),
+                   fmt::format("{} holds {}, not a number", tag(element.Name()), in_quotes(text_of(element))));
+  }
+  return number;
+}
+
+Eigen::Isometry3d read_text_pose(const XMLElement& element, Findings& findings) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  const auto numbers = parse_numbers(text_of(element), 6);
+  if (!numbers) {
+    findings.error(element.GetLineNum(), fmt::format("{} holds {}, not six numbers: x y z roll pitch yaw",
+                                                     tag(element.Name()), in_quotes(text_of(element))));
+    return pose;
+  }
+  pose.translation() = Eigen::Vector3d(numbers->data());
+  pose.linear() = rotation_from_rpy(Eigen::Vector3d(numbers->data() + 3));
+  return pose;
+}
+
+Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+}  // namespace rehearse::urdf

@@ -1,0 +1,54 @@
+// Reading values out of XML, strictly: a value is there and well-formed, or the finding says where and what it is.
+#pragma once
+
+#include "urdf_findings.h"
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tinyxml2 {
+class XMLElement;
+}
+
+namespace rehearse::urdf {
+
+/// A finite decimal number and nothing else but blanks around it; the locale plays no part.
+std::optional<double> parse_number(std::string_view text);
+
+/// The attribute's number. Missing or malformed: an error, and nothing.
+std::optional<double> read_number(const tinyxml2::XMLElement& element, const char* attribute, Findings& findings);
+
+/// The attribute's number, or `fallback` if it is not there. Malformed: an error, and nothing.
+std::optional<double> read_number_or(const tinyxml2::XMLElement& element, const char* attribute, double fallback,
+                                     Findings& findings);
+
+/// The attribute's three numbers, or `fallback` if it is not there. Malformed: an error, and nothing.
+std::optional<Eigen::Vector3d> read_vector_or(const tinyxml2::XMLElement& element, const char* attribute,
+                                              const Eigen::Vector3d& fallback, Findings& findings);
+
+/// The attribute's three numbers. Missing or malformed: an error, and nothing.
+std::optional<Eigen::Vector3d> read_vector(const tinyxml2::XMLElement& element, const char* attribute,
+                                           Findings& findings);
+
+/// The attribute's four numbers. Missing or malformed: an error, and nothing.
+std::optional<Eigen::Vector4d> read_vector4(const tinyxml2::XMLElement& element, const char* attribute,
+                                            Findings& findings);
+
+/// The pose in `element`'s child <origin xyz rpy>; identity if there is none. Malformed: an error, and identity.
+Eigen::Isometry3d read_origin(const tinyxml2::XMLElement& element, Findings& findings);
+
+/// A name: the attribute is there, not empty, UTF-8 without control characters. Else an error, and nothing.
+std::optional<std::string> read_name(const tinyxml2::XMLElement& element, const char* attribute, Findings& findings);
+
+/// The number that is the element's text, as SDF has it. Malformed: an error, and nothing.
+std::optional<double> read_text_number(const tinyxml2::XMLElement& element, Findings& findings);
+
+/// The pose "x y z roll pitch yaw" that is the element's text, as SDF has it. Malformed: an error, and identity.
+Eigen::Isometry3d read_text_pose(const tinyxml2::XMLElement& element, Findings& findings);
+
+/// Rotation by roll about x, then pitch about y, then yaw about z, all of the fixed frame [rad]: Rz Ry Rx.
+Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy);
+
+}  // namespace rehearse::urdf
