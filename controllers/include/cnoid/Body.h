@@ -1,0 +1,208 @@
+// Body: a robot or object as a tree of links, with its joints and devices.
+//
+// The body that a controller gets is its own copy: reading it never shows what was not enabled as input, and writing to
+// it changes nothing in the simulation but what is sent as output. Links, joints and devices live as long as the body.
+#pragma once
+
+#include "ClonableReferenced.h"
+#include "DeviceList.h"
+#include "Link.h"
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace cnoid {
+
+class Body;
+using BodyPtr = ref_ptr<Body>;
+
+class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
+ public:
+  /// A body of one free link without a name.
+  Body();
+  explicit Body(const std::string& name);
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+  ~Body() override;
+
+  /// A deep copy with state and devices, owned by nobody yet. Caches stay behind, and so do images (see Camera).
+  Body* clone() const { return static_cast<Body*>(doClone(nullptr)); }
+
+  /// In a scenario: the body's name there. modelName() is the name in the model file.
+  const std::string& name() const { return name_; }
+  const std::string& modelName() const { return modelName_; }
+
+  // --- Links: depth first, children of a link in order; link 0 is the root
+
+  int numLinks() const { return static_cast<int>(links_.size()); }
+  /// Null if there is none.
+  Link* link(int index) const;
+  /// Null if there is none. Of several links of that name: the last.
+  Link* link(const std::string& name) const;
+  const std::vector<LinkPtr>& links() const { return links_; }
+  Link* rootLink() const { return rootLink_; }
+
+  // --- Joints: by joint id
+
+  /// The largest joint id plus one.
+  int numJoints() const { return numIdentifiedJoints_; }
+  /// Null if the number is out of range (Choreonoid does not check). Where no link has that id: a dummy, a fixed link
+  /// with index -1 that belongs to no body; it can't be enabled on an IO object.
+  Link* joint(int id) const;
+  /// By the name of the joint, then by that of the link; null if there is neither.
+  Link* joint(const std::string& name) const;
+
+  class JointRange {
+   public:
+    using iterator = std::vector<LinkPtr>::iterator;
+    JointRange(iterator begin, iterator end) : begin_(begin), end_(end) {}
+    iterator begin() const { return begin_; }
+    iterator end() const { return end_; }
+
+   private:
+    iterator begin_;
+    iterator end_;
+  };
+  /// joint(0) to joint(numJoints() - 1), for a range-based for.
+  JointRange joints() { return JointRange(joints_.begin(), joints_.begin() + numIdentifiedJoints_); }
+
+  /// Moving links without a joint id follow those with one.
+  const std::vector<LinkPtr>& allJoints() const { return joints_; }
+  int numAllJoints() const { return static_cast<int>(joints_.size()); }
+  int numVirtualJoints() const { return numAllJoints() - numIdentifiedJoints_; }
+
+  // --- Devices: in the order of the model, those of a link before those of the next
+
+  int numDevices() const { return static_cast<int>(devices_.size()); }
+  /// Null if there is none.
+  Device* device(int index) const;
+  const DeviceList<>& devices() const { return devices_; }
+  template <class DeviceType>
+  DeviceList<DeviceType> devices() const {
+    return devices_;
+  }
+
+  /// Null if there is none. Of several devices of that name: the last.
+  Device* findDevice(const std::string& name) const;
+  /// Null as well if the device of that name is of another type.
+  template <class DeviceType>
+  DeviceType* findDevice(const std::string& name) const {
+    return dynamic_cast<DeviceType*>(findDevice(name));
+  }
+  /// The first device of the type, if a predicate is given: the first that it accepts.
+  template <class DeviceType>
+  DeviceType* findDevice(std::function<bool(DeviceType* device)> accepts = nullptr) const {
+    for (const auto& device : devices_) {
+      auto* matching = dynamic_cast<DeviceType*>(device.get());
+      if (matching && (!accepts || accepts(matching))) return matching;
+    }
+    return nullptr;
+  }
+  template <class DeviceType>
+  DeviceList<DeviceType> findDevices(std::function<bool(DeviceType* device)> accepts = nullptr) const {
+    DeviceList<DeviceType> found;
+    for (const auto& device : devices<DeviceType>()) {
+      if (!accepts || accepts(device)) found.push_back(device);
+    }
+    return found;
+  }
+
+  // --- The whole body
+
+  /// The root link is fixed to the world.
+  bool isFixedRootModel() const { return rootLink_->isFixedJoint(); }
+  /// Nothing in it moves.
+  bool isStaticModel() const;
+  bool hasMovableJoints() const;
+
+  double mass() const;  // [kg]
+  /// Centre of mass in the world [m], from the links' T(). Updates Link::wc().
+  const Vector3& calcCenterOfMass();
+  /// Of the last calcCenterOfMass().
+  const Vector3& centerOfMass() const { return centerOfMass_; }
+  /// Momentum [kg·m/s] and angular momentum about the world's origin [kg·m²/s], from the links' T(), v(), w(), and
+  /// wc(): call calcCenterOfMass() first.
+  void calcTotalMomentum(Vector3& P, Vector3& L);
+
+  /// Poses (and velocities, accelerations) of all links from the root's and the joints' q (dq, ddq).
+  void calcForwardKinematics(bool calcVelocity = false, bool calcAcceleration = false);
+
+  /// The root's pose in the model.
+  const Isometry3& defaultPosition() const { return rootLink_->Tb(); }
+  void resetDefaultPosition(const Isometry3& pose) { rootLink_->setOffsetPosition(pose); }
+  /// Root at defaultPosition(), joints at q_initial(), then as initializeState().
+  void initializePosition();
+  /// All links at rest where they are (Link::initializeState), forward kinematics, devices cleared.
+  void initializeState();
+  void initializeDeviceStates();
+  void clearExternalForces();
+
+  /// Simulated time [s].
+  double currentTime() const { return currentTimeFunction_ ? currentTimeFunction_() : 0.0; }
+  void setCurrentTimeFunction(std::function<double()> function) { currentTimeFunction_ = std::move(function); }
+
+  // --- Objects kept with the body under a name; the IO object's shared objects live here
+
+  template <class T>
+  T* findCache(const std::string& name) {
+    return dynamic_cast<T*>(findCacheEntry(name));
+  }
+  template <class T>
+  const T* findCache(const std::string& name) const {
+    return dynamic_cast<const T*>(findCacheEntry(name));
+  }
+  /// Makes a new T if there is none of that name, or one of another type.
+  template <class T>
+  T* getOrCreateCache(const std::string& name) {
+    if (T* existing = findCache<T>(name)) return existing;
+    T* created = new T();
+    setCache(name, created);
+    return created;
+  }
+  void setCache(const std::string& name, Referenced* object);
+  void removeCache(const std::string& name);
+
+  // --- For building a body
+
+  void setName(const std::string& name) { name_ = name; }
+  void setModelName(const std::string& name) { modelName_ = name; }
+  /// Replaces the whole tree.
+  void setRootLink(Link* link);
+  void setRootLinkFixed(bool on) { rootLink_->setJointType(on ? Link::FixedJoint : Link::FreeJoint); }
+  /// To be called after the tree, or a link's name or joint id, was changed: numbers links and joints anew.
+  void updateLinkTree();
+
+  /// False if the link belongs to another body. Devices get their index here.
+  bool addDevice(Device* device, Link* link);
+  /// False if it is none of this body's.
+  bool removeDevice(Device* device);
+  void removeDevicesOfLink(Link* link);
+  void clearDevices();
+  void sortDevicesByLinkOrder();
+
+ protected:
+  Referenced* doClone(CloneMap* cloneMap) const override;
+
+ private:
+  void collectLinks(Link* link);
+  void collectJoints();
+  void numberDevices();
+  Referenced* findCacheEntry(const std::string& name) const;
+
+  std::string name_;
+  std::string modelName_;
+  LinkPtr rootLink_;
+  std::vector<LinkPtr> links_;
+  std::vector<LinkPtr> joints_;  // by joint id, then those without one
+  int numIdentifiedJoints_ = 0;
+  std::map<std::string, Link*> linksByName_;
+  std::map<std::string, Link*> linksByJointName_;
+  DeviceList<> devices_;
+  std::map<std::string, ReferencedPtr> caches_;
+  Vector3 centerOfMass_;
+  std::function<double()> currentTimeFunction_;
+};
+
+}  // namespace cnoid

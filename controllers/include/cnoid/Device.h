@@ -1,0 +1,130 @@
+// Device: a sensor, light or other element fixed to a link. What it measures or does is its state.
+//
+// A controller has its own copy of each device (see Body). Input: after enableInput(device) on the IO object the copy is
+// refreshed before a control step whenever the simulated one has something new. Output: change the copy, then call
+// notifyStateChange(); without it nothing is sent.
+#pragma once
+
+#include "ClonableReferenced.h"
+#include "EigenTypes.h"
+#include "Signal.h"
+
+#include <string>
+
+namespace cnoid {
+
+class Body;
+class Link;
+
+/// The part of a device that changes: copied between the controller's device and the simulated one, and recorded.
+class CNOID_GENERAL_EXPORT DeviceState : public ClonableReferenced {
+ public:
+  ~DeviceState() override;
+
+  /// The class's name, as in "ForceSensor".
+  virtual const char* typeName() const = 0;
+
+  /// Takes over the state of a device of exactly the same type; throws std::invalid_argument if it is another.
+  /// Images, points and ranges are shared, not copied.
+  virtual void copyStateFrom(const DeviceState& other) = 0;
+
+  /// A new copy, owned by nobody yet.
+  virtual DeviceState* cloneState(DeviceState* existingClone = nullptr) const = 0;
+
+  /// How many doubles writeState writes. Images, points and ranges are not among them.
+  virtual int stateSize() const = 0;
+
+  /// Writes stateSize() doubles and returns the place after the last one.
+  virtual double* writeState(double* buffer) const = 0;
+
+  /// Reads what writeState wrote and returns the place after it. Reads nothing, and returns `buffer`, if `size` (the
+  /// number of doubles there are) is less than stateSize().
+  virtual const double* readState(const double* buffer, int size) = 0;
+
+ protected:
+  DeviceState() = default;
+  DeviceState(const DeviceState&) = default;
+};
+
+using DeviceStatePtr = ref_ptr<DeviceState>;
+
+class CNOID_GENERAL_EXPORT Device : public DeviceState {
+ public:
+  EIGEN_MAKE_ALIGNED_OPERATOR_NEW
+
+  ~Device() override;
+
+  /// A new copy with name, id, place and state. It belongs to no body and has no slots connected.
+  Device* clone() const { return static_cast<Device*>(doClone(nullptr)); }
+  DeviceState* cloneState(DeviceState* existingClone = nullptr) const override;
+
+  /// Position in Body::devices(); -1 outside a body.
+  int index() const { return index_; }
+  /// As the model gives it; -1 if it gives none.
+  int id() const { return id_; }
+  const std::string& name() const { return name_; }
+
+  Link* link() { return link_; }
+  const Link* link() const { return link_; }
+  /// The body of the link, or null.
+  Body* body();
+  const Body* body() const;
+
+  /// Device frame in the link frame.
+  Isometry3& T_local() { return T_local_; }
+  const Isometry3& T_local() const { return T_local_; }
+  const Isometry3& localPosition() const { return T_local_; }
+  Isometry3::LinearPart R_local() { return T_local_.linear(); }
+  Isometry3::ConstLinearPart R_local() const { return T_local_.linear(); }
+  Isometry3::ConstLinearPart localRotation() const { return T_local_.linear(); }
+  Isometry3::TranslationPart p_local() { return T_local_.translation(); }
+  Isometry3::ConstTranslationPart p_local() const { return T_local_.translation(); }
+  Isometry3::ConstTranslationPart localTranslation() const { return T_local_.translation(); }
+
+  template <class Scalar, int Mode, int Options>
+  void setLocalPosition(const Eigen::Transform<Scalar, 3, Mode, Options>& pose) {
+    T_local_ = pose.template cast<double>();
+  }
+  template <typename Derived>
+  void setLocalRotation(const Eigen::MatrixBase<Derived>& rotation) {
+    T_local_.linear() = rotation.template cast<double>();
+  }
+  template <typename Derived>
+  void setLocalTranslation(const Eigen::MatrixBase<Derived>& translation) {
+    T_local_.translation() = translation.template cast<double>();
+  }
+
+  /// Whether it works. Devices that can't be switched are always on, and switching them has no effect.
+  virtual bool on() const;
+  virtual void on(bool on);
+
+  /// State of a device that has measured nothing yet: zeros, no image, no points. Lights have nothing to clear.
+  virtual void clearState();
+
+  SignalProxy<void()> sigStateChanged() { return sigStateChanged_; }
+  /// Says that the state has changed. On a controller's device: sends the whole state to the simulation after control().
+  void notifyStateChange() { sigStateChanged_(); }
+
+  // For building a body
+  void setIndex(int index) { index_ = index; }
+  void setId(int id) { id_ = id; }
+  void setName(const std::string& name) { name_ = name; }
+  void setLink(Link* link) { link_ = link; }
+
+ protected:
+  Device();
+  Device(const Device& other);
+  Device& operator=(const Device&) = delete;
+
+ private:
+  int index_ = -1;
+  int id_ = -1;
+  Link* link_ = nullptr;
+  std::string name_;
+  Isometry3 T_local_;
+  Signal<void()> sigStateChanged_;
+};
+
+using DevicePtr = ref_ptr<Device>;
+
+}  // namespace cnoid

@@ -1,0 +1,4 @@
+// The old name of BasicSensors.
+#pragma once
+
+#include "BasicSensors.h"
