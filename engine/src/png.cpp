@@ -63,8 +63,7 @@ Bytes compressed(const Bytes& bytes) {
       libdeflate_alloc_compressor(compression_level), &libdeflate_free_compressor);
   REHEARSE_ASSERT(compressor, "no memory to compress a picture");
   Bytes packed(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
-  packed.resize(
-      libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), packed.data(), packed.size()));
+  packed.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), packed.data(), packed.size()));
   REHEARSE_ASSERT(!packed.empty(), "a picture compresses to more than its bound");
   return packed;
 }
@@ -78,14 +77,17 @@ struct Reader {
   Reader& operator=(const Reader&) = delete;
 };
 
-Diagnostic not_a_picture(const Reader& reader) { return error(fmt::format("can't decode PNG: {}", reader.image.message)); }
+Diagnostic not_a_picture(const Reader& reader) {
+  return error(fmt::format("can't decode PNG: {}", reader.image.message));
+}
 
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Image& image) {
   REHEARSE_ASSERT(image.width > 0 && image.height > 0, "a PNG has at least one pixel");
-  REHEARSE_ASSERT(image.pixels.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3,
-                  "an image has three bytes a pixel");
+  REHEARSE_ASSERT(
+      image.pixels.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3,
+      "an image has three bytes a pixel");
   Bytes file{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   append_chunk(file, "IHDR", header_of(image));
   append_chunk(file, "IDAT", compressed(rows_of(image)));

@@ -130,8 +130,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Look& look) {
 
 int Renderer::add(const Shape& shape, const Color& color) {
   const Color used = shape.color.value_or(color);
-  impl_->items.push_back({shape.geometry.index(), mesh_scale(shape.geometry),
-                          {used[0], used[1], used[2], used[3]}, shape.pose, shape.pose});
+  impl_->items.push_back({shape.geometry.index(),
+                          mesh_scale(shape.geometry),
+                          {used[0], used[1], used[2], used[3]},
+                          shape.pose,
+                          shape.pose});
   return static_cast<int>(impl_->items.size()) - 1;
 }
 

@@ -2,16 +2,14 @@
 
 #include "renderer_shaders.h"
 
+#include <rehearse/renderer.h>
+
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
-#include <GL/glext.h>
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <rehearse/renderer.h>
 
 namespace rehearse::gl {
 namespace {
@@ -38,7 +36,8 @@ unsigned compile(GLenum stage, const char* source) {
 
 unsigned link_program() {
   const unsigned program = glCreateProgram();
-  for (const unsigned shader : {compile(GL_VERTEX_SHADER, vertex_shader), compile(GL_FRAGMENT_SHADER, fragment_shader)}) {
+  for (const unsigned shader :
+       {compile(GL_VERTEX_SHADER, vertex_shader), compile(GL_FRAGMENT_SHADER, fragment_shader)}) {
     glAttachShader(program, shader);
     glDeleteShader(shader);  // once the program goes
   }
@@ -95,8 +94,8 @@ Context::~Context() {
 Result<void> Context::check_abilities() {
   const std::string version = text_of(GL_VERSION);  // "4.5 (Core Profile) Mesa 22.3.6"
   const std::size_t mesa = version.find("Mesa ");
-  description_ = fmt::format("OSMesa, {}, {}", mesa == std::string::npos ? version : version.substr(mesa),
-                             text_of(GL_RENDERER));
+  description_ =
+      fmt::format("OSMesa, {}, {}", mesa == std::string::npos ? version : version.substr(mesa), text_of(GL_RENDERER));
   int largest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   if (largest < Renderer::max_size) {

@@ -41,9 +41,9 @@ class Context {
 
 /// One shape as the vertex shader reads it, in the camera's frame.
 struct Instance {
-  std::array<float, 9> rotation;   // columns: the shape's axes
-  std::array<float, 3> origin;     // [m]
-  std::array<float, 4> scale;      // of the mesh along x, y, z, then its stretch [m]
+  std::array<float, 9> rotation;  // columns: the shape's axes
+  std::array<float, 3> origin;    // [m]
+  std::array<float, 4> scale;     // of the mesh along x, y, z, then its stretch [m]
   std::array<float, 4> color;
 };
 
@@ -92,8 +92,8 @@ class Target {
   int height_ = 0;
   bool depth_ = false;
   unsigned framebuffer_ = 0;
-  std::array<unsigned, 3> buffers_{};         // colour, z, distance
-  std::vector<std::uint8_t> pixels_;          // as OpenGL hands them out, four bytes a pixel
+  std::array<unsigned, 3> buffers_{};  // colour, z, distance
+  std::vector<std::uint8_t> pixels_;   // as OpenGL hands them out, four bytes a pixel
 };
 
 /// Waits until everything is drawn.

@@ -6,10 +6,10 @@
 namespace rehearse {
 namespace {
 
-// A chord of one of n segments comes as close to the centre as cos(pi / n) of its ends' distance: with 80 segments 0.08 %.
-// A sphere loses that along both circles. Each mesh is blown up by half of what it loses, so that it is as much too large
-// at its edges as it is too small between them.
-constexpr int segments = 80;       // around the axis
+// A chord of one of n segments comes as close to the centre as cos(pi / n) of its ends' distance: with 80 segments 0.08
+// %. A sphere loses that along both circles. Each mesh is blown up by half of what it loses, so that it is as much too
+// large at its edges as it is too small between them.
+constexpr int segments = 80;         // around the axis
 constexpr int rings = segments / 2;  // from pole to pole
 const double sagitta = 1.0 - std::cos(std::numbers::pi / segments);
 

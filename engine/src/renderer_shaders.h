@@ -30,9 +30,9 @@ void main() {
 }
 )";
 
-// Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light is
-// bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from being
-// dark. A surface that faces sun and sky has about its own colour.
+// Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light
+// is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from
+// being dark. A surface that faces sun and sky has about its own colour.
 inline constexpr char fragment_shader[] = R"(#version 330 core
 in vec3 surface_point;
 in vec3 surface_normal;

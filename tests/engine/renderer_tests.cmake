@@ -1,3 +1,4 @@
+find_package(PNG REQUIRED)  # writes the kinds of PNG that we only read
 rehearse_add_test(png_test LABEL unit SOURCES renderer/png_test.cpp LIBRARIES Rehearse::png PNG::PNG)
 
 rehearse_add_test(renderer_test LABEL render

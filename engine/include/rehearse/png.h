@@ -17,8 +17,8 @@ namespace rehearse {
 std::vector<std::uint8_t> encode_png(const Image& image);
 
 /// Any PNG of up to 8 bits a sample (grey, RGB, palette, with or without alpha) as RGB; alpha is dropped.
-/// Fails, with the decoder's own words where it has some, on what isn't a complete PNG file with right checksums, has 16
-/// bits a sample, or is wider or higher than 8192 pixels.
+/// Fails, with the decoder's own words where it has some, on what isn't a complete PNG file with right checksums, has
+/// 16 bits a sample, or is wider or higher than 8192 pixels.
 Result<Image> decode_png(std::span<const std::uint8_t> bytes);
 
 }  // namespace rehearse

@@ -63,7 +63,10 @@ TEST_P(PngRoundTrip, GivesEveryPixelBack) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, PngRoundTrip,
                          testing::Values(std::pair(1, 1), std::pair(1, 300), std::pair(300, 1), std::pair(7, 5),
-                                         std::pair(640, 480), std::pair(20, 8000)));
+                                         std::pair(640, 480), std::pair(20, 8000)),
+                         [](const auto& instance) {
+                           return std::to_string(instance.param.first) + "x" + std::to_string(instance.param.second);
+                         });
 
 TEST(Png, IsTheSameForTheSamePixels) { EXPECT_EQ(encode_png(noise(64, 48)), encode_png(noise(64, 48))); }
 

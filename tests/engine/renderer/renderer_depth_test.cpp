@@ -45,9 +45,9 @@ Eigen::Vector3d ray_through(const Camera& camera, int x, int y) {
 }
 
 struct Hit {
-  double depth = infinite;     // [m]
-  double facing = 0.0;         // cosine between the ray and the surface's normal
-  double clearance = infinite; // how near the ray comes to a shape that it misses [m]
+  double depth = infinite;      // [m]
+  double facing = 0.0;          // cosine between the ray and the surface's normal
+  double clearance = infinite;  // how near the ray comes to a shape that it misses [m]
 };
 
 Hit cast(const Shape& shape, const Camera& camera, const Eigen::Isometry3d& pose, int x, int y) {

@@ -1,9 +1,11 @@
 #include "renderer_meshes.h"
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <map>
+#include <ostream>
+#include <string>
 #include <tuple>
 
 namespace rehearse {
@@ -14,7 +16,14 @@ Eigen::Vector3d place(const Vertex& v) {
   return Eigen::Vector3d(v.position[0], v.position[1], v.position[2] + v.shift);
 }
 
-class RendererMeshes : public testing::TestWithParam<Mesh (*)()> {
+struct NamedMesh {
+  std::string name;
+  Mesh mesh;
+};
+
+void PrintTo(const NamedMesh& mesh, std::ostream* out) { *out << mesh.name; }  // else ctest's names have its bytes
+
+class RendererMeshes : public testing::TestWithParam<NamedMesh> {
  protected:
   template <class Visit>
   void for_each_triangle(const Mesh& mesh, Visit visit) {
@@ -28,7 +37,7 @@ TEST_P(RendererMeshes, AreClosed) {
   using Place = std::tuple<double, double, double>;
   const auto key = [](const Vertex& v) { return Place(place(v).x(), place(v).y(), place(v).z()); };
   std::map<std::pair<Place, Place>, int> edges;
-  for_each_triangle(GetParam()(), [&](const Vertex& a, const Vertex& b, const Vertex& c) {
+  for_each_triangle(GetParam().mesh, [&](const Vertex& a, const Vertex& b, const Vertex& c) {
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
       ++edges[{key(from), key(to)}];
       --edges[{key(to), key(from)}];
@@ -38,7 +47,7 @@ TEST_P(RendererMeshes, AreClosed) {
 }
 
 TEST_P(RendererMeshes, FaceOutwardsAsTheirNormalsSay) {
-  for_each_triangle(GetParam()(), [&](const Vertex& a, const Vertex& b, const Vertex& c) {
+  for_each_triangle(GetParam().mesh, [&](const Vertex& a, const Vertex& b, const Vertex& c) {
     const Eigen::Vector3d face = (place(b) - place(a)).cross(place(c) - place(a));
     EXPECT_GT(face.norm(), 0.0) << "a triangle without area";
     EXPECT_GT(face.dot(place(a) + place(b) + place(c)), 0.0);
@@ -50,7 +59,10 @@ TEST_P(RendererMeshes, FaceOutwardsAsTheirNormalsSay) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RendererMeshes, testing::Values(&box_mesh, &sphere_mesh, &cylinder_mesh, &capsule_mesh));
+INSTANTIATE_TEST_SUITE_P(All, RendererMeshes,
+                         testing::Values(NamedMesh{"Box", box_mesh()}, NamedMesh{"Sphere", sphere_mesh()},
+                                         NamedMesh{"Cylinder", cylinder_mesh()}, NamedMesh{"Capsule", capsule_mesh()}),
+                         [](const auto& instance) { return instance.param.name; });
 
 TEST(RendererMeshesOfRoundShapes, StayWithinTheStatedErrorOfTheirRadius) {
   constexpr double stated = 0.0008;

@@ -3,6 +3,7 @@
 #include <xmmintrin.h>
 
 #include <numbers>
+#include <string>
 
 namespace rehearse {
 namespace {
@@ -59,8 +60,8 @@ TEST(Renderer, HidesWhatIsBehindWhicheverWasAddedFirst) {
 }
 
 TEST(Renderer, LooksOutOfAShapeThatTheCameraIsIn) {
-  for (const Geometry& geometry : {Geometry(Box{{1, 1, 1}}), Geometry(Sphere{1}), Geometry(Cylinder{1, 1}),
-                                   Geometry(Capsule{1, 1})}) {
+  for (const Geometry& geometry :
+       {Geometry(Box{{1, 1, 1}}), Geometry(Sphere{1}), Geometry(Cylinder{1, 1}), Geometry(Capsule{1, 1})}) {
     const auto renderer = make_renderer();
     renderer->add(shape_at(geometry, {0, 0, 0}), red);
     renderer->add(shape_at(Box{{5, 5, 1}}, {0, 0, -6}), blue);
@@ -208,7 +209,10 @@ TEST_P(RendererSizes, AreDrawnWhole) {
 
 INSTANTIATE_TEST_SUITE_P(FromOnePixelToTheLargest, RendererSizes,
                          testing::Values(std::pair(1, 1), std::pair(3, 5), std::pair(20, 8000), std::pair(8192, 2),
-                                         std::pair(1921, 1079)));
+                                         std::pair(1921, 1079)),
+                         [](const auto& instance) {
+                           return std::to_string(instance.param.first) + "x" + std::to_string(instance.param.second);
+                         });
 
 TEST(Renderer, LeavesTheFloatingPointModesAlone) {
   const auto renderer = make_scene();

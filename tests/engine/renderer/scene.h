@@ -40,12 +40,14 @@ inline Camera camera_of(int width, int height, double field_of_view = 1.0) {
 
 /// Red, green, blue of a pixel, (0, 0) at the top left.
 inline std::array<int, 3> pixel(const Image& image, int x, int y) {
-  const std::size_t at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) * 3;
+  const std::size_t at =
+      (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) * 3;
   return {image.pixels[at], image.pixels[at + 1], image.pixels[at + 2]};
 }
 
 inline float meters(const DepthImage& image, int x, int y) {
-  return image.meters[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)];
+  return image
+      .meters[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)];
 }
 
 enum class Hue { reddish, greenish, bluish, none };
