@@ -221,8 +221,9 @@ class Reader {
   /// One message again. Its data is valid until the next call of any function of this Reader.
   Result<Message> message_at(const Location& location);
 
+  class Impl;  // internal
+
  private:
-  class Impl;
   explicit Reader(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -1,0 +1,90 @@
+// ros2msg: the schema language of ROS 2 messages, and a decoder that reads any payload which such a schema describes.
+//
+// A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line "MSG: package/Name" and
+// its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`; TYPE is a primitive or
+// another message, with `[]`, `[n]` or `[<=n]` behind it for a sequence, an array or a bounded sequence; `string<=n` is a
+// bounded string. wstring is refused.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse::ros2msg {
+
+enum class Primitive { boolean, int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64, string };
+
+struct FieldType {
+  enum class Shape { single, array, sequence };
+  bool is_message = false;
+  Primitive primitive = Primitive::boolean;  // if it isn't a message; `byte` and `char` are uint8
+  std::size_t message = 0;                   // if it is: index into Schema::definitions
+  Shape shape = Shape::single;
+  std::uint32_t count = 0;                   // array: its length. sequence: at most this many, 0 for no bound
+  std::uint32_t string_bound = 0;            // at most this many bytes, 0 for no bound
+};
+
+struct FieldDefinition {
+  std::string name;
+  FieldType type;
+  std::string default_value;  // as written; empty if there is none
+};
+
+struct Constant {
+  std::string name;
+  Primitive type = Primitive::boolean;
+  std::string value;  // as written, a string without its quotes
+};
+
+struct Definition {
+  std::string name;  // as sensor_msgs/JointState
+  std::vector<FieldDefinition> fields;
+  std::vector<Constant> constants;
+};
+
+/// A parsed schema. The first definition is the type itself.
+struct Schema {
+  std::vector<Definition> definitions;
+
+  /// `type` is the schema's name (sensor_msgs/msg/JointState); `file` is what messages call the text. Errors carry the
+  /// line: unknown and cyclic types, malformed lines, names that come twice.
+  static Result<Schema> parse(std::string_view type, std::string_view text, std::string file = {});
+};
+
+/// One value out of a payload. Elements of arrays come one by one, but those of uint8, which come as one blob.
+struct Value {
+  enum class Kind { signed_integer, unsigned_integer, floating, boolean, text, blob };
+  std::string_view path;  // names and element numbers with / between them: transforms/0/header/frame_id
+  Kind kind = Kind::floating;
+  std::int64_t integer = 0;         // signed_integer
+  std::uint64_t unsigned_integer = 0;  // unsigned_integer; boolean: 0 or 1
+  double number = 0.0;              // floating: exact, a float32 widened
+  std::string_view text;            // text, in the payload
+  std::span<const std::byte> blob;  // blob, in the payload
+
+  bool is_number() const { return kind != Kind::text && kind != Kind::blob; }
+};
+
+/// Walks payloads of one schema. Not for two threads at a time.
+class Decoder {
+ public:
+  explicit Decoder(Schema schema) : schema_(std::move(schema)) {}
+
+  const Schema& schema() const { return schema_; }
+
+  /// Calls `callback` for every value in the order of the payload. False if the payload (CDR) ends too early, isn't CDR,
+  /// or breaks a bound; what came before was delivered. Bytes left over at the end are ignored.
+  bool decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback);
+
+ private:
+  Schema schema_;
+  std::string path_;  // of the value at hand; kept for its memory
+};
+
+}  // namespace rehearse::ros2msg

@@ -1,0 +1,136 @@
+// Trace: a whole recording in memory, for tests and comparisons.
+//
+// Every number in it is an element of a series, and a series has a name: the topic of its channel without the leading slash
+// and without the last segment (the last segment says the kind of message, what is before it whose it is), then the element:
+//
+//   /SR1/joints                    sensor_msgs/JointState      SR1/RLEG_KNEE/q, .../dq, .../u
+//   /SR1/accelerations             rehearse_msgs/JointAccelerations  SR1/RLEG_KNEE/ddq
+//   /SR1/WAIST/pose                geometry_msgs/PoseStamped   SR1/WAIST/position/x, SR1/WAIST/orientation/w
+//   /SR1/WAIST/twist               geometry_msgs/TwistStamped  SR1/WAIST/linear/x, SR1/WAIST/angular/x
+//   /SR1/WAIST/accel               geometry_msgs/AccelStamped  SR1/WAIST/linear_acceleration/x, .../angular_acceleration/x
+//   /SR1/LeftAnkleForceSensor/wrench  geometry_msgs/WrenchStamped  SR1/LeftAnkleForceSensor/force/z, .../torque/x
+//   /SR1/Gyro/imu                  sensor_msgs/Imu             SR1/Gyro/angular_velocity/x, .../linear_acceleration/x
+//   /tf                            tf2_msgs/TFMessage          WAIST/position/x (the child frame), WAIST/orientation/w
+//   /tick                          rehearse_msgs/Tick          tick, state_hash, input_hash, output_hash, controller_results/0
+//   anything else with a ros2msg schema                        the path of the field, but for header and stamp
+//
+// If that would name two series alike, the later channel's have its whole topic before the element.
+// Pictures, checkpoints and events have no series; their bytes are at hand by number, and events() are decoded.
+#pragma once
+
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+/// What the 64 bits of a cell are.
+enum class CellKind { floating, signed_integer, unsigned_integer, boolean };
+
+/// One column of a channel's table: one series.
+struct TraceColumn {
+  std::string element;  // within the channel: RLEG_KNEE/q
+  std::string series;   // in the trace: SR1/RLEG_KNEE/q
+  CellKind kind = CellKind::floating;
+};
+
+/// A channel and its numbers as a table: a row per message, a column per series, 8 bytes a cell, rows one after the other.
+/// A cell that a message has no value for holds NaN, or 0 in an integer column.
+struct TraceChannel {
+  std::string topic;
+  std::string type;      // sensor_msgs/msg/JointState; empty without schema
+  std::string encoding;  // cdr
+  mcap::StringMap metadata;
+  std::vector<std::uint64_t> times;        // log time of each message [ns]
+  std::vector<TraceColumn> columns;        // empty if the channel has no numbers
+  std::vector<std::uint64_t> cells;        // rows() * columns.size() bit patterns
+  std::vector<mcap::Location> locations;   // of each message whose bytes Trace::payload gives; empty for tables of ours
+
+  std::size_t messages() const { return times.size(); }
+  std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
+  std::span<const std::uint64_t> row(std::size_t index) const {
+    return {cells.data() + index * columns.size(), columns.size()};
+  }
+  std::uint64_t bits(std::size_t row_index, std::size_t column) const {
+    return cells[row_index * columns.size() + column];
+  }
+  /// As a double; integers beyond 2^53 are rounded.
+  double number(std::size_t row_index, std::size_t column) const;
+};
+
+/// Where a series is.
+struct SeriesPlace {
+  std::size_t channel = 0;  // index into Trace::channels()
+  std::size_t column = 0;
+};
+
+class Trace {
+ public:
+  enum class Damage {
+    refuse,    // a trace that isn't whole is an error
+    tolerate,  // load what is whole; damage() says what isn't
+  };
+  /// Reads the whole file, in one pass, CRCs checked. Pictures stay in the file.
+  static Result<Trace> load(const std::filesystem::path& file, Damage damage = Damage::refuse);
+
+  const std::string& file() const { return file_; }      // as the user named it
+  const Diagnostics& damage() const { return damage_; }  // only with Damage::tolerate
+
+  double duration() const;       // from the first message to the last [s]
+  std::int64_t ticks() const;    // messages of type rehearse_msgs/msg/Tick
+
+  /// In the order in which they were defined.
+  const std::vector<TraceChannel>& channels() const { return channels_; }
+  const TraceChannel* find_channel(std::string_view topic) const;  // null: none
+  const std::vector<mcap::Attachment>& attachments() const;
+  const mcap::Attachment* find_attachment(std::string_view name) const;  // null: none
+  const std::vector<mcap::Metadata>& metadata() const;
+  const mcap::StringMap* find_metadata(std::string_view name) const;  // null: none
+  const std::vector<msg::Event>& events() const { return events_; }
+
+  /// All series, sorted by name.
+  const std::map<std::string, SeriesPlace, std::less<>>& series() const { return series_; }
+  std::optional<SeriesPlace> find_series(std::string_view name) const;
+
+  // For tests. An unknown series, or one without a sample where one is needed, throws std::out_of_range and says which
+  // names are near. NaN among the samples makes min, max and mean NaN, so that no comparison holds by oversight.
+  double first(std::string_view series) const;
+  double last(std::string_view series) const;
+  double min(std::string_view series) const;
+  double max(std::string_view series) const;
+  /// Mean of the samples with from_s <= t < until_s [s].
+  double mean(std::string_view series, double from_s, double until_s) const;
+  /// The latest sample at or before time_s [s].
+  double at(std::string_view series, double time_s) const;
+  std::vector<double> values(std::string_view series) const;
+  std::vector<double> times(std::string_view series) const;  // [s]
+  /// The exact values of an integer series, signed ones in two's complement; std::invalid_argument if it is floating.
+  std::vector<std::uint64_t> integers(std::string_view series) const;
+
+  /// The bytes (CDR) of a message of a channel that has locations, read from the file again.
+  Result<std::vector<std::byte>> payload(const TraceChannel& channel, std::size_t index) const;
+
+ private:
+  friend class TraceLoader;
+  struct Samples;  // the series that a name means
+  Samples samples(std::string_view name) const;
+
+  std::string file_;
+  std::shared_ptr<mcap::Reader> reader_;  // keeps the file mapped
+  Diagnostics damage_;
+  std::vector<TraceChannel> channels_;
+  std::map<std::string, SeriesPlace, std::less<>> series_;
+  std::vector<msg::Event> events_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,181 @@
+#include "mcap_reader_impl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rehearse::mcap {
+
+namespace {
+
+/// A message that waits for its turn.
+struct Waiting {
+  std::uint64_t log_time = 0;
+  std::uint64_t offset = 0;  // of its record, in the file or in the decompressed chunk
+};
+
+/// A run of messages sorted by time: a decompressed chunk, or all messages that are in no chunk.
+struct Run {
+  std::optional<std::uint64_t> chunk;
+  RawBuffer buffer;
+  Bytes records;
+  std::vector<Waiting> order;
+  std::size_t next = 0;
+
+  bool done() const { return next == order.size(); }
+  std::uint64_t time() const { return order[next].log_time; }
+  std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
+};
+
+/// Merges runs by (log time, position in the file). Chunks are opened when the time comes to their first message and let
+/// go after their last.
+class Merge {
+ public:
+  Merge(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
+      : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
+    std::stable_sort(chunks_.begin(), chunks_.end(),
+                     [](const ChunkPlace& a, const ChunkPlace& b) { return a.start_time < b.start_time; });
+    if (reader.loose_messages_) collect_loose();
+  }
+
+  /// The next message's record; false when there is none left, or no memory for them.
+  bool next(Record& record);
+  /// Done with that message.
+  void advance();
+
+ private:
+  static bool later(const std::unique_ptr<Run>& a, const std::unique_ptr<Run>& b) {
+    return std::pair(a->time(), a->file_offset()) > std::pair(b->time(), b->file_offset());
+  }
+  void collect_loose();
+  void open_next_chunk();
+  void collect(Run& run, RecordWalker& walker, const ChunkPlace* place);
+  void add(std::unique_ptr<Run> run);
+
+  Reader::Impl& reader_;
+  const ChannelSet& channels_;
+  DamageLog& damage_;
+  std::vector<ChunkPlace> chunks_;             // by start time, then place
+  std::size_t next_chunk_ = 0;
+  std::vector<std::unique_ptr<Run>> heap_;     // the earliest on top
+  std::vector<std::unique_ptr<Run>> spare_;    // for their memory
+  std::uint64_t held_ = 0;                     // bytes of open chunks
+};
+
+void Merge::collect_loose() {
+  auto run = std::make_unique<Run>();
+  run->records = reader_.bytes_.first(reader_.data_end_);
+  RecordWalker walker(run->records, magic.size());
+  collect(*run, walker, nullptr);
+  add(std::move(run));
+}
+
+void Merge::open_next_chunk() {
+  const ChunkPlace place = chunks_[next_chunk_++];
+  Record record;
+  RecordWalker at(reader_.bytes_, place.offset);
+  const auto head = at.next(record) ? parse_chunk(record.body) : std::nullopt;
+  REHEARSE_ASSERT(head, "scan() parsed every chunk that it listed");
+  std::unique_ptr<Run> run;
+  if (spare_.empty()) {
+    run = std::make_unique<Run>();
+  } else {
+    run = std::move(spare_.back());
+    spare_.pop_back();
+  }
+  run->order.clear();
+  run->next = 0;
+  run->chunk = place.offset;
+  const auto records = reader_.open_chunk(*head, place.offset, run->buffer);
+  if (!records) {
+    damage_.add(records.errors().front().message);
+    return;
+  }
+  run->records = *records;
+  RecordWalker inside(run->records);
+  collect(*run, inside, &place);
+  if (!inside.at_end()) {
+    damage_.add(fmt::format("damaged: the records of the chunk at byte {} aren't whole", place.offset));
+  }
+  add(std::move(run));
+}
+
+void Merge::collect(Run& run, RecordWalker& walker, const ChunkPlace* place) {
+  Record record;
+  bool in_span = true;
+  while (walker.next(record)) {
+    if (record.opcode != op::message) {
+      if (place != nullptr) reader_.learn(record, damage_);
+      continue;
+    }
+    const auto head = parse_message_head(record.body);
+    if (!head || !channels_.has(head->channel)) continue;
+    run.order.push_back({head->log_time, record.offset});
+    in_span = in_span && (place == nullptr || (place->start_time <= head->log_time && head->log_time <= place->end_time));
+  }
+  if (!in_span) {
+    damage_.add(fmt::format("damaged: messages of the chunk at byte {} are outside of the time that it states",
+                            place->offset));
+  }
+  const auto earlier = [](const Waiting& a, const Waiting& b) { return a.log_time < b.log_time; };
+  if (!std::is_sorted(run.order.begin(), run.order.end(), earlier)) {
+    std::stable_sort(run.order.begin(), run.order.end(), earlier);
+  }
+}
+
+void Merge::add(std::unique_ptr<Run> run) {
+  if (run->done()) {
+    spare_.push_back(std::move(run));
+    return;
+  }
+  if (run->chunk) held_ += run->records.size();
+  heap_.push_back(std::move(run));
+  std::push_heap(heap_.begin(), heap_.end(), later);
+}
+
+bool Merge::next(Record& record) {
+  while (next_chunk_ < chunks_.size() && (heap_.empty() || chunks_[next_chunk_].start_time <= heap_.front()->time())) {
+    if (held_ > 4 * reader_.options_.max_chunk_size) {
+      damage_.add(fmt::format("more than {} bytes of chunks overlap in time: too much to put in order", held_));
+      return false;
+    }
+    open_next_chunk();
+  }
+  if (heap_.empty()) return false;
+  Run& run = *heap_.front();
+  RecordWalker walker(run.records, run.order[run.next].offset);
+  const bool there = walker.next(record);
+  REHEARSE_ASSERT(there, "collect() saw this record");
+  record.chunk = run.chunk;
+  return true;
+}
+
+void Merge::advance() {
+  std::pop_heap(heap_.begin(), heap_.end(), later);
+  Run& run = *heap_.back();
+  ++run.next;
+  if (!run.done()) {
+    std::push_heap(heap_.begin(), heap_.end(), later);
+    return;
+  }
+  if (run.chunk) held_ -= run.records.size();
+  spare_.push_back(std::move(heap_.back()));
+  heap_.pop_back();
+}
+
+}  // namespace
+
+Result<void> Reader::Impl::for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels) {
+  DamageLog damage(name_);
+  Merge merge(*this, channels, damage);
+  Record record;
+  while (merge.next(record)) {
+    const Message message = read_message(record, damage);
+    if (message.channel != nullptr && !callback(message)) return verdict(damage);
+    merge.advance();
+  }
+  check_data_crc(damage);
+  return verdict(damage);
+}
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,140 @@
+// What a Reader consists of. Internal; mcap_scan.cpp opens, mcap_reader.cpp passes over, mcap_order.cpp sorts by time.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include "codec.h"
+#include "file_view.h"
+#include "mcap_records.h"
+
+namespace rehearse::mcap {
+
+/// Steps over records. Stops at the end of the range, or before the first that isn't whole.
+class RecordWalker {
+ public:
+  explicit RecordWalker(Bytes range, std::uint64_t start = 0) : range_(range), offset_(start) {}
+
+  bool next(Record& record);
+  /// Of the next record; after the last whole one: where the walk ended.
+  std::uint64_t offset() const { return offset_; }
+  bool at_end() const { return offset_ == range_.size(); }
+
+ private:
+  Bytes range_;
+  std::uint64_t offset_;
+};
+
+/// nullopt if the body is shorter than a message's head.
+struct MessageHead {
+  std::uint16_t channel = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t log_time = 0;
+  std::uint64_t publish_time = 0;
+};
+std::optional<MessageHead> parse_message_head(Bytes body);
+
+/// Which channels a pass delivers.
+class ChannelSet {
+ public:
+  explicit ChannelSet(std::span<const std::uint16_t> channels) : all_(channels.empty()), chosen_(all_ ? 0 : 0x10000) {
+    for (const std::uint16_t channel : channels) chosen_[channel] = true;
+  }
+  bool has(std::uint16_t channel) const { return all_ || chosen_[channel]; }
+
+ private:
+  bool all_;
+  std::vector<bool> chosen_;
+};
+
+/// Damage found so far: a bounded list, so that a file full of damage doesn't fill the memory with it.
+class DamageLog {
+ public:
+  explicit DamageLog(std::string file) : file_(std::move(file)) {}
+  void add(std::string message);
+  const Diagnostics& list() const { return list_; }
+
+ private:
+  static constexpr std::size_t limit = 50;
+  std::string file_;
+  Diagnostics list_;
+};
+
+/// A chunk as the walk at opening found it.
+struct ChunkPlace {
+  std::uint64_t offset = 0;
+  std::uint64_t start_time = 0;
+  std::uint64_t end_time = 0;
+};
+
+class Reader::Impl {
+ public:
+  Impl(FileView file, Bytes bytes, std::string name, ReaderOptions options)
+      : file_(std::move(file)), bytes_(bytes), name_(std::move(name)), options_(options), damage_(name_) {}
+
+  // mcap_scan.cpp
+  Result<void> scan();
+
+  // mcap_reader.cpp
+  Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
+  Result<void> for_each_record(const OnRecord& callback);
+  Result<Message> message_at(const Location& location);
+
+  // mcap_order.cpp
+  Result<void> for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels);
+
+  FileView file_;
+  Bytes bytes_;
+  std::string name_;
+  ReaderOptions options_;
+  std::string profile_;
+  std::string library_;
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, Channel> channels_;
+  std::vector<Attachment> attachments_;
+  std::vector<Metadata> metadata_;
+  std::optional<Statistics> statistics_;
+  DamageLog damage_;
+
+  /// The chunk's decompressed records, its CRC checked; in `buffer`, or in the file itself. The diagnostic is complete.
+  Result<Bytes> open_chunk(const ChunkHead& head, std::uint64_t offset, RawBuffer& buffer);
+  /// Takes in a Schema or Channel record; anything else is ignored. Contradictions go to `damage`.
+  void learn(const Record& record, DamageLog& damage);
+  /// The message of a record; its channel null (and damage logged) if it can't be had.
+  Message read_message(const Record& record, DamageLog& damage);
+  /// Adds to `damage` if the data section's CRC doesn't match; computed once.
+  void check_data_crc(DamageLog& damage);
+  /// All damage: that of opening and that of a pass.
+  Result<void> verdict(const DamageLog& pass) const;
+  Diagnostic damaged(std::string message) const;
+
+  // What scan() found; the rest of it.
+  std::uint64_t data_end_ = 0;               // offset of DataEnd, or of the first byte that is no whole record
+  std::optional<std::uint32_t> data_crc_;    // as DataEnd has it, if it has one
+  std::vector<ChunkPlace> chunks_;           // in file order
+  bool loose_messages_ = false;              // some messages are in no chunk
+
+ private:
+  // mcap_scan.cpp
+  void scan_data_record(const Record& record);
+  void scan_attachment(const Record& record);
+  void scan_chunk_head(const Record& record);
+  void scan_end(RecordWalker& walker, const Record& data_end);
+  void scan_footer(const Record& footer, std::uint64_t summary_start);
+  void scan_summary(Bytes summary, std::uint64_t start);
+  void learn_from_chunks();
+  void report_cut(const RecordWalker& walker);
+
+  // mcap_reader.cpp
+  bool pass_over_chunk(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
+  bool deliver(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
+
+  Decompressor decompressor_;
+  RawBuffer pass_buffer_;
+  RawBuffer at_buffer_;  // of message_at: the chunk that it read last
+  Bytes at_records_;
+  std::uint64_t at_chunk_ = 0;  // 0: none
+  std::optional<bool> data_crc_matches_;
+  bool summary_has_channels_ = false;
+};
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,316 @@
+#include <rehearse/ros2msg.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+namespace rehearse::ros2msg {
+
+namespace {
+
+struct PrimitiveName {
+  std::string_view name;
+  Primitive primitive;
+};
+constexpr std::array<PrimitiveName, 14> primitive_names{{{"bool", Primitive::boolean},
+                                                         {"byte", Primitive::uint8},
+                                                         {"char", Primitive::uint8},
+                                                         {"int8", Primitive::int8},
+                                                         {"uint8", Primitive::uint8},
+                                                         {"int16", Primitive::int16},
+                                                         {"uint16", Primitive::uint16},
+                                                         {"int32", Primitive::int32},
+                                                         {"uint32", Primitive::uint32},
+                                                         {"int64", Primitive::int64},
+                                                         {"uint64", Primitive::uint64},
+                                                         {"float32", Primitive::float32},
+                                                         {"float64", Primitive::float64},
+                                                         {"string", Primitive::string}}};
+
+std::optional<Primitive> find_primitive(std::string_view name) {
+  for (const auto& entry : primitive_names) {
+    if (entry.name == name) return entry.primitive;
+  }
+  return std::nullopt;
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_name_character(char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; }
+
+bool is_name(std::string_view text) {
+  return !text.empty() && (is_letter(text[0]) || text[0] == '_') && std::all_of(text.begin(), text.end(), is_name_character);
+}
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// The line without its comment; a # within quotes begins none.
+std::string_view without_comment(std::string_view line) {
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quote != 0) {
+      if (line[i] == '\\') {
+        ++i;
+      } else if (line[i] == quote) {
+        quote = 0;
+      }
+    } else if (line[i] == '"' || line[i] == '\'') {
+      quote = line[i];
+    } else if (line[i] == '#') {
+      return line.substr(0, i);
+    }
+  }
+  return line;
+}
+
+std::optional<std::uint32_t> parse_count(std::string_view text) {
+  std::uint32_t count = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (status != std::errc() || end != text.data() + text.size() || count == 0) return std::nullopt;
+  return count;
+}
+
+/// sensor_msgs/msg/Imu and sensor_msgs/Imu are the same type.
+std::string canonical_name(std::string_view type) {
+  std::string name(type);
+  if (const auto middle = name.find("/msg/"); middle != std::string::npos) name.erase(middle, 4);
+  return name;
+}
+
+// More than any message has; so that hostile text takes linear time.
+constexpr std::size_t max_definitions = 1000;
+constexpr std::size_t max_fields = 4096;
+
+/// A field whose type is looked up when all definitions are known.
+struct OpenField {
+  std::size_t definition = 0;
+  std::size_t field = 0;
+  std::string type;  // as written
+  int line = 0;
+};
+
+class Parser {
+ public:
+  Parser(std::string_view type, std::string file) : file_(std::move(file)) {
+    schema_.definitions.push_back({canonical_name(type), {}, {}});
+  }
+
+  Result<Schema> parse(std::string_view text);
+
+ private:
+  void parse_line(std::string_view line);
+  void begin_definition(std::string_view line);
+  void parse_declaration(std::string_view line);
+  bool parse_type(std::string_view text, FieldType& type, std::string& message_name);
+  void add_constant(const FieldType& type, std::string_view type_text, std::string_view name, std::string_view value);
+  void add_field(FieldType type, std::string message_name, std::string_view name, std::string_view value);
+  void resolve();
+  std::optional<std::size_t> find_definition(std::string_view type, std::string_view package) const;
+  void check_cycles();
+  void visit(std::size_t definition, std::vector<int>& state);
+  void complain(int line, std::string message, std::string hint = {});
+
+  Definition& current() { return schema_.definitions.back(); }
+
+  Schema schema_;
+  std::string file_;
+  std::vector<OpenField> open_fields_;
+  Diagnostics errors_;
+  int line_ = 0;
+  bool expects_heading_ = false;
+};
+
+Result<Schema> Parser::parse(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    ++line_;
+    parse_line(trim(without_comment(text.substr(0, end))));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  if (expects_heading_) complain(line_, "the text ends where a line \"MSG: package/Name\" should stand");
+  resolve();
+  if (errors_.empty()) check_cycles();
+  if (!errors_.empty()) return errors_;
+  return std::move(schema_);
+}
+
+void Parser::parse_line(std::string_view line) {
+  if (line.empty()) return;
+  if (line.size() >= 3 && line.find_first_not_of('=') == std::string_view::npos) {
+    expects_heading_ = true;
+  } else if (expects_heading_) {
+    begin_definition(line);
+  } else {
+    parse_declaration(line);
+  }
+}
+
+void Parser::begin_definition(std::string_view line) {
+  constexpr std::string_view heading = "MSG:";
+  expects_heading_ = false;
+  const std::string name = line.starts_with(heading) ? canonical_name(trim(line.substr(heading.size()))) : "";
+  if (name.empty()) complain(line_, "after a line of = signs stands no line \"MSG: package/Name\"");
+  if (schema_.definitions.size() == max_definitions) {
+    return complain(line_, fmt::format("more than {} types in one schema", max_definitions));
+  }
+  for (const Definition& definition : schema_.definitions) {
+    if (definition.name == name) complain(line_, fmt::format("type {} is defined twice", name));
+  }
+  schema_.definitions.push_back({name, {}, {}});
+}
+
+void Parser::parse_declaration(std::string_view line) {
+  const auto type_end = std::find_if(line.begin(), line.end(), is_space);
+  const std::string_view type_text(line.begin(), type_end);
+  const std::string_view rest = trim(std::string_view(type_end, line.end()));
+  const auto name_end = std::find_if_not(rest.begin(), rest.end(), is_name_character);
+  const std::string_view name(rest.begin(), name_end);
+  const std::string_view value = trim(std::string_view(name_end, rest.end()));
+  if (!is_name(name)) return complain(line_, fmt::format("\"{}\" is neither a field nor a constant", line));
+  FieldType type;
+  std::string message_name;
+  if (!parse_type(type_text, type, message_name)) return;
+  if (value.starts_with('=')) {
+    add_constant(type, type_text, name, trim(value.substr(1)));
+  } else if (!value.empty() && name_end != rest.end() && !is_space(*name_end)) {
+    complain(line_, fmt::format("\"{}\" is no name for a field", rest));
+  } else {
+    add_field(type, std::move(message_name), name, value);
+  }
+}
+
+/// `message_name` stays empty for a primitive. False after a complaint.
+bool Parser::parse_type(std::string_view text, FieldType& type, std::string& message_name) {
+  const std::string_view whole = text;
+  const auto malformed = [&] { return complain(line_, fmt::format("\"{}\" is no type", whole)), false; };
+  if (text.ends_with(']')) {
+    const std::size_t open = text.rfind('[');
+    if (open == std::string_view::npos) return malformed();
+    std::string_view inside = text.substr(open + 1, text.size() - open - 2);
+    text = text.substr(0, open);
+    type.shape = FieldType::Shape::sequence;
+    if (!inside.empty()) {
+      const bool bound = inside.starts_with("<=");
+      if (bound) inside.remove_prefix(2);
+      const auto count = parse_count(inside);
+      if (!count) return malformed();
+      type.count = *count;
+      if (!bound) type.shape = FieldType::Shape::array;
+    }
+  }
+  if (text.starts_with("string<=")) {
+    const auto bound = parse_count(text.substr(8));
+    if (!bound) return malformed();
+    type.string_bound = *bound;
+    text = "string";
+  }
+  if (text.starts_with("wstring")) return complain(line_, "type wstring is not supported", "string"), false;
+  if (const auto primitive = find_primitive(text)) {
+    type.primitive = *primitive;
+    return true;
+  }
+  const bool plain = std::all_of(text.begin(), text.end(), [](char c) { return is_name_character(c) || c == '/'; });
+  if (text.empty() || !plain) return malformed();
+  type.is_message = true;
+  message_name = text;
+  return true;
+}
+
+void Parser::add_constant(const FieldType& type, std::string_view type_text, std::string_view name,
+                          std::string_view value) {
+  if (type.is_message || type.shape != FieldType::Shape::single) {
+    return complain(line_, fmt::format("constant {} can't be of type {}", name, type_text), "a primitive type");
+  }
+  if (value.empty()) return complain(line_, fmt::format("constant {} has no value", name));
+  if (type.primitive == Primitive::string && value.size() >= 2 && value.front() == value.back() &&
+      (value.front() == '"' || value.front() == '\'')) {
+    value = value.substr(1, value.size() - 2);
+  }
+  current().constants.push_back({std::string(name), type.primitive, std::string(value)});
+}
+
+void Parser::add_field(FieldType type, std::string message_name, std::string_view name, std::string_view value) {
+  if (current().fields.size() == max_fields) {
+    return complain(line_, fmt::format("more than {} fields in one type", max_fields));
+  }
+  for (const FieldDefinition& field : current().fields) {
+    if (field.name == name) return complain(line_, fmt::format("field {} is declared twice", name));
+  }
+  if (type.is_message) {
+    open_fields_.push_back({schema_.definitions.size() - 1, current().fields.size(), std::move(message_name), line_});
+  }
+  current().fields.push_back({std::string(name), type, std::string(value)});
+}
+
+void Parser::resolve() {
+  for (const OpenField& open : open_fields_) {
+    const std::string enclosing = schema_.definitions[open.definition].name;
+    auto found = find_definition(canonical_name(open.type), enclosing.substr(0, enclosing.find('/')));
+    if (!found && (open.type == "builtin_interfaces/Time" || open.type == "builtin_interfaces/Duration")) {
+      // Many writers leave these two out: everybody knows them.
+      found = schema_.definitions.size();
+      FieldType sec, nanosec;
+      sec.primitive = Primitive::int32;
+      nanosec.primitive = Primitive::uint32;
+      schema_.definitions.push_back({open.type, {{"sec", sec, {}}, {"nanosec", nanosec, {}}}, {}});
+    }
+    if (found) {
+      schema_.definitions[open.definition].fields[open.field].type.message = *found;
+    } else {
+      complain(open.line, fmt::format("type {} is used and not defined", open.type));
+    }
+  }
+}
+
+std::optional<std::size_t> Parser::find_definition(std::string_view type, std::string_view package) const {
+  const bool bare = type.find('/') == std::string_view::npos;
+  const std::string full = !bare ? std::string(type) : type == "Header" ? "std_msgs/Header" : fmt::format("{}/{}", package, type);
+  for (std::size_t i = 0; i < schema_.definitions.size(); ++i) {
+    if (schema_.definitions[i].name == full) return i;
+  }
+  return std::nullopt;
+}
+
+void Parser::check_cycles() {
+  std::vector<int> state(schema_.definitions.size(), 0);
+  for (std::size_t i = 0; i < state.size(); ++i) visit(i, state);
+}
+
+/// Depth first; state 1 is "on the way down", 2 is "done". The depth is bounded by a limit of ours, not by the stack.
+void Parser::visit(std::size_t definition, std::vector<int>& state) {
+  constexpr std::ptrdiff_t max_depth = 64;
+  if (state[definition] != 0 || !errors_.empty()) return;
+  state[definition] = 1;
+  for (const OpenField& open : open_fields_) {
+    if (open.definition != definition) continue;
+    const std::size_t used = schema_.definitions[definition].fields[open.field].type.message;
+    if (state[used] == 1) {
+      return complain(open.line, fmt::format("type {} contains itself", schema_.definitions[used].name));
+    }
+    if (std::count(state.begin(), state.end(), 1) > max_depth) {
+      return complain(open.line, fmt::format("types are nested more than {} deep", max_depth));
+    }
+    visit(used, state);
+  }
+  state[definition] = 2;
+}
+
+void Parser::complain(int line, std::string message, std::string hint) {
+  constexpr std::size_t limit = 20;
+  if (errors_.size() < limit) errors_.push_back({Severity::error, file_, line, 0, std::move(message), std::move(hint)});
+}
+
+}  // namespace
+
+Result<Schema> Schema::parse(std::string_view type, std::string_view text, std::string file) {
+  return Parser(type, std::move(file)).parse(text);
+}
+
+}  // namespace rehearse::ros2msg

@@ -1,0 +1,217 @@
+#include <rehearse/trace.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace rehearse {
+
+double TraceChannel::number(std::size_t row_index, std::size_t column) const {
+  const std::uint64_t cell = bits(row_index, column);
+  switch (columns[column].kind) {
+    case CellKind::floating: return std::bit_cast<double>(cell);
+    case CellKind::signed_integer: return static_cast<double>(static_cast<std::int64_t>(cell));
+    case CellKind::unsigned_integer:
+    case CellKind::boolean: return static_cast<double>(cell);
+  }
+  REHEARSE_ASSERT(false, "a kind of cell that doesn't exist");
+}
+
+/// A series that exists and has a sample.
+struct Trace::Samples {
+  const TraceChannel& channel;
+  std::size_t column;
+
+  std::size_t count() const { return channel.rows(); }
+  double operator[](std::size_t i) const { return channel.number(i, column); }
+  double time(std::size_t i) const { return static_cast<double>(channel.times[i]) * 1e-9; }
+};
+
+namespace {
+
+/// The time of a test's argument in the trace's units, where rounding doesn't decide which sample is meant.
+std::uint64_t to_ns(double seconds) {
+  if (!(seconds > 0.0)) return 0;
+  constexpr double limit = 1e10;  // [s], 300 years
+  return static_cast<std::uint64_t>(std::llround(std::min(seconds, limit) * 1e9));
+}
+
+/// How many letters to change, add or take away to make one of the other.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({changed, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string nearest_names(std::string_view name, const std::map<std::string, SeriesPlace, std::less<>>& series) {
+  constexpr std::size_t shown = 3;
+  std::vector<std::pair<std::size_t, std::string_view>> by_distance;
+  for (const auto& [other, place] : series) by_distance.emplace_back(edit_distance(name, other), other);
+  const std::size_t count = std::min(shown, by_distance.size());
+  std::partial_sort(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(count), by_distance.end());
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) text += ", ";
+    text += by_distance[i].second;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<SeriesPlace> Trace::find_series(std::string_view name) const {
+  const auto found = series_.find(name);
+  if (found == series_.end()) return std::nullopt;
+  return found->second;
+}
+
+Trace::Samples Trace::samples(std::string_view name) const {
+  const auto place = find_series(name);
+  if (!place) {
+    throw std::out_of_range(series_.empty() ? fmt::format("{} has no series at all, so none \"{}\"", file_, name)
+                                            : fmt::format("{} has no series \"{}\"; the nearest are {}", file_, name,
+                                                          nearest_names(name, series_)));
+  }
+  return {channels_[place->channel], place->column};
+}
+
+double Trace::first(std::string_view series) const { return samples(series)[0]; }
+
+double Trace::last(std::string_view series) const {
+  const Samples all = samples(series);
+  return all[all.count() - 1];
+}
+
+double Trace::min(std::string_view series) const {
+  const Samples all = samples(series);
+  double least = all[0];
+  for (std::size_t i = 1; i < all.count(); ++i) {
+    if (all[i] < least || std::isnan(all[i])) least = all[i];
+  }
+  return least;
+}
+
+double Trace::max(std::string_view series) const {
+  const Samples all = samples(series);
+  double most = all[0];
+  for (std::size_t i = 1; i < all.count(); ++i) {
+    if (all[i] > most || std::isnan(all[i])) most = all[i];
+  }
+  return most;
+}
+
+double Trace::mean(std::string_view series, double from_s, double until_s) const {
+  const Samples all = samples(series);
+  const std::uint64_t from = to_ns(from_s), until = to_ns(until_s);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < all.count(); ++i) {
+    if (all.channel.times[i] < from || all.channel.times[i] >= until) continue;
+    sum += all[i];
+    ++count;
+  }
+  if (count == 0) throw std::out_of_range(fmt::format("\"{}\" has no sample from {} s until {} s", series, from_s, until_s));
+  return sum / static_cast<double>(count);
+}
+
+double Trace::at(std::string_view series, double time_s) const {
+  const Samples all = samples(series);
+  const std::uint64_t time = to_ns(time_s);
+  std::optional<std::size_t> latest;
+  for (std::size_t i = 0; i < all.count(); ++i) {
+    const std::uint64_t t = all.channel.times[i];
+    if (t <= time && (!latest || all.channel.times[*latest] <= t)) latest = i;
+  }
+  if (!latest) throw std::out_of_range(fmt::format("\"{}\" has no sample at {} s or before", series, time_s));
+  return all[*latest];
+}
+
+std::vector<double> Trace::values(std::string_view series) const {
+  const Samples all = samples(series);
+  std::vector<double> values(all.count());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = all[i];
+  return values;
+}
+
+std::vector<double> Trace::times(std::string_view series) const {
+  const Samples all = samples(series);
+  std::vector<double> times(all.count());
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = all.time(i);
+  return times;
+}
+
+std::vector<std::uint64_t> Trace::integers(std::string_view series) const {
+  const Samples all = samples(series);
+  if (all.channel.columns[all.column].kind == CellKind::floating) {
+    throw std::invalid_argument(fmt::format("\"{}\" isn't a series of integers", series));
+  }
+  std::vector<std::uint64_t> values(all.count());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = all.channel.bits(i, all.column);
+  return values;
+}
+
+double Trace::duration() const {
+  std::uint64_t earliest = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t latest = 0;
+  for (const TraceChannel& channel : channels_) {
+    for (const std::uint64_t time : channel.times) {
+      earliest = std::min(earliest, time);
+      latest = std::max(latest, time);
+    }
+  }
+  return earliest > latest ? 0.0 : static_cast<double>(latest - earliest) * 1e-9;
+}
+
+std::int64_t Trace::ticks() const {
+  for (const TraceChannel& channel : channels_) {
+    if (channel.type == msg::Tick::type_name) return static_cast<std::int64_t>(channel.messages());
+  }
+  return 0;
+}
+
+const TraceChannel* Trace::find_channel(std::string_view topic) const {
+  for (const TraceChannel& channel : channels_) {
+    if (channel.topic == topic) return &channel;
+  }
+  return nullptr;
+}
+
+const std::vector<mcap::Attachment>& Trace::attachments() const { return reader_->attachments(); }
+
+const mcap::Attachment* Trace::find_attachment(std::string_view name) const {
+  for (const mcap::Attachment& attachment : attachments()) {
+    if (attachment.name == name) return &attachment;
+  }
+  return nullptr;
+}
+
+const std::vector<mcap::Metadata>& Trace::metadata() const { return reader_->metadata(); }
+
+const mcap::StringMap* Trace::find_metadata(std::string_view name) const {
+  for (const mcap::Metadata& entry : metadata()) {
+    if (entry.name == name) return &entry.values;
+  }
+  return nullptr;
+}
+
+Result<std::vector<std::byte>> Trace::payload(const TraceChannel& channel, std::size_t index) const {
+  REHEARSE_ASSERT(index < channel.locations.size(), "the channel keeps locations, and has that many messages");
+  const auto message = reader_->message_at(channel.locations[index]);
+  if (!message) return message.errors();
+  return std::vector<std::byte>(message->data.begin(), message->data.end());
+}
+
+}  // namespace rehearse

@@ -1,0 +1,156 @@
+#include "trace_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rehearse {
+
+/// Builds a Trace in one pass over its file.
+class TraceLoader {
+ public:
+  TraceLoader(const std::filesystem::path& file, Trace::Damage damage) : file_(file), tolerant_(damage == Trace::Damage::tolerate) {}
+
+  Result<Trace> load();
+
+ private:
+  /// A channel while it is read. The table lies still, because its reader points to it.
+  struct Source {
+    TraceChannel table;
+    std::unique_ptr<RowReader> rows;
+    bool keeps_locations = false;
+  };
+
+  Source& source_of(const mcap::Message& message);
+  void add_message(const mcap::Message& message);
+  void add_event(const mcap::Message& message);
+  void name_series();
+  void complain(std::string message);
+
+  const std::filesystem::path file_;
+  const bool tolerant_;
+  Trace trace_;
+  std::map<std::uint16_t, std::unique_ptr<Source>> sources_;
+  std::vector<Source*> by_id_ = std::vector<Source*>(0x10000, nullptr);
+  Diagnostics problems_;
+};
+
+Result<Trace> TraceLoader::load() {
+  auto reader = mcap::Reader::open(file_);
+  if (!reader) return reader.errors();
+  trace_.file_ = file_.string();
+  trace_.reader_ = std::move(*reader);
+  const auto pass = trace_.reader_->for_each_message([this](const mcap::Message& message) {
+    add_message(message);
+    return tolerant_ || problems_.empty();
+  });
+  if (!pass) problems_.insert(problems_.begin(), pass.errors().begin(), pass.errors().end());
+  if (!problems_.empty() && !tolerant_) return problems_;
+  trace_.damage_ = std::move(problems_);
+  for (const auto& [id, channel] : trace_.reader_->channels()) {
+    const auto source = sources_.find(id);
+    if (source != sources_.end()) {
+      trace_.channels_.push_back(std::move(source->second->table));
+    } else {
+      const mcap::Schema* schema = trace_.reader_->schema_of(channel);
+      trace_.channels_.push_back({channel.topic, schema == nullptr ? "" : schema->name, channel.message_encoding,
+                                  channel.metadata, {}, {}, {}, {}});
+    }
+  }
+  name_series();
+  return std::move(trace_);
+}
+
+TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
+  Source*& known = by_id_[message.channel->id];
+  if (known != nullptr) return *known;
+  auto source = std::make_unique<Source>();
+  const mcap::Channel& channel = *message.channel;
+  const mcap::Schema* schema = trace_.reader_->schema_of(channel);
+  source->table.topic = channel.topic;
+  source->table.type = schema == nullptr ? "" : schema->name;
+  source->table.encoding = channel.message_encoding;
+  source->table.metadata = channel.metadata;
+  auto rows = make_row_reader(source->table, schema);
+  if (rows) {
+    source->rows = std::move(*rows);
+  } else {
+    problems_.insert(problems_.end(), rows.errors().begin(), rows.errors().end());
+    complain(fmt::format("topic {} can't be read: its schema is wrong", channel.topic));
+  }
+  source->keeps_locations = source->rows == nullptr || make_typed_row_reader(source->table) == nullptr;
+  known = source.get();
+  sources_.emplace(channel.id, std::move(source));
+  return *known;
+}
+
+void TraceLoader::add_message(const mcap::Message& message) {
+  Source& source = source_of(message);
+  TraceChannel& table = source.table;
+  table.times.push_back(message.log_time);  // before the row: the table widens to as many rows as there are times
+  if (source.rows != nullptr && !source.rows->read(message.data)) {
+    complain(fmt::format("topic {}: message {} isn't a valid {}", table.topic, table.times.size() - 1, table.type));
+    table.times.pop_back();
+    table.cells.resize(table.times.size() * table.columns.size());
+    return;
+  }
+  if (source.keeps_locations) table.locations.push_back(message.location);
+  if (table.type == msg::Event::type_name && table.encoding == "cdr") add_event(message);
+}
+
+void TraceLoader::add_event(const mcap::Message& message) {
+  CdrReader reader(message.data);
+  msg::Event event;
+  if (msg::decode(reader, event)) {
+    trace_.events_.push_back(std::move(event));
+  } else {
+    complain(fmt::format("topic {}: an event isn't a valid {}", message.channel->topic, msg::Event::type_name));
+  }
+}
+
+void TraceLoader::complain(std::string message) {
+  constexpr std::size_t limit = 50;
+  if (problems_.size() >= limit) return;
+  problems_.push_back(error(std::move(message)));
+  problems_.back().file = trace_.file_;
+}
+
+namespace {
+
+/// SR1/WAIST of /SR1/WAIST/pose.
+std::string owner_of(std::string_view topic) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  const std::size_t last = topic.rfind('/');
+  return std::string(last == std::string_view::npos ? std::string_view() : topic.substr(0, last));
+}
+
+std::string join(const std::string& prefix, const std::string& element) {
+  return prefix.empty() ? element : prefix + "/" + element;
+}
+
+}  // namespace
+
+void TraceLoader::name_series() {
+  for (std::size_t c = 0; c < trace_.channels_.size(); ++c) {
+    TraceChannel& channel = trace_.channels_[c];
+    const std::string topic = channel.topic.starts_with('/') ? channel.topic.substr(1) : channel.topic;
+    // The last is for a topic that two channels share.
+    for (const std::string& prefix : {owner_of(channel.topic), topic, fmt::format("{}#{}", topic, c)}) {
+      const bool taken = std::any_of(channel.columns.begin(), channel.columns.end(), [&](const TraceColumn& column) {
+        return trace_.series_.contains(join(prefix, column.element));
+      });
+      if (taken) continue;
+      for (std::size_t i = 0; i < channel.columns.size(); ++i) {
+        channel.columns[i].series = join(prefix, channel.columns[i].element);
+        trace_.series_.emplace(channel.columns[i].series, SeriesPlace{c, i});
+      }
+      break;
+    }
+  }
+}
+
+Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) {
+  return TraceLoader(file, damage).load();
+}
+
+}  // namespace rehearse

@@ -1,0 +1,107 @@
+#include "trace_rows.h"
+
+#include <rehearse/ros2msg.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace rehearse {
+
+namespace {
+
+std::uint64_t missing(CellKind kind) {
+  return kind == CellKind::floating ? std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN()) : 0;
+}
+
+/// Any type, by its schema.
+class SchemaRowReader : public RowReader {
+ public:
+  SchemaRowReader(TraceChannel& channel, ros2msg::Schema schema) : row_(channel), decoder_(std::move(schema)) {}
+
+  bool read(std::span<const std::byte> payload) override {
+    row_.begin_row();
+    return decoder_.decode(payload, [this](const ros2msg::Value& value) { put(value); });
+  }
+
+ private:
+  void put(const ros2msg::Value& value) {
+    using Kind = ros2msg::Value::Kind;
+    if (value.path.starts_with("header/") || value.path.starts_with("stamp/")) return;
+    switch (value.kind) {
+      case Kind::floating: row_.put(value.path, value.number); break;
+      case Kind::signed_integer:
+        row_.put(value.path, CellKind::signed_integer, static_cast<std::uint64_t>(value.integer));
+        break;
+      case Kind::unsigned_integer: row_.put(value.path, CellKind::unsigned_integer, value.unsigned_integer); break;
+      case Kind::boolean: row_.put(value.path, CellKind::boolean, value.unsigned_integer); break;
+      case Kind::text:
+      case Kind::blob: break;  // no number
+    }
+  }
+
+  RowWriter row_;
+  ros2msg::Decoder decoder_;
+};
+
+}  // namespace
+
+void RowWriter::begin_row() {
+  channel_.cells.insert(channel_.cells.end(), empty_row_.begin(), empty_row_.end());
+  cursor_ = 0;
+}
+
+void RowWriter::put(std::string_view element, CellKind kind, std::uint64_t bits) {
+  std::size_t column = cursor_;
+  if (column >= channel_.columns.size() || channel_.columns[column].element != element) {
+    const auto found = by_name_.find(element);
+    column = found == by_name_.end() ? add_column(element, kind) : found->second;
+  }
+  channel_.cells[channel_.cells.size() - channel_.columns.size() + column] = bits;
+  cursor_ = column + 1;
+}
+
+std::span<std::uint64_t> RowWriter::next_cells(std::size_t count) {
+  REHEARSE_ASSERT(cursor_ + count <= channel_.columns.size(), "the columns are those of the row before");
+  std::uint64_t* row = channel_.cells.data() + channel_.cells.size() - channel_.columns.size();
+  const std::span<std::uint64_t> cells(row + cursor_, count);
+  cursor_ += count;
+  return cells;
+}
+
+/// Widens all rows so far, the one at hand included.
+std::size_t RowWriter::add_column(std::string_view element, CellKind kind) {
+  const std::size_t column = channel_.columns.size();
+  // A row without columns leaves no trace in the cells: the rows so far are those of the messages before this one.
+  const std::size_t rows = column == 0 ? channel_.times.size() : channel_.cells.size() / column;
+  channel_.columns.push_back({std::string(element), {}, kind});
+  by_name_.emplace(element, column);
+  empty_row_.push_back(missing(kind));
+  std::vector<std::uint64_t> wider;
+  wider.reserve(rows * (column + 1));
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto begin = channel_.cells.begin() + static_cast<std::ptrdiff_t>(row * column);
+    wider.insert(wider.end(), begin, begin + static_cast<std::ptrdiff_t>(column));
+    wider.push_back(missing(kind));
+  }
+  channel_.cells = std::move(wider);
+  return column;
+}
+
+bool has_no_series(std::string_view type) {
+  constexpr std::array<std::string_view, 4> types{msg::Image::type_name, msg::CompressedImage::type_name,
+                                                  msg::Checkpoint::type_name, msg::Event::type_name};
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
+
+Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const mcap::Schema* schema) {
+  std::unique_ptr<RowReader> none;
+  if (channel.encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return none;
+  if (has_no_series(schema->name)) return none;
+  if (auto typed = make_typed_row_reader(channel)) return typed;
+  auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
+  if (!parsed) return parsed.errors();
+  return std::unique_ptr<RowReader>(std::make_unique<SchemaRowReader>(channel, std::move(*parsed)));
+}
+
+}  // namespace rehearse

@@ -1,0 +1,47 @@
+// From messages to rows of numbers. Internal.
+#pragma once
+
+#include <rehearse/trace.h>
+
+namespace rehearse {
+
+/// Appends rows to a channel's table; columns are found by name, and added when a name is new.
+class RowWriter {
+ public:
+  explicit RowWriter(TraceChannel& channel) : channel_(channel) {}
+
+  void begin_row();
+  void put(std::string_view element, CellKind kind, std::uint64_t bits);
+  void put(std::string_view element, double value) {
+    put(element, CellKind::floating, std::bit_cast<std::uint64_t>(value));
+  }
+  /// The next cells of the row, for a caller who knows that the columns are what they were in the row before.
+  std::span<std::uint64_t> next_cells(std::size_t count);
+
+ private:
+  std::size_t add_column(std::string_view element, CellKind kind);
+
+  TraceChannel& channel_;
+  std::map<std::string, std::size_t, std::less<>> by_name_;
+  std::vector<std::uint64_t> empty_row_;
+  std::size_t cursor_ = 0;  // the column after the last that was put: nearly always the next
+};
+
+/// Reads the messages of one channel into its table.
+class RowReader {
+ public:
+  virtual ~RowReader() = default;
+  /// Appends one row; false if the payload isn't what the schema says.
+  virtual bool read(std::span<const std::byte> payload) = 0;
+};
+
+/// The reader for a type; null if its messages have no series. `schema` may be null. Fails if the schema can't be parsed.
+Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const mcap::Schema* schema);
+
+/// Types that TRACE_FORMAT.md gives a table of their own; null for all others.
+std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel);
+
+/// Types without series: pictures, checkpoints, events.
+bool has_no_series(std::string_view type);
+
+}  // namespace rehearse

@@ -1,0 +1,220 @@
+#include "trace_rows.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+namespace rehearse {
+
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+/// The rows of JointState and JointAccelerations: arrays that go with an array of names. Names are nearly always those of
+/// the message before, so their bytes are compared and skipped, and the arrays copied whole.
+class NamedArraysReader : public RowReader {
+ public:
+  /// `suffixes` name the arrays that follow the names, in order: "/q", "/dq", "/u".
+  NamedArraysReader(TraceChannel& channel, std::vector<std::string_view> suffixes)
+      : channel_(channel), row_(channel), suffixes_(std::move(suffixes)), arrays_(suffixes_.size()) {}
+
+  bool read(Bytes payload) override {
+    CdrReader reader(payload);
+    reader.get<std::int32_t>();
+    reader.get<std::uint32_t>();
+    reader.get_string();
+    const bool same_names = read_names(payload, reader);
+    bool same_sizes = true;
+    for (auto& array : arrays_) {
+      const std::size_t before = array.size();
+      reader.get_sequence(array);
+      same_sizes = same_sizes && array.size() == before;
+    }
+    row_.begin_row();
+    if (!reader.ok()) return false;
+    if (same_names && same_sizes && columns_are_arrays_ && channel_.columns.size() == column_count()) {
+      copy_row();
+    } else {
+      put_row();
+    }
+    return true;
+  }
+
+ private:
+  /// True if the names are those of the message before.
+  bool read_names(Bytes payload, CdrReader& reader) {
+    const std::size_t start = reader.position();
+    if (!name_bytes_.empty() && start % 4 == names_alignment_ && reader.left() >= name_bytes_.size() &&
+        std::memcmp(payload.data() + start, name_bytes_.data(), name_bytes_.size()) == 0) {
+      reader.take(name_bytes_.size());
+      return true;
+    }
+    msg::detail::decode_value(reader, names_);
+    name_bytes_.clear();
+    if (!reader.ok()) return false;
+    const Bytes seen = payload.subspan(start, reader.position() - start);
+    name_bytes_.assign(seen.begin(), seen.end());
+    names_alignment_ = start % 4;
+    return false;
+  }
+
+  std::size_t column_count() const {
+    std::size_t count = 0;
+    for (const auto& array : arrays_) count += array.size();
+    return count;
+  }
+
+  void copy_row() {
+    for (const auto& array : arrays_) {
+      if (!array.empty()) std::memcpy(row_.next_cells(array.size()).data(), array.data(), array.size() * sizeof(double));
+    }
+  }
+
+  void put_row() {
+    const bool first = channel_.columns.empty();
+    std::string element;
+    for (std::size_t a = 0; a < arrays_.size(); ++a) {
+      for (std::size_t i = 0; i < arrays_[a].size(); ++i) {
+        element = i < names_.size() ? names_[i] : std::to_string(i);
+        element += suffixes_[a];
+        row_.put(element, arrays_[a][i]);
+      }
+    }
+    // Then column k holds element k of the arrays in a row; not so if names come twice or other columns came before.
+    columns_are_arrays_ = first && channel_.columns.size() == column_count();
+  }
+
+  TraceChannel& channel_;
+  RowWriter row_;
+  const std::vector<std::string_view> suffixes_;
+  std::vector<std::vector<double>> arrays_;
+  std::vector<std::string> names_;
+  std::vector<std::byte> name_bytes_;
+  std::size_t names_alignment_ = 0;
+  bool columns_are_arrays_ = false;
+};
+
+// What a row of each type holds.
+
+void put_row(const msg::PoseStamped& m, RowWriter& row) {
+  row.put("position/x", m.pose.position.x);
+  row.put("position/y", m.pose.position.y);
+  row.put("position/z", m.pose.position.z);
+  row.put("orientation/x", m.pose.orientation.x);
+  row.put("orientation/y", m.pose.orientation.y);
+  row.put("orientation/z", m.pose.orientation.z);
+  row.put("orientation/w", m.pose.orientation.w);
+}
+
+void put_row(const msg::TwistStamped& m, RowWriter& row) {
+  row.put("linear/x", m.twist.linear.x);
+  row.put("linear/y", m.twist.linear.y);
+  row.put("linear/z", m.twist.linear.z);
+  row.put("angular/x", m.twist.angular.x);
+  row.put("angular/y", m.twist.angular.y);
+  row.put("angular/z", m.twist.angular.z);
+}
+
+void put_row(const msg::AccelStamped& m, RowWriter& row) {
+  row.put("linear_acceleration/x", m.accel.linear.x);
+  row.put("linear_acceleration/y", m.accel.linear.y);
+  row.put("linear_acceleration/z", m.accel.linear.z);
+  row.put("angular_acceleration/x", m.accel.angular.x);
+  row.put("angular_acceleration/y", m.accel.angular.y);
+  row.put("angular_acceleration/z", m.accel.angular.z);
+}
+
+void put_row(const msg::WrenchStamped& m, RowWriter& row) {
+  row.put("force/x", m.wrench.force.x);
+  row.put("force/y", m.wrench.force.y);
+  row.put("force/z", m.wrench.force.z);
+  row.put("torque/x", m.wrench.torque.x);
+  row.put("torque/y", m.wrench.torque.y);
+  row.put("torque/z", m.wrench.torque.z);
+}
+
+void put_row(const msg::Imu& m, RowWriter& row) {
+  row.put("angular_velocity/x", m.angular_velocity.x);
+  row.put("angular_velocity/y", m.angular_velocity.y);
+  row.put("angular_velocity/z", m.angular_velocity.z);
+  row.put("linear_acceleration/x", m.linear_acceleration.x);
+  row.put("linear_acceleration/y", m.linear_acceleration.y);
+  row.put("linear_acceleration/z", m.linear_acceleration.z);
+}
+
+void put_row(const msg::Tick& m, RowWriter& row) {
+  row.put("tick", CellKind::signed_integer, static_cast<std::uint64_t>(m.tick));
+  row.put("state_hash", CellKind::unsigned_integer, m.state_hash);
+  row.put("input_hash", CellKind::unsigned_integer, m.input_hash);
+  row.put("output_hash", CellKind::unsigned_integer, m.output_hash);
+  std::string element;
+  for (std::size_t i = 0; i < m.controller_results.size(); ++i) {
+    element = "controller_results/" + std::to_string(i);
+    row.put(element, CellKind::boolean, m.controller_results[i] ? 1 : 0);
+  }
+}
+
+void put_row(const msg::TFMessage& m, RowWriter& row) {
+  std::string element;
+  const auto put = [&](const std::string& frame, std::string_view part, double value) {
+    element = frame;
+    element += part;
+    row.put(element, value);
+  };
+  for (const msg::TransformStamped& t : m.transforms) {
+    put(t.child_frame_id, "/position/x", t.transform.translation.x);
+    put(t.child_frame_id, "/position/y", t.transform.translation.y);
+    put(t.child_frame_id, "/position/z", t.transform.translation.z);
+    put(t.child_frame_id, "/orientation/x", t.transform.rotation.x);
+    put(t.child_frame_id, "/orientation/y", t.transform.rotation.y);
+    put(t.child_frame_id, "/orientation/z", t.transform.rotation.z);
+    put(t.child_frame_id, "/orientation/w", t.transform.rotation.w);
+  }
+}
+
+/// The rows of a type of messages.h with a put_row() above.
+template <class Message>
+class TypedRowReader : public RowReader {
+ public:
+  explicit TypedRowReader(TraceChannel& channel) : row_(channel) {}
+
+  bool read(Bytes payload) override {
+    CdrReader reader(payload);
+    row_.begin_row();
+    if (!msg::decode(reader, message_)) return false;
+    put_row(message_, row_);
+    return true;
+  }
+
+ private:
+  RowWriter row_;
+  Message message_;
+};
+
+template <class Message>
+std::unique_ptr<RowReader> make_if(TraceChannel& channel) {
+  if (channel.type != Message::type_name) return nullptr;
+  return std::make_unique<TypedRowReader<Message>>(channel);
+}
+
+template <class... Messages>
+std::unique_ptr<RowReader> make_first(TraceChannel& channel) {
+  std::unique_ptr<RowReader> reader;
+  static_cast<void>(((reader = make_if<Messages>(channel)) || ...));
+  return reader;
+}
+
+}  // namespace
+
+std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
+  if (channel.type == msg::JointState::type_name) {
+    return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/q", "/dq", "/u"});
+  }
+  if (channel.type == msg::JointAccelerations::type_name) {
+    return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/ddq"});
+  }
+  return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu, msg::Tick,
+                    msg::TFMessage>(channel);
+}
+
+}  // namespace rehearse
