@@ -31,12 +31,12 @@ class BodyReader {
 
   void read_name(const Keys& keys, ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
+  void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
   std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file);
   InlineShape read_shape(std::string_view kind, const YamlNode& node);
   std::optional<Color> read_color(const YamlNode& node);
   void make_shape(const Keys& keys, std::string_view kind, const YamlNode& shape, ScenarioBody& body);
-  void check_root(const Keys& keys, const YamlNode& node, ScenarioBody& body);
-  void check_limits(const Keys& keys, const YamlNode& node, const ScenarioBody& body);
+  void check_root(const Keys& keys, ScenarioBody& body);
 
   Findings& findings_;
   Scenario& scenario_;
@@ -57,10 +57,8 @@ void BodyReader::read(const YamlNode& node) {
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
   if (body.model != nullptr) {
-    check_root(keys, node, body);
-    body.joints.assign(body.model->joints.size(), 0.0);
-    if (const YamlNode* joints = keys.find("joints")) read_joints(findings_, *joints, body);
-    check_limits(keys, node, body);
+    check_root(keys, body);
+    read_joints(findings_, node, keys.find("joints"), body);
   }
   if (const YamlNode* controllers = keys.find("controllers"))
     read_controllers(findings_, *controllers, body, scenario_.file);
@@ -82,27 +80,32 @@ void BodyReader::read_name(const Keys& keys, ScenarioBody& body) {
 }
 
 void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
-  std::string_view first;
-  for (const std::string_view key : model_keys) {
-    const YamlNode* node = keys.find(key);
-    if (node == nullptr) continue;
-    if (!first.empty()) {
-      findings_.error(*node, fmt::format("the body has both '{}' and '{}'", first, key),
+  std::string_view chosen;
+  for (const NamedEntry& entry : keys.entries()) {
+    const auto key = std::find(model_keys.begin(), model_keys.end(), entry.name);
+    if (key == model_keys.end()) continue;
+    if (!chosen.empty()) {
+      findings_.error(*entry.key, fmt::format("the body has both '{}' and '{}'", chosen, *key),
                       "expected one of model, box, sphere, cylinder");
       continue;
     }
-    first = key;
-    if (key != "model") {
-      make_shape(keys, key, *node, body);
-      continue;
+    chosen = *key;
+    if (chosen == "model") {
+      read_model_file(keys, *entry.value, body);
+    } else {
+      make_shape(keys, chosen, *entry.value, body);
     }
-    const auto file = read_text(findings_, *node, "model", "the path of a URDF file, relative to the scenario");
-    if (file) body.model_file = *file;
-    if (file) body.model = load_model(*node, *file);
-    if (const YamlNode* mass = keys.find("mass"))
-      findings_.error(*mass, "mass is given for a body with a model file", "the masses of a model stand in its file");
   }
-  if (first.empty()) keys.require("model", "a URDF file, or instead one of box, sphere, cylinder");
+  if (chosen.empty()) keys.require("model", "a URDF file, or instead one of box, sphere, cylinder");
+}
+
+void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
+  if (const auto file = read_text(findings_, node, "model", "the path of a URDF file, relative to the scenario")) {
+    body.model_file = *file;
+    body.model = load_model(node, *file);
+  }
+  if (const YamlNode* mass = keys.find("mass"))
+    findings_.error(*mass, "mass is given for a body with a model file", "the masses of a model stand in its file");
 }
 
 std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file) {
@@ -174,34 +177,16 @@ void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlN
   body.model = std::make_shared<const Model>(single_shape_model(body.name, *shape.geometry, mass, shape.color));
 }
 
-// A model may itself be fixed to the world; a scenario can't free it. And what is free needs a mass to move.
-void BodyReader::check_root(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
+// A model may itself be fixed to the world; a scenario can't free it.
+void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
   const Link& root = body.model->links.front();
+  if (root.joint.type != JointType::fixed) return;
   const YamlNode* fixed = keys.find("fixed");
-  if (root.joint.type == JointType::fixed) {
-    if (fixed != nullptr && !body.fixed)
-      findings_.warning(*fixed,
-                        fmt::format("the model fixes its root link '{}' to the world, so it stays fixed", root.name),
-                        "take the world link out of the model to set it free");
-    body.fixed = true;
-  }
-  if (!body.fixed && !(root.inertial.mass > 0.0))
-    findings_.error(fixed != nullptr ? *fixed : node,
-                    fmt::format("the body is free but its root link '{}' has no mass", root.name),
-                    "give the link an inertial, or say fixed: true");
-}
-
-void BodyReader::check_limits(const Keys& keys, const YamlNode& node, const ScenarioBody& body) {
-  constexpr double slack = 1e-6;  // [rad] or [m]: -90 deg is not beyond a limit that is written -1.5708
-  const YamlNode* joints = keys.find("joints");
-  for (std::size_t id = 0; id < body.joints.size(); ++id) {
-    const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
-    const double q = body.joints[id];
-    if (q >= joint.lower - slack && q <= joint.upper + slack) continue;
-    findings_.warning(joints != nullptr ? *joints : node,
-                      fmt::format("{} starts at {:.6g}, outside its limits", joint.name, q),
-                      fmt::format("they are {:.6g} to {:.6g}", joint.lower, joint.upper));
-  }
+  if (fixed != nullptr && !body.fixed)
+    findings_.warning(*fixed,
+                      fmt::format("the model fixes its root link '{}' to the world, so it stays fixed", root.name),
+                      "take that link out of the model to set it free");
+  body.fixed = true;
 }
 
 }  // namespace

@@ -80,7 +80,8 @@ std::vector<std::string> near_names(std::string_view wanted, const std::vector<s
   if (wanted.size() > longest) return {};
   std::vector<std::pair<std::size_t, std::string>> near;
   for (const std::string& name : names) {
-    const auto [shorter, longer] = std::minmax(wanted.size(), name.size());
+    const std::size_t shorter = std::min(wanted.size(), name.size());
+    const std::size_t longer = std::max(wanted.size(), name.size());
     const std::size_t most = std::max<std::size_t>(1, shorter / 3);
     if (longer - shorter > most) continue;
     const std::size_t distance = edit_distance(wanted, name);

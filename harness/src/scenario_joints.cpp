@@ -6,67 +6,100 @@
 namespace rehearse {
 namespace {
 
-const Joint& joint_of(const Model& model, std::size_t id) {
-  return model.links[static_cast<std::size_t>(model.joints[id])].joint;
+class JointReader {
+ public:
+  JointReader(Findings& findings, ScenarioBody& body)
+      : findings_(findings), body_(body), model_(*body.model), places_(model_.joints.size(), nullptr) {
+    body.joints.assign(model_.joints.size(), 0.0);
+  }
+
+  void read(const YamlNode& node);
+  void check_limits(const YamlNode& body_node);
+
+ private:
+  const Joint& joint(std::size_t id) const { return model_.links[static_cast<std::size_t>(model_.joints[id])].joint; }
+  std::vector<std::string> joint_names() const;
+  void read_by_name(const NamedEntry& entry);
+  void read_all(const YamlNode& node);
+  void read_displacement(std::size_t id, const YamlNode& node);
+
+  Findings& findings_;
+  ScenarioBody& body_;
+  const Model& model_;
+  std::vector<const YamlNode*> places_;  // by joint id: where its displacement stands; null: nowhere
+};
+
+void JointReader::read(const YamlNode& node) {
+  if (node.kind == YamlNode::Kind::map) {
+    for (const NamedEntry& entry : read_entries(findings_, node)) read_by_name(entry);
+  } else if (node.kind == YamlNode::Kind::list) {
+    read_all(node);
+  } else {
+    expected(findings_, node, "joints", "a map of NAME: DISPLACEMENT, or a list of all displacements by joint id");
+  }
 }
 
-std::vector<std::string> joint_names(const Model& model) {
+std::vector<std::string> JointReader::joint_names() const {
   std::vector<std::string> names;
-  for (std::size_t id = 0; id < model.joints.size(); ++id) names.push_back(joint_of(model, id).name);
+  for (std::size_t id = 0; id < model_.joints.size(); ++id) names.push_back(joint(id).name);
   return names;
 }
 
-std::optional<double> read_displacement(Findings& findings, const YamlNode& node, const Joint& joint) {
-  if (joint.type == JointType::prismatic) return read_number(findings, node, joint.name, any_position);
-  return read_angle(findings, node, joint.name);
-}
-
-void read_by_name(Findings& findings, const YamlNode& node, ScenarioBody& body) {
-  const Model& model = *body.model;
-  for (const NamedEntry& entry : read_entries(findings, node)) {
-    const int link = model.find_joint(entry.name);
-    if (link < 0) {
-      findings.error(*entry.key, fmt::format("{} has no joint '{}'", body.name, entry.name),
-                     name_hint(entry.name, joint_names(model), "joints"));
-      continue;
-    }
-    const Joint& joint = model.links[static_cast<std::size_t>(link)].joint;
-    if (joint.name != entry.name) {  // find_joint also takes the name of the link that a joint moves
-      findings.error(*entry.key, fmt::format("'{}' is a link of {}", entry.name, body.name),
-                     joint.name.empty() ? "expected a joint" : fmt::format("its joint is '{}'", joint.name));
-    } else if (joint.id < 0) {
-      findings.error(*entry.key, fmt::format("joint '{}' of {} is fixed", entry.name, body.name),
-                     "only movable joints have a displacement");
-    } else if (const auto value = read_displacement(findings, *entry.value, joint)) {
-      body.joints[static_cast<std::size_t>(joint.id)] = *value;
-    }
-  }
-}
-
-void read_by_id(Findings& findings, const YamlNode& node, ScenarioBody& body) {
-  const Model& model = *body.model;
-  if (node.items.size() != model.joints.size()) {
-    findings.error(node,
-                   fmt::format("joints lists {} displacements, but {} has {} joints", node.items.size(), body.name,
-                               model.joints.size()),
-                   "expected all of them by joint id, or a map of NAME: DISPLACEMENT");
+void JointReader::read_by_name(const NamedEntry& entry) {
+  const int link = model_.find_joint(entry.name);
+  if (link < 0) {
+    findings_.error(*entry.key, fmt::format("{} has no joint '{}'", body_.name, entry.name),
+                    name_hint(entry.name, joint_names(), "joints"));
     return;
   }
-  for (std::size_t id = 0; id < node.items.size(); ++id) {
-    if (const auto value = read_displacement(findings, *node.items[id], joint_of(model, id))) body.joints[id] = *value;
+  const Joint& found = model_.links[static_cast<std::size_t>(link)].joint;
+  if (found.name != entry.name) {  // find_joint also takes the name of the link that a joint moves
+    findings_.error(*entry.key, fmt::format("'{}' is a link of {}", entry.name, body_.name),
+                    found.name.empty() ? "expected a joint" : fmt::format("its joint is '{}'", found.name));
+  } else if (found.id < 0) {
+    findings_.error(*entry.key, fmt::format("joint '{}' of {} is fixed", entry.name, body_.name),
+                    "only movable joints have a displacement");
+  } else {
+    read_displacement(static_cast<std::size_t>(found.id), *entry.value);
+  }
+}
+
+void JointReader::read_all(const YamlNode& node) {
+  if (node.items.size() != model_.joints.size()) {
+    findings_.error(node,
+                    fmt::format("joints lists {} displacements, but {} has {} joints", node.items.size(), body_.name,
+                                model_.joints.size()),
+                    "expected all of them by joint id, or a map of NAME: DISPLACEMENT");
+    return;
+  }
+  for (std::size_t id = 0; id < node.items.size(); ++id) read_displacement(id, *node.items[id]);
+}
+
+void JointReader::read_displacement(std::size_t id, const YamlNode& node) {
+  const std::string& name = joint(id).name;
+  const bool slides = joint(id).type == JointType::prismatic;
+  const auto value = slides ? read_number(findings_, node, name, any_position) : read_angle(findings_, node, name);
+  body_.joints[id] = value.value_or(0.0);
+  if (value) places_[id] = &node;
+}
+
+void JointReader::check_limits(const YamlNode& body_node) {
+  constexpr double slack = 1e-6;  // [rad] or [m]: -90 deg is not beyond a limit that is written -1.5708
+  for (std::size_t id = 0; id < body_.joints.size(); ++id) {
+    const double q = body_.joints[id];
+    if (q >= joint(id).lower - slack && q <= joint(id).upper + slack) continue;
+    findings_.warning(places_[id] != nullptr ? *places_[id] : body_node,
+                      fmt::format("{} starts at {:.6g}, outside its limits", joint(id).name, q),
+                      fmt::format("they are {:.6g} to {:.6g}", joint(id).lower, joint(id).upper));
   }
 }
 
 }  // namespace
 
-void read_joints(Findings& findings, const YamlNode& node, ScenarioBody& body) {
-  if (node.kind == YamlNode::Kind::map) {
-    read_by_name(findings, node, body);
-  } else if (node.kind == YamlNode::Kind::list) {
-    read_by_id(findings, node, body);
-  } else {
-    expected(findings, node, "joints", "a map of NAME: DISPLACEMENT, or a list of all displacements by joint id");
-  }
+void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body) {
+  JointReader reader(findings, body);
+  if (node != nullptr) reader.read(*node);
+  reader.check_limits(body_node);
 }
 
 }  // namespace rehearse

@@ -15,8 +15,9 @@ void read_bodies(Findings& findings, const YamlNode& node, Scenario& scenario);
 /// The `controllers` list of a body.
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);
 
-/// Initial displacements: a map by name or a list by joint id. Sets body.joints; body.model must not be null.
-void read_joints(Findings& findings, const YamlNode& node, ScenarioBody& body);
+/// Initial displacements: a map by name or a list by joint id; null: all are 0. Sets body.joints, and warns of those
+/// that are outside their limits, given or not. `body_node` is the whole body's; body.model must not be null.
+void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body);
 
 /// The `pushes` list. After the bodies.
 void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario);

@@ -259,16 +259,21 @@ Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner,
     findings_.error(node, fmt::format("{} is {}", owner, describe(node)), "expected a map of KEY: VALUE");
     return;
   }
-  for (const NamedEntry& entry : read_entries(findings_, node)) {
-    if (std::find(known.begin(), known.end(), entry.name) != known.end()) continue;
+  const std::vector<std::string> names(known.begin(), known.end());
+  entries_ = read_entries(findings_, node);
+  for (const NamedEntry& entry : entries_) {
+    if (std::find(names.begin(), names.end(), entry.name) != names.end()) continue;
     findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), owner),
-                    name_hint(entry.name, {known.begin(), known.end()}, "keys"));
+                    name_hint(entry.name, names, "keys"));
+    const std::vector<std::string> near = near_names(entry.name, names);
+    misspelt_.insert(misspelt_.end(), near.begin(), near.end());
   }
 }
 
 const YamlNode* Keys::require(std::string_view key, std::string_view what) const {
   const YamlNode* value = find(key);
-  if (value == nullptr && is_map())
+  const bool told = std::find(misspelt_.begin(), misspelt_.end(), key) != misspelt_.end();
+  if (value == nullptr && is_map() && !told)
     findings_.error(node_, fmt::format("{} has no '{}'", owner_, key), fmt::format("expected {}: {}", key, what));
   return value;
 }

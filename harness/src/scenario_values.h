@@ -71,6 +71,15 @@ std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNo
 const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
                                           std::string_view what);
 
+/// The entries of a map whose keys are names of the user's, each name once; reports keys that aren't names and
+/// duplicates.
+struct NamedEntry {
+  std::string name;
+  const YamlNode* key;
+  const YamlNode* value;
+};
+std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map);
+
 /// The value of the first such key of a map, or null.
 const YamlNode* find_key(const YamlNode& map, std::string_view key);
 
@@ -83,8 +92,11 @@ class Keys {
   bool is_map() const { return node_.kind == YamlNode::Kind::map; }
   /// The value, or null if the key isn't there.
   const YamlNode* find(std::string_view key) const { return find_key(node_, key); }
-  /// The same; reports if the key isn't there. `what` says what belongs there.
+  /// The same; reports if the key isn't there, unless an unknown key was taken for it. `what` says what belongs there.
   const YamlNode* require(std::string_view key, std::string_view what) const;
+
+  /// All of them in document order, each key once, unknown ones included.
+  const std::vector<NamedEntry>& entries() const { return entries_; }
 
   // Each reads a key into `out`, and leaves `out` as it is if the key isn't there or its value is wrong.
   void number(std::string_view key, const Range& range, double& out) const;
@@ -98,15 +110,8 @@ class Keys {
   Findings& findings_;
   const YamlNode& node_;
   std::string owner_;
+  std::vector<NamedEntry> entries_;
+  std::vector<std::string> misspelt_;  // the known keys that unknown ones resemble
 };
-
-/// The entries of a map whose keys are names of the user's, each name once; reports keys that aren't names and
-/// duplicates.
-struct NamedEntry {
-  std::string name;
-  const YamlNode* key;
-  const YamlNode* value;
-};
-std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map);
 
 }  // namespace rehearse

@@ -1,6 +1,5 @@
 #include "scenario_yaml.h"
 
-#include <fmt/format.h>
 #include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
@@ -8,6 +7,7 @@
 
 #include <map>
 #include <sstream>
+#include <string_view>
 
 namespace rehearse {
 namespace {
@@ -106,6 +106,19 @@ class TreeBuilder : public YAML::EventHandler {
   std::map<YAML::anchor_t, YamlNodePtr> anchors_;
 };
 
+// yaml-cpp words a tab in the indentation as whatever it made of it; people need to hear of the tab.
+std::string_view advice(const std::string& text, int line) {
+  std::size_t begin = 0;
+  for (int i = 1; i < line && begin != std::string::npos; ++i) {
+    begin = text.find('\n', begin);
+    if (begin != std::string::npos) ++begin;
+  }
+  const std::size_t first_ink = begin == std::string::npos ? begin : text.find_first_not_of(" \t", begin);
+  if (first_ink != std::string::npos && text.substr(begin, first_ink - begin).find('\t') != std::string::npos)
+    return "there is a tab in the indentation of this line; indent with spaces";
+  return "expected one YAML document; check indentation, brackets and quotes around here";
+}
+
 }  // namespace
 
 Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file) {
@@ -121,13 +134,12 @@ Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file)
                       exception.mark.line + 1, exception.mark.column + 1,
                       "it nests too deep",     "a scenario needs fewer than ten levels"};
   } catch (const YAML::Exception& exception) {
-    Diagnostic diagnostic = error(fmt::format("it can't be read as YAML: {}", exception.msg),
-                                  "one YAML document; check indentation, brackets and quotes around here");
-    diagnostic.file = file;
+    Diagnostic diagnostic{Severity::error, file, 0, 0, "it can't be read as YAML: " + exception.msg, ""};
     if (!exception.mark.is_null()) {
       diagnostic.line = exception.mark.line + 1;
       diagnostic.column = exception.mark.column + 1;
     }
+    diagnostic.hint = advice(text, diagnostic.line);
     return diagnostic;
   }
 }

@@ -30,19 +30,19 @@ struct ScenarioController {
   std::string options;                      // the controller's own option string
   bool delay = true;                        // commands act one tick late
   std::vector<ScenarioController> children;  // share their parent's body; one level
-  Place place;
+  Place place;                              // of its library
 };
 
 struct ScenarioBody {
   std::string name;                         // unique; names the channels
   std::string model_file;                   // as written; empty for an inline shape
   std::shared_ptr<const Model> model;       // never null in a loaded scenario
-  bool fixed = false;                       // the root link is fixed to the world
+  bool fixed = false;                       // the root link is fixed to the world, by the scenario or by the model
   Eigen::Vector3d position = Eigen::Vector3d::Zero();                // of the root link [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();      // of the root link, unit
   std::vector<double> joints;               // initial displacement by joint id [rad] or [m]
   std::vector<ScenarioController> controllers;
-  Place place;
+  Place place;                              // of its name
 };
 
 /// A force and torque on a link over a span of time: from <= t < until.
@@ -58,12 +58,12 @@ struct Push {
 
 /// How far the channels that match may be from the golden: |x - g| <= max(atol, rtol * scale).
 struct ToleranceRule {
-  std::string channel;          // a glob over series names, as `SR1/*/q`; see trace.h
+  std::string channel;          // a glob over series names, as `SR1/*/q`; * stands for any text, slashes included
   std::optional<double> atol;   // in the channel's unit
   std::optional<double> rtol;   // of the largest magnitude of the channel in the golden
   std::optional<double> pixel_share;  // images: share of pixels that may differ, 0 to 1
   std::optional<double> pixel_delta;  // images: difference of a colour channel [0..255] that still counts as equal
-  Place place;
+  Place place;                        // of its channel
 };
 
 struct Scenario {
@@ -92,7 +92,9 @@ struct Scenario {
   /// lround(duration / time_step), as Choreonoid counts.
   std::int64_t ticks() const;
 
-  /// Reads, checks, and loads the models. Every mistake in one go.
+  /// Reads, checks, and loads the models. Every mistake in one go and in document order, at most 20 of the scenario's own;
+  /// a model that can't be used is one of them, followed by the model's own. What the models had repaired or warned of
+  /// comes back in `warnings`.
   static Result<Scenario> load(const std::filesystem::path& file);
 };
 

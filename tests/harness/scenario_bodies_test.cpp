@@ -1,0 +1,165 @@
+// Bodies: models, shapes, initial joints, controllers.
+#include "scenario_files.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+namespace rehearse {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// A slider between two masses: one prismatic joint, 0 to 0.5 m, then a fixed one.
+const char* const slider = R"(<?xml version="1.0"?>
+<robot name="slider">
+  <link name="RAIL"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="CART"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="TOP"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="SLIDE" type="prismatic">
+    <parent link="RAIL"/><child link="CART"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.5" effort="10" velocity="1"/>
+  </joint>
+  <joint name="BOLT" type="fixed"><parent link="CART"/><child link="TOP"/></joint>
+</robot>
+)";
+
+Result<Scenario> load_slider(const std::string& keys) {
+  write_file("slider.urdf", slider);
+  return load_text("rehearse: 1\nduration: 1\nbodies:\n  - name: S\n    model: slider.urdf\n" + keys);
+}
+
+ScenarioBody only_body(const std::string& keys) {
+  const Scenario scenario = loaded("rehearse: 1\nduration: 1\nbodies:\n  - {name: Thing, " + keys + "}\n");
+  return scenario.bodies.empty() ? ScenarioBody{} : scenario.bodies[0];
+}
+
+TEST(ScenarioBodies, MakesAModelOfABox) {
+  const ScenarioBody body = only_body("box: {size: [1, 2, 3], color: [1, 0.5, 0]}, mass: 4, position: [1, 2, 3]");
+  ASSERT_NE(body.model, nullptr);
+  EXPECT_EQ(body.model->name, "Thing");
+  EXPECT_EQ(body.model->mass(), 4.0);
+  EXPECT_EQ(std::get<Box>(body.model->links[0].collisions[0].geometry).size, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(body.model->links[0].visuals[0].color, Color(1.0f, 0.5f, 0.0f, 1.0f));
+  EXPECT_EQ(body.position, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(ScenarioBodies, MakesAModelOfACylinder) {
+  const ScenarioBody body = only_body("cylinder: {radius: 0.1, length: 0.4, color: [0, 0, 0, 0.5]}, mass: 1");
+  ASSERT_NE(body.model, nullptr);
+  const auto cylinder = std::get<Cylinder>(body.model->links[0].collisions[0].geometry);
+  EXPECT_EQ(cylinder.radius, 0.1);
+  EXPECT_EQ(cylinder.length, 0.4);
+  EXPECT_EQ(body.model->links[0].visuals[0].color, Color(0.0f, 0.0f, 0.0f, 0.5f));
+}
+
+TEST(ScenarioBodies, NeedsNoMassOfAFixedShape) {
+  const ScenarioBody body = only_body("sphere: {radius: 1}, fixed: true");
+  ASSERT_NE(body.model, nullptr);
+  EXPECT_TRUE(body.fixed);
+}
+
+TEST(ScenarioBodies, LoadsAModelOnceForAllWhoHaveIt) {
+  const std::string model = (fixtures / "models/sr1.urdf").string();
+  const Scenario scenario =
+      loaded("rehearse: 1\nduration: 1\nbodies: [{name: A, model: " + model + "}, {name: B, model: " + model + "}]\n");
+  ASSERT_EQ(scenario.bodies.size(), 2u);
+  EXPECT_EQ(scenario.bodies[0].model, scenario.bodies[1].model);
+}
+
+TEST(ScenarioBodies, TellsABrokenModelsMistakesOnce) {
+  write_file("broken.urdf", "<robot name='r'></robot>");
+  const auto result = load_text(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: A, model: broken.urdf}\n  - {name: B, model: broken.urdf}\n");
+  ASSERT_FALSE(result.ok());
+  ASSERT_GE(result.errors().size(), 2u);
+  EXPECT_THAT(to_string(result.errors()[0]), HasSubstr("test.yaml:4:22: error: the model 'broken.urdf' can't be used"));
+  EXPECT_THAT(result.errors()[1].file, HasSubstr("broken.urdf"));
+  for (const Diagnostic& diagnostic : result.errors()) EXPECT_NE(diagnostic.line, 5) << mistakes(result);
+}
+
+TEST(ScenarioBodies, PassesAModelsRepairsOn) {
+  std::string model = slider;
+  model.replace(model.find("<limit"), model.find("velocity=\"1\"/>") + 14 - model.find("<limit"), "");
+  write_file("repaired.urdf", model);
+  const Scenario scenario = loaded("rehearse: 1\nduration: 1\nbodies: [{name: S, model: repaired.urdf}]\n");
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr("repaired.urdf"));
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr("repair: "));
+}
+
+TEST(ScenarioBodies, ReadsDisplacementsInMetresOfAPrismaticJoint) {
+  const auto result = load_slider("    joints: [0.25]\n");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_EQ(result.value().bodies[0].joints, std::vector<double>{0.25});
+}
+
+TEST(ScenarioBodies, RefusesAnAngleForAPrismaticJoint) {
+  EXPECT_THAT(mistakes(load_slider("    joints: {SLIDE: 10 deg}\n")), HasSubstr(":6:21: error: SLIDE is '10 deg'"));
+}
+
+TEST(ScenarioBodies, RefusesADisplacementOfAFixedJoint) {
+  EXPECT_THAT(mistakes(load_slider("    joints: {BOLT: 0}\n")), HasSubstr(":6:14: error: joint 'BOLT' of S is fixed"));
+}
+
+TEST(ScenarioBodies, WarnsOfAJointThatStartsOutsideItsLimits) {
+  const auto result = load_slider("    joints: {SLIDE: 0.7}\n");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_THAT(to_string(result.value().warnings),
+              HasSubstr(":6:21: warning: SLIDE starts at 0.7, outside its limits (they are 0 to 0.5)"));
+}
+
+TEST(ScenarioBodies, ForgivesALimitThatWasRounded) {
+  const auto result = load_slider("    joints: {SLIDE: 0.5000005}\n");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_THAT(to_string(result.value().warnings), IsEmpty());
+}
+
+TEST(ScenarioBodies, WarnsOfAJointThatIsOutsideItsLimitsUnlessMoved) {
+  std::string model = slider;
+  model.replace(model.find("lower=\"0\""), 9, "lower=\"0.1\"");
+  write_file("stretched.urdf", model);
+  const Scenario scenario = loaded("rehearse: 1\nduration: 1\nbodies: [{name: S, model: stretched.urdf}]\n");
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr(":3:10: warning: SLIDE starts at 0, outside its limits"));
+}
+
+TEST(ScenarioBodies, StaysFixedWhereItsModelFixesIt) {
+  std::string model = slider;
+  model.replace(model.find("<link name=\"RAIL\""), 0, "<link name=\"world\"/>");
+  model.replace(model.find("</robot>"), 0,
+                "<joint name=\"FLOOR\" type=\"fixed\"><parent link=\"world\"/><child link=\"RAIL\"/></joint>");
+  write_file("bolted.urdf", model);
+  const Scenario silent = loaded("rehearse: 1\nduration: 1\nbodies: [{name: S, model: bolted.urdf}]\n");
+  EXPECT_TRUE(silent.bodies.at(0).fixed);
+  EXPECT_THAT(silent.warnings, IsEmpty());
+  const Scenario freed = loaded("rehearse: 1\nduration: 1\nbodies: [{name: S, model: bolted.urdf, fixed: false}]\n");
+  EXPECT_TRUE(freed.bodies.at(0).fixed);
+  EXPECT_THAT(to_string(freed.warnings), HasSubstr("warning: the model fixes its root link 'world' to the world"));
+}
+
+TEST(ScenarioBodies, NamesAControllerAfterItsLibrary) {
+  const ScenarioBody body = only_body("sphere: {radius: 1}, mass: 1, controllers: [{library: build/lib/Hold.so}]");
+  ASSERT_EQ(body.controllers.size(), 1u);
+  EXPECT_EQ(body.controllers[0].name, "Hold");
+  EXPECT_EQ(body.controllers[0].library, "build/lib/Hold.so");
+  EXPECT_TRUE(body.controllers[0].delay);
+  EXPECT_EQ(body.controllers[0].place.line, 4);
+  EXPECT_EQ(body.controllers[0].place.column, 73);
+}
+
+TEST(ScenarioBodies, ReadsAControllerAndItsChildren) {
+  const ScenarioBody body = only_body(
+      "sphere: {radius: 1}, mass: 1, controllers: [{name: Top, library: Hold, options: 'a \"b c\"', delay: false, "
+      "children: [{library: Lift, options: 3}]}]");
+  ASSERT_EQ(body.controllers.size(), 1u);
+  const ScenarioController& top = body.controllers[0];
+  EXPECT_EQ(top.name, "Top");
+  EXPECT_EQ(top.options, "a \"b c\"");
+  EXPECT_FALSE(top.delay);
+  ASSERT_EQ(top.children.size(), 1u);
+  EXPECT_EQ(top.children[0].name, "Lift");
+  EXPECT_EQ(top.children[0].options, "3");
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,176 @@
+// One mistake a file: fixtures/broken/scenario_*.yaml, each with the place and the words of its message.
+#include "scenario_files.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+namespace rehearse {
+namespace {
+
+struct Broken {
+  const char* name;  // fixtures/broken/scenario_NAME.yaml
+  int line;          // of the first message
+  int column;
+  const char* message;  // an extended regular expression found in it, hint included
+};
+
+// What ctest names the test by.
+void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
+
+// clang-format off
+const Broken all_broken[] = {
+    {"not_yaml", 3, 7, "can't be read as YAML"},
+    {"tab_indentation", 3, 5, "can't be read as YAML.*there is a tab"},
+    {"two_documents", 5, 1, "second document"},
+    {"unknown_alias", 5, 10, "can't be read as YAML"},
+    {"alias_of_itself", 4, 5, "alias within the node"},
+    {"empty", 1, 1, "the scenario is empty.*rehearse: 1"},
+    {"a_list", 1, 1, "the scenario is a list.*rehearse: 1"},
+    {"no_version", 1, 1, "has no 'rehearse'.*rehearse: 1"},
+    {"another_version", 1, 11, "rehearse is 2.*expected 1"},
+    {"unknown_key", 2, 1, "unknown key 'durration' in the scenario.*did you mean 'duration'"},
+    {"unknown_key_unlike_any", 3, 1, "unknown key 'weather'.*known keys: rehearse, name, golden"},
+    {"unknown_key_in_body", 4, 40, "unknown key 'masss' in a body.*'mass'"},
+    {"duplicate_key", 3, 1, "'duration' is given twice.*line 2"},
+    {"key_that_is_a_list", 5, 1, "a key is a list"},
+    {"no_duration", 1, 1, "has no 'duration'"},
+    {"duration_of_text", 2, 11, "duration is 'ten seconds'.*expected a number above 0 and at most 86400 \\[s\\]"},
+    {"duration_in_quotes", 2, 11, "duration is the text '10'.*expected a number"},
+    {"duration_empty", 2, 1, "duration is empty"},
+    {"duration_list", 2, 11, "duration is a list.*expected a number"},
+    {"duration_zero", 2, 11, "duration is 0.*above 0"},
+    {"duration_of_thirty_years", 2, 11, "duration is 1e9.*at most 86400"},
+    {"duration_infinite", 2, 11, "duration is '.inf'.*expected a number"},
+    {"duration_nan", 2, 11, "duration is 'nan'.*expected a number"},
+    {"duration_with_unit", 2, 11, "duration is '10 s'.*expected a number"},
+    {"duration_below_a_step", 2, 11, "no tick.*0.001 s"},
+    {"negative_step", 3, 12, "time_step is -0.001.*from 1e-05 to 0.1"},
+    {"zero_step", 3, 12, "time_step is 0 .*from 1e-05 to 0.1"},
+    {"huge_step", 3, 12, "time_step is 1 .*from 1e-05 to 0.1"},
+    {"name_with_slash", 3, 7, "name is 'a/b'.*without '/'"},
+    {"golden_without_test", 3, 9, "golden is 'SR1'.*Suite.Test"},
+    {"seed_negative", 3, 7, "seed is -1.*whole number from 0 to 4294967295"},
+    {"seed_fraction", 3, 7, "seed is 1.5.*whole number"},
+    {"gravity_of_two", 3, 10, "gravity has 2 elements.*3 numbers"},
+    {"gravity_number", 3, 10, "gravity is -9.8.*list of 3 numbers"},
+    {"gravity_overflow", 3, 17, "gravity\\[2\\] is '-1e999'.*expected a number"},
+    {"options_map", 3, 10, "options is a map.*expected text"},
+    {"solver_unknown_method", 3, 18, "method is 'slow'.*quick .* or exact"},
+    {"solver_no_iterations", 3, 22, "iterations is 0.*from 1 to 10000"},
+    {"solver_erp", 3, 15, "erp is 1.5.*from 0 to 1"},
+    {"solver_cfm", 3, 15, "cfm is -1e-5.*from 0"},
+    {"solver_over_relaxation", 3, 27, "over_relaxation is 2.*above 0 and below 2"},
+    {"solver_friction", 3, 20, "friction is -1.*from 0"},
+    {"solver_max_contacts", 3, 24, "max_contacts is 0.*from 1 to 1000"},
+    {"solver_list", 3, 9, "the solver is a list.*map"},
+    {"record_frames", 3, 18, "frames is 'yes'.*true or false"},
+    {"no_bodies", 1, 1, "has no 'bodies'"},
+    {"bodies_empty", 3, 9, "empty list"},
+    {"bodies_map", 3, 9, "bodies is a map.*list of bodies"},
+    {"body_text", 3, 10, "a body is 'Box'.*map"},
+    {"body_without_name", 4, 5, "a body has no 'name'"},
+    {"body_name_with_slash", 4, 12, "name is 'a/b'.*none of /"},
+    {"body_name_with_blank", 4, 12, "name is 'a b'.*without blanks"},
+    {"two_bodies_of_one_name", 5, 12, "second body is named 'Box'.*line 4"},
+    {"body_without_model", 4, 5, "a body has no 'model'.*box, sphere, cylinder"},
+    {"body_with_two_shapes", 4, 40, "both 'sphere' and 'box'"},
+    {"missing_model", 4, 24, "there is no model file 'no_such.urdf'.*broken/no_such.urdf"},
+    {"model_is_a_directory", 4, 24, "there is no model file"},
+    {"model_broken", 4, 24, "model 'urdf_loop.urdf' can't be used"},
+    {"model_with_mass", 4, 50, "mass is given for a body with a model"},
+    {"box_without_size", 4, 22, "a box has no 'size'"},
+    {"box_flat", 4, 33, "size\\[1\\] is 0.*from 1e-06"},
+    {"sphere_negative", 4, 34, "radius is -1.*from 1e-06"},
+    {"cylinder_without_length", 4, 27, "a cylinder has no 'length'"},
+    {"color_of_two", 4, 44, "color has 2 elements.*3 or 4 numbers"},
+    {"color_of_bytes", 4, 45, "color\\[0\\] is 255.*from 0 to 1"},
+    {"shape_without_mass", 4, 5, "a body has no 'mass'.*fixed: true"},
+    {"mass_zero", 4, 44, "mass is 0.*from 1e-09"},
+    {"mass_negative", 4, 44, "mass is -2.*from 1e-09"},
+    {"fixed_number", 4, 54, "fixed is 1 .*true or false"},
+    {"position_text", 4, 57, "position is 'origin'.*list of 3 numbers"},
+    {"position_far", 4, 64, "position\\[2\\] is 1e30.*to 1000000"},
+    {"rotation_of_two", 4, 57, "rotation has 2 elements.*roll, pitch, yaw"},
+    {"rotation_unit", 4, 64, "rotation\\[2\\] is '90 degrees'.*10 deg"},
+    {"rotation_axis_alone", 4, 57, "a rotation has no 'angle'"},
+    {"rotation_axis_zero", 4, 64, "axis is zero"},
+    {"rotation_twice", 4, 57, "rotation is given twice"},
+    {"quaternion_zero", 4, 70, "quaternion is zero"},
+    {"quaternion_of_three", 4, 70, "quaternion has 3 elements.*4 numbers"},
+    {"unknown_joint", 6, 14, "Arm has no joint 'RLEG_NEE'.*did you mean 'RLEG_KNEE'"},
+    {"joint_twice", 6, 30, "'RLEG_KNEE' is given twice"},
+    {"joint_unit", 6, 25, "RLEG_KNEE is '10 grad'.*an angle"},
+    {"joints_too_few", 6, 13, "lists 3 displacements, but Arm has 29 joints"},
+    {"joints_text", 6, 13, "joints is 'standing'.*map of NAME"},
+    {"joint_that_is_a_link", 6, 14, "'WAIST' is a link of Arm"},
+    {"joint_of_a_shape", 4, 56, "Box has no joint 'KNEE'.*there are no joints"},
+    {"controller_text", 4, 61, "a controller is 'Hold'.*map"},
+    {"controller_without_library", 4, 61, "a controller has no 'library'"},
+    {"controller_library_empty", 4, 71, "library is the text ''.*a name or a path"},
+    {"controller_delay", 4, 84, "delay is '1 tick'.*true or false"},
+    {"controller_unknown_key", 4, 77, "unknown key 'option' in a controller.*'options'"},
+    {"two_controllers_of_one_name", 4, 88, "second controller of Box is named 'Hold'.*line 4"},
+    {"child_named_like_its_parent", 4, 98, "second controller of Box is named 'Hold'"},
+    {"grandchildren", 4, 108, "a child controller has children.*one level"},
+    {"push_of_nobody", 5, 17, "there is no body 'Bux'.*'Box'"},
+    {"push_without_body", 5, 10, "a push has no 'body'"},
+    {"push_on_unknown_link", 5, 28, "Box has no link 'Lid'.*known links: Box"},
+    {"push_of_nothing", 5, 10, "neither 'force' nor 'torque'"},
+    {"push_point_without_force", 5, 45, "'at' without 'force'"},
+    {"push_backwards", 5, 58, "until is 0.5.*not after from"},
+    {"push_without_end", 5, 10, "a push has no 'until'"},
+    {"cameras_some", 5, 10, "cameras is 'some'.*all, none, or a list"},
+    {"camera_unknown", 6, 11, "there is no camera 'Arm/LeftCamra'.*'Arm/LeftCamera'"},
+    {"camera_that_is_a_gyro", 6, 11, "there is no camera 'Arm/WaistGyro'.*known cameras: Arm/LeftCamera, Arm/RightCamera"},
+    {"camera_of_nobody", 5, 11, "there is no body 'Bix'"},
+    {"camera_without_body", 5, 11, "a camera is 'Eye'.*Body/Camera"},
+    {"camera_twice", 6, 27, "listed twice"},
+    {"tolerance_without_channel", 5, 14, "a tolerance has no 'channel'"},
+    {"tolerance_of_nothing", 5, 14, "allows nothing.*atol"},
+    {"tolerance_negative", 5, 37, "atol is -1.*from 0"},
+    {"tolerance_leading_slash", 5, 24, "channel is '/Box/q'.*without a slash"},
+    {"tolerance_pixel_delta", 5, 44, "pixel_delta is 300.*from 0 to 255"},
+};
+// clang-format on
+
+std::filesystem::path file_of(const std::string& name) { return fixtures / "broken" / ("scenario_" + name + ".yaml"); }
+
+class BrokenScenario : public ::testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenScenario, IsRefusedAtItsPlace) {
+  const Broken& broken = GetParam();
+  const auto result = Scenario::load(file_of(broken.name));
+  ASSERT_FALSE(result.ok());
+  const Diagnostic& first = result.errors()[0];
+  EXPECT_EQ(first.severity, Severity::error);
+  EXPECT_EQ(first.file, file_of(broken.name).string());
+  EXPECT_EQ(first.line, broken.line) << to_string(first);
+  EXPECT_EQ(first.column, broken.column) << to_string(first);
+  EXPECT_THAT(to_string(first), ::testing::ContainsRegex(broken.message));
+  EXPECT_NE(first.hint, "") << "every message says what would be right";
+}
+
+TEST_P(BrokenScenario, HasNoOtherMistake) {
+  const auto result = Scenario::load(file_of(GetParam().name));
+  ASSERT_FALSE(result.ok());
+  for (std::size_t i = 1; i < result.errors().size(); ++i)
+    EXPECT_NE(result.errors()[i].file, result.errors()[0].file) << mistakes(result);
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, BrokenScenario, ::testing::ValuesIn(all_broken),
+                         [](const auto& parameter) { return std::string(parameter.param.name); });
+
+TEST(BrokenScenarios, AreAllInTheTable) {
+  std::set<std::string> listed;
+  for (const Broken& broken : all_broken) listed.insert(file_of(broken.name).filename().string());
+  std::set<std::string> present;
+  for (const auto& entry : std::filesystem::directory_iterator(fixtures / "broken")) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("scenario_", 0) == 0 && entry.path().extension() == ".yaml") present.insert(name);
+  }
+  EXPECT_EQ(present, listed);
+}
+
+}  // namespace
+}  // namespace rehearse

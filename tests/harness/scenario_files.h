@@ -1,0 +1,55 @@
+// Verbs for tests of scenarios: write a text as a file, load it, say what came back.
+#pragma once
+
+#include <rehearse/scenario.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace rehearse {
+
+inline const std::filesystem::path fixtures = FIXTURES_DIR;
+
+/// A file of its own for the running test, in the build machine's temporary folder.
+inline std::filesystem::path write_file(const std::string& name, const std::string& text) {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "rehearse_scenario" / test->name();
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / name, std::ios::binary) << text;
+  return folder / name;
+}
+
+inline std::string read_file(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+inline Result<Scenario> load_text(const std::string& text) { return Scenario::load(write_file("test.yaml", text)); }
+
+/// Every diagnostic a line; empty if it loaded.
+inline std::string mistakes(const Result<Scenario>& result) { return result ? "" : to_string(result.errors()); }
+
+/// The scenario of a text that has to load.
+inline Scenario loaded(const std::string& text) {
+  Result<Scenario> result = load_text(text);
+  EXPECT_TRUE(result.ok()) << mistakes(result);
+  return result ? *std::move(result) : Scenario{};
+}
+
+/// A scenario of one second with one free ball, and more lines after it.
+inline std::string ball_with(const std::string& lines) {
+  return "rehearse: 1\nduration: 1\nbodies: [{name: Ball, sphere: {radius: 0.1}, mass: 1}]\n" + lines;
+}
+
+/// A scenario of one second with SR1, and more of its keys.
+inline std::string sr1_with(const std::string& keys) {
+  return "rehearse: 1\nduration: 1\nbodies:\n  - name: SR1\n    model: " + (fixtures / "models/sr1.urdf").string() +
+         "\n" + keys;
+}
+
+}  // namespace rehearse

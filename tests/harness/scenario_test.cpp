@@ -1,0 +1,192 @@
+// What a scenario says as a whole: the fixtures, the defaults, the order and number of its mistakes, its warnings.
+#include "scenario_files.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+namespace rehearse {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+Scenario load_fixture(const std::string& name) {
+  Result<Scenario> result = Scenario::load(fixtures / "scenarios" / name);
+  EXPECT_TRUE(result.ok()) << mistakes(result);
+  return result ? *std::move(result) : Scenario{};
+}
+
+TEST(Scenario, LoadsSr1StandingOnTheFloor) {
+  const Scenario scenario = load_fixture("sr1_minimum.yaml");
+  EXPECT_EQ(scenario.golden, "SR1.StandsUnderItsMinimumController");
+  EXPECT_EQ(scenario.ticks(), 2000);
+  ASSERT_EQ(scenario.bodies.size(), 2u);
+  const ScenarioBody& floor = scenario.bodies[0];
+  EXPECT_TRUE(floor.fixed);
+  EXPECT_EQ(floor.position.z() + std::get<Box>(floor.model->links[0].collisions[0].geometry).size.z() / 2, 0.0);
+  const ScenarioBody& robot = scenario.bodies[1];
+  EXPECT_FALSE(robot.fixed);
+  EXPECT_EQ(robot.position, Eigen::Vector3d(0, 0, 0.7135));
+  ASSERT_EQ(robot.joints.size(), 29u);
+  EXPECT_DOUBLE_EQ(robot.joints[3], 4.50001 * degree);    // RLEG_KNEE
+  EXPECT_DOUBLE_EQ(robot.joints[9], -90 * degree);        // RARM_ELBOW
+  EXPECT_DOUBLE_EQ(robot.joints[17], -2.40001 * degree);  // LLEG_ANKLE_P
+  EXPECT_EQ(robot.joints[26], 0.0);                       // WAIST_P
+  EXPECT_EQ(robot.controllers.at(0).library, "SR1MinimumController");
+  EXPECT_THAT(scenario.cameras.value(), ElementsAre("SR1/LeftCamera", "SR1/RightCamera"));
+  EXPECT_THAT(to_string(scenario.warnings), IsEmpty());
+}
+
+TEST(Scenario, LoadsABoxAboveTheFloor) {
+  const Scenario scenario = load_fixture("drop_box.yaml");
+  EXPECT_EQ(scenario.name, "drop_box");
+  ASSERT_EQ(scenario.bodies.size(), 2u);
+  EXPECT_FALSE(scenario.bodies[1].fixed);
+  EXPECT_EQ(scenario.bodies[1].model->mass(), 2.0);
+  EXPECT_THAT(scenario.bodies[1].controllers, IsEmpty());
+}
+
+TEST(Scenario, LoadsTheExampleOfTheManual) {
+  const std::string manual = read_file(fixtures / "README.md");
+  const std::string fence = "```yaml\n";
+  const std::size_t begin = manual.find(fence) + fence.size();
+  ASSERT_GT(begin, fence.size());
+  std::string example = manual.substr(begin, manual.find("```", begin) - begin);
+  const std::size_t models = example.find("../models");
+  ASSERT_NE(models, std::string::npos);
+  example.replace(models, 9, (fixtures / "models").string());
+  const Scenario scenario = loaded(example);
+  EXPECT_THAT(to_string(scenario.warnings), IsEmpty());
+  EXPECT_EQ(scenario.pushes.size(), 1u);
+}
+
+TEST(Scenario, HasTheDefaultsOfChoreonoid) {
+  const Scenario scenario = loaded(ball_with(""));
+  EXPECT_EQ(scenario.name, "test");
+  EXPECT_EQ(scenario.time_step, 0.001);
+  EXPECT_EQ(scenario.gravity, Eigen::Vector3d(0, 0, -9.80665));
+  EXPECT_EQ(scenario.seed, 0u);
+  EXPECT_EQ(scenario.solver.method, SolverSettings::Method::quick);
+  EXPECT_EQ(scenario.solver.iterations, 50);
+  EXPECT_EQ(scenario.solver.erp, 0.4);
+  EXPECT_EQ(scenario.cameras, std::nullopt);
+  EXPECT_TRUE(scenario.record_frames);
+}
+
+TEST(Scenario, ReadsTheSettingsOfTheRun) {
+  const Scenario scenario =
+      loaded(ball_with("name: a ball\nseed: 4294967295\ntime_step: 0.002\ngravity: [0, 1, -2]\n"
+                       "options: \"fast\"\ncameras: none\nrecord: {frames: false}\n"
+                       "solver: {method: exact, erp: 0.2, max_contacts: 8}\n"));
+  EXPECT_EQ(scenario.name, "a ball");
+  EXPECT_EQ(scenario.seed, 4294967295u);
+  EXPECT_EQ(scenario.ticks(), 500);
+  EXPECT_EQ(scenario.gravity, Eigen::Vector3d(0, 1, -2));
+  EXPECT_EQ(scenario.options, "fast");
+  EXPECT_THAT(scenario.cameras.value(), IsEmpty());
+  EXPECT_FALSE(scenario.record_frames);
+  EXPECT_EQ(scenario.solver.method, SolverSettings::Method::exact);
+  EXPECT_EQ(scenario.solver.erp, 0.2);
+  EXPECT_EQ(scenario.solver.max_contacts, 8);
+}
+
+TEST(Scenario, KeepsItsTextForTheRecord) {
+  const std::string text = ball_with("# a remark\n");
+  EXPECT_EQ(loaded(text).text, text);
+}
+
+TEST(Scenario, CountsTicksByRounding) {
+  Scenario scenario;
+  scenario.duration = 0.3;  // 0.3 / 0.1 is just below 3
+  scenario.time_step = 0.1;
+  EXPECT_EQ(scenario.ticks(), 3);
+}
+
+TEST(Scenario, ReadsPushes) {
+  const Scenario scenario = loaded(ball_with(
+      "pushes:\n  - {body: Ball, force: [5, 0, 0], torque: [0, 0, 2], at: [0, 0, 0.1], from: 0.2, until: 0.3}\n"));
+  ASSERT_EQ(scenario.pushes.size(), 1u);
+  const Push& push = scenario.pushes[0];
+  EXPECT_EQ(push.body, 0);
+  EXPECT_EQ(push.link, 0);
+  EXPECT_EQ(push.force, Eigen::Vector3d(5, 0, 0));
+  EXPECT_EQ(push.torque, Eigen::Vector3d(0, 0, 2));
+  EXPECT_EQ(push.point, Eigen::Vector3d(0, 0, 0.1));
+  EXPECT_EQ(push.from, 0.2);
+  EXPECT_EQ(push.until, 0.3);
+}
+
+TEST(Scenario, ReadsTolerancesInTheOrderOfTheFile) {
+  const Scenario scenario =
+      loaded(ball_with("tolerances:\n  - {channel: \"*\", atol: 1e-6}\n  - {channel: Ball/*, rtol: 0.1, pixel_share: "
+                       "0.01, pixel_delta: 2}\n"));
+  ASSERT_EQ(scenario.tolerances.size(), 2u);
+  EXPECT_EQ(scenario.tolerances[0].channel, "*");
+  EXPECT_EQ(scenario.tolerances[0].atol, 1e-6);
+  EXPECT_EQ(scenario.tolerances[0].rtol, std::nullopt);
+  EXPECT_EQ(scenario.tolerances[1].rtol, 0.1);
+  EXPECT_EQ(scenario.tolerances[1].pixel_share, 0.01);
+  EXPECT_EQ(scenario.tolerances[1].pixel_delta, 2.0);
+  EXPECT_EQ(scenario.tolerances[1].place.line, 6);
+}
+
+TEST(Scenario, TellsAllMistakesInDocumentOrder) {
+  const auto result = load_text(
+      "rehearse: 1\nduration: -1\npushes: [{body: Nobody, force: [0, 0, 1], from: 0, until: 1}]\n"
+      "bodies: [{name: Ball, sphere: {radius: 0}, mass: 1}]\nweather: fine\n");
+  ASSERT_FALSE(result.ok());
+  ASSERT_EQ(result.errors().size(), 4u) << mistakes(result);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(result.errors()[static_cast<std::size_t>(i)].line, i + 2) << mistakes(result);
+}
+
+TEST(Scenario, WritesAMistakeAsCompilersDo) {
+  const auto file =
+      write_file("run.yaml", "rehearse: 1\nduration: -1\nbodies: [{name: A, sphere: {radius: 1}, mass: 1}]\n");
+  EXPECT_EQ(mistakes(Scenario::load(file)),
+            file.string() + ":2:11: error: duration is -1 (expected a number above 0 and at most 86400 [s])\n");
+}
+
+TEST(Scenario, StopsTellingAtTwentyMistakes) {
+  std::string lines;
+  for (int i = 0; i < 25; ++i) lines += "key" + std::to_string(i) + ": 1\n";
+  const auto result = load_text(ball_with(lines));
+  ASSERT_FALSE(result.ok());
+  ASSERT_EQ(result.errors().size(), 21u);
+  EXPECT_EQ(result.errors()[19].severity, Severity::error);
+  EXPECT_THAT(to_string(result.errors()[20]), HasSubstr("note: 5 more errors not shown"));
+}
+
+TEST(Scenario, SaysOnlyThatTheVersionIsAnother) {
+  const auto result = load_text("rehearse: 2\nlength: 3\n");
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.errors().size(), 1u) << mistakes(result);
+}
+
+TEST(Scenario, SaysThatTheFileIsMissing) {
+  EXPECT_EQ(mistakes(Scenario::load("no/such.yaml")),
+            "no/such.yaml: error: there is no such file (expected a scenario, a YAML file)\n");
+}
+
+TEST(Scenario, SaysThatTheFileIsADirectory) {
+  EXPECT_THAT(mistakes(Scenario::load(fixtures)), HasSubstr("error: it is a directory"));
+}
+
+TEST(Scenario, WarnsOfAPushThatNeverComes) {
+  const Scenario scenario = loaded(ball_with("pushes: [{body: Ball, force: [1, 0, 0], from: 1, until: 2}]\n"));
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr(":4:47: warning: the push begins at 1 s, after the end"));
+}
+
+TEST(Scenario, WarnsOfAPushOnAFixedBody) {
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies: [{name: Wall, box: {size: [1, 1, 1]}, fixed: true}]\n"
+      "pushes: [{body: Wall, force: [1, 0, 0], from: 0, until: 1}]\n");
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr(":4:17: warning: the push does nothing"));
+}
+
+}  // namespace
+}  // namespace rehearse
