@@ -6,6 +6,7 @@ pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET urdfdom)
 rehearse_add_library(model
   src/diagnostic.cpp
   src/model.cpp
+  src/pinhole.cpp
   src/urdf.cpp
   src/urdf_devices.cpp
   src/urdf_dynamics.cpp

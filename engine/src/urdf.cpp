@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <locale>
+#include <sstream>
 #include <system_error>
 
 namespace rehearse {
@@ -42,16 +44,30 @@ urdf::Draft read_draft(XMLElement& robot, Findings& findings) {
   return draft;
 }
 
-/// Takes out what urdfdom reads worse than we do, or not at all.
-void leave_to_urdfdom(XMLElement& element) {
+/// Single blanks between numbers and none around them: urdfdom takes no others.
+void straighten_blanks(XMLElement& element) {
+  for (const auto* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
+    const std::string_view name = attribute->Name();
+    if (name == "name" || name == "type" || name == "link") continue;
+    std::istringstream words(attribute->Value());
+    words.imbue(std::locale::classic());
+    std::string straight;
+    for (std::string word; words >> word;) straight += (straight.empty() ? "" : " ") + word;
+    element.SetAttribute(attribute->Name(), straight.c_str());
+  }
+}
+
+/// Takes out what urdfdom reads worse than we do, or not at all, and writes the rest as it likes it.
+void prepare_for_urdfdom(XMLElement& element) {
+  straighten_blanks(element);
   XMLElement* next = nullptr;
   for (XMLElement* child = element.FirstChildElement(); child != nullptr; child = next) {
     next = child->NextSiblingElement();
     const std::string_view name = child->Name();
     if (name == "gazebo" || name == "material") {
       element.DeleteChild(child);
-    } else if (name == "link" || name == "visual") {
-      leave_to_urdfdom(*child);
+    } else {
+      prepare_for_urdfdom(*child);
     }
   }
 }
@@ -74,7 +90,7 @@ std::optional<Model> read_robot(const std::string& text, Findings& findings) {
   std::optional<Model> model = urdf::join(draft, findings);
   if (model && !has_broken_inertial(draft)) urdf::check_dynamics(*model, findings);
   if (findings.has_error()) return std::nullopt;
-  leave_to_urdfdom(*robot);
+  prepare_for_urdfdom(*robot);
   urdf::compare_with_urdfdom(document, draft, findings);
   return model;
 }

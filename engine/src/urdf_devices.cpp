@@ -10,7 +10,6 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <string_view>
 
 namespace rehearse::urdf {
@@ -79,7 +78,7 @@ double other_field_of_view(double angle, int from, int to) {
 
 /// Camera::field_of_view from SDF's angle across or from our own upright one.
 double read_field_of_view(const XMLElement& element, const Camera& camera, Findings& findings) {
-  constexpr double most = 0.99 * std::numbers::pi;
+  constexpr double most = 3.1;  // beyond it the picture's plane is all edge
   const bool is_landscape = camera.width >= camera.height;
   const XMLElement* upright = element.FirstChildElement("vertical_fov");
   if (upright != nullptr && element.FirstChildElement("horizontal_fov") != nullptr) {

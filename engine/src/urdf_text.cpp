@@ -6,7 +6,6 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <set>
 
 namespace rehearse::urdf {
 namespace {
@@ -16,7 +15,6 @@ using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
 constexpr std::string_view blanks = " \t\r\n";
-constexpr std::size_t most_attributes_of_one = 100;
 constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
 
 int line_at(std::string_view text, std::size_t position) {
@@ -50,9 +48,50 @@ void find_merge_marker(std::string_view text, Findings& findings) {
   }
 }
 
-void check_amount(std::string_view text, char sign, int most, std::string_view what, Findings& findings) {
-  const auto count = std::count(text.begin(), text.end(), sign);
-  if (count > most) findings.error(0, fmt::format("the file has {} {}, more than {}", count, what, most));
+/// End of the tag whose "<" stands at `start`: the position after its ">". `attributes` counts its quoted values.
+std::size_t end_of_tag(std::string_view text, std::size_t start, int& attributes) {
+  for (std::size_t i = start; i < text.size(); ++i) {
+    if (text[i] == '>') return i + 1;
+    if (text[i] != '"' && text[i] != '\'') continue;
+    ++attributes;
+    i = std::min(text.find(text[i], i + 1), text.size());
+  }
+  return text.size();
+}
+
+/// What is opened by "<!" or "<?" ends where its own mark stands, whatever quotes are in it.
+std::string_view closing_of(std::string_view rest) {
+  if (rest.starts_with("<!--")) return "-->";
+  if (rest.starts_with("<![CDATA[")) return "]]>";
+  if (rest.starts_with("<?")) return "?>";
+  return rest.starts_with("<!") ? ">" : "";
+}
+
+/// Counts what a parser would have to hold, before one tries: parsers recurse into depth, and look for each attribute
+/// among those before it.
+void check_extent(std::string_view text, Findings& findings) {
+  int tags = 0;
+  int depth = 0;
+  std::size_t position = text.find('<');
+  while (position != std::string_view::npos) {
+    const std::string_view rest = text.substr(position);
+    const std::size_t start = position;
+    int attributes = 0;
+    if (const std::string_view closing = closing_of(rest); !closing.empty()) {
+      position = std::min(text.find(closing, position), text.size());
+    } else {
+      position = end_of_tag(text, position, attributes);
+      const bool is_end = rest.starts_with("</");
+      const bool is_closed = position >= start + 2 && text.substr(position - 2, 2) == "/>";
+      depth += is_end ? -1 : is_closed ? 0 : 1;
+    }
+    std::string what;
+    if (++tags > max_urdf_tags) what = fmt::format("the file has more than {} tags", max_urdf_tags);
+    if (depth > max_urdf_depth) what = fmt::format("elements are nested deeper than {} levels", max_urdf_depth);
+    if (attributes > max_urdf_attributes) what = fmt::format("a tag has more than {} attributes", max_urdf_attributes);
+    if (!what.empty()) return findings.error(line_at(text, start), what);
+    position = text.find('<', position);
+  }
 }
 
 void check_prolog(std::string_view text, Findings& findings) {
@@ -73,45 +112,27 @@ void check_prolog(std::string_view text, Findings& findings) {
 std::string describe(tinyxml2::XMLError error) {
   switch (error) {
     case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this tag isn't well-formed XML";
-    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE: return "an attribute of this tag isn't well-formed XML";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute of this tag isn't well-formed XML, or there are two of one name";
     case tinyxml2::XML_ERROR_PARSING_TEXT: return "the text that begins here isn't followed by a tag";
     case tinyxml2::XML_ERROR_PARSING_CDATA: return "the CDATA section that begins here has no end";
     case tinyxml2::XML_ERROR_PARSING_COMMENT: return "the comment that begins here has no end";
     case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "a declaration <?...?> stands here or has no end";
     case tinyxml2::XML_ERROR_PARSING_UNKNOWN: return "the tag <!... that begins here has no end";
     case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT: return "the element that begins here isn't closed by its own end tag";
-    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
-      return fmt::format("elements are nested deeper than {} levels", max_urdf_depth);
     default: return "this isn't well-formed XML";
   }
 }
 
-/// The element after `element` in document order, or null. `depth` follows.
-const XMLElement* next_in_document(const XMLElement* element, int& depth) {
-  if (const XMLElement* child = element->FirstChildElement()) return ++depth, child;
+/// The element after `element` in document order, or null.
+const XMLElement* next_in_document(const XMLElement* element) {
+  if (const XMLElement* child = element->FirstChildElement()) return child;
   while (element != nullptr) {
     if (const XMLElement* sibling = element->NextSiblingElement()) return sibling;
     const XMLNode* parent = element->Parent();
     element = parent == nullptr ? nullptr : parent->ToElement();
-    --depth;
   }
   return nullptr;
-}
-
-void check_attributes(const XMLElement& element, Findings& findings) {
-  std::set<std::string_view> seen;
-  for (const auto* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
-    if (!seen.insert(attribute->Name()).second) {
-      findings.error(attribute->GetLineNum(),
-                     fmt::format("{} has two attributes {}", tag(element.Name()), in_quotes(attribute->Name())));
-      return;
-    }
-    if (seen.size() > most_attributes_of_one) {
-      findings.error(element.GetLineNum(),
-                     fmt::format("{} has more than {} attributes", tag(element.Name()), most_attributes_of_one));
-      return;
-    }
-  }
 }
 
 bool is_xacro(const XMLElement& element) {
@@ -123,20 +144,12 @@ bool is_xacro(const XMLElement& element) {
   return false;
 }
 
-void check_elements(const XMLElement& root, Findings& findings) {
-  int depth = 1;
-  bool xacro_told = false;
-  for (const XMLElement* element = &root; element != nullptr; element = next_in_document(element, depth)) {
-    if (depth > max_urdf_depth) {
-      findings.error(element->GetLineNum(), describe(tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED));
-      return;
-    }
-    if (!xacro_told && is_xacro(*element)) {
-      xacro_told = true;
-      findings.error(element->GetLineNum(), "this is a xacro file that hasn't been expanded",
-                     "run: xacro FILE.urdf.xacro > FILE.urdf");
-    }
-    check_attributes(*element, findings);
+void find_xacro(const XMLElement& root, Findings& findings) {
+  for (const XMLElement* element = &root; element != nullptr; element = next_in_document(element)) {
+    if (!is_xacro(*element)) continue;
+    findings.error(element->GetLineNum(), "this is a xacro file that hasn't been expanded",
+                   "run: xacro FILE.urdf.xacro > FILE.urdf");
+    return;
   }
 }
 
@@ -154,8 +167,7 @@ bool text_is_sound(std::string_view text, Findings& findings) {
   } else {
     check_prolog(text, findings);
     find_merge_marker(text, findings);
-    check_amount(text, '<', max_urdf_tags, "tags", findings);
-    check_amount(text, '=', max_urdf_attributes, "attributes", findings);
+    check_extent(text, findings);
   }
   return !findings.has_error();
 }
@@ -180,7 +192,7 @@ XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& fi
     findings.error(node->GetLineNum(), "something follows after </robot>", "a file describes one robot");
     break;
   }
-  check_elements(*root, findings);
+  find_xacro(*root, findings);
   return findings.has_error() ? nullptr : root;
 }
 

@@ -13,11 +13,11 @@ class XMLElement;
 namespace rehearse::urdf {
 
 /// Looks at the bytes before any parser does: empty, too large, git-lfs pointer, merge conflict, UTF-16, document type,
-/// too many tags or attributes. False if there is an error.
+/// nesting too deep, too many tags or attributes. False if there is an error.
 bool text_is_sound(std::string_view text, Findings& findings);
 
-/// Parses the text into `document`, and checks what holds for any XML we read: depth, one root element <robot>, no
-/// attribute twice, no xacro left. Null if there is an error.
+/// Parses the text into `document`, and checks that there is one root element <robot> and
+/// no xacro left. Null if there is an error.
 tinyxml2::XMLElement* parse_xml(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings);
 
 }  // namespace rehearse::urdf

@@ -211,7 +211,7 @@ void add_devices(const Draft& draft, Model& model, Findings& findings) {
 
 std::optional<Model> join(const Draft& draft, Findings& findings) {
   if (draft.links.empty()) {
-    findings.error(0, "the robot has no links");
+    if (draft.is_complete) findings.error(0, "the robot has no links");
     return std::nullopt;
   }
   const int errors_before = findings.error_count();

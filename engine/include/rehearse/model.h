@@ -1,9 +1,9 @@
 // Model: one robot or object as its author described it. Immutable after loading.
 //
-// A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It knows nothing of where it stands
-// or how it moves: that is World's. Units are SI, angles [rad]. Links stand in depth-first order, children of a link in
-// the document order of their joints, so a parent always comes before its children and links[0] is the root.
-// A link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent * origin * motion(axis, q).
+// A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It knows nothing of where it
+// stands or how it moves: that is World's. Units are SI, angles [rad]. Links stand in depth-first order, children of a
+// link in the document order of their joints, so a parent always comes before its children and links[0] is the root. A
+// link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent * origin * motion(axis, q).
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -46,9 +46,9 @@ struct Shape {
 };
 
 struct Inertial {
-  double mass = 0.0;                                    // [kg]
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();     // centre of mass in the link frame [m]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();    // about the centre, along the link's axes [kg·m²]
+  double mass = 0.0;                                  // [kg]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();   // centre of mass in the link frame [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the link's axes [kg·m²]
 };
 
 enum class JointType { free, fixed, revolute, continuous, prismatic };
@@ -59,7 +59,7 @@ inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 struct Joint {
   std::string name;  // empty for the root
   JointType type = JointType::free;
-  int id = -1;       // document order among the movable joints of the file; -1 for free and fixed
+  int id = -1;  // document order among the movable joints of the file; -1 for free and fixed
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // joint frame in the parent link's frame
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit vector in the joint frame
   double lower = -unlimited;                                 // [rad] or [m]
@@ -88,13 +88,13 @@ struct Imu {};
 
 /// A pinhole camera. It looks along its device frame's -z with +y up (the convention of OpenGL and of Choreonoid).
 struct Camera {
-  int width = 640;                   // [pixels]
-  int height = 480;                  // [pixels]
-  double field_of_view = 0.785398;   // [rad]: vertical if width >= height, else horizontal
-  double near_clip = 0.04;           // [m]
-  double far_clip = 200.0;           // [m]
-  double frame_rate = 30.0;          // [Hz] of simulated time
-  bool depth = false;                // also measures depth (a RangeCamera)
+  int width = 640;                  // [pixels]
+  int height = 480;                 // [pixels]
+  double field_of_view = 0.785398;  // [rad]: vertical if width >= height, else horizontal
+  double near_clip = 0.04;          // [m]
+  double far_clip = 200.0;          // [m]
+  double frame_rate = 30.0;         // [Hz] of simulated time
+  bool depth = false;               // also measures depth (a RangeCamera)
 };
 
 using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera>;
@@ -102,8 +102,8 @@ using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera>;
 /// A sensor (later issues: a light, ...) fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
   std::string name;
-  int id = -1;    // as in the file; -1 if it gives none
-  int link = 0;   // index into Model::links
+  int id = -1;                                             // as in the file; -1 if it gives none
+  int link = 0;                                            // index into Model::links
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // device frame in the link frame; see the kind for its axes
   DeviceKind kind;
   int line = 0;  // where the file states it; 0: it doesn't
@@ -120,12 +120,12 @@ std::string_view type_name(const Device& device);
 
 struct Model {
   std::string name;
-  std::vector<Link> links;          // depth-first; links[0] is the root
-  std::vector<int> joints;          // by joint id: the index of the link it moves
+  std::vector<Link> links;  // depth-first; links[0] is the root
+  std::vector<int> joints;  // by joint id: the index of the link it moves
   std::vector<Device> devices;
-  std::string source_file;          // as the user named it; empty for a single shape
-  std::string source_text;          // the file's bytes, for the record; empty for a single shape
-  Diagnostics report;               // the load report: repairs, warnings and notes in document order
+  std::string source_file;  // as the user named it; empty for a single shape
+  std::string source_text;  // the file's bytes, for the record; empty for a single shape
+  Diagnostics report;       // the load report: repairs, warnings and notes in document order
 
   /// Index of the link, or -1.
   int find_link(std::string_view name) const;

@@ -12,8 +12,8 @@
 // - Shapes are box, sphere, cylinder and capsule (radius, length without the caps). A mesh is an error in this version.
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, in SDF's words: type imu,
 //   accelerometer, gyroscope (or gyro), force_torque (reference: link, or joint = its child link), camera, and
-//   depth, depth_camera, rgbd or rgbd_camera (cameras that measure depth). Read are `<pose>` (x y z roll pitch yaw in the
-//   link frame), and of a camera `<update_rate>`, `<camera><pose>`, `<horizontal_fov>`, `<image><width>, <height>`,
+//   depth, depth_camera, rgbd or rgbd_camera (cameras that measure depth). Read are `<pose>` (x y z roll pitch yaw in
+//   the link frame), and of a camera `<update_rate>`, `<camera><pose>`, `<horizontal_fov>`, `<image><width>, <height>`,
 //   `<clip><near>, <far>`, with SDF's defaults (1.047 rad, 320 x 240, 0.1 m, 100 m; 30 Hz). SDF's camera looks along +x
 //   with +z up; Device::pose is already turned to look along -z with +y up.
 //   Two children are ours: `<sensor><id>N</id>` is Device::id, and `<camera><vertical_fov>` [rad] may stand instead of
@@ -30,9 +30,9 @@
 namespace rehearse {
 
 inline constexpr std::size_t max_urdf_bytes = std::size_t{64} << 20;  // 64 MiB
-inline constexpr int max_urdf_depth = 100;                            // elements within elements
-inline constexpr int max_urdf_tags = 250'000;                         // "<" in the file
-inline constexpr int max_urdf_attributes = 500'000;                   // "=" in the file
+inline constexpr int max_urdf_depth = 90;        // elements within elements; the parser's own limit is 100
+inline constexpr int max_urdf_tags = 250'000;    // in the file, comments included
+inline constexpr int max_urdf_attributes = 100;  // of one tag
 inline constexpr int max_urdf_links = 5'000;
 inline constexpr int max_image_side = 8192;  // of a camera [pixels]
 inline constexpr int max_urdf_errors = 20;   // told of one file
@@ -41,8 +41,8 @@ struct UrdfOptions {
   bool strict = false;  // repairs become errors
 };
 
-/// Reads and checks a URDF file. On failure: every error of the file (at most 20), in document order, each with its line.
-/// On success Model::report holds the repairs, warnings and notes.
+/// Reads and checks a URDF file. On failure: every error of the file (at most 20), in document order, each with its
+/// line. On success Model::report holds the repairs, warnings and notes.
 Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& options = {});
 
 /// The same from text that is already in memory; `name` stands for the file in messages and in Model::source_file.

@@ -1,0 +1,193 @@
+// One file a mistake: fixtures/broken/urdf_NAME.urdf, and what the loader says of it.
+#include <rehearse/urdf.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+struct Mistake {
+  const char* name;
+  int line;             // 0: of the whole file
+  const char* message;  // a regular expression that stands in the message
+};
+
+/// Refused, each with this one error.
+const std::vector<Mistake> errors = {
+    {"attribute_twice", 3, "an attribute of this tag isn't well-formed XML, or there are two of one name"},
+    {"attribute_without_quotes", 3, "an attribute of this tag isn't well-formed XML"},
+    {"axis_zero", 7, "the axis of joint 'hinge' is zero"},
+    {"blank", 0, "the file is empty"},
+    {"box_of_one_number", 5, "size of <box> is '1', not three numbers"},
+    {"camera_near_beyond_far", 10, "<near> is 10, not below <far>, which is 0.1"},
+    {"camera_of_half_a_pixel", 9, "<width> is 64.5, not a whole number"},
+    {"camera_of_no_width", 9, "<width> is 0; it must be above 0 and at most 8192"},
+    {"camera_rate_zero", 6, "<update_rate> is 0; it must be above 0"},
+    {"camera_sees_behind_itself", 8, "<horizontal_fov> is 3.2; it must be above 0 and at most 3.1"},
+    {"camera_too_wide", 9, "<width> is 20000; it must be above 0 and at most 8192"},
+    {"camera_width_of_text", 9, "<width> holds 'wide', not a number"},
+    {"camera_with_two_angles", 8, "<vertical_fov> beside <horizontal_fov>"},
+    {"camera_without_camera", 5, "camera 'eye' has no <camera>"},
+    {"color_of_three", 6, "rgba of <color> is '1 0 0', not four numbers"},
+    {"comment_only", 0, "the file is empty"},
+    {"cylinder_without_length", 5, "<cylinder> has no attribute 'length'"},
+    {"damping_negative", 7, "joint 'hinge' has a negative damping or friction"},
+    {"empty", 0, "the file is empty"},
+    {"end_tag_missing", 4, "the element that begins here isn't closed by its own end tag"},
+    {"floating_with_brother", 4, "floating joint 'hinge' isn't supported here"},
+    {"free_root_without_mass", 3, "link 'base' moves but has no mass"},
+    {"geometry_empty", 5, "<collision> has no shape"},
+    {"geometry_missing", 4, "<collision> has no shape"},
+    {"geometry_of_two", 7, "a second shape in one <geometry>"},
+    {"geometry_unknown", 8, "unknown geometry <cone>"},
+    {"git_lfs_pointer", 1, "this is a git-lfs pointer, not the file it stands for"},
+    {"inertia_not_positive_definite", 9, "the inertia of moving link 'arm' isn't positive definite"},
+    {"inertia_without_ixy", 12, "<inertia> has no attribute 'ixy'"},
+    {"inertia_zero", 9, "the inertia of moving link 'arm' isn't positive definite"},
+    {"inertial_without_inertia", 10, "<inertial> of link 'arm' has no <inertia>"},
+    {"inertial_without_mass", 10, "<inertial> of link 'arm' has no <mass>"},
+    {"joint_type_unknown", 4, "unknown joint type 'hinge'"},
+    {"joint_without_child", 4, "joint 'hinge' has no <child>"},
+    {"joint_without_name", 4, "<joint> has no name"},
+    {"joint_without_type", 4, "a joint without a type"},
+    {"limit_lower_above_upper", 7, "joint 'hinge' has a lower limit of 1 above its upper limit of -1"},
+    {"link_name_not_utf8", 2, "the name 'w.rld' of <link> isn't plain UTF-8 text"},
+    {"link_without_name", 4, "<link> has no name"},
+    {"loop", 10, "a loop: joint 'back' makes link 'left' its own ancestor"},
+    {"mass_negative", 11, "link 'arm' has negative mass"},
+    {"mass_zero", 9, "link 'arm' moves but has no mass"},
+    {"merge_conflict", 4, "a merge conflict is left in the file"},
+    {"mesh", 5, "the mesh 'package://arm/meshes/arm.stl' can't be used: this version doesn't read meshes"},
+    {"moving_without_mass", 9, "link 'arm' moves but has no mass"},
+    {"no_links", 0, "the robot has no links"},
+    {"not_xml", 1, "this is not XML: it begins with"},
+    {"number_infinite", 11, "value of <mass> is 'inf', not a number"},
+    {"number_overflow", 11, "value of <mass> is '1e400', not a number"},
+    {"number_with_comma", 7, "xyz of <origin> is '0 0,5 0', not three numbers"},
+    {"number_with_unit", 7, "lower of <limit> is '-90deg', not a number"},
+    {"origin_of_two", 7, "xyz of <origin> is '0 0.5', not three numbers"},
+    {"own_parent", 5, "a loop: joint 'knot' makes link 'arm' its own ancestor"},
+    {"parent_without_link", 5, "<parent> has no link"},
+    {"planar", 4, "planar joints aren't supported"},
+    {"robot_without_name", 1, "<robot> has no name"},
+    {"rotation_as_quaternion", 7, "quat_xyzw of <origin> isn't supported"},
+    {"sdf", 2, "the file's element is <sdf>"},
+    {"sensor_id_negative", 5, "the id -1 isn't a whole number"},
+    {"sensor_on_nothing", 5, "sensor 'gyro' is on no link"},
+    {"sensor_on_unknown_link", 5, "sensor 'gyro' is on 'head', which is not a link"},
+    {"sensor_pose_of_three", 5, "<pose> holds '0 0 1', not six numbers"},
+    {"sensor_without_name", 5, "<sensor> has no name"},
+    {"sphere_negative", 4, "<collision> has a shape of negative size"},
+    {"two_inertials", 14, "a second <inertial> in one <link>"},
+    {"two_joints_of_one_name", 10, "a second joint with the name 'weld', after the one in line 6"},
+    {"two_links_of_one_name", 4, "a second link with the name 'world', after the one in line 3"},
+    {"two_origins", 8, "a second <origin> in one <joint>"},
+    {"two_parents", 14, "link 'hand' has two parents: joint 'hand_weld' in line 10 and joint 'second_weld'"},
+    {"two_robots", 4, "something follows after </robot>"},
+    {"two_roots", 4, "3 root links: 'world', 'arm', 'leg'"},
+    {"two_sensors_of_one_id", 6, "sensor 'right' has the id 0 of sensor 'left' in line 5"},
+    {"two_sensors_of_one_name", 6, "a second sensor with the name 'gyro', after the one in line 5"},
+    {"undefined_link", 4, "joint 'weld' has the child 'arm', which is not a link"},
+    {"utf16", 0, "the file is UTF-16"},
+    {"web_page", 1, "a document type isn't allowed here"},
+    {"xacro", 3, "this is a xacro file that hasn't been expanded"},
+    {"zero_byte", 3, "a zero byte: this is not a text file"},
+};
+
+/// Loaded with this one repair; refused when strict.
+const std::vector<Mistake> repairs = {
+    {"color_of_bytes", 6, "rgba '255 0 0 1' is brought into 0 to 1"},
+    {"effort_negative", 7, "the effort limit of joint 'hinge' is negative; it is unlimited"},
+    {"limit_missing", 4, "revolute joint 'hinge' has no <limit>; it is unlimited"},
+    {"limit_without_effort", 7, "the limit of joint 'hinge' has no effort; it is unlimited"},
+    {"limit_without_velocity", 7, "the limit of joint 'hinge' has no velocity; it is unlimited"},
+    {"material_of_two_colors", 4, "material 'paint' has another colour in line 3; from here on it has this one"},
+    {"material_without_anything", 6, "a material with neither name nor colour is left out"},
+    {"material_without_name", 6, "a material without a name; its colour is used in this place only"},
+    {"world_undeclared", 3, "joint 'hinge' hangs on a link 'world' that isn't declared; it is added"},
+};
+
+/// Loaded as they are, with this one warning, strict or not.
+const std::vector<Mistake> warnings = {
+    {"inertia_of_no_body", 9, "no body has the inertia of link 'arm'"},
+    {"limit_lower_is_upper", 7, "joint 'hinge' can't move: its lower and upper limits are both 0.5"},
+    {"limit_without_range", 7, "joint 'hinge' can't move: its lower and upper limits are both 0"},
+    {"mass_of_a_feather", 19, "link 'feather' has 0.0001 kg and another has 1 kg"},
+    {"material_unknown", 6, "material 'gold' has no colour anywhere in the file"},
+    {"mimic", 7, "joint 'hinge' doesn't follow the joint it should mimic"},
+    {"sphere_of_no_size", 4, "<collision> has a shape of size 0; it is left out"},
+};
+
+const std::filesystem::path folder = FIXTURES_DIR "/broken";
+
+std::string path_of(const Mistake& mistake) {
+  return (folder / ("urdf_" + std::string(mistake.name) + ".urdf")).string();
+}
+
+Diagnostics of_severity(const Diagnostics& all, Severity severity) {
+  Diagnostics some;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(some),
+               [&](const Diagnostic& diagnostic) { return diagnostic.severity == severity; });
+  return some;
+}
+
+/// They are one, and it is the mistake's.
+void expect_only(const Diagnostics& found, const Mistake& mistake) {
+  ASSERT_EQ(found.size(), 1u) << path_of(mistake) << "\n" << to_string(found);
+  EXPECT_EQ(found[0].file, path_of(mistake));
+  EXPECT_EQ(found[0].line, mistake.line) << to_string(found);
+  EXPECT_THAT(found[0].message, testing::ContainsRegex(mistake.message)) << path_of(mistake);
+}
+
+TEST(BrokenUrdf, IsRefusedWithTheLineAndTheReason) {
+  for (const Mistake& mistake : errors) {
+    const Result<Model> result = load_urdf(path_of(mistake));
+    ASSERT_FALSE(result) << path_of(mistake);
+    expect_only(result.errors(), mistake);
+  }
+}
+
+TEST(BrokenUrdf, IsRepairedByNameWhereThatIsSafe) {
+  for (const Mistake& mistake : repairs) {
+    const Result<Model> result = load_urdf(path_of(mistake));
+    ASSERT_TRUE(result) << to_string(result.errors());
+    expect_only(of_severity(result->report, Severity::repair), mistake);
+  }
+}
+
+TEST(BrokenUrdf, IsNotRepairedWhenStrict) {
+  for (const Mistake& mistake : repairs) {
+    const Result<Model> result = load_urdf(path_of(mistake), {.strict = true});
+    ASSERT_FALSE(result) << path_of(mistake);
+    expect_only(result.errors(), mistake);
+  }
+}
+
+TEST(BrokenUrdf, IsWarnedOfWhereItCanBeMeant) {
+  for (const Mistake& mistake : warnings) {
+    const Result<Model> result = load_urdf(path_of(mistake), {.strict = true});
+    ASSERT_TRUE(result) << to_string(result.errors());
+    expect_only(of_severity(result->report, Severity::warning), mistake);
+  }
+}
+
+TEST(BrokenUrdf, EveryFileIsInATable) {
+  std::set<std::string> known;
+  for (const auto* table : {&errors, &repairs, &warnings}) {
+    for (const Mistake& mistake : *table) known.insert(path_of(mistake));
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(!name.starts_with("urdf_") || known.contains(entry.path().string())) << name;
+  }
+}
+
+}  // namespace
+}  // namespace rehearse

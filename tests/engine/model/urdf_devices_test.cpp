@@ -1,0 +1,150 @@
+#include "urdf_texts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace rehearse {
+namespace {
+
+using testing::HasSubstr;
+
+/// Two links, a hinge between them, and what stands in the <gazebo> block of the second.
+Model with_sensors(const std::string& sensors, const std::string& reference = "arm") {
+  return load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm") + "<gazebo reference='" +
+                    reference + "'>" + sensors + "</gazebo>"));
+}
+
+std::string camera(const std::string& content, const std::string& type = "camera", const std::string& before = "") {
+  return "<sensor name='eye' type='" + type + "'>" + before + "<camera>" + content + "</camera></sensor>";
+}
+
+const Camera& only_camera(const Model& model) {
+  static const Camera none;
+  if (model.devices.size() == 1) {
+    if (const auto* found = std::get_if<Camera>(&model.devices[0].kind)) return *found;
+  }
+  ADD_FAILURE() << "not one camera";
+  return none;
+}
+
+TEST(UrdfSensors, TypesBecomeDevices) {
+  const std::vector<std::pair<std::string, std::string>> types = {{"imu", "Imu"},
+                                                                  {"accelerometer", "AccelerationSensor"},
+                                                                  {"gyroscope", "RateGyroSensor"},
+                                                                  {"gyro", "RateGyroSensor"},
+                                                                  {"force_torque", "ForceSensor"}};
+  for (const auto& [type, device] : types) {
+    const Model model = with_sensors("<sensor name='s' type='" + type + "'/>");
+    ASSERT_EQ(model.devices.size(), 1u) << type;
+    EXPECT_EQ(type_name(model.devices[0]), device);
+    EXPECT_EQ(model.devices[0].link, 1);
+    EXPECT_EQ(model.devices[0].id, -1);
+  }
+}
+
+TEST(UrdfSensors, CameraTypesWithDepthMeasureIt) {
+  EXPECT_FALSE(only_camera(with_sensors(camera("", "camera"))).depth);
+  for (const char* type : {"depth", "depth_camera", "rgbd", "rgbd_camera"}) {
+    EXPECT_TRUE(only_camera(with_sensors(camera("", type))).depth) << type;
+  }
+}
+
+TEST(UrdfSensors, OtherTypesAreNotedAndPassedOver) {
+  const Model model = with_sensors("<sensor name='a' type='ray'/><sensor name='b' type='ray'/>");
+  EXPECT_TRUE(model.devices.empty());
+  EXPECT_THAT(to_string(model.report),
+              HasSubstr("note: a sensor of type 'ray' is ignored, here and in 1 other places"));
+}
+
+TEST(UrdfSensors, HaveAPoseInTheirLinkAndAnId) {
+  const Model model = with_sensors("<sensor name='s' type='imu'><pose>1 2 3 0 0 0.5</pose><id>4</id></sensor>");
+  ASSERT_EQ(model.devices.size(), 1u);
+  EXPECT_EQ(model.devices[0].id, 4);
+  EXPECT_EQ(model.devices[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(
+      model.devices[0].pose.linear().isApprox(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix()));
+}
+
+TEST(UrdfSensors, OfForceMayNameTheJointWhoseChildLinkTheySitOn) {
+  const Model model = with_sensors("<sensor name='s' type='force_torque'/>", "hinge");
+  ASSERT_EQ(model.devices.size(), 1u);
+  EXPECT_EQ(model.devices[0].link, 1);
+}
+
+TEST(UrdfSensors, OfForcePreferAJointAndOthersALinkOfOneName) {
+  const std::string text =
+      robot(link("base") + link("arm") + link("hand") + joint("hand", "continuous", "base", "arm") +
+            joint("wrist", "continuous", "arm", "hand") +
+            "<gazebo reference='hand'><sensor name='f' type='force_torque'/>"
+            "<sensor name='i' type='imu'/></gazebo>");
+  const Model model = load(text);
+  EXPECT_EQ(model.devices[static_cast<std::size_t>(model.find_device("f"))].link, model.find_link("arm"));
+  EXPECT_EQ(model.devices[static_cast<std::size_t>(model.find_device("i"))].link, model.find_link("hand"));
+}
+
+TEST(UrdfSensors, StandByLinkThenByDocument) {
+  const Model model =
+      load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm") +
+                 "<gazebo reference='arm'><sensor name='c' type='imu'/></gazebo>"
+                 "<gazebo reference='base'><sensor name='b' type='imu'/><sensor name='a' type='imu'/></gazebo>"));
+  ASSERT_EQ(model.devices.size(), 3u);
+  EXPECT_EQ(model.devices[0].name, "b");
+  EXPECT_EQ(model.devices[1].name, "a");
+  EXPECT_EQ(model.devices[2].name, "c");
+}
+
+TEST(UrdfCamera, LooksAlongTheLinksXWithZUpToTheLastBit) {
+  const Model model = with_sensors(camera("", "camera", "<pose>1 2 3 0 0 0</pose>"));
+  const Eigen::Matrix3d axes = model.devices.at(0).pose.linear();
+  EXPECT_EQ(axes * -Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX());  // forward
+  EXPECT_EQ(axes * Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ());   // up
+  EXPECT_EQ(axes * Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY());  // right
+  EXPECT_EQ(model.devices[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(UrdfCamera, AddsItsOwnPoseToTheSensors) {
+  const Model model =
+      with_sensors(camera("<pose>0.5 0 0 0 0 0</pose>", "camera", "<pose>1 0 0 0 0 1.5707963267948966</pose>"));
+  EXPECT_TRUE(model.devices.at(0).pose.translation().isApprox(Eigen::Vector3d(1, 0.5, 0)));  // ahead is the link's +y
+  EXPECT_TRUE((model.devices[0].pose.linear() * -Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitY()));
+}
+
+TEST(UrdfCamera, ReadsItsFigures) {
+  const Camera eye =
+      only_camera(with_sensors(camera("<image><width>64</width><height>48</height></image>"
+                                      "<clip><near>0.2</near><far>30</far></clip>",
+                                      "camera", "<update_rate>12.5</update_rate>")));
+  EXPECT_EQ(eye.width, 64);
+  EXPECT_EQ(eye.height, 48);
+  EXPECT_EQ(eye.near_clip, 0.2);
+  EXPECT_EQ(eye.far_clip, 30);
+  EXPECT_EQ(eye.frame_rate, 12.5);
+}
+
+TEST(UrdfCamera, TurnsAnAngleAcrossIntoOneUpright) {
+  const Camera eye = only_camera(with_sensors(camera(
+      "<horizontal_fov>1.5707963267948966</horizontal_fov><image><width>200</width><height>100</height></image>")));
+  EXPECT_NEAR(std::tan(eye.field_of_view / 2), 0.5,
+              1e-15);  // 90 degrees across: one wide at distance one, half as high
+}
+
+TEST(UrdfCamera, KeepsAnAngleAcrossInPortrait) {
+  const Camera eye = only_camera(with_sensors(
+      camera("<horizontal_fov>0.5</horizontal_fov><image><width>100</width><height>200</height></image>")));
+  EXPECT_EQ(eye.field_of_view, 0.5);
+}
+
+TEST(UrdfCamera, TakesAnUprightAngleAsItIs) {
+  EXPECT_EQ(only_camera(with_sensors(camera("<vertical_fov>0.7</vertical_fov>"))).field_of_view, 0.7);
+}
+
+TEST(UrdfCamera, TurnsAnUprightAngleInPortrait) {
+  const Camera eye = only_camera(with_sensors(
+      camera("<vertical_fov>1.5707963267948966</vertical_fov><image><width>100</width><height>200</height></image>")));
+  EXPECT_NEAR(std::tan(eye.field_of_view / 2), 0.5, 1e-15);
+}
+
+}  // namespace
+}  // namespace rehearse

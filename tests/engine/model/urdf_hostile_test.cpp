@@ -1,0 +1,132 @@
+// Whatever the bytes, the loader ends in under a second, with a model or with errors.
+#include <rehearse/urdf.h>
+
+#include "urdf_texts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+namespace rehearse {
+namespace {
+
+using testing::HasSubstr;
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+/// refusal(), timed. A sanitizer build gets more than the second that users are promised.
+std::string quick_refusal(const std::string& text) {
+#if defined(__SANITIZE_ADDRESS__)
+  constexpr std::chrono::seconds allowed(5);
+#else
+  constexpr std::chrono::seconds allowed(1);
+#endif
+  const auto start = std::chrono::steady_clock::now();
+  const std::string messages = refusal(text);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, allowed);
+  return messages;
+}
+
+std::string sr1_text() {
+  std::ifstream file(FIXTURES_DIR "/models/sr1.urdf", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+TEST(HostileUrdf, AHundredThousandLevelsAreTooDeep) {
+  EXPECT_THAT(quick_refusal(robot(repeated("<link>\n", 100'000) + repeated("</link>", 100'000))),
+              HasSubstr("test.urdf:90: error: elements are nested deeper than 90 levels"));
+}
+
+TEST(HostileUrdf, NinetyLevelsAreNotTooDeep) {
+  const std::string text =
+      "<robot name='r'><link name='world'/>" + repeated("<x>", 88) + "<x>text</x>" + repeated("</x>", 88) + "</robot>";
+  EXPECT_EQ(load(text).links.size(), 1u);
+}
+
+TEST(HostileUrdf, DepthInCommentsAndTextIsNone) {
+  const std::string deep = repeated("<x>", 200);
+  EXPECT_EQ(load(robot("<!--" + deep + "--><link name='world'/><y><![CDATA[" + deep + "]]></y>")).links.size(), 1u);
+}
+
+TEST(HostileUrdf, AMillionAttributesAreTooMany) {
+  std::string text = "<robot ";
+  for (int i = 0; i < 1'000'000; ++i) text += "a" + std::to_string(i) + "='<'\n";
+  EXPECT_THAT(quick_refusal(text + "/>"), HasSubstr("test.urdf:1: error: a tag has more than 100 attributes"));
+}
+
+TEST(HostileUrdf, AMillionTagsAreTooMany) {
+  EXPECT_THAT(quick_refusal(robot(repeated("<a/>", 1'000'000))), HasSubstr("the file has more than 250000 tags"));
+}
+
+TEST(HostileUrdf, SeventyMebibytesAreTooMany) {
+  EXPECT_THAT(quick_refusal(std::string(std::size_t{70} << 20, ' ')), HasSubstr("more than 64 MiB"));
+}
+
+TEST(HostileUrdf, AsManyUnknownTagsAsAllowedAreIgnored) {
+  std::string text;
+  for (int i = 0; i < 200'000; ++i) text += "<t" + std::to_string(i % 50'000) + "/>";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(load(robot("<link name='world'/>" + text)).report.size(), 50'000u);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
+TEST(HostileUrdf, AChainOfAllAllowedLinksLoads) {
+  std::string text = link("world", "");
+  std::string last = "world";
+  for (int i = 1; i < max_urdf_links; ++i) {
+    const std::string name = "l" + std::to_string(max_urdf_links - i);
+    text += link(name) + joint("j" + name, "continuous", last, name);
+    last = name;
+  }
+  EXPECT_EQ(load(robot(text)).joints.size(), static_cast<std::size_t>(max_urdf_links - 1));
+}
+
+TEST(HostileUrdf, MoreLinksThanAllowedAreRefused) {
+  std::string text;
+  for (int i = 0; i <= max_urdf_links; ++i) text += link("l" + std::to_string(i), "");
+  EXPECT_THAT(quick_refusal(robot(text)), HasSubstr("the robot has 5001 links, more than 5000"));
+}
+
+TEST(HostileUrdf, ManyErrorsAreFoundQuickly) {
+  EXPECT_THAT(quick_refusal(robot(repeated("<joint><origin xyz='x'/></joint>", 50'000))), HasSubstr("more errors"));
+}
+
+TEST(HostileUrdf, RandomBytesAreRefused) {
+  std::mt19937 generator(1);
+  std::uniform_int_distribution<int> byte(0, 255);
+  for (int length = 1; length < 2000; length += 13) {
+    std::string text;
+    for (int i = 0; i < length; ++i) text += static_cast<char>(byte(generator));
+    quick_refusal(text);
+    quick_refusal("<robot name='" + text + "'>");
+  }
+}
+
+TEST(HostileUrdf, ATruncatedFileIsRefusedWhereverItEnds) {
+  const std::string text = sr1_text();
+  const std::size_t end_of_content = text.find_last_of('>');
+  for (std::size_t length = 0; length < end_of_content; length += 997) quick_refusal(text.substr(0, length));
+}
+
+TEST(HostileUrdf, AFlippedByteNeverCrashes) {
+  const std::string sound = sr1_text();
+  std::mt19937 generator(2);
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string text = sound;
+    text[generator() % text.size()] = static_cast<char>(generator() % 256);
+    refused += parse_urdf(text, "test.urdf").ok() ? 0 : 1;
+  }
+  EXPECT_GT(refused, 30);  // comments and colours may change unnoticed, most else may not
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,304 @@
+#include <rehearse/urdf.h>
+
+#include "urdf_texts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<std::string> link_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const Link& each : model.links) names.push_back(each.name);
+  return names;
+}
+
+TEST(UrdfLoader, OrdersLinksDepthFirstAndJointIdsByDocument) {
+  const std::string fixed_range = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
+  const Model model =
+      load(robot(link("root") + link("z") + link("a") + link("m") + link("b") + joint("to_m", "continuous", "z", "m") +
+                 joint("to_z", "revolute", "root", "z", fixed_range) + joint("weld", "fixed", "root", "b") +
+                 joint("to_a", "prismatic", "root", "a", fixed_range)));
+  EXPECT_THAT(link_names(model), ElementsAre("root", "z", "m", "b", "a"));
+  EXPECT_THAT(model.joints, ElementsAre(2, 1, 4));  // to_m, to_z, to_a; the weld has no id
+  EXPECT_EQ(model.links[2].joint.id, 0);
+  EXPECT_EQ(model.links[2].parent, 1);
+  EXPECT_EQ(model.links[3].joint.id, -1);
+  EXPECT_EQ(model.links[3].joint.type, JointType::fixed);
+  EXPECT_EQ(model.links[4].joint.type, JointType::prismatic);
+}
+
+TEST(UrdfLoader, RootIsFreeUnlessItIsTheWorld) {
+  EXPECT_EQ(load(robot(link("base"))).links[0].joint.type, JointType::free);
+  EXPECT_EQ(load(robot(link("world", ""))).links[0].joint.type, JointType::fixed);
+}
+
+TEST(UrdfLoader, AFloatingJointBelowTheWorldMakesAFreeBase) {
+  const Model model = load(robot(link("world", "") + link("base") + joint("float", "floating", "world", "base")));
+  EXPECT_THAT(link_names(model), ElementsAre("base"));
+  EXPECT_EQ(model.links[0].joint.type, JointType::free);
+  EXPECT_THAT(to_string(model.report), HasSubstr("link 'base' is the free root"));
+}
+
+TEST(UrdfLoader, AFloatingJointFurtherDownIsRefused) {
+  const std::string text = robot(link("root") + link("leaf") + joint("float", "floating", "root", "leaf"));
+  EXPECT_THAT(refusal(text), HasSubstr("floating joint 'float' isn't supported here"));
+}
+
+TEST(UrdfLoader, ReadsAJointsFigures) {
+  const Model model = load(robot(link("base") + link("arm") +
+                                 joint("hinge", "revolute", "base", "arm",
+                                       "<origin xyz='1 2 3' rpy='0 0 1.5707963267948966'/><axis xyz='0 3 4'/>"
+                                       "<limit lower='-0.5' upper='1.5' effort='20' velocity='3'/>"
+                                       "<dynamics damping='0.25' friction='0.125'/>")));
+  const Joint& hinge = model.links[1].joint;
+  EXPECT_EQ(hinge.origin.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(hinge.origin.linear().col(0).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(hinge.axis.isApprox(Eigen::Vector3d(0, 0.6, 0.8)));  // normalised
+  EXPECT_EQ(hinge.lower, -0.5);
+  EXPECT_EQ(hinge.upper, 1.5);
+  EXPECT_EQ(hinge.effort, 20);
+  EXPECT_EQ(hinge.velocity, 3);
+  EXPECT_EQ(hinge.damping, 0.25);
+  EXPECT_EQ(hinge.friction, 0.125);
+}
+
+TEST(UrdfLoader, RollsThenPitchesThenYawsAboutFixedAxes) {
+  const Model model =
+      load(still("<visual><origin rpy='0.3 0.5 0.7'/><geometry><sphere radius='1'/></geometry></visual>"));
+  const auto about = [](double angle, const Eigen::Vector3d& axis) { return Eigen::AngleAxisd(angle, axis); };
+  const Eigen::Matrix3d expected = (about(0.7, Eigen::Vector3d::UnitZ()) * about(0.5, Eigen::Vector3d::UnitY()) *
+                                    about(0.3, Eigen::Vector3d::UnitX()))
+                                       .toRotationMatrix();
+  EXPECT_TRUE(model.links[0].visuals[0].pose.linear().isApprox(expected));
+}
+
+TEST(UrdfLoader, AnAbsentAxisIsX) {
+  for (const char* axis : {"", "<axis/>"}) {
+    const Model model = load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm", axis)));
+    EXPECT_EQ(model.links[1].joint.axis, Eigen::Vector3d::UnitX()) << axis;
+  }
+}
+
+TEST(UrdfLoader, AContinuousJointHasNoRangeWhateverTheFileSays) {
+  const Model model =
+      load(robot(link("base") + link("arm") +
+                 joint("hinge", "continuous", "base", "arm", "<limit lower='0' upper='0' effort='1' velocity='1'/>")));
+  EXPECT_EQ(model.links[1].joint.lower, -unlimited);
+  EXPECT_EQ(model.links[1].joint.upper, unlimited);
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: the range of a continuous joint is ignored"));
+}
+
+TEST(UrdfLoader, AJointWithoutLimitsIsUnlimited) {
+  for (const char* type : {"revolute", "prismatic"}) {
+    const Model model = load(robot(link("base") + link("arm") + joint("hinge", type, "base", "arm")));
+    EXPECT_EQ(model.links[1].joint.lower, -unlimited) << type;
+    EXPECT_EQ(model.links[1].joint.effort, unlimited) << type;
+    EXPECT_EQ(model.links[1].joint.type == JointType::revolute, std::string(type) == "revolute");
+  }
+}
+
+TEST(UrdfLoader, AnEffortOrVelocityOfZeroMeansNotGiven) {
+  const Model model =
+      load(robot(link("base") + link("arm") +
+                 joint("hinge", "revolute", "base", "arm", "<limit lower='-1' upper='1' effort='0' velocity='0'/>")));
+  EXPECT_EQ(model.links[1].joint.effort, unlimited);
+  EXPECT_EQ(model.links[1].joint.velocity, unlimited);
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: the velocity limit of joint 'hinge' is 0"));
+}
+
+TEST(UrdfLoader, TurnsATensorIntoTheLinksAxes) {
+  const Model model =
+      load(still("<inertial><origin xyz='1 2 3' rpy='0 0 1.5707963267948966'/><mass value='4'/>"
+                 "<inertia ixx='1' ixy='0' ixz='0' iyy='2' iyz='0' izz='2.5'/></inertial>"));
+  const Inertial& inertial = model.links[0].inertial;
+  EXPECT_EQ(inertial.center, Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(inertial.inertia.isApprox(Eigen::Vector3d(2, 1, 2.5).asDiagonal().toDenseMatrix()));
+  EXPECT_EQ(inertial.inertia, inertial.inertia.transpose());
+}
+
+TEST(UrdfLoader, ReadsEveryShape) {
+  const Model model =
+      load(still("<collision name='b'><geometry><box size='1 2 3'/></geometry></collision>"
+                 "<collision><geometry><sphere radius='4'/></geometry></collision>"
+                 "<collision><geometry><cylinder radius='5' length='6'/></geometry></collision>"
+                 "<collision><origin xyz='0 0 1'/><geometry><capsule radius='7' length='8'/></geometry></collision>"));
+  const auto& shapes = model.links[0].collisions;
+  ASSERT_EQ(shapes.size(), 4u);
+  EXPECT_EQ(shapes[0].name, "b");
+  EXPECT_EQ(std::get<Box>(shapes[0].geometry).size, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(std::get<Sphere>(shapes[1].geometry).radius, 4);
+  EXPECT_EQ(std::get<Cylinder>(shapes[2].geometry).length, 6);
+  EXPECT_EQ(std::get<Capsule>(shapes[3].geometry).radius, 7);
+  EXPECT_EQ(std::get<Capsule>(shapes[3].geometry).length, 8);
+  EXPECT_EQ(shapes[3].pose.translation().z(), 1);
+}
+
+TEST(UrdfLoader, AFixedChildCarriesTheMassOfAMovingLink) {
+  const std::string text =
+      robot(link("world", "") + link("frame", "") + link("load") + joint("hinge", "continuous", "world", "frame") +
+            joint("weld", "fixed", "frame", "load"));
+  EXPECT_EQ(load(text).mass(), 2.0);
+}
+
+TEST(UrdfLoader, APointMassBesideAnotherIsABodyButNotAlone) {
+  const std::string point =
+      "<inertial><mass value='1'/><inertia ixx='0' ixy='0' ixz='0' iyy='0' iyz='0' izz='0'/></inertial>";
+  const auto weld = [](const char* name, const char* child, const char* where) {
+    return joint(name, "fixed", "base", child, std::string("<origin xyz='") + where + "'/>");
+  };
+  const std::string three = link("base", point) + link("l", point) + link("r", point);
+  load(robot(three + weld("a", "l", "1 0 0") + weld("b", "r", "0 1 0")));                 // a triangle
+  EXPECT_THAT(refusal(robot(three + weld("a", "l", "1 0 0") + weld("b", "r", "2 0 0"))),  // a needle
+              HasSubstr("isn't positive definite"));
+}
+
+std::string visual(const std::string& material) {
+  return "<visual><geometry><sphere radius='1'/></geometry>" + material + "</visual>";
+}
+
+TEST(UrdfMaterials, ANameMayBeUsedBeforeItIsDefined) {
+  const Model model = load(robot("<link name='world'>" + visual("<material name='sky'/>") + "</link>" +
+                                 "<material name='sky'><color rgba='0 0 1 0.5'/></material>"));
+  EXPECT_EQ(model.links[0].visuals[0].color, Color(0, 0, 1, 0.5f));
+}
+
+TEST(UrdfMaterials, AColourInAnyLinkDefinesItsName) {
+  const Model model =
+      load(still(visual("<material name='sky'/>") + visual("<material name='sky'><color rgba='0 0 1 1'/></material>") +
+                 visual("<material name='sky'/>")));
+  for (const Shape& shape : model.links[0].visuals) EXPECT_EQ(shape.color, Color(0, 0, 1, 1));
+}
+
+TEST(UrdfMaterials, TheLaterOfTwoColoursWinsForLaterUses) {
+  const Model model =
+      load(still(visual("<material name='m'><color rgba='1 0 0 1'/></material>") + visual("<material name='m'/>") +
+                 visual("<material name='m'><color rgba='0 1 0 1'/></material>") + visual("<material name='m'/>")));
+  const auto& visuals = model.links[0].visuals;
+  EXPECT_EQ(visuals[1].color, Color(1, 0, 0, 1));
+  EXPECT_EQ(visuals[2].color, Color(0, 1, 0, 1));
+  EXPECT_EQ(visuals[3].color, Color(0, 1, 0, 1));
+}
+
+TEST(UrdfMaterials, TheEmptyNameBelongsToNobody) {
+  const Model model = load(still(visual("<material name=''><color rgba='1 0 0 1'/></material>") +
+                                 visual("<material name=''/>") + visual("")),
+                           {.strict = true});
+  EXPECT_EQ(model.links[0].visuals[0].color, Color(1, 0, 0, 1));
+  EXPECT_FALSE(model.links[0].visuals[1].color);
+  EXPECT_FALSE(model.links[0].visuals[2].color);
+}
+
+TEST(UrdfMaterials, TheSameColourTwiceIsOnlyNoted) {
+  const std::string red = "<material name='m'><color rgba='1 0 0 1'/></material>";
+  EXPECT_THAT(to_string(load(robot(red + red + link("world", "")), {.strict = true}).report),
+              HasSubstr("note: a material defined again with the same colour is ignored"));
+}
+
+TEST(UrdfReport, CountsWhatIsIgnoredOnceAKind) {
+  const Model model = load(robot(
+      "\n<transmission name='a'/>\n<transmission name='b'/>\n<link name='world'><visual><geometry><sphere radius='1'/>"
+      "</geometry></visual></link>\n<gazebo><plugin/></gazebo>\n<!-- said --> unsaid"));
+  const std::string report = to_string(model.report);
+  EXPECT_THAT(report, HasSubstr("test.urdf:2: note: <robot><transmission> is ignored, here and in 1 other places\n"));
+  EXPECT_THAT(report, HasSubstr("test.urdf:5: note: <gazebo><plugin> is ignored\n"));
+  EXPECT_THAT(report, HasSubstr("note: text between the elements of <robot> is ignored\n"));
+}
+
+TEST(UrdfReport, StandsInDocumentOrder) {
+  const Model model = load(robot("\n<mystery/>\n<link name='base'>" + std::string(some_inertial) +
+                                 "</link>\n<link name='arm' color='red'>" + some_inertial + "</link>\n" +
+                                 joint("hinge", "revolute", "base", "arm") + "\n<riddle/>"));
+  std::vector<int> lines;
+  for (const Diagnostic& each : model.report) lines.push_back(each.line);
+  EXPECT_THAT(lines, ElementsAre(2, 4, 5, 6));
+}
+
+TEST(UrdfReport, KnowsTheLinesOfLinksJointsAndDevices) {
+  const Model model =
+      load(robot("\n" + link("world", "") + "\n" + link("arm") + "\n" + joint("hinge", "continuous", "world", "arm") +
+                 "\n<gazebo reference='arm'>\n<sensor name='imu' type='imu'/></gazebo>"));
+  EXPECT_EQ(model.links[0].line, 2);
+  EXPECT_EQ(model.links[1].line, 3);
+  EXPECT_EQ(model.links[1].joint.line, 4);
+  EXPECT_EQ(model.devices[0].line, 6);
+}
+
+TEST(UrdfErrors, AreAllToldAtOnceInDocumentOrder) {
+  const Result<Model> result =
+      parse_urdf(robot("\n" + joint("j", "bolted", "world", "arm") + "\n<link name='world'>\n<collision/></link>\n" +
+                       link("arm", "<inertial><mass value='x'/></inertial>")),
+                 "test.urdf");
+  ASSERT_FALSE(result);
+  std::vector<int> lines;
+  for (const Diagnostic& each : result.errors()) lines.push_back(each.line);
+  EXPECT_THAT(lines, ElementsAre(2, 4, 5));
+}
+
+TEST(UrdfErrors, AreTwentyAtMostAndSayHowManyMore) {
+  std::string links;
+  for (int i = 0; i < 50; ++i) links += "<link/>\n";
+  const Result<Model> result = parse_urdf(robot(links), "test.urdf");
+  ASSERT_FALSE(result);
+  ASSERT_EQ(result.errors().size(), 21u);
+  EXPECT_EQ(result.errors()[19].line, 20);
+  EXPECT_EQ(result.errors()[20].severity, Severity::note);
+  EXPECT_EQ(result.errors()[20].message, "30 more errors are not listed");
+}
+
+TEST(UrdfNumbers, MayHaveBlanksAroundAndASign) {
+  const Model model =
+      load(still("<inertial><origin xyz='\t1.\n+.5  -2E-3 '/><mass value=' 2 '/>"
+                 "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='-0' izz='1'/></inertial>"));
+  EXPECT_EQ(model.links[0].inertial.center, Eigen::Vector3d(1.0, 0.5, -0.002));
+  EXPECT_EQ(model.links[0].inertial.mass, 2.0);
+}
+
+TEST(UrdfNumbers, AreNothingElse) {
+  for (const char* number :
+       {"", " ", "1 2", "0x10", "1e", "+-1", "--1", "nan", "inf", "1e999", "1,5", "1.5.2", "1_000", "①"}) {
+    const std::string text =
+        still("<collision><geometry><sphere radius='" + std::string(number) + "'/></geometry></collision>");
+    EXPECT_THAT(refusal(text), HasSubstr("test.urdf:1: error: radius of <sphere> is")) << number;
+  }
+}
+
+TEST(UrdfFile, IsKeptByteForByte) {
+  const std::string text = robot("\r\n  <!-- as written -->" + link("world", ""));
+  const Model model = load(text);
+  EXPECT_EQ(model.source_text, text);
+  EXPECT_EQ(model.source_file, "test.urdf");
+}
+
+TEST(UrdfFile, SaysWhenItIsNotThereOrNotAFile) {
+  EXPECT_EQ(to_string(load_urdf("no/such.urdf").errors()), "no/such.urdf: error: there is no such file\n");
+  const std::string folder = FIXTURES_DIR;
+  EXPECT_EQ(to_string(load_urdf(folder).errors()), folder + ": error: this is not a file that can be read\n");
+}
+
+TEST(UrdfFile, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(load("\xEF\xBB\xBF<?xml version='1.0'?>" + robot(link("world", ""))).name, "test");
+}
+
+TEST(UrdfFixtures, WeighWhatTheirShapesWeigh) {
+  const auto of = [](const char* file) {
+    const Result<Model> model = load_urdf(std::string(FIXTURES_DIR "/models/") + file, {.strict = true});
+    if (!model) throw std::runtime_error(to_string(model.errors()));
+    const Link& body = model->links.back();
+    const Inertial solid = solid_inertial(body.collisions.at(0).geometry, body.inertial.mass);
+    EXPECT_TRUE(body.inertial.inertia.isApprox(solid.inertia, 1e-12)) << file << "\n" << solid.inertia;
+    EXPECT_EQ(body.inertial.center, body.collisions.at(0).pose.translation()) << file;
+  };
+  of("pendulum.urdf");
+  of("crate.urdf");
+}
+
+}  // namespace
+}  // namespace rehearse
