@@ -106,7 +106,7 @@ struct WriterOptions {
   std::size_t chunk_size = 768 * 1024;
   /// ... or when a message comes whose log time is this much after the chunk's first [ns]. This bounds what a kill loses.
   std::uint64_t chunk_span = 1'000'000'000;
-  int zstd_level = 3;
+  int zstd_level = 1;  // level 3 took three times as long on joint states and made them no smaller (measured)
   /// Finished chunks that may wait for the writer thread; then write() waits too. Bounds the memory.
   std::size_t queue_length = 4;
 };

@@ -1,0 +1,173 @@
+// Small MCAP files for tests: written by the Writer, or composed byte by byte to be what the Writer never writes.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace rehearse::test {
+
+using Buffer = std::vector<std::byte>;
+
+inline mcap::Bytes bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
+}
+
+inline std::string text_of(mcap::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// A path of this test's own, removed with the object.
+class TempFile {
+ public:
+  TempFile() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    static int count = 0;
+    path_ = std::filesystem::temp_directory_path() / (std::string("rehearse_") + test->test_suite_name() + "." + test->name() +
+                                                      "_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+  }
+  ~TempFile() { std::filesystem::remove(path_); }
+  TempFile(const TempFile&) = delete;
+  TempFile& operator=(const TempFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+  Buffer read() const {
+    std::ifstream in(path_, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(in)), {});
+    const auto bytes = bytes_of(text);
+    return {bytes.begin(), bytes.end()};
+  }
+  void write(mcap::Bytes bytes) const {
+    std::ofstream out(path_, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A message as a reader delivered it, with its data kept.
+struct Seen {
+  std::string topic;
+  std::uint32_t sequence = 0;
+  std::uint64_t log_time = 0;
+  std::string data;
+  bool operator==(const Seen&) const = default;
+};
+
+inline std::ostream& operator<<(std::ostream& out, const Seen& seen) {
+  return out << seen.topic << '#' << seen.sequence << '@' << seen.log_time << ':' << seen.data;
+}
+
+inline Seen see(const mcap::Message& message) {
+  return {message.channel->topic, message.sequence, message.log_time, text_of(message.data)};
+}
+
+/// All messages in file order, and what the pass said at its end.
+struct Pass {
+  std::vector<Seen> messages;
+  Result<void> end;
+};
+
+inline Pass pass_over(mcap::Reader& reader) {
+  Pass pass;
+  pass.end = reader.for_each_message([&](const mcap::Message& message) {
+    pass.messages.push_back(see(message));
+    return true;
+  });
+  return pass;
+}
+
+inline Pass pass_in_order(mcap::Reader& reader) {
+  Pass pass;
+  pass.end = reader.for_each_message_in_order([&](const mcap::Message& message) {
+    pass.messages.push_back(see(message));
+    return true;
+  });
+  return pass;
+}
+
+/// Two channels in two groups, five messages in three chunks, an attachment, metadata.
+inline void write_small_file(const std::filesystem::path& file, mcap::WriterOptions options = {}) {
+  options.chunk_span = 2000;
+  auto writer = std::move(*mcap::Writer::create(file, options));
+  const auto schema = writer->add_schema("test/msg/Text", "ros2msg", "string text\n");
+  const auto numbers = writer->add_channel(schema, "/numbers", "cdr", {{"unit", "rad"}});
+  const auto pictures = writer->add_channel(0, "/pictures", "png", {}, mcap::pictures);
+  ASSERT_TRUE(writer->add_attachment("scenario.yaml", "application/yaml", bytes_of("rehearse: 1\n")));
+  ASSERT_TRUE(writer->write(numbers, 0, 0, bytes_of("zero")));
+  ASSERT_TRUE(writer->write(pictures, 0, 0, bytes_of("a picture")));
+  ASSERT_TRUE(writer->write(numbers, 1000, 1000, bytes_of("one")));
+  ASSERT_TRUE(writer->write(numbers, 2000, 2000, bytes_of("two")));
+  ASSERT_TRUE(writer->write(numbers, 3000, 3001, bytes_of("")));
+  ASSERT_TRUE(writer->add_metadata("provenance", {{"seed", "0"}, {"solver", "quick"}}));
+  ASSERT_TRUE(writer->close());
+}
+
+/// Puts records together by hand.
+class Composer {
+ public:
+  template <class T>
+  Composer& put(T value) {
+    const auto* place = reinterpret_cast<const std::byte*>(&value);
+    bytes.insert(bytes.end(), place, place + sizeof(T));
+    return *this;
+  }
+  Composer& text(std::string_view text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    return raw(bytes_of(text));
+  }
+  Composer& raw(mcap::Bytes more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+    return *this;
+  }
+  Composer& magic() { return raw(bytes_of(std::string_view("\x89MCAP0\r\n", 8))); }
+  Composer& record(std::uint8_t opcode, const Composer& body) {
+    put(opcode).put(static_cast<std::uint64_t>(body.bytes.size()));
+    return raw(body.bytes);
+  }
+
+  Composer& header() { return record(0x01, Composer().text("").text("by hand")); }
+  Composer& channel(std::uint16_t id, std::string_view topic) {
+    return record(0x04, Composer().put(id).put(std::uint16_t{0}).text(topic).text("text").put(std::uint32_t{0}));
+  }
+  Composer& message(std::uint16_t channel, std::uint64_t log_time, std::string_view data) {
+    return record(0x05, Composer().put(channel).put(std::uint32_t{0}).put(log_time).put(log_time).raw(bytes_of(data)));
+  }
+  Composer& chunk(std::uint64_t start, std::uint64_t end, const Composer& records, std::string_view compression = "",
+                  std::optional<std::uint64_t> said_size = {}, std::uint32_t crc = 0) {
+    return record(0x06, Composer()
+                            .put(start)
+                            .put(end)
+                            .put(said_size.value_or(records.bytes.size()))
+                            .put(crc)
+                            .text(compression)
+                            .put(static_cast<std::uint64_t>(records.bytes.size()))
+                            .raw(records.bytes));
+  }
+  /// DataEnd without CRC, Footer without summary, magic.
+  Composer& end() {
+    record(0x0f, Composer().put(std::uint32_t{0}));
+    return footer();
+  }
+  Composer& footer() {
+    record(0x02, Composer().put(std::uint64_t{0}).put(std::uint64_t{0}).put(std::uint32_t{0}));
+    return magic();
+  }
+
+  Buffer bytes;
+};
+
+inline std::unique_ptr<mcap::Reader> open_composed(const Composer& file, mcap::ReaderOptions options = {}) {
+  auto reader = mcap::Reader::open_bytes(file.bytes, "composed.mcap", options);
+  EXPECT_TRUE(reader) << (reader ? "" : to_string(reader.errors()));
+  return std::move(*reader);
+}
+
+}  // namespace rehearse::test

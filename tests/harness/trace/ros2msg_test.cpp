@@ -1,0 +1,227 @@
+#include <rehearse/cdr.h>
+#include <rehearse/ros2msg.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+using namespace rehearse;
+using ros2msg::FieldType;
+using ros2msg::Primitive;
+using testing::HasSubstr;
+
+namespace {
+
+ros2msg::Schema parse(std::string_view text) {
+  auto schema = ros2msg::Schema::parse("test/msg/Type", text, "schema");
+  EXPECT_TRUE(schema) << (schema ? "" : to_string(schema.errors()));
+  return schema ? std::move(*schema) : ros2msg::Schema{{{"failed", {}, {}}}};
+}
+
+std::string complaint_about(std::string_view text) {
+  const auto schema = ros2msg::Schema::parse("test/msg/Type", text, "schema");
+  return schema ? "" : to_string(schema.errors());
+}
+
+/// "path=value path=value", then " !" if the decoder gave up.
+std::string decode(std::string_view schema_text, const CdrWriter& payload) {
+  ros2msg::Decoder decoder(parse(schema_text));
+  std::ostringstream out;
+  const bool ok = decoder.decode(payload.bytes(), [&](const ros2msg::Value& value) {
+    using Kind = ros2msg::Value::Kind;
+    out << value.path << '=';
+    switch (value.kind) {
+      case Kind::signed_integer: out << value.integer; break;
+      case Kind::unsigned_integer: out << value.unsigned_integer; break;
+      case Kind::boolean: out << (value.unsigned_integer != 0 ? "true" : "false"); break;
+      case Kind::floating: out << value.number; break;
+      case Kind::text: out << '"' << value.text << '"'; break;
+      case Kind::blob: out << value.blob.size() << " bytes"; break;
+    }
+    out << ' ';
+  });
+  out << (ok ? "" : "!");
+  return out.str();
+}
+
+constexpr std::string_view nested = R"(# A comment
+Pair[2] pairs
+Header header   # std_msgs/Header
+other/Deep deep
+====================
+MSG: test/Pair
+int8 a
+uint16 b
+====================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+====================
+MSG: other/Deep
+bool yes
+)";
+
+}  // namespace
+
+TEST(Ros2msg, ParsesShapesAndBounds) {
+  const auto fields = parse("int32 a\nfloat64[] b\nuint8[3] c\nint16[<=5] d\nstring<=7 e\nstring<=7[<=2] f\n").definitions[0].fields;
+  ASSERT_EQ(fields.size(), 6u);
+  EXPECT_EQ(fields[0].type.shape, FieldType::Shape::single);
+  EXPECT_EQ(fields[1].type.shape, FieldType::Shape::sequence);
+  EXPECT_EQ(fields[1].type.count, 0u);
+  EXPECT_EQ(fields[2].type.shape, FieldType::Shape::array);
+  EXPECT_EQ(fields[2].type.count, 3u);
+  EXPECT_EQ(fields[3].type.shape, FieldType::Shape::sequence);
+  EXPECT_EQ(fields[3].type.count, 5u);
+  EXPECT_EQ(fields[4].type.string_bound, 7u);
+  EXPECT_EQ(fields[5].type.count, 2u);
+  EXPECT_EQ(fields[5].type.string_bound, 7u);
+}
+
+TEST(Ros2msg, ParsesConstants) {
+  const auto constants = parse("uint8 INT8=1\nint32 X = -123 # why\nstring S=\"a # b\"\n").definitions[0].constants;
+  ASSERT_EQ(constants.size(), 3u);
+  EXPECT_EQ(constants[0].name, "INT8");
+  EXPECT_EQ(constants[1].value, "-123");
+  EXPECT_EQ(constants[2].value, "a # b");
+}
+
+TEST(Ros2msg, ParsesDefaults) {
+  const auto fields = parse("uint8 x 42\nint16[] y [1, 2]\nstring s 'it # is'\n").definitions[0].fields;
+  EXPECT_EQ(fields[0].default_value, "42");
+  EXPECT_EQ(fields[1].default_value, "[1, 2]");
+  EXPECT_EQ(fields[2].default_value, "'it # is'");
+}
+
+TEST(Ros2msg, TakesBothFormsOfATypeName) {
+  const auto schema = ros2msg::Schema::parse("test/Type", "other/msg/A a\n===\nMSG: other/A\nbool x\n");
+  ASSERT_TRUE(schema);
+  EXPECT_EQ(schema->definitions[1].name, "other/A");
+}
+
+TEST(Ros2msg, KnowsTimeWithoutItsDefinition) {
+  CdrWriter payload;
+  payload.put(std::int32_t{-1});
+  payload.put(std::uint32_t{2});
+  EXPECT_EQ(decode("builtin_interfaces/Time t\n", payload), "t/sec=-1 t/nanosec=2 ");
+}
+
+TEST(Ros2msg, DecodesNestedMessages) {
+  CdrWriter payload;
+  for (const int i : {1, 2}) {
+    payload.put(static_cast<std::int8_t>(-i));
+    payload.put(static_cast<std::uint16_t>(i));
+  }
+  payload.put(std::int32_t{3});
+  payload.put(std::uint32_t{4});
+  payload.put(std::string_view("map"));
+  payload.put(true);
+  EXPECT_EQ(decode(nested, payload),
+            "pairs/0/a=-1 pairs/0/b=1 pairs/1/a=-2 pairs/1/b=2 header/stamp/sec=3 header/stamp/nanosec=4 "
+            "header/frame_id=\"map\" deep/yes=true ");
+}
+
+TEST(Ros2msg, DecodesEveryPrimitive) {
+  CdrWriter payload;
+  payload.put(true);
+  payload.put(std::int8_t{-8});
+  payload.put(std::uint8_t{200});
+  payload.put(std::int16_t{-16});
+  payload.put(std::uint16_t{16});
+  payload.put(std::int32_t{-32});
+  payload.put(std::uint32_t{32});
+  payload.put(std::int64_t{-64});
+  payload.put(~std::uint64_t{0});
+  payload.put(0.5f);
+  payload.put(0.25);
+  payload.put(std::string_view("s"));
+  EXPECT_EQ(decode("bool a\nint8 b\nuint8 c\nint16 d\nuint16 e\nint32 f\nuint32 g\nint64 h\nuint64 i\nfloat32 j\n"
+                   "float64 k\nstring l\n",
+                   payload),
+            "a=true b=-8 c=200 d=-16 e=16 f=-32 g=32 h=-64 i=18446744073709551615 j=0.5 k=0.25 l=\"s\" ");
+}
+
+TEST(Ros2msg, DecodesByteArraysAsOneBlob) {
+  CdrWriter payload;
+  payload.put(std::uint32_t{3});
+  for (const std::uint8_t byte : {1, 2, 3, 4, 5}) payload.put(byte);
+  EXPECT_EQ(decode("byte[] a\nuint8[2] b\n", payload), "a=3 bytes b=2 bytes ");
+}
+
+TEST(Ros2msg, ReadsTheByteOfAnEmptyMessage) {
+  CdrWriter payload;
+  payload.put(std::uint8_t{0});
+  payload.put(std::uint8_t{7});
+  EXPECT_EQ(decode("Empty e\nuint8 x\n===\nMSG: test/Empty\nint32 ONLY_A_CONSTANT=1\n", payload), "x=7 ");
+}
+
+TEST(Ros2msg, GivesUpWhenABoundIsBroken) {
+  CdrWriter sequence, text;
+  sequence.put_sequence(std::span<const std::int16_t>(std::array<std::int16_t, 3>{1, 2, 3}));
+  text.put(std::string_view("four"));
+  EXPECT_EQ(decode("int16[<=2] x\n", sequence), "!");
+  EXPECT_EQ(decode("string<=3 x\n", text), "!");
+}
+
+TEST(Ros2msg, DeliversWhatIsThereAndGivesUpAtTheEnd) {
+  CdrWriter payload;
+  payload.put(std::uint8_t{1});
+  EXPECT_EQ(decode("uint8 a\nuint32 b\n", payload), "a=1 !");
+}
+
+TEST(Ros2msg, GivesUpOnACountThatCannotBe) {
+  CdrWriter payload;
+  payload.put(std::uint32_t{0x7fffffff});
+  EXPECT_EQ(decode("float64[] a\n", payload), "!");
+}
+
+TEST(Ros2msg, NamesTheLineOfAnUnknownType) {
+  EXPECT_EQ(complaint_about("bool a\n\nMystery b\n"), "schema:3: error: type Mystery is used and not defined\n");
+}
+
+TEST(Ros2msg, NamesTheLineOfATypeThatContainsItself) {
+  EXPECT_EQ(complaint_about("A a\n===\nMSG: test/A\nbool x\nB[] b\n===\nMSG: test/B\nA a\n"),
+            "schema:8: error: type test/A contains itself\n");
+}
+
+TEST(Ros2msg, RefusesWhatIsNoFieldAndNoConstant) {
+  EXPECT_THAT(complaint_about("bool\n"), HasSubstr("schema:1: error: \"bool\" is neither a field nor a constant"));
+  EXPECT_THAT(complaint_about("bool 1a\n"), HasSubstr("neither a field nor a constant"));
+  EXPECT_THAT(complaint_about("bool a-b\n"), HasSubstr("no name for a field"));
+  EXPECT_THAT(complaint_about("int32[x] a\n"), HasSubstr("\"int32[x]\" is no type"));
+  EXPECT_THAT(complaint_about("int32[0] a\n"), HasSubstr("is no type"));
+  EXPECT_THAT(complaint_about("int32] a\n"), HasSubstr("is no type"));
+  EXPECT_THAT(complaint_about("string<=x a\n"), HasSubstr("is no type"));
+  EXPECT_THAT(complaint_about("wstring a\n"), HasSubstr("wstring is not supported"));
+}
+
+TEST(Ros2msg, RefusesNamesThatComeTwice) {
+  EXPECT_THAT(complaint_about("bool a\nint8 a\n"), HasSubstr("schema:2: error: field a is declared twice"));
+  EXPECT_THAT(complaint_about("A a\n===\nMSG: test/A\nbool x\n===\nMSG: test/A\nbool x\n"), HasSubstr("defined twice"));
+}
+
+TEST(Ros2msg, RefusesConstantsThatAreNone) {
+  EXPECT_THAT(complaint_about("int32[] X=1\n"), HasSubstr("constant X can't be of type int32[]"));
+  EXPECT_THAT(complaint_about("int32 X=\n"), HasSubstr("constant X has no value"));
+}
+
+TEST(Ros2msg, MissesTheHeadingAfterASeparator) {
+  EXPECT_THAT(complaint_about("bool a\n===\nbool b\n"), HasSubstr("schema:3: error: after a line of = signs"));
+  EXPECT_THAT(complaint_about("bool a\n===\n"), HasSubstr("the text ends where"));
+}
+
+TEST(Ros2msg, SaysAllMistakesInOneGo) {
+  const auto schema = ros2msg::Schema::parse("a/A", "X a\nY b\nbool\n");
+  ASSERT_FALSE(schema);
+  EXPECT_EQ(schema.errors().size(), 3u);
+}
+
+TEST(Ros2msg, RefusesTypesThatAreNestedTooDeep) {
+  std::string text = "T0 a\n";
+  for (int i = 0; i < 500; ++i) {
+    text += "===\nMSG: test/T" + std::to_string(i) + "\nT" + std::to_string(i + 1) + " a\n";
+  }
+  text += "===\nMSG: test/T500\nbool x\n";
+  EXPECT_THAT(complaint_about(text), HasSubstr("nested more than 64 deep"));
+}

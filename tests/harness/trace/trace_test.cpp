@@ -1,0 +1,343 @@
+#include "mcap_files.h"
+
+#include <rehearse/trace.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace rehearse;
+using namespace rehearse::test;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint64_t ms = 1'000'000;
+
+/// Writes messages to topics, and loads the result.
+class Recording {
+ public:
+  Recording() : writer_(std::move(*mcap::Writer::create(file_.path()))) {}
+
+  template <class Message>
+  Recording& add(std::string_view topic, std::uint64_t time, const Message& message) {
+    auto [channel, is_new] = channels_.try_emplace(std::string(topic), 0);
+    if (is_new) {
+      const auto schema = writer_->add_schema(Message::type_name, "ros2msg", msg::schema_text<Message>());
+      channel->second = writer_->add_channel(schema, topic, "cdr", {{"unit", "rad"}});
+    }
+    cdr_.reset();
+    msg::encode(message, cdr_);
+    return raw(channel->second, time, cdr_.bytes());
+  }
+  Recording& raw(std::uint16_t channel, std::uint64_t time, mcap::Bytes bytes) {
+    EXPECT_TRUE(writer_->write(channel, time, time, bytes));
+    return *this;
+  }
+  mcap::Writer& writer() { return *writer_; }
+  const TempFile& file() const { return file_; }
+
+  Result<Trace> try_load(Trace::Damage damage = Trace::Damage::refuse) {
+    EXPECT_TRUE(writer_->close());
+    return Trace::load(file_.path(), damage);
+  }
+  Trace load() {
+    auto trace = try_load();
+    EXPECT_TRUE(trace) << (trace ? "" : to_string(trace.errors()));
+    return std::move(*trace);
+  }
+
+ private:
+  TempFile file_;
+  std::unique_ptr<mcap::Writer> writer_;
+  std::map<std::string, std::uint16_t> channels_;
+  CdrWriter cdr_;
+};
+
+msg::JointState joints(std::vector<std::string> names, std::vector<double> q, std::vector<double> u = {}) {
+  msg::JointState message;
+  message.name = std::move(names);
+  message.position = std::move(q);
+  message.effort = std::move(u);
+  return message;
+}
+
+std::vector<std::string> names_of(const Trace& trace) {
+  std::vector<std::string> names;
+  for (const auto& [name, place] : trace.series()) names.push_back(name);
+  return names;
+}
+
+std::string message_of(const std::function<void()>& function) {
+  try {
+    function();
+  } catch (const std::out_of_range& error) {
+    return error.what();
+  }
+  return "nothing thrown";
+}
+
+}  // namespace
+
+TEST(Trace, NamesJointsByTheirOwner) {
+  Recording recording;
+  recording.add("/SR1/joints", 0, joints({"RLEG_KNEE", "LLEG_KNEE"}, {0.1, 0.2}));
+  recording.add("/SR1/SR1Minimum/output/joints", 0, joints({"RLEG_KNEE"}, {}, {3.0}));
+  const Trace trace = recording.load();
+  EXPECT_THAT(names_of(trace), ElementsAre("SR1/LLEG_KNEE/q", "SR1/RLEG_KNEE/q", "SR1/SR1Minimum/output/RLEG_KNEE/u"));
+  EXPECT_EQ(trace.last("SR1/LLEG_KNEE/q"), 0.2);
+  EXPECT_EQ(trace.last("SR1/SR1Minimum/output/RLEG_KNEE/u"), 3.0);
+}
+
+TEST(Trace, NamesTheElementsOfEveryStandardType) {
+  Recording recording;
+  recording.add("/B/L/pose", 0, msg::PoseStamped{{}, {{1, 2, 3}, {4, 5, 6, 7}}});
+  recording.add("/B/L/twist", 0, msg::TwistStamped{{}, {{1, 2, 3}, {4, 5, 6}}});
+  recording.add("/B/L/accel", 0, msg::AccelStamped{{}, {{1, 2, 3}, {4, 5, 6}}});
+  recording.add("/B/Foot/wrench", 0, msg::WrenchStamped{{}, {{1, 2, 3}, {4, 5, 6}}});
+  msg::Imu imu;
+  imu.angular_velocity = {1, 2, 3};
+  imu.linear_acceleration = {4, 5, 6};
+  recording.add("/B/Imu/imu", 0, imu);
+  msg::JointAccelerations accelerations;
+  accelerations.name = {"J"};
+  accelerations.acceleration = {9};
+  recording.add("/B/accelerations", 0, accelerations);
+  recording.add("/B/Dev/state", 0, msg::DeviceState{{}, {7, 8}});
+  const Trace trace = recording.load();
+  EXPECT_THAT(names_of(trace),
+              testing::UnorderedElementsAre(
+                  "B/L/position/x", "B/L/position/y", "B/L/position/z", "B/L/orientation/x", "B/L/orientation/y",
+                  "B/L/orientation/z", "B/L/orientation/w", "B/L/linear/x", "B/L/linear/y", "B/L/linear/z",
+                  "B/L/angular/x", "B/L/angular/y", "B/L/angular/z", "B/L/linear_acceleration/x",
+                  "B/L/linear_acceleration/y", "B/L/linear_acceleration/z", "B/L/angular_acceleration/x",
+                  "B/L/angular_acceleration/y", "B/L/angular_acceleration/z", "B/Foot/force/x", "B/Foot/force/y",
+                  "B/Foot/force/z", "B/Foot/torque/x", "B/Foot/torque/y", "B/Foot/torque/z", "B/Imu/angular_velocity/x",
+                  "B/Imu/angular_velocity/y", "B/Imu/angular_velocity/z", "B/Imu/linear_acceleration/x",
+                  "B/Imu/linear_acceleration/y", "B/Imu/linear_acceleration/z", "B/J/ddq", "B/Dev/values/0",
+                  "B/Dev/values/1"));
+  EXPECT_EQ(trace.last("B/L/orientation/w"), 7);
+  EXPECT_EQ(trace.last("B/L/angular_acceleration/z"), 6);
+  EXPECT_EQ(trace.last("B/Foot/torque/x"), 4);
+  EXPECT_EQ(trace.last("B/Imu/linear_acceleration/y"), 5);
+  EXPECT_EQ(trace.last("B/J/ddq"), 9);
+  EXPECT_EQ(trace.last("B/Dev/values/1"), 8);
+}
+
+TEST(Trace, NamesTransformsByTheirChildFrame) {
+  msg::TFMessage message;
+  message.transforms.resize(2);
+  message.transforms[0].child_frame_id = "WAIST";
+  message.transforms[1].child_frame_id = "CHEST";
+  message.transforms[1].transform.translation.x = 5;
+  Recording recording;
+  recording.add("/tf", 0, message);
+  const Trace trace = recording.load();
+  EXPECT_EQ(trace.series().size(), 14u);
+  EXPECT_EQ(trace.last("CHEST/position/x"), 5);
+  EXPECT_EQ(trace.last("WAIST/orientation/w"), 1);
+}
+
+TEST(Trace, KeepsHashesExactly) {
+  msg::Tick tick;
+  tick.tick = 3;
+  tick.state_hash = 0xfedcba9876543211;  // no double holds it
+  tick.controller_results = {true, false};
+  Recording recording;
+  recording.add("/tick", 3 * ms, tick);
+  const Trace trace = recording.load();
+  EXPECT_THAT(trace.integers("state_hash"), ElementsAre(0xfedcba9876543211));
+  EXPECT_EQ(trace.last("tick"), 3.0);
+  EXPECT_EQ(trace.last("controller_results/0"), 1.0);
+  EXPECT_EQ(trace.last("controller_results/1"), 0.0);
+  EXPECT_EQ(trace.ticks(), 1);
+}
+
+TEST(Trace, KeepsEveryBitOfADouble) {
+  const double odd = std::bit_cast<double>(std::uint64_t{0x7ff0000000000123});
+  Recording recording;
+  recording.add("/R/joints", 0, joints({"A", "B"}, {odd, -0.0}));
+  recording.add("/R/joints", ms, joints({"A", "B"}, {odd, -0.0}));  // read on the fast path
+  const Trace trace = recording.load();
+  const TraceChannel& channel = trace.channels()[0];
+  for (const std::size_t row : {0, 1}) {
+    EXPECT_EQ(channel.bits(row, 0), 0x7ff0000000000123u);
+    EXPECT_EQ(channel.bits(row, 1), 0x8000000000000000u);
+  }
+  EXPECT_THROW(static_cast<void>(trace.integers("R/A/q")), std::invalid_argument);
+}
+
+TEST(Trace, FollowsJointsThatChangePlaces) {
+  Recording recording;
+  recording.add("/R/joints", 0, joints({"A", "B"}, {1, 2}));
+  recording.add("/R/joints", 1, joints({"B", "A"}, {20, 10}));
+  recording.add("/R/joints", 2, joints({"B", "A"}, {200, 100}));
+  recording.add("/R/joints", 3, joints({"C"}, {5}));
+  const Trace trace = recording.load();
+  EXPECT_THAT(trace.values("R/A/q"), ElementsAre(1, 10, 100, testing::IsNan()));
+  EXPECT_THAT(trace.values("R/B/q"), ElementsAre(2, 20, 200, testing::IsNan()));
+  EXPECT_THAT(trace.values("R/C/q"), ElementsAre(testing::IsNan(), testing::IsNan(), testing::IsNan(), 5));
+}
+
+TEST(Trace, TakesJointsThatComeTwiceAndArraysOfOtherLengths) {
+  Recording recording;
+  recording.add("/R/joints", 0, joints({"A", "A"}, {1, 2}));
+  recording.add("/R/joints", 1, joints({"A", "A"}, {3, 4}));
+  recording.add("/S/joints", 0, joints({"A"}, {1, 2}));
+  const Trace trace = recording.load();
+  EXPECT_THAT(trace.values("R/A/q"), ElementsAre(2, 4));
+  EXPECT_EQ(trace.last("S/1/q"), 2) << "a joint without a name goes by its number";
+}
+
+TEST(Trace, TellsSeriesOfTheSameNameApart) {
+  Recording recording;
+  recording.add("/R/left", 0, msg::DeviceState{{}, {1}});
+  recording.add("/R/right", 0, msg::DeviceState{{}, {2}});
+  const Trace trace = recording.load();
+  EXPECT_EQ(trace.last("R/values/0"), 1);
+  EXPECT_EQ(trace.last("R/right/values/0"), 2);
+}
+
+TEST(Trace, AnswersQuestionsAboutASeries) {
+  Recording recording;
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    recording.add("/R/joints", i * 100 * ms, joints({"A"}, {std::array{3.0, 1.0, 4.0, 1.0, 5.0}[i]}));
+  }
+  const Trace trace = recording.load();
+  EXPECT_EQ(trace.first("R/A/q"), 3);
+  EXPECT_EQ(trace.last("R/A/q"), 5);
+  EXPECT_EQ(trace.min("R/A/q"), 1);
+  EXPECT_EQ(trace.max("R/A/q"), 5);
+  EXPECT_EQ(trace.mean("R/A/q", 0.1, 0.3), 2.5) << "from is in, until is out";
+  EXPECT_EQ(trace.at("R/A/q", 0.2), 4);
+  EXPECT_EQ(trace.at("R/A/q", 0.299), 4) << "a value holds until the next";
+  EXPECT_EQ(trace.at("R/A/q", 99), 5);
+  EXPECT_THAT(trace.times("R/A/q"), ElementsAre(0.0, 0.1, 0.2, testing::DoubleEq(0.3), 0.4));
+  EXPECT_DOUBLE_EQ(trace.duration(), 0.4);
+}
+
+TEST(Trace, LetsNoComparisonHoldByANan) {
+  Recording recording;
+  for (const double q : {1.0, not_a_number, 2.0}) recording.add("/R/joints", 0, joints({"A"}, {q}));
+  const Trace trace = recording.load();
+  EXPECT_TRUE(std::isnan(trace.min("R/A/q")));
+  EXPECT_TRUE(std::isnan(trace.max("R/A/q")));
+  EXPECT_TRUE(std::isnan(trace.mean("R/A/q", 0, 1)));
+}
+
+TEST(Trace, NamesTheNearestSeriesWhenOneIsUnknown) {
+  Recording recording;
+  recording.add("/SR1/joints", 0, joints({"RLEG_KNEE", "LLEG_KNEE", "CHEST"}, {1, 2, 3}));
+  const Trace trace = recording.load();
+  const std::string message = message_of([&] { trace.last("SR1/RLEG_KNE/q"); });
+  EXPECT_THAT(message, HasSubstr("no series \"SR1/RLEG_KNE/q\"; the nearest are SR1/RLEG_KNEE/q, SR1/LLEG_KNEE/q"));
+  EXPECT_THAT(message_of([&] { trace.at("SR1/CHEST/q", -1.0); }), HasSubstr("nothing thrown"));
+  EXPECT_THAT(message_of([&] { trace.mean("SR1/CHEST/q", 5, 6); }), HasSubstr("no sample from 5 s until 6 s"));
+}
+
+TEST(Trace, KeepsPicturesInTheFile) {
+  msg::CompressedImage picture;
+  picture.format = "png";
+  Recording recording;
+  for (const std::uint8_t byte : {1, 2}) {
+    picture.data = {byte};
+    recording.add("/R/Camera/image", byte * ms, picture);
+  }
+  const Trace trace = recording.load();
+  EXPECT_TRUE(trace.series().empty());
+  const TraceChannel& channel = *trace.find_channel("/R/Camera/image");
+  EXPECT_EQ(channel.type, "sensor_msgs/msg/CompressedImage");
+  EXPECT_THAT(channel.times, ElementsAre(1 * ms, 2 * ms));
+  for (const std::size_t i : {1, 0}) {
+    const auto payload = trace.payload(channel, i);
+    ASSERT_TRUE(payload);
+    CdrReader reader(*payload);
+    EXPECT_TRUE(msg::decode(reader, picture));
+    EXPECT_THAT(picture.data, ElementsAre(i + 1));
+  }
+}
+
+TEST(Trace, DecodesEvents) {
+  Recording recording;
+  recording.add("/events", 5 * ms, msg::Event{{0, 5}, 5, "error", "SR1/SR1Minimum", "wrote NaN into RLEG_KNEE/u"});
+  const Trace trace = recording.load();
+  ASSERT_EQ(trace.events().size(), 1u);
+  EXPECT_EQ(trace.events()[0].tick, 5);
+  EXPECT_EQ(trace.events()[0].text, "wrote NaN into RLEG_KNEE/u");
+}
+
+TEST(Trace, KnowsChannelsAttachmentsAndMetadata) {
+  Recording recording;
+  recording.add("/R/joints", 0, joints({"A"}, {1}));
+  ASSERT_TRUE(recording.writer().add_attachment("scenario.yaml", "application/yaml", bytes_of("rehearse: 1\n")));
+  ASSERT_TRUE(recording.writer().add_metadata("provenance", {{"seed", "7"}}));
+  const Trace trace = recording.load();
+  EXPECT_EQ(trace.find_channel("/R/joints")->metadata.at("unit"), "rad");
+  EXPECT_EQ(trace.find_channel("/none"), nullptr);
+  EXPECT_EQ(text_of(trace.find_attachment("scenario.yaml")->data), "rehearse: 1\n");
+  EXPECT_EQ(trace.find_attachment("none"), nullptr);
+  EXPECT_EQ(trace.find_metadata("provenance")->at("seed"), "7");
+  EXPECT_EQ(trace.find_metadata("none"), nullptr);
+}
+
+TEST(Trace, OutlivesTheOneThatItWasCopiedFrom) {
+  std::optional<Trace> copy;
+  {
+    Recording recording;
+    ASSERT_TRUE(recording.writer().add_attachment("a", "text/plain", bytes_of("still here")));
+    const Trace trace = recording.load();
+    copy = trace;
+  }
+  EXPECT_EQ(text_of(copy->find_attachment("a")->data), "still here");
+}
+
+TEST(Trace, RefusesADamagedFileUnlessToldOtherwise) {
+  Recording recording;
+  recording.add("/R/joints", 0, joints({"A"}, {1}));
+  ASSERT_TRUE(recording.writer().flush());
+  std::filesystem::copy_file(recording.file().path(), recording.file().path().string() + ".cut");
+  const std::string cut = recording.file().path().string() + ".cut";
+  const auto refused = Trace::load(cut);
+  const auto tolerated = Trace::load(cut, Trace::Damage::tolerate);
+  std::filesystem::remove(cut);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.errors()[0].message, HasSubstr("truncated"));
+  ASSERT_TRUE(tolerated);
+  EXPECT_EQ(tolerated->last("R/A/q"), 1);
+  EXPECT_EQ(tolerated->damage().size(), 1u);
+}
+
+TEST(Trace, NamesAMessageThatIsNotWhatItsSchemaSays) {
+  Recording recording;
+  recording.add("/R/joints", 0, joints({"A"}, {1}));
+  recording.raw(1, 1, bytes_of("not CDR at all"));
+  recording.add("/R/joints", 2, joints({"A"}, {2}));
+  const auto refused = recording.try_load();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.errors()[0].message,
+              HasSubstr("topic /R/joints: message 1 isn't a valid sensor_msgs/msg/JointState"));
+  const auto tolerated = Trace::load(recording.file().path(), Trace::Damage::tolerate);
+  ASSERT_TRUE(tolerated);
+  EXPECT_THAT(tolerated->values("R/A/q"), ElementsAre(1, 2));
+}
+
+TEST(Trace, NamesASchemaThatIsWrong) {
+  Recording recording;
+  const auto schema = recording.writer().add_schema("a/msg/A", "ros2msg", "Unknown x\n");
+  const auto channel = recording.writer().add_channel(schema, "/a", "cdr");
+  recording.raw(channel, 0, bytes_of("x"));
+  const auto refused = recording.try_load();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(to_string(refused.errors()[0]), "schema a/msg/A:1: error: type Unknown is used and not defined");
+}
+
+TEST(Trace, LoadsAChannelThatItCannotDecode) {
+  Recording recording;
+  const auto channel = recording.writer().add_channel(0, "/custom", "json");
+  recording.raw(channel, 0, bytes_of("{}"));
+  const Trace trace = recording.load();
+  EXPECT_EQ(text_of(*trace.payload(*trace.find_channel("/custom"), 0)), "{}");
+}
