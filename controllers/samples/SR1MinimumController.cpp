@@ -2,14 +2,13 @@
 
 #include <cnoid/SimpleController>
 #include <cstddef>
+#include <iterator>
 #include <vector>
 
 namespace {
 
-constexpr std::size_t joint_count = 29;
-
 // By joint id: right leg (6), right arm (7), left leg (6), left arm (7), waist (3).
-constexpr double p_gain[joint_count] = {                              // [N·m/rad]
+constexpr double p_gain[] = {                                         // [N·m/rad]
     8000.0, 8000.0, 8000.0, 8000.0, 8000.0, 8000.0,                   //
     3000.0, 3000.0, 3000.0, 3000.0, 3000.0, 3000.0, 3000.0,           //
     8000.0, 8000.0, 8000.0, 8000.0, 8000.0, 8000.0,                   //
@@ -22,9 +21,9 @@ class SR1MinimumController : public cnoid::SimpleController {
   bool initialize(cnoid::SimpleControllerIO* io) override {
     body_ = io->body();
     time_step_ = io->timeStep();
-    if (body_->numJoints() != static_cast<int>(joint_count)) {
+    if (body_->numJoints() > static_cast<int>(std::size(p_gain))) {
       io->os() << io->controllerName() << ": " << body_->modelName() << " has " << body_->numJoints()
-               << " joints, SR1 has " << joint_count << "\n";
+               << " joints, but there are gains for " << std::size(p_gain) << " only\n";
       return false;
     }
     for (cnoid::Link* joint : body_->joints()) {
@@ -37,7 +36,7 @@ class SR1MinimumController : public cnoid::SimpleController {
   }
 
   bool control() override {
-    for (std::size_t i = 0; i < joint_count; ++i) {
+    for (std::size_t i = 0; i < q_before_.size(); ++i) {
       cnoid::Link* joint = body_->joint(static_cast<int>(i));
       const double q = joint->q();
       const double dq = (q - q_before_[i]) / time_step_;

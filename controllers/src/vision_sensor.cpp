@@ -24,7 +24,7 @@ Matrix3 VisionSensor::opticalFrameRotationOfType(int opticalFrameType) {
   Matrix3 rotation;  // columns: the axes of the GL frame in each of them
   switch (opticalFrameType) {
     case GL: return Matrix3::Identity();
-    case CV: rotation << 1, 0, 0, 0, -1, 0, 0, 0, -1; return rotation;
+    case CV: return Vector3(1, -1, -1).asDiagonal();
     case Robotics: rotation << 0, 0, -1, -1, 0, 0, 0, 1, 0; return rotation;
     default: throw std::invalid_argument("no optical frame has the number " + std::to_string(opticalFrameType));
   }

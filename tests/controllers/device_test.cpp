@@ -1,0 +1,139 @@
+// What all devices have in common, asked of each type.
+#include <cnoid/BasicSensors>
+#include <cnoid/RangeCamera>
+#include <cnoid/RangeSensor>
+#include <cnoid/SpotLight>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+using cnoid::Device;
+using cnoid::DevicePtr;
+using cnoid::Vector3;
+
+struct Kind {
+  std::string type_name;
+  std::function<Device*()> make;
+  int state_size;
+};
+
+class EveryDevice : public testing::TestWithParam<Kind> {
+ protected:
+  /// A state that differs in each number, and is possible for each type: whole numbers from 1 on.
+  static std::vector<double> counting_state(const Device& device) {
+    std::vector<double> state(static_cast<std::size_t>(device.stateSize()));
+    std::iota(state.begin(), state.end(), 1.0);
+    return state;
+  }
+  static std::vector<double> state_of(const Device& device) {
+    std::vector<double> state(static_cast<std::size_t>(device.stateSize()));
+    EXPECT_EQ(device.writeState(state.data()), state.data() + state.size());
+    return state;
+  }
+};
+
+TEST_P(EveryDevice, HasItsTypesNameAndStateSize) {
+  const DevicePtr device = GetParam().make();
+  EXPECT_EQ(device->typeName(), GetParam().type_name);
+  EXPECT_EQ(device->stateSize(), GetParam().state_size);
+}
+
+TEST_P(EveryDevice, ReadsTheStateThatItWrote) {
+  const DevicePtr device = GetParam().make();
+  const std::vector<double> state = counting_state(*device);
+  EXPECT_EQ(device->readState(state.data(), static_cast<int>(state.size())), state.data() + state.size());
+  EXPECT_EQ(state_of(*device), state);
+}
+
+TEST_P(EveryDevice, ReadsNothingFromTooShortABuffer) {
+  const DevicePtr device = GetParam().make();
+  const std::vector<double> before = state_of(*device);
+  const std::vector<double> state = counting_state(*device);
+  EXPECT_EQ(device->readState(state.data(), device->stateSize() - 1), state.data());
+  EXPECT_EQ(state_of(*device), before);
+}
+
+TEST_P(EveryDevice, CopiesTheStateOfItsOwnTypeOnly) {
+  const DevicePtr source = GetParam().make();
+  const DevicePtr target = GetParam().make();
+  const std::vector<double> state = counting_state(*source);
+  source->readState(state.data(), static_cast<int>(state.size()));
+  target->copyStateFrom(*source);
+  EXPECT_EQ(state_of(*target), state);
+
+  const bool is_imu = GetParam().type_name == "Imu";
+  const DevicePtr other = is_imu ? DevicePtr(new cnoid::ForceSensor) : DevicePtr(new cnoid::Imu);
+  EXPECT_THROW(target->copyStateFrom(*other), std::invalid_argument);
+}
+
+TEST_P(EveryDevice, ClonesPlaceAndStateButNotItsListeners) {
+  const DevicePtr device = GetParam().make();
+  device->setName("d");
+  device->setId(7);
+  device->setIndex(3);
+  device->setLocalTranslation(Vector3(1, 2, 3));
+  const std::vector<double> state = counting_state(*device);
+  device->readState(state.data(), static_cast<int>(state.size()));
+  int notified = 0;
+  device->sigStateChanged().connect([&] { ++notified; });
+
+  const DevicePtr copy = device->clone();
+  EXPECT_EQ(copy->typeName(), GetParam().type_name);
+  EXPECT_EQ(copy->name(), "d");
+  EXPECT_EQ(copy->id(), 7);
+  EXPECT_EQ(copy->index(), -1);
+  EXPECT_EQ(copy->p_local(), Vector3(1, 2, 3));
+  EXPECT_EQ(state_of(*copy), state);
+  copy->notifyStateChange();
+  EXPECT_EQ(notified, 0);
+  device->notifyStateChange();
+  EXPECT_EQ(notified, 1);
+}
+
+template <class Type>
+Kind kind(const std::string& type_name, int state_size) {
+  return {type_name, [] { return new Type; }, state_size};
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryDevice,
+                         testing::Values(kind<cnoid::ForceSensor>("ForceSensor", 6),
+                                         kind<cnoid::RateGyroSensor>("RateGyroSensor", 3),
+                                         kind<cnoid::AccelerationSensor>("AccelerationSensor", 3),
+                                         kind<cnoid::Imu>("Imu", 6), kind<cnoid::Camera>("Camera", 3 + 5),
+                                         kind<cnoid::RangeCamera>("RangeCamera", 3 + 5),
+                                         kind<cnoid::RangeSensor>("RangeSensor", 3 + 8),
+                                         kind<cnoid::PointLight>("PointLight", 5 + 3),
+                                         kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6)),
+                         [](const auto& test) { return test.param.type_name; });
+
+TEST(Device, IsAlwaysOnUnlessItCanBeSwitched) {
+  const DevicePtr imu = new cnoid::Imu;
+  imu->on(false);
+  EXPECT_TRUE(imu->on());
+  const DevicePtr camera = new cnoid::Camera;
+  camera->on(false);
+  EXPECT_FALSE(camera->on());
+  const DevicePtr light = new cnoid::SpotLight;
+  EXPECT_TRUE(light->on());
+  light->on(false);
+  EXPECT_FALSE(light->on());
+}
+
+TEST(Device, HasAPlaceOnItsLink) {
+  const DevicePtr device = new cnoid::Imu;
+  const cnoid::AngleAxis turn(0.5, Vector3::UnitX());
+  device->setLocalRotation(turn.toRotationMatrix());
+  device->p_local() = Vector3(0, 1, 0);
+  EXPECT_EQ(device->T_local().translation(), Vector3(0, 1, 0));
+  EXPECT_TRUE(device->R_local().isApprox(turn.toRotationMatrix()));
+  device->setLocalPosition(cnoid::Isometry3::Identity());
+  EXPECT_TRUE(device->localPosition().isApprox(cnoid::Isometry3::Identity()));
+}
+
+}  // namespace
