@@ -1,4 +1,5 @@
 #include <rehearse/scenario.h>
+#include <rehearse/urdf.h>
 
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -136,7 +137,7 @@ bool check_version(Findings& findings, const YamlNode& root) {
   return false;
 }
 
-void read_scenario(Findings& findings, const YamlNode& root, Scenario& scenario) {
+void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models, Scenario& scenario) {
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
                   {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
@@ -149,7 +150,7 @@ void read_scenario(Findings& findings, const YamlNode& root, Scenario& scenario)
   if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
   if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
   if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))
-    read_bodies(findings, *node, scenario);
+    read_bodies(findings, *node, models, scenario);
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
@@ -159,16 +160,31 @@ void read_scenario(Findings& findings, const YamlNode& root, Scenario& scenario)
 
 std::int64_t Scenario::ticks() const { return std::lround(duration / time_step); }
 
+bool Scenario::runs_camera(const std::string& body, const std::string& camera) const {
+  return !cameras || std::find(cameras->begin(), cameras->end(), body + "/" + camera) != cameras->end();
+}
+
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
-  Scenario scenario;
-  scenario.file = file.string();
   Result<std::string> text = read_file(file);
   if (!text) return text.errors();
-  scenario.text = std::move(*text);
-  const Result<YamlNodePtr> root = parse_yaml(scenario.text, scenario.file);
+  const auto beside = [folder = file.parent_path()](const std::string& model_file) -> Result<Model> {
+    const std::filesystem::path path = folder / model_file;
+    std::error_code ignored;
+    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_urdf(path);
+    return error(fmt::format("there is no model file '{}'", shortened(model_file)),
+                 fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
+  };
+  return parse(std::move(*text), file.string(), beside);
+}
+
+Result<Scenario> Scenario::parse(std::string text, const std::string& file, const ModelSource& models) {
+  const Result<YamlNodePtr> root = parse_yaml(text, file);
   if (!root) return root.errors();
-  Findings findings(scenario.file);
-  read_scenario(findings, **root, scenario);
+  Scenario scenario;
+  scenario.file = file;
+  scenario.text = std::move(text);
+  Findings findings(file);
+  read_scenario(findings, **root, models, scenario);
   if (findings.any_error()) return findings.errors();
   scenario.warnings = findings.warnings();
   return scenario;

@@ -1,5 +1,3 @@
-#include <rehearse/urdf.h>
-
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -19,7 +17,8 @@ constexpr std::array<std::string_view, 4> model_keys{"model", "box", "sphere", "
 // Reads one body after the other, and each model file once, however many bodies have it.
 class BodyReader {
  public:
-  BodyReader(Findings& findings, Scenario& scenario) : findings_(findings), scenario_(scenario) {}
+  BodyReader(Findings& findings, const Scenario::ModelSource& source, Scenario& scenario)
+      : findings_(findings), source_(source), scenario_(scenario) {}
 
   void read(const YamlNode& node);
 
@@ -39,6 +38,7 @@ class BodyReader {
   void check_root(const Keys& keys, ScenarioBody& body);
 
   Findings& findings_;
+  const Scenario::ModelSource& source_;
   Scenario& scenario_;
   std::map<std::string, std::shared_ptr<const Model>> models_;  // by file; null: it failed, and that was told
 };
@@ -109,18 +109,17 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
 }
 
 std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file) {
-  const std::filesystem::path path = std::filesystem::path(scenario_.file).parent_path() / file;
-  const auto [known, is_new] = models_.emplace(path.lexically_normal().string(), nullptr);
+  const auto [known, is_new] = models_.emplace(file, nullptr);
   if (!is_new) return known->second;
-  std::error_code ignored;
-  if (file.empty() || !std::filesystem::is_regular_file(path, ignored)) {
-    findings_.error(node, fmt::format("there is no model file '{}'", file),
-                    fmt::format("looked for {}, relative to the scenario", path.string()));
-    return nullptr;
-  }
-  Result<Model> model = load_urdf(path);
+  Result<Model> model = source_(file);
   if (!model) {
-    findings_.error(node, fmt::format("the model '{}' can't be used", file), "its own mistakes follow", model.errors());
+    const Diagnostic& first = model.errors().front();
+    if (first.file.empty()) {
+      findings_.error(node, first.message, first.hint);
+    } else {
+      findings_.error(node, fmt::format("the model '{}' can't be used", shortened(file, 500)),
+                      "its own mistakes follow", model.errors());
+    }
     return nullptr;
   }
   Diagnostics reports;
@@ -191,11 +190,11 @@ void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
 
 }  // namespace
 
-void read_bodies(Findings& findings, const YamlNode& node, Scenario& scenario) {
+void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models, Scenario& scenario) {
   const auto* list = read_list(findings, node, "bodies", "a list of bodies, each with a name and a model or shape");
   if (list == nullptr) return;
   if (list->empty()) findings.error(node, "bodies is an empty list", "expected at least one body");
-  BodyReader reader(findings, scenario);
+  BodyReader reader(findings, models, scenario);
   for (const YamlNodePtr& body : *list) reader.read(*body);
 }
 

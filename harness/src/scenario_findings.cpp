@@ -11,7 +11,7 @@ namespace rehearse {
 namespace {
 
 constexpr std::size_t max_errors = 20;
-constexpr std::size_t max_names_listed = 12;
+constexpr std::size_t max_names_listed = 16;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 

@@ -48,7 +48,7 @@ std::vector<std::string> JointReader::joint_names() const {
 void JointReader::read_by_name(const NamedEntry& entry) {
   const int link = model_.find_joint(entry.name);
   if (link < 0) {
-    findings_.error(*entry.key, fmt::format("{} has no joint '{}'", body_.name, entry.name),
+    findings_.error(*entry.key, fmt::format("{} has no joint '{}'", body_.name, shortened(entry.name)),
                     name_hint(entry.name, joint_names(), "joints"));
     return;
   }

@@ -8,9 +8,9 @@
 
 namespace rehearse {
 
-/// The `bodies` list, models included. A body that has a mistake is there nevertheless, so that indices and names hold
-/// for those who refer to it; its model is null if that is what's wrong.
-void read_bodies(Findings& findings, const YamlNode& node, Scenario& scenario);
+/// The `bodies` list, models included, each asked for once. A body that has a mistake is there nevertheless, so that
+/// indices and names hold for those who refer to it; its model is null if that is what's wrong.
+void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models, Scenario& scenario);
 
 /// The `controllers` list of a body.
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);

@@ -30,7 +30,7 @@ void read_link(Findings& findings, const YamlNode& node, const ScenarioBody& bod
   if (!name || body.model == nullptr) return;
   push.link = body.model->find_link(*name);
   if (push.link < 0)
-    findings.error(node, fmt::format("{} has no link '{}'", body.name, *name),
+    findings.error(node, fmt::format("{} has no link '{}'", body.name, shortened(*name)),
                    name_hint(*name, link_names(*body.model), "links"));
 }
 
@@ -97,7 +97,7 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
   if (!body || scenario.bodies[static_cast<std::size_t>(*body)].model == nullptr) return;
   const std::vector<std::string> known = camera_names(scenario);
   if (std::find(known.begin(), known.end(), *name) == known.end())
-    findings.error(node, fmt::format("there is no camera '{}'", *name), name_hint(*name, known, "cameras"));
+    findings.error(node, fmt::format("there is no camera '{}'", shortened(*name)), name_hint(*name, known, "cameras"));
   cameras.push_back(*name);
 }
 
@@ -130,7 +130,7 @@ std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string
     if (body.name == name) return static_cast<int>(names.size());
     names.push_back(body.name);
   }
-  findings.error(at, fmt::format("there is no body '{}'", name), name_hint(name, names, "bodies"));
+  findings.error(at, fmt::format("there is no body '{}'", shortened(name)), name_hint(name, names, "bodies"));
   return std::nullopt;
 }
 

@@ -29,17 +29,6 @@ std::optional<double> plain_number(const YamlNode& node) {
   return rest.empty() ? value : std::nullopt;
 }
 
-// For messages: short, on one line, and never cut inside a UTF-8 sequence.
-std::string shortened(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  std::string result;
-  for (const char c : text) {
-    if (result.size() >= longest && (static_cast<unsigned char>(c) & 0xC0u) != 0x80u) return result + "...";
-    result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
-  }
-  return result;
-}
-
 std::string element(std::string_view label, std::size_t index) { return fmt::format("{}[{}]", label, index); }
 
 std::optional<Eigen::Quaterniond> unit_quaternion(Findings& findings, const YamlNode& node) {
@@ -91,6 +80,15 @@ std::string Range::text() const {
   return unit.empty() ? limits : fmt::format("{} {}", limits, unit);
 }
 
+std::string shortened(std::string_view text, std::size_t longest) {
+  std::string result;
+  for (const char c : text) {
+    if (result.size() >= longest && (static_cast<unsigned char>(c) & 0xC0u) != 0x80u) return result + "...";
+    result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  }
+  return result;
+}
+
 std::string describe(const YamlNode& node) {
   switch (node.kind) {
     case YamlNode::Kind::empty: return "empty";
@@ -134,13 +132,15 @@ std::optional<std::string> read_text(Findings& findings, const YamlNode& node, s
 }
 
 std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label) {
-  const bool fits = node.kind == YamlNode::Kind::scalar && !node.text.empty() &&
+  constexpr std::size_t longest = 100;
+  const bool fits = node.kind == YamlNode::Kind::scalar && !node.text.empty() && node.text.size() <= longest &&
                     std::none_of(node.text.begin(), node.text.end(), [](char c) {
                       return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f ||
                              std::string_view("/*?[]").find(c) != std::string_view::npos;
                     });
   if (fits) return node.text;
-  expected(findings, node, label, "a name without blanks and none of / * ? [ ], because channels are named after it");
+  expected(findings, node, label,
+           "a short name without blanks and none of / * ? [ ], because channels are named after it");
   return std::nullopt;
 }
 
@@ -207,7 +207,7 @@ std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNo
     return unit_quaternion(findings, *quaternion);
   }
   const YamlNode* axis = keys.require("axis", "[x, y, z], or quaternion: [w, x, y, z] instead");
-  const YamlNode* angle = keys.require("angle", angle_form);
+  const YamlNode* angle = keys.require("angle", "a number [rad], or with its unit as 10 deg or 0.1 rad");
   if (axis == nullptr || angle == nullptr) return std::nullopt;
   return axis_and_angle(findings, *axis, *angle);
 }

@@ -42,6 +42,9 @@ inline constexpr Range any_angle{-1e6, 1e6, "[rad]"};
 
 inline constexpr std::string_view angle_form = "an angle: a number [rad], or with its unit as 10 deg or 0.1 rad";
 
+/// The user's text for a message: on one line, of `longest` bytes or little more, never cut inside a UTF-8 sequence.
+std::string shortened(std::string_view text, std::size_t longest = 60);
+
 /// What stands there, for a message: "a list", "empty", "'ten'", "-1".
 std::string describe(const YamlNode& node);
 
@@ -54,7 +57,7 @@ std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& nod
 /// Any scalar, as written; empty text only in quotes.
 std::optional<std::string> read_text(Findings& findings, const YamlNode& node, std::string_view label,
                                      std::string_view what = "text");
-/// A name that can stand in a channel's: no '/', blanks, control characters or the globs' * ? [ ].
+/// A name that can stand in a channel's: no '/', blanks, control characters or the globs' * ? [ ]; at most 100 bytes.
 std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label);
 std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::string_view label);
 /// [rad]

@@ -4,6 +4,7 @@
 #include <rehearse/scenario.h>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,10 +15,27 @@ namespace rehearse {
 
 inline const std::filesystem::path fixtures = FIXTURES_DIR;
 
-/// A file of its own for the running test, in the build machine's temporary folder.
+/// A folder of this process's own; gone when it ends.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_(std::filesystem::path(::testing::TempDir()) / ("rehearse_" + std::to_string(getpid()))) {}
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A file of its own for the running test.
 inline std::filesystem::path write_file(const std::string& name, const std::string& text) {
+  static const TemporaryFolder temporary;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "rehearse_scenario" / test->name();
+  const std::filesystem::path folder = temporary.path() / test->name();
   std::filesystem::create_directories(folder);
   std::ofstream(folder / name, std::ios::binary) << text;
   return folder / name;

@@ -100,6 +100,29 @@ TEST(Scenario, KeepsItsTextForTheRecord) {
   EXPECT_EQ(loaded(text).text, text);
 }
 
+TEST(Scenario, ComesFromMemoryWithModelsFromAnywhere) {
+  std::vector<std::string> asked;
+  const auto source = [&asked](const std::string& file) -> Result<Model> {
+    asked.push_back(file);
+    return single_shape_model("made", Sphere{0.1}, 1.0, std::nullopt);
+  };
+  const std::string text =
+      "rehearse: 1\nduration: 1\nbodies: [{name: A, model: m/a.urdf}, {name: B, model: m/a.urdf}]\n";
+  const auto result = Scenario::parse(text, "attached.yaml", source);
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_THAT(asked, ElementsAre("m/a.urdf"));
+  EXPECT_EQ(result.value().file, "attached.yaml");
+  EXPECT_EQ(result.value().text, text);
+  EXPECT_EQ(result.value().bodies.at(1).model->name, "made");
+}
+
+TEST(Scenario, TellsWhatAModelSourceLacksAtTheModelsPlace) {
+  const auto nothing = [](const std::string&) -> Result<Model> { return error("it isn't attached", "attach it"); };
+  const auto result =
+      Scenario::parse("rehearse: 1\nduration: 1\nbodies: [{name: A, model: a.urdf}]\n", "a.yaml", nothing);
+  EXPECT_EQ(mistakes(result), "a.yaml:3:27: error: it isn't attached (attach it)\n");
+}
+
 TEST(Scenario, CountsTicksByRounding) {
   Scenario scenario;
   scenario.duration = 0.3;  // 0.3 / 0.1 is just below 3

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -92,10 +93,20 @@ struct Scenario {
   /// lround(duration / time_step), as Choreonoid counts.
   std::int64_t ticks() const;
 
+  /// Whether that camera of that body draws in this run.
+  bool runs_camera(const std::string& body, const std::string& camera) const;
+
   /// Reads, checks, and loads the models. Every mistake in one go and in document order, at most 20 of the scenario's own;
   /// a model that can't be used is one of them, followed by the model's own. What the models had repaired or warned of
   /// comes back in `warnings`.
   static Result<Scenario> load(const std::filesystem::path& file);
+
+  /// Where the models of a scenario come from: given `model:` as the scenario has it, the model, or why there is none. A
+  /// diagnostic without a file is told at the place of that `model:`.
+  using ModelSource = std::function<Result<Model>(const std::string& model_file)>;
+
+  /// The same from text that is already in memory, as in a recording; `file` stands in messages and in Scenario::file.
+  static Result<Scenario> parse(std::string text, const std::string& file, const ModelSource& models);
 };
 
 }  // namespace rehearse
