@@ -1,0 +1,184 @@
+// Our traces, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2 messages, value by value; and
+// a file that they write, read by us.
+#include <rehearse/messages.h>
+#include <rehearse/ros2msg.h>
+#include <rehearse/trace.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+#include <sys/wait.h>
+#include <unistd.h>
+
+using namespace rehearse;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Output {
+  std::string text;
+  int status = 0;
+};
+
+Output run(const std::string& command) {
+  Output output;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return {"popen failed", -1};
+  std::array<char, 4096> part;
+  while (const std::size_t size = std::fread(part.data(), 1, part.size(), pipe)) output.text.append(part.data(), size);
+  output.status = ::pclose(pipe);
+  return output;
+}
+
+class Interop : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (run("node --version").status != 0) GTEST_SKIP() << "node is not installed";
+    if (!fs::exists(fs::path(INTEROP_DIR) / "node_modules")) GTEST_SKIP() << "run `npm ci` in " << INTEROP_DIR;
+  }
+  void TearDown() override { fs::remove(file_); }
+
+  Output node(const std::string& script, const std::string& more = "") {
+    return run("node '" + std::string(INTEROP_DIR) + "/" + script + "' '" + file_.string() + "' " + more);
+  }
+
+  const fs::path file_ = fs::temp_directory_path() / ("rehearse_interop_" + std::to_string(::getpid()) + ".mcap");
+};
+
+template <class Message>
+void write_one(mcap::Writer& writer, std::string_view topic, std::uint64_t time, const Message& message,
+               mcap::ChunkGroup group = mcap::numbers) {
+  const auto schema = writer.add_schema(Message::type_name, "ros2msg", msg::schema_text<Message>());
+  const auto channel = writer.add_channel(schema, topic, "cdr", {}, group);
+  CdrWriter cdr;
+  msg::encode(message, cdr);
+  ASSERT_TRUE(writer.write(channel, time, time, cdr.bytes()));
+}
+
+void write_all_types(const fs::path& file) {
+  mcap::WriterOptions options;
+  options.chunk_span = 5;  // several chunks
+  auto writer = std::move(*mcap::Writer::create(file, options));
+  ASSERT_TRUE(writer->add_attachment("scenario.yaml", "application/yaml", std::as_bytes(std::span("rehearse: 1", 11))));
+  ASSERT_TRUE(writer->add_metadata("provenance", {{"seed", "0"}}));
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const msg::Header header{{1, 2}, "WAIST"};
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  write_one(*writer, "/SR1/joints", 1,
+            msg::JointState{header, {"KNEE", "ANKLE"}, {0.1, -0.0}, {inf, -inf}, {not_a_number, 5e-324}});
+  write_one(*writer, "/SR1/empty", 2, msg::JointState{});
+  msg::Imu imu;
+  imu.angular_velocity = {1.0 / 3.0, 2, 3};
+  imu.orientation_covariance[0] = -1;
+  write_one(*writer, "/SR1/Imu/imu", 3, imu);
+  write_one(*writer, "/SR1/Camera/image", 4, msg::Image{header, 1, 1, "rgb8", 0, 3, {1, 2, 255}}, mcap::pictures);
+  write_one(*writer, "/SR1/Camera/png", 5, msg::CompressedImage{header, "png", {0x89, 0x50}}, mcap::pictures);
+  msg::CameraInfo info;
+  info.d = {0.5};
+  info.k[8] = 1;
+  info.roi.do_rectify = true;
+  write_one(*writer, "/SR1/Camera/info", 6, info);
+  write_one(*writer, "/SR1/WAIST/pose", 7, msg::PoseStamped{header, {{1, 2, 3}, {0, 0, 0, 1}}});
+  write_one(*writer, "/SR1/WAIST/twist", 8, msg::TwistStamped{header, {{1, 2, 3}, {4, 5, 6}}});
+  write_one(*writer, "/SR1/WAIST/accel", 9, msg::AccelStamped{header, {{1, 2, 3}, {4, 5, 6}}});
+  write_one(*writer, "/SR1/Foot/wrench", 10, msg::WrenchStamped{header, {{1, 2, 3}, {4, 5, 6}}});
+  write_one(*writer, "/tf", 11, msg::TFMessage{{{header, "CHEST", {}}, {header, "HEAD", {}}}});
+  write_one(*writer, "/tick", 12, msg::Tick{{0, 12}, -1, ~std::uint64_t{0}, 1, 2, {true, false}});
+  write_one(*writer, "/SR1/Device/state", 13, msg::DeviceState{header, {1, 2}});
+  write_one(*writer, "/SR1/accelerations", 14, msg::JointAccelerations{header, {"KNEE"}, {7}});
+  write_one(*writer, "/events", 15, msg::Event{{0, 15}, 15, "note", "SR1", "höher"});
+  write_one(*writer, "/checkpoint", 16, msg::Checkpoint{{0, 16}, 16, "ode/1", {9, 8, 7}});
+  ASSERT_TRUE(writer->close());
+}
+
+std::string hex(std::uint64_t value, std::size_t width) {
+  std::array<char, 16> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value, 16).ptr;
+  const std::string text(digits.data(), end);
+  return std::string(width - text.size(), '0') + text;
+}
+
+std::string print(const ros2msg::Value& value) {
+  using Kind = ros2msg::Value::Kind;
+  switch (value.kind) {
+    case Kind::signed_integer: return std::to_string(value.integer);
+    case Kind::unsigned_integer:
+    case Kind::boolean: return std::to_string(value.unsigned_integer);
+    case Kind::floating: return hex(std::bit_cast<std::uint64_t>(value.number), 16);
+    case Kind::text: return std::string(value.text);
+    case Kind::blob: break;
+  }
+  std::string text;
+  for (const std::byte byte : value.blob) text += hex(std::to_integer<std::uint64_t>(byte), 2);
+  return text;
+}
+
+/// The lines that read_trace.mjs prints, by our own reader and decoder.
+std::string print_messages(const fs::path& file) {
+  auto reader = std::move(*mcap::Reader::open(file));
+  std::ostringstream out;
+  EXPECT_TRUE(reader->for_each_message([&](const mcap::Message& message) {
+    const mcap::Schema& schema = *reader->schema_of(*message.channel);
+    ros2msg::Decoder decoder(std::move(*ros2msg::Schema::parse(schema.name, schema.data)));
+    out << message.channel->topic << ' ' << message.sequence << ' ' << message.log_time;
+    EXPECT_TRUE(decoder.decode(message.data,
+                               [&](const ros2msg::Value& value) { out << ' ' << value.path << '=' << print(value); }));
+    out << '\n';
+    return true;
+  }));
+  return out.str();
+}
+
+}  // namespace
+
+TEST_F(Interop, OthersReadOurTracesBitForBit) {
+  write_all_types(file_);
+  const Output output = node("read_trace.mjs");
+  ASSERT_EQ(output.status, 0) << output.text;
+  EXPECT_EQ(output.text, print_messages(file_) +
+                             "attachment scenario.yaml application/yaml rehearse: 1\n"
+                             "metadata provenance {\"seed\":\"0\"}\n"
+                             "statistics 16 messages, 5 chunks\n");
+}
+
+TEST_F(Interop, OthersRefuseOurTracesWhenOneBitIsFlipped) {
+  write_all_types(file_);
+  const auto size = fs::file_size(file_);
+  std::FILE* file = std::fopen(file_.c_str(), "r+b");
+  ASSERT_NE(file, nullptr);
+  // The middle of the file is in the data section: the CRC of a chunk, or that of the section, tells.
+  std::fseek(file, static_cast<long>(size / 2), SEEK_SET);
+  const int byte = std::fgetc(file);
+  std::fseek(file, static_cast<long>(size / 2), SEEK_SET);
+  std::fputc(byte ^ 1, file);
+  std::fclose(file);
+  EXPECT_NE(node("read_trace.mjs").status, 0);
+}
+
+class InteropForms : public Interop, public testing::WithParamInterface<const char*> {};
+
+TEST_P(InteropForms, WeReadWhatOthersWrite) {
+  const Output output = node("write_trace.mjs", GetParam());
+  ASSERT_EQ(output.status, 0) << output.text;
+  const auto trace = Trace::load(file_);
+  ASSERT_TRUE(trace) << to_string(trace.errors());
+  const auto knee = trace->values("robot/KNEE/q");
+  ASSERT_EQ(knee.size(), 100u);
+  for (std::size_t i = 0; i < knee.size(); ++i) EXPECT_EQ(knee[i], 0.1 * static_cast<double>(i));
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(trace->last("robot/ANKLE/q")), 0x8000000000000000u);
+  EXPECT_EQ(trace->last("robot/KNEE/u"), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(trace->last("robot/ANKLE/u")));
+  EXPECT_FALSE(trace->find_series("robot/KNEE/dq"));
+  EXPECT_NE(trace->find_attachment("note"), nullptr);
+}
+
+INSTANTIATE_TEST_SUITE_P(Forms, InteropForms, testing::Values("chunked", "unchunked"),
+                         [](const auto& form) { return std::string(form.param); });
