@@ -160,7 +160,7 @@ std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::
     const double value = unit == "deg" ? *number * std::numbers::pi / 180.0 : *number;
     if (any_angle.contains(value)) return value;
   }
-  expected(findings, node, label, angle_form);
+  expected(findings, node, label, "an angle: a number [rad], or with its unit as 10 deg or 0.1 rad");
   return std::nullopt;
 }
 

@@ -40,8 +40,6 @@ inline constexpr Range any_torque{-1e9, 1e9, "[N·m]"};
 inline constexpr Range any_acceleration{-1e6, 1e6, "[m/s²]"};
 inline constexpr Range any_angle{-1e6, 1e6, "[rad]"};
 
-inline constexpr std::string_view angle_form = "an angle: a number [rad], or with its unit as 10 deg or 0.1 rad";
-
 /// The user's text for a message: on one line, of `longest` bytes or little more, never cut inside a UTF-8 sequence.
 std::string shortened(std::string_view text, std::size_t longest = 60);
 
@@ -67,15 +65,13 @@ std::optional<std::vector<double>> read_numbers(Findings& findings, const YamlNo
                                                 std::size_t least, std::size_t most, const Range& range);
 std::optional<Eigen::Vector3d> read_vector3(Findings& findings, const YamlNode& node, std::string_view label,
                                             const Range& range);
-/// rpy angles [r, p, y] about fixed axes, {axis, angle}, or {quaternion: [w, x, y, z]}; the result is a unit
-/// quaternion.
+/// [roll, pitch, yaw] about fixed axes, {axis, angle}, or {quaternion: [w, x, y, z]}; gives a unit quaternion.
 std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNode& node, std::string_view label);
 /// The elements, at most 1000, or null if it isn't a list.
 const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
                                           std::string_view what);
 
-/// The entries of a map whose keys are names of the user's, each name once; reports keys that aren't names and
-/// duplicates.
+/// The entries of a map in document order, each key once; reports keys that aren't words, and duplicates.
 struct NamedEntry {
   std::string name;
   const YamlNode* key;

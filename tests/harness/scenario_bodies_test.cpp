@@ -14,9 +14,12 @@ using ::testing::IsEmpty;
 // A slider between two masses: one prismatic joint, 0 to 0.5 m, then a fixed one.
 const char* const slider = R"(<?xml version="1.0"?>
 <robot name="slider">
-  <link name="RAIL"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="CART"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <link name="TOP"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="RAIL"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="CART"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="TOP"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="SLIDE" type="prismatic">
     <parent link="RAIL"/><child link="CART"/><axis xyz="1 0 0"/>
     <limit lower="0" upper="0.5" effort="10" velocity="1"/>

@@ -1,7 +1,8 @@
 // Scenario: everything that decides a run, as a YAML file states it. fixtures/README.md describes the file form.
 //
 // Loading checks the file by itself and against the models that it names: every mistake is a Diagnostic with file, line
-// and column, all of them in one go. A loaded scenario can be run; whether a controller's library loads is found out then.
+// and column, all of them in one go. A loaded scenario can be run; whether a controller's library loads is found out
+// then.
 #pragma once
 
 #include <rehearse/model.h>
@@ -96,13 +97,13 @@ struct Scenario {
   /// Whether that camera of that body draws in this run.
   bool runs_camera(const std::string& body, const std::string& camera) const;
 
-  /// Reads, checks, and loads the models. Every mistake in one go and in document order, at most 20 of the scenario's own;
-  /// a model that can't be used is one of them, followed by the model's own. What the models had repaired or warned of
-  /// comes back in `warnings`.
+  /// Reads, checks, and loads the models. Every mistake in one go and in document order, at most 20 of the scenario's
+  /// own; a model that can't be used is one of them, followed by the model's own. What the models had repaired or
+  /// warned of comes back in `warnings`.
   static Result<Scenario> load(const std::filesystem::path& file);
 
-  /// Where the models of a scenario come from: given `model:` as the scenario has it, the model, or why there is none. A
-  /// diagnostic without a file is told at the place of that `model:`.
+  /// Where the models of a scenario come from: given `model:` as the scenario has it, the model, or why there is none.
+  /// A diagnostic without a file is told at the place of that `model:`.
   using ModelSource = std::function<Result<Model>(const std::string& model_file)>;
 
   /// The same from text that is already in memory, as in a recording; `file` stands in messages and in Scenario::file.
