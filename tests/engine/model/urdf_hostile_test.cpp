@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -22,17 +22,17 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
-/// refusal(), timed. A sanitizer build gets more than the second that users are promised.
+/// What `work` returns, if it takes less than a second of processor time (a loaded machine slows only the clock on the
+/// wall).
+auto quickly(const auto& work) {
+  const std::clock_t start = std::clock();
+  auto result = work();
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC);
+  return result;
+}
+
 std::string quick_refusal(const std::string& text) {
-#if defined(__SANITIZE_ADDRESS__)
-  constexpr std::chrono::seconds allowed(5);
-#else
-  constexpr std::chrono::seconds allowed(1);
-#endif
-  const auto start = std::chrono::steady_clock::now();
-  const std::string messages = refusal(text);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, allowed);
-  return messages;
+  return quickly([&] { return refusal(text); });
 }
 
 std::string sr1_text() {
@@ -73,9 +73,8 @@ TEST(HostileUrdf, SeventyMebibytesAreTooMany) {
 TEST(HostileUrdf, AsManyUnknownTagsAsAllowedAreIgnored) {
   std::string text;
   for (int i = 0; i < 200'000; ++i) text += "<t" + std::to_string(i % 50'000) + "/>";
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(load(robot("<link name='world'/>" + text)).report.size(), 50'000u);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  const Model model = quickly([&] { return load(robot("<link name='world'/>" + text)); });
+  EXPECT_EQ(model.report.size(), 50'000u);
 }
 
 TEST(HostileUrdf, AChainOfAllAllowedLinksLoads) {
