@@ -151,9 +151,8 @@ void Body::clearDevices() {
 }
 
 void Body::sortDevicesByLinkOrder() {
-  std::stable_sort(devices_.begin(), devices_.end(), [](const DevicePtr& a, const DevicePtr& b) {
-    return a->link()->index() < b->link()->index();
-  });
+  std::stable_sort(devices_.begin(), devices_.end(),
+                   [](const DevicePtr& a, const DevicePtr& b) { return a->link()->index() < b->link()->index(); });
   numberDevices();
 }
 

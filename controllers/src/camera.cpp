@@ -1,5 +1,5 @@
-#include <cnoid/Camera>
 #include <cmath>
+#include <cnoid/Camera>
 
 #include "device_state_cast.h"
 #include "shared_data.h"

@@ -8,7 +8,8 @@ DeviceState::~DeviceState() = default;
 Device::Device() : T_local_(Isometry3::Identity()) {}
 
 // Signals are not copied: what listens to one device does not listen to its copies.
-Device::Device(const Device& other) : DeviceState(other), id_(other.id_), name_(other.name_), T_local_(other.T_local_) {}
+Device::Device(const Device& other)
+    : DeviceState(other), id_(other.id_), name_(other.name_), T_local_(other.T_local_) {}
 
 Device::~Device() = default;
 

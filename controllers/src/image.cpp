@@ -48,7 +48,8 @@ bool Image::save(const std::string& filename) const {
 
 bool Image::save(const std::string& filename, std::ostream& os) const {
   const std::string suffix = ".png";
-  if (filename.size() < suffix.size() || filename.compare(filename.size() - suffix.size(), suffix.size(), suffix) != 0) {
+  if (filename.size() < suffix.size() ||
+      filename.compare(filename.size() - suffix.size(), suffix.size(), suffix) != 0) {
     os << filename << ": an image can only be saved as .png\n";
     return false;
   }

@@ -127,9 +127,7 @@ bool Link::hasJointVelocityLimits() const {
   return !isUnlimitedRangeValue(dq_lower_) || !isUnlimitedRangeValue(dq_upper_);
 }
 
-bool Link::hasJointEffortLimits() const {
-  return !isUnlimitedRangeValue(u_lower_) || !isUnlimitedRangeValue(u_upper_);
-}
+bool Link::hasJointEffortLimits() const { return !isUnlimitedRangeValue(u_lower_) || !isUnlimitedRangeValue(u_upper_); }
 
 void Link::setUnlimitedJointDisplacementRange() {
   setJointRange(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());

@@ -1,6 +1,6 @@
+#include <cmath>
 #include <cnoid/MathUtil>
 #include <cnoid/RangeSensor>
-#include <cmath>
 
 #include "device_state_cast.h"
 #include "shared_data.h"

@@ -1,5 +1,5 @@
-#include <cnoid/BasicSensors>
 #include <gtest/gtest.h>
+#include <cnoid/BasicSensors>
 
 namespace {
 

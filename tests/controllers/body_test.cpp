@@ -1,8 +1,8 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <cnoid/BasicSensors>
 #include <cnoid/Body>
 #include <cnoid/Camera>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "bodies.h"
 

@@ -1,5 +1,5 @@
-#include <cnoid/RangeCamera>
 #include <gtest/gtest.h>
+#include <cnoid/RangeCamera>
 
 #include <cmath>
 #include <stdexcept>

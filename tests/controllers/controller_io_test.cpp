@@ -1,6 +1,6 @@
-#include <cnoid/ControllerIO>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cnoid/ControllerIO>
 
 #include <stdexcept>
 

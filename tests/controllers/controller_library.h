@@ -1,9 +1,9 @@
 // A controller's shared library, opened as the harness opens one.
 #pragma once
 
-#include <cnoid/SimpleController>
 #include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <cnoid/SimpleController>
 
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
+#include <gtest/gtest.h>
 #include <cnoid/BasicSensors>
 #include <cnoid/DeviceList>
 #include <cnoid/RangeCamera>
-#include <gtest/gtest.h>
 
 #include "bodies.h"
 

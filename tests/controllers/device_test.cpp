@@ -1,9 +1,9 @@
 // What all devices have in common, asked of each type.
+#include <gtest/gtest.h>
 #include <cnoid/BasicSensors>
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
 #include <cnoid/SpotLight>
-#include <gtest/gtest.h>
 
 #include <functional>
 #include <numeric>
@@ -101,16 +101,14 @@ Kind kind(const std::string& type_name, int state_size) {
   return {type_name, [] { return new Type; }, state_size};
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryDevice,
-                         testing::Values(kind<cnoid::ForceSensor>("ForceSensor", 6),
-                                         kind<cnoid::RateGyroSensor>("RateGyroSensor", 3),
-                                         kind<cnoid::AccelerationSensor>("AccelerationSensor", 3),
-                                         kind<cnoid::Imu>("Imu", 6), kind<cnoid::Camera>("Camera", 3 + 5),
-                                         kind<cnoid::RangeCamera>("RangeCamera", 3 + 5),
-                                         kind<cnoid::RangeSensor>("RangeSensor", 3 + 8),
-                                         kind<cnoid::PointLight>("PointLight", 5 + 3),
-                                         kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6)),
-                         [](const auto& test) { return test.param.type_name; });
+INSTANTIATE_TEST_SUITE_P(
+    All, EveryDevice,
+    testing::Values(kind<cnoid::ForceSensor>("ForceSensor", 6), kind<cnoid::RateGyroSensor>("RateGyroSensor", 3),
+                    kind<cnoid::AccelerationSensor>("AccelerationSensor", 3), kind<cnoid::Imu>("Imu", 6),
+                    kind<cnoid::Camera>("Camera", 3 + 5), kind<cnoid::RangeCamera>("RangeCamera", 3 + 5),
+                    kind<cnoid::RangeSensor>("RangeSensor", 3 + 8), kind<cnoid::PointLight>("PointLight", 5 + 3),
+                    kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6)),
+    [](const auto& test) { return test.param.type_name; });
 
 TEST(Device, IsAlwaysOnUnlessItCanBeSwitched) {
   const DevicePtr imu = new cnoid::Imu;

@@ -1,5 +1,5 @@
-#include <cnoid/EigenUtil>
 #include <gtest/gtest.h>
+#include <cnoid/EigenUtil>
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Velocities and accelerations are checked against differences of poses: they must be the derivatives of one motion.
+#include <gtest/gtest.h>
 #include <cnoid/Body>
 #include <cnoid/EigenUtil>
-#include <gtest/gtest.h>
 
 #include "bodies.h"
 

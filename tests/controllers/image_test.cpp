@@ -1,6 +1,6 @@
-#include <cnoid/Image>
 #include <gtest/gtest.h>
 #include <png.h>
+#include <cnoid/Image>
 
 #include <cstring>
 #include <filesystem>

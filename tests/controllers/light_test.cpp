@@ -1,5 +1,5 @@
-#include <cnoid/SpotLight>
 #include <gtest/gtest.h>
+#include <cnoid/SpotLight>
 
 #include <algorithm>
 #include <type_traits>

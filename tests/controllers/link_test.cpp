@@ -1,6 +1,6 @@
+#include <gtest/gtest.h>
 #include <cnoid/Link>
 #include <cnoid/SimpleController>
-#include <gtest/gtest.h>
 
 #include "bodies.h"
 

@@ -1,6 +1,6 @@
+#include <gtest/gtest.h>
 #include <cnoid/EigenUtil>
 #include <cnoid/RangeSensor>
-#include <gtest/gtest.h>
 
 namespace {
 

@@ -1,5 +1,5 @@
-#include <cnoid/Referenced>
 #include <gtest/gtest.h>
+#include <cnoid/Referenced>
 
 #include <memory>
 #include <sstream>

@@ -1,6 +1,6 @@
-#include <cnoid/Signal>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cnoid/Signal>
 
 #include <stdexcept>
 

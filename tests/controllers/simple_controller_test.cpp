@@ -1,6 +1,6 @@
-#include <cnoid/SimpleController>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cnoid/SimpleController>
 
 #include <stdexcept>
 

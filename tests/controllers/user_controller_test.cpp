@@ -1,8 +1,8 @@
 // user_controller.cpp, compiled outside our build with nothing but include paths, in the process of the harness.
+#include <gtest/gtest.h>
 #include <cnoid/BasicSensors>
 #include <cnoid/RangeCamera>
 #include <cnoid/SpotLight>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-#include <cnoid/ValueTree>
 #include <gtest/gtest.h>
+#include <cnoid/ValueTree>
 
 namespace {
 

@@ -1,7 +1,8 @@
 // Camera: colour images, three bytes a pixel, top row first.
 //
-// Images are shared between the simulated camera, the controller's and whoever keeps one: constImage() and sharedImage()
-// never copy. image() of a camera that is not const copies first if anybody else holds it, so that writing to it is safe.
+// Images are shared between the simulated camera, the controller's and whoever keeps one: constImage() and
+// sharedImage() never copy. image() of a camera that is not const copies first if anybody else holds it, so that
+// writing to it is safe.
 #pragma once
 
 #include "Image.h"

@@ -1,6 +1,7 @@
 // ControllerIO: what any controller is given to know: its name, its body, its options, the time.
 //
-// The harness implements it; a controller only calls it, and may keep the pointer from initialize() to the end of the run.
+// The harness implements it; a controller only calls it, and may keep the pointer from initialize() to the end of the
+// run.
 #pragma once
 
 #include "Body.h"
@@ -30,10 +31,10 @@ class CNOID_GENERAL_EXPORT ControllerIO {
   /// The run's options for all controllers, a space, this controller's options.
   virtual std::string optionString() const = 0;
 
-  /// The option string split at spaces. Within double quotes a space does not split. A backslash makes the next character
-  /// a plain one; \n is a line break. Empty options are dropped. Tabs do not split.
-  /// Throws std::invalid_argument if a quote stays open, or if a backslash is followed by anything but n, a quote, a
-  /// space or a backslash.
+  /// The option string split at spaces. Within double quotes a space does not split. A backslash makes the next
+  /// character a plain one; \n is a line break. Empty options are dropped. Tabs do not split. Throws
+  /// std::invalid_argument if a quote stays open, or if a backslash is followed by anything but n, a quote, a space or
+  /// a backslash.
   std::vector<std::string> options() const;
   static std::vector<std::string> splitOptions(const std::string& optionString);
 

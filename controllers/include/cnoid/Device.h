@@ -1,7 +1,7 @@
 // Device: a sensor, light or other element fixed to a link. What it measures or does is its state.
 //
-// A controller has its own copy of each device (see Body). Input: after enableInput(device) on the IO object the copy is
-// refreshed before a control step whenever the simulated one has something new. Output: change the copy, then call
+// A controller has its own copy of each device (see Body). Input: after enableInput(device) on the IO object the copy
+// is refreshed before a control step whenever the simulated one has something new. Output: change the copy, then call
 // notifyStateChange(); without it nothing is sent.
 #pragma once
 
@@ -102,7 +102,8 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
   virtual void clearState();
 
   SignalProxy<void()> sigStateChanged() { return sigStateChanged_; }
-  /// Says that the state has changed. On a controller's device: sends the whole state to the simulation after control().
+  /// Says that the state has changed. On a controller's device: sends the whole state to the simulation after
+  /// control().
   void notifyStateChange() { sigStateChanged_(); }
 
   // For building a body

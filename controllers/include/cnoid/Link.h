@@ -1,10 +1,12 @@
 // Link: a rigid body of a robot together with the joint that moves it.
 //
-// Of a controller's link only that is fresh which was enabled as input on the IO object, and only that is sent which the
-// actuation mode names; everything else keeps the value that was last written. In particular T() of a moving link is not
-// updated from q() unless LinkPosition is enabled for it.
-// Units are SI: [rad] for revolute and [m] for prismatic joints, [N·m] and [N] for their efforts.
+// Of a controller's link only that is fresh which was enabled as input on the IO object, and only that is sent which
+// the actuation mode names; everything else keeps the value that was last written. In particular T() of a moving link
+// is not updated from q() unless LinkPosition is enabled for it.
+//
 // The link frame is the joint's frame after its motion: T = T(parent) * Tb() * motion(jointAxis(), q()).
+//
+// Units are SI: [rad] for revolute and [m] for prismatic joints, [N·m] and [N] for their efforts.
 #pragma once
 
 #include "ClonableReferenced.h"
@@ -116,11 +118,11 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
     JointEffort = 1 << 3,        // in: u()      out: u()
     JointForce = JointEffort,
     JointTorque = JointEffort,
-    LinkPosition = 1 << 4,       // in: T()      out: T()
-    LinkTwist = 1 << 5,          // in: v(), w()
-    LinkAcceleration = 1 << 6,   // in: dv(), dw()
-    LinkExtWrench = 1 << 7,      // in: F_ext()  out: F_ext(), added to what others exert
-    LinkContactState = 1 << 8,   // in: contactPoints()
+    LinkPosition = 1 << 4,      // in: T()      out: T()
+    LinkTwist = 1 << 5,         // in: v(), w()    out: the same
+    LinkAcceleration = 1 << 6,  // in: dv(), dw()  out: the same
+    LinkExtWrench = 1 << 7,     // in: F_ext()  out: F_ext(), added to what others exert
+    LinkContactState = 1 << 8,  // in: contactPoints()
 
     HighGainActuation = 1 << 9,  // an option of other simulators
     DeprecatedJointSurfaceVelocity = 1 << 10,

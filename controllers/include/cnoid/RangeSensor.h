@@ -24,10 +24,10 @@ class CNOID_GENERAL_EXPORT RangeSensor : public VisionSensor {
   double* writeState(double* buffer) const override;
   const double* readState(const double* buffer, int size) override;
 
-  double minYawAngle() const { return yaw_.minAngle; }                  // [rad]
-  double maxYawAngle() const { return yaw_.maxAngle; }                  // [rad]
-  double yawRange() const { return yaw_.maxAngle - yaw_.minAngle; }     // [rad]
-  double yawStep() const { return yaw_.step; }                          // [rad]
+  double minYawAngle() const { return yaw_.minAngle; }               // [rad]
+  double maxYawAngle() const { return yaw_.maxAngle; }               // [rad]
+  double yawRange() const { return yaw_.maxAngle - yaw_.minAngle; }  // [rad]
+  double yawStep() const { return yaw_.step; }                       // [rad]
   int numYawSamples() const { return yaw_.samples; }
   /// Ignored if the maximum is below the minimum. Of step and samples the one set last stays, the other follows.
   void setYawRange(double minAngle, double maxAngle) { yaw_.setRange(minAngle, maxAngle); }
@@ -39,10 +39,10 @@ class CNOID_GENERAL_EXPORT RangeSensor : public VisionSensor {
   void setNumYawSamples(int samples) { yaw_.setSamples(samples); }
   bool isNumYawSamplesCalculatedFromYawStep() const { return yaw_.stepDecides; }
 
-  double minPitchAngle() const { return pitch_.minAngle; }                    // [rad]
-  double maxPitchAngle() const { return pitch_.maxAngle; }                    // [rad]
-  double pitchRange() const { return pitch_.maxAngle - pitch_.minAngle; }     // [rad]
-  double pitchStep() const { return pitch_.step; }                            // [rad]
+  double minPitchAngle() const { return pitch_.minAngle; }                 // [rad]
+  double maxPitchAngle() const { return pitch_.maxAngle; }                 // [rad]
+  double pitchRange() const { return pitch_.maxAngle - pitch_.minAngle; }  // [rad]
+  double pitchStep() const { return pitch_.step; }                         // [rad]
   int numPitchSamples() const { return pitch_.samples; }
   void setPitchRange(double minAngle, double maxAngle) { pitch_.setRange(minAngle, maxAngle); }
   void setPitchRange(double angle);

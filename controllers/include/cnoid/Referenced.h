@@ -1,7 +1,7 @@
 // Objects that count their owners, and the pointers that own them.
 //
-// A Referenced is deleted when its last ref_ptr goes. Raw pointers of the API are borrowed: whoever keeps one beyond the
-// call keeps a ref_ptr (BodyPtr, LinkPtr, DevicePtr ...) instead. Counting is safe from several threads; making and
+// A Referenced is deleted when its last ref_ptr goes. Raw pointers of the API are borrowed: whoever keeps one beyond
+// the call keeps a ref_ptr (BodyPtr, LinkPtr, DevicePtr ...) instead. Counting is safe from several threads; making and
 // locking a weak_ref_ptr is not.
 #pragma once
 

@@ -1,8 +1,8 @@
 // Signal: a list of functions to be called when something happens.
 //
-// Slots are called in the order in which they were connected. A slot that is connected while the signal is being emitted
-// is first called by the next emission; one that is disconnected meanwhile is not called any more. An emission from
-// within a slot of the same signal waits until the running one is over. One thread only.
+// Slots are called in the order in which they were connected. A slot that is connected while the signal is being
+// emitted is first called by the next emission; one that is disconnected meanwhile is not called any more. An emission
+// from within a slot of the same signal waits until the running one is over. One thread only.
 #pragma once
 
 #include <algorithm>
@@ -182,7 +182,8 @@ class Signal<void(Args...)> {
   bool emitting_ = false;
 };
 
-/// Lets others connect to a signal without letting them emit it. Borrowed: don't keep it longer than the signal's owner.
+/// Lets others connect to a signal without letting them emit it. Borrowed: don't keep it longer than the signal's
+/// owner.
 template <typename Signature>
 class SignalProxy {
  public:

@@ -3,8 +3,8 @@
 //   class Hold : public cnoid::SimpleController { ... };
 //   CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(Hold)
 //
-// Order of calls: configure, initialize (simulation bodies exist), start (all controllers are initialized), then control
-// once a step, stop, unconfigure. All on one thread.
+// Order of calls: configure, initialize (simulation bodies exist), start (all controllers are initialized), then
+// control once a step, stop, unconfigure. All on one thread.
 #pragma once
 
 #include "SimpleControllerConfig.h"

@@ -10,9 +10,8 @@
 //   any of these on a PseudoContinuousTrackJoint    nothing                as above
 //   LinkPosition                                    nothing                T
 //   LinkExtWrench                                   T                      F_ext
-// Modes may be combined; so then are inputs and outputs. The input is decided by the mode at the call, the output by the
-// mode at the end of initialize().
-// A null pointer throws std::invalid_argument. (Choreonoid would crash.)
+// Modes may be combined; so then are inputs and outputs. The input is decided by the mode at the call, the output by
+// the mode at the end of initialize(). A null pointer throws std::invalid_argument. (Choreonoid would crash.)
 #pragma once
 
 #include "ControllerIO.h"

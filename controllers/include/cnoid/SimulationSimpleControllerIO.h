@@ -1,4 +1,5 @@
-// SimulationSimpleControllerIO: the names that no-delay mode had before; sources reach them by a cast of their IO object.
+// SimulationSimpleControllerIO: the names that no-delay mode had before; sources reach them by a cast of their IO
+// object.
 #pragma once
 
 #include "SimpleControllerIO.h"
