@@ -10,8 +10,13 @@
 namespace rehearse {
 namespace {
 
-// From the front (+x) and the right, so that the three visible sides of a box are lit differently.
-const Eigen::Vector3d sun_direction = Eigen::Vector3d(0.6, -0.35, 0.9).normalized();
+// From the front (+x) and the left, so that the sides of a box are lit differently.
+const Eigen::Vector3d sun_direction = Eigen::Vector3d(0.55, 0.45, 1.0).normalized();
+
+constexpr double shadow_blur = 0.006;  // between two of the samples of which a shadow's edge is made [m]
+
+/// How much larger, each way, a picture is drawn than it will be.
+constexpr int shrink_factor(Quality quality) { return quality == Quality::fine ? 3 : 1; }
 
 template <class Vector>
 std::array<float, 3> to_floats(const Vector& v) {
@@ -30,6 +35,17 @@ std::array<float, 4> mesh_scale(const Geometry& geometry) {
   return {scale[0], scale[1], scale[2], scale[3]};
 }
 
+/// Of the sphere around the mesh's centre that holds all of it, a little more than needed [m].
+double bounding_radius(const Geometry& geometry) {
+  struct Radius {
+    double operator()(const Box& box) const { return 0.5 * box.size.norm(); }
+    double operator()(const Sphere& sphere) const { return sphere.radius; }
+    double operator()(const Cylinder& c) const { return std::hypot(c.radius, 0.5 * c.length); }
+    double operator()(const Capsule& c) const { return c.radius + 0.5 * c.length; }
+  };
+  return 1.002 * std::visit(Radius{}, geometry);
+}
+
 /// 1 / tan of half the horizontal and half the vertical angle. The field of view is that of the shorter side.
 Eigen::Vector2d focal_lengths(const Camera& camera) {
   const double shorter = 1.0 / std::tan(0.5 * camera.field_of_view);
@@ -38,53 +54,97 @@ Eigen::Vector2d focal_lengths(const Camera& camera) {
                                        : Eigen::Vector2d(shorter, shorter * aspect);
 }
 
-void check(const Camera& camera) {
-  REHEARSE_ASSERT(camera.width >= 1 && camera.width <= Renderer::max_size, "a camera's width is 1 to 8192 pixels");
-  REHEARSE_ASSERT(camera.height >= 1 && camera.height <= Renderer::max_size, "a camera's height is 1 to 8192 pixels");
+/// From the camera's frame to the picture, upside down: see gl::Painter.
+Eigen::Matrix4d projection_of(const Camera& camera) {
+  const Eigen::Vector2d focal = focal_lengths(camera);
+  const double depth = camera.far_clip - camera.near_clip;
+  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
+  projection(0, 0) = focal.x();
+  projection(1, 1) = -focal.y();
+  projection(2, 2) = camera.near_clip / depth;
+  projection(2, 3) = camera.near_clip * camera.far_clip / depth;
+  projection(3, 2) = -1.0;
+  return projection;
+}
+
+gl::Matrix4 to_floats(const Eigen::Matrix4d& matrix) {
+  gl::Matrix4 floats;
+  Eigen::Map<Eigen::Matrix4f>(floats.data()) = matrix.cast<float>();
+  return floats;
+}
+
+void check(const Camera& camera, int largest) {
+  REHEARSE_ASSERT(camera.width >= 1 && camera.width <= largest, "a picture's width is 1 to 8192 pixels, 2730 if fine");
+  REHEARSE_ASSERT(camera.height >= 1 && camera.height <= largest,
+                  "a picture's height is 1 to 8192 pixels, 2730 if fine");
   REHEARSE_ASSERT(camera.field_of_view > 0.0 && camera.field_of_view < std::numbers::pi,
                   "a camera's field of view is between 0 and pi");
   REHEARSE_ASSERT(camera.near_clip > 0.0 && camera.far_clip > camera.near_clip,
                   "a camera's far clip is beyond its near clip, and both are in front of it");
 }
 
-}  // namespace
+struct Item {
+  std::size_t mesh;  // as Geometry's alternatives are numbered
+  std::array<float, 4> scale;
+  std::array<float, 4> color;
+  double radius;                 // of all of it around its centre [m]
+  Eigen::Isometry3d shape_pose;  // in the link's frame
+  Eigen::Isometry3d world_pose;
 
-struct Renderer::Impl {
-  struct Item {
-    std::size_t mesh;  // as Geometry's alternatives are numbered
-    std::array<float, 4> scale;
-    std::array<float, 4> color;
-    Eigen::Isometry3d shape_pose;  // in the link's frame
-    Eigen::Isometry3d world_pose;
-  };
-
-  std::unique_ptr<gl::Context> context;
-  std::unique_ptr<gl::Painter> painter;
-  gl::Target target;
-  Look look;
-  std::vector<Item> items;
-
-  void draw(const Camera& camera, const Eigen::Isometry3d& pose);
-  void paint_solid(const Eigen::Isometry3d& view);
-  void paint_translucent(const Eigen::Isometry3d& view);
+  bool solid() const { return color[3] >= 1.0f; }
+  bool translucent() const { return color[3] > 0.0f && color[3] < 1.0f; }
+  /// Grounds, walls and rooms only receive shadows: a map that holds them has no resolution left for robots.
+  bool casts_shadow() const { return solid() && radius < 3.0; }
 };
 
-namespace {
-
-gl::Instance instance_of(const auto& item, const Eigen::Isometry3d& view) {
+gl::Instance instance_of(const Item& item, const Eigen::Isometry3d& view) {
   const Eigen::Isometry3d pose = view * item.world_pose;
   gl::Instance instance{{}, to_floats(pose.translation()), item.scale, item.color};
   Eigen::Map<Eigen::Matrix3f>(instance.rotation.data()) = pose.linear().cast<float>();
   return instance;
 }
 
+/// What a camera can see of the world.
+struct Sight {
+  Eigen::Isometry3d from_world;
+  Eigen::Vector2d focal;
+
+  /// False only if nothing of the item is before the camera and between the four sides of its picture.
+  bool may_hold(const Item& item) const {
+    const Eigen::Vector3d centre = from_world * item.world_pose.translation();
+    const double distance = -centre.z();
+    if (distance < -item.radius) return false;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double beyond_the_side = std::abs(centre[axis]) * focal[axis] - distance;
+      if (beyond_the_side > item.radius * std::hypot(1.0, focal[axis])) return false;
+    }
+    return true;
+  }
+};
+
 }  // namespace
 
+struct Renderer::Impl {
+  std::unique_ptr<gl::Context> context;
+  std::unique_ptr<gl::Painter> painter;
+  gl::Target target;
+  gl::ShadowMap shadow_map;
+  Look look;
+  std::vector<Item> items;
+
+  Eigen::Matrix4d draw_shadow_map(double& radius);
+  void draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality);
+  template <class Wanted>
+  void paint_solid(const Eigen::Isometry3d& view, Wanted wanted);
+  void paint_translucent(const Sight& sight);
+};
+
 /// One call of OpenGL per kind of shape; their order doesn't show.
-void Renderer::Impl::paint_solid(const Eigen::Isometry3d& view) {
+template <class Wanted>
+void Renderer::Impl::paint_solid(const Eigen::Isometry3d& view, Wanted wanted) {
   std::array<std::vector<gl::Instance>, std::variant_size_v<Geometry>> by_mesh;
   for (const Item& item : items) {
-    if (item.color[3] >= 1.0f) by_mesh[item.mesh].push_back(instance_of(item, view));
+    if (item.solid() && wanted(item)) by_mesh[item.mesh].push_back(instance_of(item, view));
   }
   for (std::size_t mesh = 0; mesh < by_mesh.size(); ++mesh) {
     if (!by_mesh[mesh].empty()) painter->paint(mesh, by_mesh[mesh], false);
@@ -92,27 +152,60 @@ void Renderer::Impl::paint_solid(const Eigen::Isometry3d& view) {
 }
 
 /// The farthest first, by the distance of their centres; equally far ones in the order in which they were added.
-void Renderer::Impl::paint_translucent(const Eigen::Isometry3d& view) {
-  std::vector<std::pair<std::size_t, gl::Instance>> translucent;
+void Renderer::Impl::paint_translucent(const Sight& sight) {
+  std::vector<std::pair<std::size_t, gl::Instance>> instances;
   for (const Item& item : items) {
-    if (item.color[3] > 0.0f && item.color[3] < 1.0f) translucent.emplace_back(item.mesh, instance_of(item, view));
+    if (item.translucent() && sight.may_hold(item)) {
+      instances.emplace_back(item.mesh, instance_of(item, sight.from_world));
+    }
   }
-  std::stable_sort(translucent.begin(), translucent.end(),
+  std::stable_sort(instances.begin(), instances.end(),
                    [](const auto& a, const auto& b) { return a.second.origin[2] < b.second.origin[2]; });
-  for (const auto& [mesh, instance] : translucent) painter->paint(mesh, {&instance, 1}, true);
+  for (const auto& [mesh, instance] : instances) painter->paint(mesh, {&instance, 1}, true);
 }
 
-void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose) {
-  check(camera);
+/// Draws what casts shadows as the sun sees it, over a square of 2 `radius` [m] each way.
+/// Returns the transform from the world to the map's coordinates (0 to 1; z from 1 down to 0 away from the sun).
+Eigen::Matrix4d Renderer::Impl::draw_shadow_map(double& radius) {
+  Eigen::AlignedBox3d bounds;
+  for (const Item& item : items) {
+    if (!item.casts_shadow()) continue;
+    bounds.extend((item.world_pose.translation().array() - item.radius).matrix());
+    bounds.extend((item.world_pose.translation().array() + item.radius).matrix());
+  }
+  if (bounds.isEmpty()) bounds.extend(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d centre = bounds.center();
+  radius = std::max(0.1, 0.5 * bounds.diagonal().norm());
+  const Eigen::Isometry3d sun_from_world = look_at(centre + radius * sun_direction, centre).inverse();
+  const Eigen::DiagonalMatrix<double, 4> parallel(1.0 / radius, -1.0 / radius, 0.5 / radius, 1.0);
+  Eigen::Matrix4d projection = parallel;
+  projection(2, 3) = 1.0;
+  shadow_map.begin();
+  painter->begin(gl::Pass::shadow, {to_floats(projection)});
+  paint_solid(sun_from_world, [](const Item& item) { return item.casts_shadow(); });
+  Eigen::Matrix4d map_from_clip = Eigen::Matrix4d::Identity();
+  map_from_clip(0, 0) = map_from_clip(1, 1) = map_from_clip(0, 3) = map_from_clip(1, 3) = 0.5;
+  return map_from_clip * projection * sun_from_world.matrix();
+}
+
+void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality) {
+  const bool fine = quality == Quality::fine;
+  const int factor = shrink_factor(quality);
+  check(camera, max_size / factor);
   context->make_current();
-  target.begin(camera.width, camera.height, camera.depth, look.sky);
-  const Eigen::Isometry3d view = pose.inverse();
-  const Eigen::Vector2f focal = focal_lengths(camera).cast<float>();
-  painter->begin({{focal.x(), focal.y(), static_cast<float>(camera.near_clip), static_cast<float>(camera.far_clip)},
-                  to_floats(view.linear() * Eigen::Vector3d::UnitZ()),
-                  to_floats(view.linear() * sun_direction)});
-  paint_solid(view);
-  paint_translucent(view);
+  const Sight sight{pose.inverse(), focal_lengths(camera)};
+  gl::View view{to_floats(projection_of(camera))};
+  view.up = to_floats(sight.from_world.linear() * Eigen::Vector3d::UnitZ());
+  view.sun = to_floats(sight.from_world.linear() * sun_direction);
+  if (fine) {
+    double radius = 0.0;
+    view.shadow_from_view = to_floats(Eigen::Matrix4d(draw_shadow_map(radius) * pose.matrix()));
+    view.blur = static_cast<float>(shadow_blur / (2.0 * radius));
+  }
+  target.begin(factor * camera.width, factor * camera.height, camera.depth, look.sky);
+  painter->begin(fine ? gl::Pass::fine : gl::Pass::plain, view);
+  paint_solid(sight.from_world, [&](const Item& item) { return sight.may_hold(item); });
+  paint_translucent(sight);
 }
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
@@ -133,6 +226,7 @@ int Renderer::add(const Shape& shape, const Color& color) {
   impl_->items.push_back({shape.geometry.index(),
                           mesh_scale(shape.geometry),
                           {used[0], used[1], used[2], used[3]},
+                          bounding_radius(shape.geometry),
                           shape.pose,
                           shape.pose});
   return static_cast<int>(impl_->items.size()) - 1;
@@ -140,17 +234,18 @@ int Renderer::add(const Shape& shape, const Color& color) {
 
 void Renderer::set_link_pose(int number, const Eigen::Isometry3d& link_pose) {
   REHEARSE_ASSERT(number >= 0 && static_cast<std::size_t>(number) < impl_->items.size(), "no such shape was added");
-  Impl::Item& item = impl_->items[static_cast<std::size_t>(number)];
+  Item& item = impl_->items[static_cast<std::size_t>(number)];
   item.world_pose = link_pose * item.shape_pose;
 }
 
-Frame Renderer::draw(const Camera& camera, const Eigen::Isometry3d& pose) {
-  impl_->draw(camera, pose);
-  return {impl_->target.read_color(), impl_->target.read_depth()};
+Frame Renderer::draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality) {
+  impl_->draw(camera, pose, quality);
+  const int factor = shrink_factor(quality);
+  return {impl_->target.read_color(factor), impl_->target.read_depth(factor)};
 }
 
 void Renderer::draw_only(const Camera& camera, const Eigen::Isometry3d& pose) {
-  impl_->draw(camera, pose);
+  impl_->draw(camera, pose, Quality::plain);
   gl::finish();
 }
 

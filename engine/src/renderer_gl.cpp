@@ -24,9 +24,10 @@ std::string text_of(GLenum name) {
 /// A mistake in a call is ours; what remains is memory.
 void check_errors() { REHEARSE_ASSERT(glGetError() == GL_NO_ERROR, "OpenGL refused a call, or ran out of memory"); }
 
-unsigned compile(GLenum stage, const char* source) {
+/// The shader's text may come in parts.
+unsigned compile(GLenum stage, std::initializer_list<const char*> parts) {
   const unsigned shader = glCreateShader(stage);
-  glShaderSource(shader, 1, &source, nullptr);
+  glShaderSource(shader, static_cast<GLsizei>(parts.size()), parts.begin(), nullptr);
   glCompileShader(shader);
   int compiled = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
@@ -34,10 +35,10 @@ unsigned compile(GLenum stage, const char* source) {
   return shader;
 }
 
-unsigned link_program() {
+unsigned link_program(std::initializer_list<const char*> fragment_shader) {
   const unsigned program = glCreateProgram();
   for (const unsigned shader :
-       {compile(GL_VERTEX_SHADER, vertex_shader), compile(GL_FRAGMENT_SHADER, fragment_shader)}) {
+       {compile(GL_VERTEX_SHADER, {vertex_shader}), compile(GL_FRAGMENT_SHADER, fragment_shader)}) {
     glAttachShader(program, shader);
     glDeleteShader(shader);  // once the program goes
   }
@@ -63,6 +64,33 @@ void set_instance_attributes() {
   set_attribute(7, 4, stride, offsetof(Instance, scale));
   set_attribute(8, 4, stride, offsetof(Instance, color));
   for (unsigned location = 3; location <= 8; ++location) glVertexAttribDivisor(location, 1);
+}
+
+void copy_without_alpha(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& rgb) {
+  const std::uint8_t* from = rgba.data();
+  for (std::uint8_t* to = rgb.data(); to != rgb.data() + rgb.size(); to += 3, from += 4) {
+    to[0] = from[0];
+    to[1] = from[1];
+    to[2] = from[2];
+  }
+}
+
+/// `row`: bytes of one row of `rgba`.
+void shrink_without_alpha(const std::vector<std::uint8_t>& rgba, std::size_t row, int factor, Image& image) {
+  const auto step = static_cast<std::size_t>(factor);
+  const unsigned count = static_cast<unsigned>(factor * factor);
+  std::size_t at = 0;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
+    for (std::size_t x = 0; x < static_cast<std::size_t>(image.width); ++x) {
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        unsigned sum = count / 2;
+        for (std::size_t i = 0; i < count; ++i) {
+          sum += rgba[(y * step + i / step) * row + (x * step + i % step) * 4 + channel];
+        }
+        image.pixels[at++] = static_cast<std::uint8_t>(sum / count);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -115,11 +143,12 @@ void Context::make_current() {
   REHEARSE_ASSERT(made, "OSMesa can't make its own context current");
 }
 
-Painter::Painter() : program_(link_program()) {
+Painter::Painter() {
+  programs_ = {link_program({fragment_shader_head, without_shadows}),
+               link_program({fragment_shader_head, with_shadows}), link_program({shadow_fragment_shader})};
   glGenBuffers(1, &instances_);
-  meshes_ = {upload(box_mesh()), upload(sphere_mesh()), upload(cylinder_mesh()), upload(capsule_mesh())};
-  uniforms_ = {glGetUniformLocation(program_, "lens"), glGetUniformLocation(program_, "up"),
-               glGetUniformLocation(program_, "sun")};
+  meshes_ = {upload(box_mesh(), instances_), upload(sphere_mesh(), instances_), upload(cylinder_mesh(), instances_),
+             upload(capsule_mesh(), instances_)};
   // Distances are kept as near / distance in a float: the resolution is the same share of the distance everywhere.
   glDepthFunc(GL_GREATER);
   glClearDepth(0.0);
@@ -131,7 +160,7 @@ Painter::Painter() : program_(link_program()) {
   check_errors();
 }
 
-Painter::Buffers Painter::upload(const Mesh& mesh) const {
+Painter::Buffers Painter::upload(const Mesh& mesh, unsigned instances) {
   Buffers buffers;
   buffers.count = static_cast<int>(mesh.indices.size());
   glGenVertexArrays(1, &buffers.array);
@@ -147,16 +176,23 @@ Painter::Buffers Painter::upload(const Mesh& mesh) const {
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, names[1]);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint16_t)),
                mesh.indices.data(), GL_STATIC_DRAW);
-  glBindBuffer(GL_ARRAY_BUFFER, instances_);
+  glBindBuffer(GL_ARRAY_BUFFER, instances);
   set_instance_attributes();
   return buffers;
 }
 
-void Painter::begin(const View& view) {
-  glUseProgram(program_);
-  glUniform4fv(uniforms_.lens, 1, view.lens.data());
-  glUniform3fv(uniforms_.up, 1, view.up.data());
-  glUniform3fv(uniforms_.sun, 1, view.sun.data());
+void Painter::begin(Pass pass, const View& view) {
+  const unsigned program = programs_[static_cast<std::size_t>(pass)];
+  // OpenGL passes over the uniforms that a program doesn't have
+  const auto uniform = [&](const char* name) { return glGetUniformLocation(program, name); };
+  glUseProgram(program);
+  glUniformMatrix4fv(uniform("projection"), 1, GL_FALSE, view.projection.data());
+  glUniform3fv(uniform("up"), 1, view.up.data());
+  glUniform3fv(uniform("sun"), 1, view.sun.data());
+  glUniformMatrix4fv(uniform("shadow_from_view"), 1, GL_FALSE, view.shadow_from_view.data());
+  glUniform1f(uniform("blur"), view.blur);
+  // the far sides of shapes cast their shadows: near sides would speckle themselves
+  glCullFace(pass == Pass::shadow ? GL_FRONT : GL_BACK);
 }
 
 void Painter::paint(std::size_t mesh, std::span<const Instance> instances, bool translucent) {
@@ -179,6 +215,7 @@ void Target::begin(int width, int height, bool depth, const Color& background) {
     depth_ = depth;
     allocate();
   }
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glViewport(0, 0, width_, height_);
   glClearBufferfv(GL_COLOR, 0, background.data());
   if (depth_) {
@@ -211,30 +248,63 @@ void Target::allocate() {
   check_errors();
 }
 
-Image Target::read_color() {
-  const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  pixels_.resize(count * 4);
+Image Target::read_color(int factor) {
+  const std::size_t row = static_cast<std::size_t>(width_) * 4;
+  pixels_.resize(row * static_cast<std::size_t>(height_));
   glReadBuffer(GL_COLOR_ATTACHMENT0);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels_.data());
   check_errors();
-  Image image{width_, height_, std::vector<std::uint8_t>(count * 3)};
-  const std::uint8_t* from = pixels_.data();
-  for (std::uint8_t* to = image.pixels.data(); to != image.pixels.data() + count * 3; to += 3, from += 4) {
-    to[0] = from[0];
-    to[1] = from[1];
-    to[2] = from[2];
+  Image image{width_ / factor, height_ / factor, {}};
+  image.pixels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3);
+  if (factor == 1) {
+    copy_without_alpha(pixels_, image.pixels);
+  } else {
+    shrink_without_alpha(pixels_, row, factor, image);
   }
   return image;
 }
 
-DepthImage Target::read_depth() const {
+DepthImage Target::read_depth(int factor) const {
   if (!depth_) return {};
-  const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  DepthImage image{width_, height_, std::vector<float>(count)};
+  const auto row = static_cast<std::size_t>(width_);
+  std::vector<float> meters(row * static_cast<std::size_t>(height_));
   glReadBuffer(GL_COLOR_ATTACHMENT1);
-  glReadPixels(0, 0, width_, height_, GL_RED, GL_FLOAT, image.meters.data());
+  glReadPixels(0, 0, width_, height_, GL_RED, GL_FLOAT, meters.data());
   check_errors();
+  if (factor == 1) return {width_, height_, std::move(meters)};
+  DepthImage image{width_ / factor, height_ / factor, {}};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      image.meters.push_back(meters[static_cast<std::size_t>(y * factor + factor / 2) * row +
+                                    static_cast<std::size_t>(x * factor + factor / 2)]);
+    }
+  }
   return image;
+}
+
+void ShadowMap::begin() {
+  if (framebuffer_ == 0) {
+    glGenTextures(1, &texture_);
+    glBindTexture(GL_TEXTURE_2D, texture_);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);  // the border is 0: nothing is there
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glGenFramebuffers(1, &framebuffer_);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+    REHEARSE_ASSERT(glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE,
+                    "OpenGL can't draw a shadow map");
+    check_errors();
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  glViewport(0, 0, size, size);
+  glClear(GL_DEPTH_BUFFER_BIT);
 }
 
 void finish() { glFinish(); }

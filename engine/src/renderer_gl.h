@@ -47,18 +47,30 @@ struct Instance {
   std::array<float, 4> color;
 };
 
-/// What is the same for all shapes of one picture.
-struct View {
-  std::array<float, 4> lens;  // 1 / tan of half the horizontal and of half the vertical angle, near and far clip [m]
-  std::array<float, 3> up;    // world +z in the camera's frame
-  std::array<float, 3> sun;   // direction towards the sun in the camera's frame
+/// Column by column.
+using Matrix4 = std::array<float, 16>;
+
+/// What is drawn into, and how.
+enum class Pass {
+  plain,   // into a Target
+  fine,    // into a Target, with the shadows of a ShadowMap that was drawn before
+  shadow,  // into a ShadowMap
 };
 
-/// The meshes, and the program that draws them.
+/// What is the same for all shapes of one pass. The frame of a shadow pass is the sun's.
+struct View {
+  Matrix4 projection;          // from the camera's frame; z from 1 at the near clip down to 0 at the far clip
+  std::array<float, 3> up{};   // world +z in the camera's frame
+  std::array<float, 3> sun{};  // direction towards the sun in the camera's frame
+  Matrix4 shadow_from_view{};  // fine only: to the coordinates of the shadow map, 0 to 1
+  float blur = 0.0f;           // fine only: of the edges of shadows, in those coordinates
+};
+
+/// The meshes, and the programs that draw them.
 class Painter {
  public:
   Painter();  // in the current context
-  void begin(const View& view);
+  void begin(Pass pass, const View& view);
   /// Draws a run of instances of one mesh, in order; `mesh` as Geometry's alternatives are numbered.
   void paint(std::size_t mesh, std::span<const Instance> instances, bool translucent);
 
@@ -67,14 +79,11 @@ class Painter {
     unsigned array = 0;
     int count = 0;
   };
-  Buffers upload(const Mesh& mesh) const;
+  static Buffers upload(const Mesh& mesh, unsigned instances);
 
-  unsigned program_ = 0;
+  std::array<unsigned, 3> programs_{};  // by Pass
   unsigned instances_ = 0;
   std::array<Buffers, std::variant_size_v<Geometry>> meshes_;
-  struct {
-    int lens, up, sun;
-  } uniforms_{};
 };
 
 /// Where pictures are drawn: colour, z buffer and, if wanted, a float for the distance of each pixel.
@@ -82,8 +91,10 @@ class Target {
  public:
   /// Makes it the place that is drawn into, of the given size, and empties it.
   void begin(int width, int height, bool depth, const Color& background);
-  Image read_color();
-  DepthImage read_depth() const;
+  /// The picture; with a factor (a divisor of its size, odd) smaller by that, each pixel a mean.
+  Image read_color(int factor);
+  /// The distances, if they were wanted; with a factor smaller by that, each that of the middle.
+  DepthImage read_depth(int factor) const;
 
  private:
   void allocate();
@@ -94,6 +105,18 @@ class Target {
   unsigned framebuffer_ = 0;
   std::array<unsigned, 3> buffers_{};  // colour, z, distance
   std::vector<std::uint8_t> pixels_;   // as OpenGL hands them out, four bytes a pixel
+};
+
+/// How far from the sun the nearest surfaces are.
+class ShadowMap {
+ public:
+  static constexpr int size = 2048;  // [texels] each way
+  /// Makes it the place that is drawn into, and empties it.
+  void begin();
+
+ private:
+  unsigned framebuffer_ = 0;
+  unsigned texture_ = 0;
 };
 
 /// Waits until everything is drawn.

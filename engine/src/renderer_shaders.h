@@ -1,9 +1,8 @@
-// The two shaders of the renderer, in GLSL 3.30.
+// The shaders of the renderer, in GLSL 3.30. Everything happens in the camera's frame, where numbers are small.
 #pragma once
 
 namespace rehearse::gl {
 
-// Everything happens in the camera's frame, where numbers are small. `distance` is along the optical axis.
 inline constexpr char vertex_shader[] = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -12,7 +11,7 @@ layout(location = 3) in mat3 rotation;
 layout(location = 6) in vec3 origin;
 layout(location = 7) in vec4 scale;
 layout(location = 8) in vec4 color;
-uniform vec4 lens;
+uniform mat4 projection;
 out vec3 surface_point;
 out vec3 surface_normal;
 flat out vec4 surface_color;
@@ -22,18 +21,14 @@ void main() {
   surface_point = origin + rotation * local;
   surface_normal = rotation * normal;
   surface_color = color;
-  float near_clip = lens.z;
-  float far_clip = lens.w;
-  float distance = -surface_point.z;
-  gl_Position = vec4(lens.x * surface_point.x, -lens.y * surface_point.y,
-                     near_clip * (far_clip - distance) / (far_clip - near_clip), distance);
+  gl_Position = projection * vec4(surface_point, 1.0);
 }
 )";
 
 // Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light
 // is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from
 // being dark. A surface that faces sun and sky has about its own colour.
-inline constexpr char fragment_shader[] = R"(#version 330 core
+inline constexpr char fragment_shader_head[] = R"(#version 330 core
 in vec3 surface_point;
 in vec3 surface_normal;
 flat in vec4 surface_color;
@@ -42,14 +37,41 @@ uniform vec3 sun;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float distance;
 
+float sun_share();
+
 void main() {
   vec3 normal = normalize(surface_normal);
   vec3 light = mix(vec3(0.20, 0.18, 0.16), vec3(0.40, 0.43, 0.48), 0.5 + 0.5 * dot(normal, up));
-  light += vec3(0.50, 0.48, 0.43) * max(dot(normal, sun), 0.0);
+  light += vec3(0.50, 0.48, 0.43) * max(dot(normal, sun), 0.0) * sun_share();
   light += vec3(0.18) * max(-dot(normal, normalize(surface_point)), 0.0);
   color = vec4(surface_color.rgb * sqrt(light), surface_color.a);
   distance = 1.0 / gl_FragCoord.w;
 }
+)";
+
+inline constexpr char without_shadows[] = R"(
+float sun_share() { return 1.0; }
+)";
+
+// The mean of a square of samples, because the sun isn't a point. Outside the map nothing casts a shadow.
+inline constexpr char with_shadows[] = R"(
+uniform sampler2DShadow shadow_map;
+uniform mat4 shadow_from_view;  // to the map's coordinates: 0 to 1 across, and 1 down to 0 away from the sun
+uniform float blur;             // between two samples, in the map's coordinates
+
+float sun_share() {
+  vec3 place = (shadow_from_view * vec4(surface_point, 1.0)).xyz;
+  place.z = max(place.z, 0.0);
+  float lit = 0.0;
+  for (int x = -2; x <= 2; ++x) {
+    for (int y = -2; y <= 2; ++y) lit += texture(shadow_map, vec3(place.xy + blur * vec2(x, y), place.z));
+  }
+  return lit / 25.0;
+}
+)";
+
+inline constexpr char shadow_fragment_shader[] = R"(#version 330 core
+void main() {}
 )";
 
 }  // namespace rehearse::gl

@@ -5,7 +5,7 @@
 //
 // Solid shapes hide what is behind them; one with an opacity below 1 lets it shine through, and one of opacity 0 isn't
 // there at all. Only outsides are drawn: a camera inside a shape looks out of it. Light comes from the sky, from a sun
-// that stands still in the world, and from the camera. There are no shadows.
+// that stands still in the world, and from the camera.
 //
 // Boxes are exact. Round shapes are made of flat faces whose distance from the axis or centre is within 0.08 % of the
 // radius of the true one, half of it inside and half outside.
@@ -32,9 +32,14 @@ struct Look {
   Color sky{0.55f, 0.68f, 0.82f, 1.0f};
 };
 
+enum class Quality {
+  plain,  // what sensors see: no shadows, one sample a pixel
+  fine,   // for people to look at: the sun casts shadows of solid shapes up to 6 m across, and edges are smooth
+};
+
 class Renderer {
  public:
-  /// The largest width and height that draw() takes [pixels].
+  /// The largest width and height of a plain picture [pixels]; a fine one has at most a third of it.
   static constexpr int max_size = 8192;
 
   /// Fails if OSMesa can't make a context of OpenGL 3.3 with clip control (Mesa has both since 2017).
@@ -51,10 +56,11 @@ class Renderer {
   /// Draws what `camera` sees from `pose` (its device frame in the world: it looks along -z, +y is up).
   /// Depth [m] along the optical axis if `camera.depth`, at the centre of each pixel, accurate to 1 mm + 0.1 % up to
   /// 200 m; +inf where nothing is between near_clip and far_clip.
-  /// The camera must be possible: 1 to max_size pixels, 0 < field_of_view < pi, 0 < near_clip < far_clip.
-  Frame draw(const Camera& camera, const Eigen::Isometry3d& pose);
+  /// The camera must be possible: a size as above, 0 < field_of_view < pi, 0 < near_clip < far_clip.
+  Frame draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality = Quality::plain);
 
-  /// The drawing alone: waits until the picture is complete and leaves it where it is. For measuring what draw() adds.
+  /// The drawing of a plain picture alone: waits until it is complete and leaves it where it is. For measuring what
+  /// draw() adds.
   void draw_only(const Camera& camera, const Eigen::Isometry3d& pose);
 
   /// "OSMesa, Mesa 22.3.6, llvmpipe (LLVM 15.0.6, 128 bits)": what a golden's pixels depend on.
