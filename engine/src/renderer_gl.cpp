@@ -57,8 +57,9 @@ void set_attribute(unsigned location, int size, std::size_t stride, std::size_t 
 /// Attributes 3 to 8 come from `Instance`s, one per instance drawn.
 void set_instance_attributes() {
   constexpr std::size_t stride = sizeof(Instance);
-  for (unsigned column = 0; column < 3; ++column) {
-    set_attribute(3 + column, 3, stride, offsetof(Instance, rotation) + column * 3 * sizeof(float));
+  for (std::size_t column = 0; column < 3; ++column) {
+    set_attribute(static_cast<unsigned>(3 + column), 3, stride,
+                  offsetof(Instance, rotation) + column * 3 * sizeof(float));
   }
   set_attribute(6, 3, stride, offsetof(Instance, origin));
   set_attribute(7, 4, stride, offsetof(Instance, scale));

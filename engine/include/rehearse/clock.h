@@ -1,0 +1,17 @@
+// Simulated time. It is counted in ticks and never summed up.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace rehearse {
+
+/// Time of a tick [s]: tick / (1 / time_step), the expression Choreonoid uses; tick * time_step differs in the last bit.
+inline double time_of(std::int64_t tick, double time_step) { return static_cast<double>(tick) / (1.0 / time_step); }
+
+/// The same, rounded to whole nanoseconds: the log time of the tick's messages.
+inline std::uint64_t nanoseconds_of(std::int64_t tick, double time_step) {
+  return static_cast<std::uint64_t>(std::llround(time_of(tick, time_step) * 1e9));
+}
+
+}  // namespace rehearse

@@ -1,0 +1,92 @@
+// World: the simulated bodies, their joints and contacts, in ODE.
+//
+// A World is made of Models, each with a pose, and goes forward in steps of a fixed length. In: a Command (what the
+// controllers want of the joints) and pushes. Out: an Observation (what the sensors and the state say). It owns all that
+// the next step depends on, its random generator included: two worlds in one process never influence each other, and the
+// same calls give the same bits. One thread at a time. Cameras are not here: see vision.h.
+//
+// Links joined by fixed joints are one rigid body for the physics; each keeps its own frame in the Observation.
+// Links of one body don't collide with each other. Contacts are found pair by pair in the order of the bodies and their
+// shapes, so that their order, which the solver depends on, is that of the scenario and of nothing else.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/io.h>
+#include <rehearse/model.h>
+#include <rehearse/solver_settings.h>
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+struct WorldSettings {
+  double time_step = 0.001;                     // [s]
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
+  std::uint32_t seed = 0;
+  SolverSettings solver;
+};
+
+/// One body and where it starts, at rest.
+struct WorldBody {
+  std::string name;
+  std::shared_ptr<const Model> model;
+  bool fixed = false;                                            // the root link never moves
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();            // of the root link [m]
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of the root link, unit
+  std::vector<double> joints;                                    // displacement by joint id [rad] or [m]
+};
+
+class World {
+ public:
+  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a joint or sensor that
+  /// it has no counterpart for, a count of joints that doesn't fit.
+  static Result<std::unique_ptr<World>> create(const WorldSettings& settings, std::vector<WorldBody> bodies);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// The state at the beginning of the coming step. Joint sensors and inertial sensors are `fresh` after the first step;
+  /// before it they read zero, as in Choreonoid. Accelerations are the change of velocity over the last step divided by
+  /// its length, which for ODE's semi-implicit Euler step is the acceleration the step used (ODE reports none).
+  /// Valid until the next call of step() or restore(). Its cameras are empty.
+  const Observation& sense() const;
+
+  /// What drives the joints from the coming step on, and what acts on the links during it (external wrenches).
+  /// Every number in it must be finite.
+  void actuate(const Command& command);
+
+  /// A force [N] at a point of the link [m, link frame] and a torque [N·m], both in world axes, during the coming step.
+  void push(int body, int link, const Eigen::Vector3d& force, const Eigen::Vector3d& point,
+            const Eigen::Vector3d& torque);
+
+  /// One step. False if the state is no longer finite (the simulation has exploded); it can't go on then.
+  bool step();
+
+  /// Steps done, and their number divided by the rate [s].
+  std::int64_t tick() const;
+  double time() const;
+
+  /// 64-bit hash (XXH3) of all that save() saves.
+  std::uint64_t state_hash() const;
+  /// Everything the next step depends on, raw. Restored into this world, or one made from the same settings and bodies,
+  /// the run goes on with the same bits.
+  std::vector<std::byte> save() const;
+  /// Fails if `state` is not of a world like this one.
+  Result<void> restore(std::span<const std::byte> state);
+
+  /// The version of ODE that was linked and its precision, for provenance.
+  static std::string engine_description();
+
+ private:
+  World();
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,214 @@
+#include <ode/ode.h>
+#include <rehearse/clock.h>
+#include <rehearse/world.h>
+
+#include <cstring>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "contacts.h"
+#include "ode_body.h"
+
+namespace rehearse {
+namespace {
+
+/// ODE's process-wide set-up, once, before the first world.
+void initialise_ode() {
+  static const bool done = dInitODE2(0) != 0;
+  REHEARSE_ASSERT(done, "ODE initialises");
+}
+
+/// ODE has one random generator for the process. While this lives, it is the world's; after it, it is as it was.
+class OwnRandom {
+ public:
+  explicit OwnRandom(std::uint64_t& seed) : seed_(seed), outside_(dRandGetSeed()) { dRandSetSeed(seed_); }
+  ~OwnRandom() {
+    seed_ = dRandGetSeed();
+    dRandSetSeed(outside_);
+  }
+  OwnRandom(const OwnRandom&) = delete;
+  OwnRandom& operator=(const OwnRandom&) = delete;
+
+ private:
+  std::uint64_t& seed_;
+  unsigned long outside_;
+};
+
+}  // namespace
+
+struct World::Impl {
+  WorldSettings settings;
+  dWorldID world = nullptr;
+  dJointGroupID contacts = nullptr;
+  std::vector<std::unique_ptr<OdeBody>> bodies;
+  std::uint64_t random = 0;
+  std::int64_t tick = 0;
+  Command command;
+  mutable Observation observation;
+  mutable bool observed = false;
+  mutable std::vector<std::byte> scratch;
+
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    bodies.clear();  // shapes, before the bodies they sit on
+    if (contacts) dJointGroupDestroy(contacts);
+    if (world) dWorldDestroy(world);
+  }
+
+  void create_world();
+  void apply_command();
+
+  template <class Visit>
+  void visit_state(Visit&& visit) {
+    visit(&tick, sizeof tick);
+    visit(&random, sizeof random);
+    for (auto& body : bodies) body->visit_state(visit);
+  }
+  void save_to(std::vector<std::byte>& bytes) {
+    bytes.clear();
+    visit_state([&bytes](const void* data, std::size_t size) {
+      if (size == 0) return;
+      const std::size_t at = bytes.size();
+      bytes.resize(at + size);
+      std::memcpy(bytes.data() + at, data, size);
+    });
+  }
+};
+
+World::World() : impl_(std::make_unique<Impl>()) {}
+World::~World() = default;
+
+void World::Impl::create_world() {
+  const SolverSettings& solver = settings.solver;
+  world = dWorldCreate();
+  contacts = dJointGroupCreate(0);
+  dWorldSetGravity(world, settings.gravity.x(), settings.gravity.y(), settings.gravity.z());
+  dWorldSetERP(world, solver.erp);
+  dWorldSetCFM(world, solver.cfm);
+  dWorldSetContactMaxCorrectingVel(world, solver.max_correcting_velocity);
+  dWorldSetContactSurfaceLayer(world, solver.surface_layer);
+  dWorldSetQuickStepNumIterations(world, solver.iterations);
+  dWorldSetQuickStepW(world, solver.over_relaxation);
+  dWorldSetAutoDisableFlag(world, 0);
+}
+
+Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std::vector<WorldBody> bodies) {
+  Diagnostics findings;
+  for (const WorldBody& body : bodies) {
+    const Diagnostics of_body = OdeBody::check(body);
+    findings.insert(findings.end(), of_body.begin(), of_body.end());
+  }
+  if (!findings.empty()) return findings;
+
+  initialise_ode();
+  std::unique_ptr<World> world(new World);
+  Impl& impl = *world->impl_;
+  impl.settings = settings;
+  impl.random = settings.seed;
+  impl.create_world();
+  for (WorldBody& body : bodies) {
+    BodyCommand none;
+    none.joints.resize(body.model->joints.size());
+    none.external.resize(body.model->links.size());
+    none.devices.resize(body.model->devices.size());
+    impl.command.bodies.push_back(std::move(none));
+    impl.bodies.push_back(std::make_unique<OdeBody>(impl.world, std::move(body), settings.time_step));
+  }
+  return world;
+}
+
+const Observation& World::sense() const {
+  if (!impl_->observed) {
+    impl_->observation.bodies.resize(impl_->bodies.size());
+    for (std::size_t i = 0; i < impl_->bodies.size(); ++i)
+      impl_->bodies[i]->observe(impl_->observation.bodies[i], impl_->settings.gravity, impl_->tick > 0);
+    for (BodyObservation& body : impl_->observation.bodies)
+      for (DeviceReading& device : body.devices) device.measured_at = time();
+    impl_->observed = true;
+  }
+  return impl_->observation;
+}
+
+void World::actuate(const Command& command) {
+  REHEARSE_ASSERT(command.bodies.size() == impl_->bodies.size(), "a command has an entry for each body");
+  impl_->command = command;
+}
+
+void World::push(int body, int link, const Eigen::Vector3d& force, const Eigen::Vector3d& point,
+                 const Eigen::Vector3d& torque) {
+  OdeBody& pushed = *impl_->bodies.at(body);
+  pushed.add_wrench(link, force, torque + pushed.link_point(link, point).cross(force));
+}
+
+void World::Impl::apply_command() {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i]->drive(command.bodies[i]);
+    const std::vector<Wrench>& external = command.bodies[i].external;
+    for (std::size_t link = 0; link < external.size(); ++link)
+      if (!external[link].force.isZero(0.0) || !external[link].torque.isZero(0.0))
+        bodies[i]->add_wrench(static_cast<int>(link), external[link].force, external[link].torque);
+  }
+}
+
+bool World::step() {
+  Impl& impl = *impl_;
+  for (auto& body : impl.bodies) body->before_step();
+  impl.apply_command();
+  add_contacts(impl.world, impl.contacts, impl.bodies, impl.settings.solver);
+  {
+    OwnRandom random(impl.random);
+    if (impl.settings.solver.method == SolverSettings::Method::quick)
+      dWorldQuickStep(impl.world, impl.settings.time_step);
+    else
+      dWorldStep(impl.world, impl.settings.time_step);
+  }
+  dJointGroupEmpty(impl.contacts);
+  for (auto& body : impl.bodies) body->after_step();
+  ++impl.tick;
+  impl.observed = false;
+  for (const auto& body : impl.bodies)
+    if (!body->finite()) return false;
+  return true;
+}
+
+std::int64_t World::tick() const { return impl_->tick; }
+double World::time() const { return time_of(impl_->tick, impl_->settings.time_step); }
+
+std::uint64_t World::state_hash() const {
+  impl_->save_to(impl_->scratch);
+  return XXH3_64bits(impl_->scratch.data(), impl_->scratch.size());
+}
+
+std::vector<std::byte> World::save() const {
+  std::vector<std::byte> bytes;
+  impl_->save_to(bytes);
+  return bytes;
+}
+
+Result<void> World::restore(std::span<const std::byte> state) {
+  std::size_t size = 0;
+  impl_->visit_state([&size](const void*, std::size_t piece) { size += piece; });
+  if (state.size() != size)
+    return error("the state has " + std::to_string(state.size()) + " bytes, but this world's has " +
+                 std::to_string(size) + ": it is of another robot or version");
+  std::size_t at = 0;
+  impl_->visit_state([&](void* data, std::size_t piece) {
+    if (piece > 0) std::memcpy(data, state.data() + at, piece);
+    at += piece;
+  });
+  for (auto& body : impl_->bodies) body->after_restore();
+  impl_->observed = false;
+  return {};
+}
+
+std::string World::engine_description() {
+  initialise_ode();
+  const std::string configuration = dGetConfiguration();
+  const bool is_double = configuration.find("ODE_double_precision") != std::string::npos;
+  return std::string("ODE " dODE_VERSION) + (is_double ? ", double precision" : ", single precision");
+}
+
+}  // namespace rehearse
