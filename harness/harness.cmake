@@ -1,0 +1,22 @@
+# What runs and judges controllers without simulating anything.
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
+find_package(Threads REQUIRED)
+
+rehearse_add_library(harness
+  src/cnoid_body.cpp
+  src/controller_host.cpp
+  src/controller_io.cpp
+  src/controller_library.cpp
+  src/divergence.cpp
+  src/guarded_call.cpp
+  src/hashing.cpp
+  src/io_body.cpp
+  src/joint_arrays.cpp
+  src/provenance.cpp
+  src/recorded_inputs.cpp
+  src/recorder.cpp)
+target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})
+target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
+target_link_libraries(rehearse_harness
+  PUBLIC Rehearse::scenario Rehearse::trace
+  PRIVATE Rehearse::cnoid Rehearse::png fmt::fmt Threads::Threads ${CMAKE_DL_LIBS})

@@ -1,0 +1,16 @@
+// HostOptions: how a run treats its controllers, whatever the scenario says.
+#pragma once
+
+#include <map>
+#include <string>
+
+namespace rehearse {
+
+struct HostOptions {
+  /// Library (a name or a path) to load instead of the scenario's, by controller: NAME or BODY/NAME.
+  std::map<std::string, std::string> libraries;
+  /// A call into a controller may take so much wall time [s]; then it counts as hung.
+  double call_limit = 10.0;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,45 @@
+// Replay: recorded inputs into the controllers, without physics and without a renderer; their commands compared with the
+// recorded ones, bit for bit.
+//
+// The controllers run from the beginning of the recording: their own memory is part of what is replayed. The libraries may
+// be others than those recorded. Links neither ODE nor OSMesa.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/divergence.h>
+#include <rehearse/host_options.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace rehearse {
+
+struct ReplayOptions : HostOptions {
+  double from = 0.0;            // commands before it are not compared [s]
+  std::optional<double> until;  // the replay ends there [s]
+  /// Called about every hundredth of the recording with the ticks done and all; null: not.
+  std::function<void(std::int64_t done, std::int64_t all)> progress;
+};
+
+struct ReplayReport {
+  std::int64_t ticks = 0;             // replayed
+  std::int64_t ticks_different = 0;   // in which any command differed
+  std::int64_t values = 0;            // numbers compared
+  std::int64_t values_different = 0;
+  std::optional<Divergence> first;    // in the order of ticks, controllers, links
+  std::optional<Divergence> worst;    // by absolute difference
+  std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
+  bool controller_refused = false;
+  Diagnostics remarks;
+
+  bool equal() const { return !first && !failure; }
+};
+
+/// Fails if the trace can't be read or holds no recording of ours, if a library doesn't load, or if a controller reads
+/// something that was not recorded.
+Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options = {});
+
+}  // namespace rehearse

@@ -1,0 +1,341 @@
+#include "controller_host.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+
+#include <cmath>
+
+#include "cnoid_body.h"
+#include "guarded_call.h"
+#include "hashing.h"
+
+namespace rehearse {
+namespace {
+
+using CnoidLink = cnoid::Link;
+
+Diagnostic at(const Place& place, Diagnostic diagnostic) {
+  diagnostic.file = place.file;
+  diagnostic.line = place.line;
+  diagnostic.column = place.column;
+  return diagnostic;
+}
+
+std::uint8_t drive_of(int mode) {
+  std::uint8_t drive = drive_none;
+  if (mode & CnoidLink::JointEffort) drive |= drive_effort;
+  if (mode & CnoidLink::JointDisplacement) drive |= drive_displacement;
+  if (mode & CnoidLink::JointVelocity) drive |= drive_velocity;
+  return drive;
+}
+
+const char* quantity_name(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::q: return "q_target";
+    case Quantity::dq: return "dq_target";
+    case Quantity::ddq: return "ddq";
+    case Quantity::u: return "u";
+    case Quantity::pose: return "T";
+    case Quantity::twist: return "v, w";
+    case Quantity::acceleration: return "dv, dw";
+    case Quantity::wrench: return "F_ext";
+  }
+  return "";
+}
+
+std::uint64_t hash_values(const std::vector<double>& values, std::uint64_t seed) {
+  return hash_bytes(values.data(), values.size() * sizeof(double), seed);
+}
+
+}  // namespace
+
+Observation initial_observation(const Scenario& scenario) {
+  Observation observation;
+  for (const ScenarioBody& body : scenario.bodies) {
+    BodyObservation& seen = observation.bodies.emplace_back();
+    Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
+    root.linear() = body.rotation.toRotationMatrix();
+    root.translation() = body.position;
+    for (const double q : body.joints) seen.joints.push_back({q, 0.0, 0.0, 0.0});
+    for (const Eigen::Isometry3d& pose : forward_kinematics(*body.model, root, body.joints)) {
+      LinkReading& link = seen.links.emplace_back();
+      link.position = pose.translation();
+      link.rotation = Eigen::Quaterniond(pose.linear()).normalized();
+    }
+    seen.devices.resize(body.model->devices.size());
+  }
+  return observation;
+}
+
+Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& scenario, const HostOptions& options) {
+  std::unique_ptr<ControllerHost> host(new ControllerHost);
+  host->scenario_ = &scenario;
+  host->options_ = options;
+  Diagnostics findings;
+  for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+    const ScenarioBody& body = scenario.bodies[b];
+    host->bodies_before_.push_back(make_cnoid_body(*body.model, body.name, body.fixed));
+    for (const ScenarioController& specification : body.controllers) {
+      const Result<void> added = host->add(specification, static_cast<int>(b), -1);
+      findings.insert(findings.end(), added.errors().begin(), added.errors().end());
+      const int parent = static_cast<int>(host->controllers_.size()) - 1;
+      for (const ScenarioController& child : specification.children) {
+        const Result<void> child_added = host->add(child, static_cast<int>(b), parent);
+        findings.insert(findings.end(), child_added.errors().begin(), child_added.errors().end());
+      }
+    }
+  }
+  std::string known;
+  for (const HostedController& hosted : host->controllers_) known += (known.empty() ? "" : ", ") + hosted.label;
+  for (const auto& [name, library] : options.libraries) {
+    bool used = false;
+    for (const HostedController& hosted : host->controllers_)
+      used |= name == hosted.label || name == hosted.io->controllerName();
+    if (!used)
+      findings.push_back(error("there is no controller '" + name + "' in " + scenario.name, "there is: " + known));
+  }
+  if (!findings.empty()) return findings;
+  return host;
+}
+
+Result<void> ControllerHost::add(const ScenarioController& specification, int body, int parent) {
+  HostedController& hosted = controllers_.emplace_back();
+  const ScenarioBody& owner = scenario_->bodies[body];
+  hosted.label = owner.name + "/" + specification.name;
+  hosted.body = body;
+  hosted.parent = parent;
+  hosted.io = std::make_unique<ControllerIo>(specification.name, scenario_->options, specification.options,
+                                             scenario_->time_step);
+  hosted.io->setNoDelayMode(!specification.delay);
+
+  std::filesystem::path directory = std::filesystem::path(scenario_->file).parent_path();
+  std::string library = specification.library;
+  for (const std::string& name : {specification.name, hosted.label}) {
+    const auto replaced = options_.libraries.find(name);
+    if (replaced == options_.libraries.end()) continue;
+    library = replaced->second;
+    directory = std::filesystem::current_path();  // it was given on the command line
+  }
+  const auto file = find_controller_library(library, directory);
+  if (!file) return at(specification.place, file.errors()[0]);
+  auto loaded = ControllerLibrary::open(*file, options_.call_limit);
+  if (!loaded) return at(specification.place, loaded.errors()[0]);
+  hosted.library = *loaded;
+  return {};
+}
+
+ControllerHost::~ControllerHost() { stop(); }
+
+void ControllerHost::event(Severity severity, const std::string& source, std::string text) {
+  msg::Event& added = events_.emplace_back();
+  added.tick = tick_;
+  added.stamp = msg::Time::from_ns(nanoseconds_of(tick_, scenario_->time_step));
+  added.severity = to_string(severity);
+  added.source = source;
+  added.text = std::move(text);
+}
+
+std::vector<msg::Event> ControllerHost::take_events() { return std::exchange(events_, {}); }
+
+void ControllerHost::collect_messages(HostedController& hosted) {
+  for (std::string& line : hosted.io->take_messages()) event(Severity::note, hosted.label, std::move(line));
+}
+
+bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code) {
+  const CallOutcome outcome = guarded_call(code, options_.call_limit);
+  if (outcome.changed_float_mode)
+    event(Severity::warning, hosted.label,
+          fmt::format("{}() left another floating-point mode behind; it was set back (is the controller built with "
+                      "-ffast-math?)", function));
+  if (outcome.end == CallEnd::returned) {
+    collect_messages(hosted);
+    return true;
+  }
+  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", hosted.label, outcome.what, function,
+                                 tick_, time_of(tick_, scenario_->time_step));
+  event(Severity::error, hosted.label, text);
+  if (!failure_) failure_ = error(std::move(text));
+  hosted.running = false;
+  hosted.configured = false;
+  if (outcome.end != CallEnd::threw) {
+    // its code was interrupted somewhere: nothing of it may run again, not even its destructor
+    hosted.library->keep_loaded();
+    static_cast<void>(hosted.controller.release());
+  }
+  return false;
+}
+
+void ControllerHost::refuse(HostedController& hosted, const char* function) {
+  event(Severity::error, hosted.label,
+        fmt::format("{}() returned false: the run goes on without this controller", function));
+  hosted.running = false;
+  refused_ = true;
+}
+
+void ControllerHost::configure(HostedController& hosted) {
+  hosted.io->show_body(*bodies_before_[hosted.body]);
+  hosted.config = std::make_unique<cnoid::SimpleControllerConfig>(hosted.io.get());
+  const bool made = call(hosted, "createSimpleController", [&] { hosted.controller.reset(hosted.library->create()); });
+  if (!made) return;
+  if (!hosted.controller) {
+    event(Severity::error, hosted.label, "createSimpleController() returned a null pointer");
+    refused_ = true;
+    return;
+  }
+  bool accepted = false;
+  if (!call(hosted, "configure", [&] { accepted = hosted.controller->configure(hosted.config.get()); })) return;
+  hosted.configured = accepted;
+  if (!accepted) refuse(hosted, "configure");
+}
+
+void ControllerHost::initialize(HostedController& hosted, const Observation& initial) {
+  const ScenarioBody& body = scenario_->bodies[hosted.body];
+  hosted.io_body = hosted.parent >= 0 ? controllers_[hosted.parent].io_body
+                                      : std::make_shared<IoBody>(body.model, body.name, body.fixed,
+                                                                 initial.bodies[hosted.body]);
+  hosted.io->attach(*hosted.io_body);
+  if (!hosted.configured) return;
+  bool accepted = false;
+  if (!call(hosted, "initialize", [&] { accepted = hosted.controller->initialize(hosted.io.get()); })) return;
+  hosted.running = accepted;
+  if (!accepted) refuse(hosted, "initialize");
+}
+
+Command ControllerHost::initialize(const Observation& initial) {
+  for (HostedController& hosted : controllers_)
+    if (!failure_) configure(hosted);
+  for (HostedController& hosted : controllers_)
+    if (!failure_) initialize(hosted, initial);
+
+  Command command;
+  for (const BodyObservation& body : initial.bodies) {
+    BodyCommand& at_rest = command.bodies.emplace_back();
+    for (const JointReading& joint : body.joints) at_rest.joints.push_back({drive_none, joint.q, 0.0, 0.0});
+    at_rest.external.resize(body.links.size());
+    at_rest.devices.resize(body.devices.size());
+  }
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.running) continue;
+    for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
+    hosted.reported.assign(hosted.io->outputs().size, false);
+    set_drives(hosted, command);
+  }
+  return command;
+}
+
+void ControllerHost::set_drives(const HostedController& hosted, Command& command) {
+  for (const IoField& field : hosted.io->outputs().fields)
+    if (field.quantity <= Quantity::u)
+      command.bodies[hosted.body].joints[field.joint].drive = drive_of(hosted.io->mode_of(field.link));
+}
+
+void ControllerHost::start() {
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.running || failure_) continue;
+    bool accepted = false;
+    if (call(hosted, "start", [&] { accepted = hosted.controller->start(); }) && !accepted) refuse(hosted, "start");
+  }
+}
+
+bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
+  tick_ = tick;
+  const double now = time_of(tick, scenario_->time_step);
+  for (HostedController& hosted : controllers_) {
+    if (hosted.parent < 0 && hosted.io_body)
+      hosted.io_body->input_devices(seen.bodies[hosted.body], time_of(tick - 1, scenario_->time_step));
+    hosted.io->set_time(now);
+    hosted.result = false;
+    if (hosted.running) hosted.io->input(seen.bodies[hosted.body]);
+  }
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.running) continue;
+    if (!call(hosted, "control", [&] { hosted.result = hosted.controller->control(); })) return false;
+    hosted.io->output();
+  }
+  for (HostedController& hosted : controllers_)
+    if (hosted.parent < 0 && hosted.io_body) hosted.device_outputs = hosted.io_body->take_device_outputs();
+  return true;
+}
+
+void ControllerHost::output(Timing timing, Command& command) {
+  for (HostedController& hosted : controllers_) {
+    const HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
+    const Timing own = leader.io->isNoDelayMode() ? Timing::same_step : Timing::next_step;
+    if (own == timing) apply(hosted, command);
+  }
+}
+
+void ControllerHost::apply(HostedController& hosted, Command& command) {
+  BodyCommand& body = command.bodies[hosted.body];
+  for (const DeviceOutput& output : hosted.device_outputs) body.devices[output.device] = {true, output.on};
+  if (!hosted.running) return;
+  const std::vector<double>& values = hosted.io->output_values();
+  for (const IoField& field : hosted.io->outputs().fields) {
+    const double* value = values.data() + field.offset;
+    bool finite = true;
+    for (int i = 0; i < width_of(field.quantity); ++i) finite &= std::isfinite(value[i]);
+    if (!finite) {
+      if (!hosted.reported[field.offset])
+        event(Severity::error, hosted.label,
+              fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
+                          "before it", value[0], quantity_name(field.quantity),
+                          scenario_->bodies[hosted.body].model->links[field.link].name, tick_));
+      hosted.reported[field.offset] = true;
+      continue;
+    }
+    switch (field.quantity) {
+      case Quantity::q: body.joints[field.joint].q = *value; break;
+      case Quantity::dq: body.joints[field.joint].dq = *value; break;
+      case Quantity::u: body.joints[field.joint].u = *value; break;
+      case Quantity::wrench:
+        body.external[field.link].force += Eigen::Vector3d(value[0], value[1], value[2]);
+        body.external[field.link].torque += Eigen::Vector3d(value[3], value[4], value[5]);
+        break;
+      default: break;  // freeze() has said that they have no effect
+    }
+  }
+}
+
+void ControllerHost::stop() {
+  if (std::exchange(stopped_, true)) return;
+  for (auto hosted = controllers_.rbegin(); hosted != controllers_.rend(); ++hosted)
+    if (hosted->running) call(*hosted, "stop", [&] { hosted->controller->stop(); });
+  for (HostedController& hosted : controllers_)
+    if (hosted.configured) call(hosted, "unconfigure", [&] { hosted.controller->unconfigure(); });
+  for (HostedController& hosted : controllers_)
+    if (hosted.controller) call(hosted, "~SimpleController", [&] { hosted.controller.reset(); });
+}
+
+std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
+  std::uint64_t hash = 0;
+  for (const HostedController& hosted : controllers_) {
+    if (!hosted.running) continue;
+    hash = hash_values(hosted.io->input_values(), hash);
+    for (const int device : hosted.io->input_devices()) {
+      const DeviceReading& reading = seen.bodies[hosted.body].devices[device];
+      if (!reading.fresh) continue;
+      hash = hash_values(reading.values, hash);
+      if (reading.image) hash = hash_bytes(reading.image->pixels.data(), reading.image->pixels.size(), hash);
+      if (reading.depth)
+        hash = hash_bytes(reading.depth->meters.data(), reading.depth->meters.size() * sizeof(float), hash);
+    }
+  }
+  return hash;
+}
+
+std::uint64_t ControllerHost::output_hash() const {
+  std::uint64_t hash = 0;
+  for (const HostedController& hosted : controllers_) {
+    const unsigned char result = hosted.result ? 1 : 0;
+    hash = hash_bytes(&result, 1, hash);
+    if (!hosted.running) continue;
+    hash = hash_values(hosted.io->output_values(), hash);
+    for (const DeviceOutput& output : hosted.device_outputs) {
+      hash = hash_bytes(&output.device, sizeof output.device, hash);
+      hash = hash_values(output.values, hash);
+    }
+  }
+  return hash;
+}
+
+}  // namespace rehearse

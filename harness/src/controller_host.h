@@ -1,0 +1,104 @@
+// ControllerHost: the controllers of a scenario, loaded, initialised and called in Choreonoid's order.
+//
+// It knows nothing of physics: an Observation goes in at each tick, a Command comes out. Recording and replaying drive it
+// alike. Whatever a controller does (it throws, crashes, never returns, refuses) ends up in failure() or an event.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/host_options.h>
+#include <rehearse/io.h>
+#include <rehearse/messages.h>
+#include <rehearse/scenario.h>
+
+#include <cnoid/SimpleController>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller_io.h"
+#include "controller_library.h"
+
+namespace rehearse {
+
+/// One controller of a run and what it read and wrote in the current tick.
+struct HostedController {
+  std::string label;   // "SR1/SR1Minimum"
+  int body = 0;        // index into Scenario::bodies
+  int parent = -1;     // index of the controller whose body it shares; -1: none
+  std::shared_ptr<ControllerLibrary> library;
+  std::unique_ptr<cnoid::SimpleController> controller;
+  std::unique_ptr<ControllerIo> io;
+  std::unique_ptr<cnoid::SimpleControllerConfig> config;
+  std::shared_ptr<IoBody> io_body;
+  bool configured = false;
+  bool running = false;  // takes part: it initialised and started
+  bool result = false;   // what control() returned
+  std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
+  std::vector<bool> reported;                // by output number: a value that isn't finite was reported
+};
+
+class ControllerHost {
+ public:
+  /// Finds and loads the libraries and makes the controllers. Fails with the place in the scenario.
+  static Result<std::unique_ptr<ControllerHost>> create(const Scenario& scenario, const HostOptions& options);
+  ~ControllerHost();
+  ControllerHost(const ControllerHost&) = delete;
+  ControllerHost& operator=(const ControllerHost&) = delete;
+
+  /// configure() and initialize() of all, bodies in scenario order, parents before their children; then the tables of
+  /// inputs and outputs are fixed. Returns the command at rest: drives set, targets at the initial posture, no effort
+  /// (Choreonoid's ODE item resets what initialize() wrote).
+  Command initialize(const Observation& initial);
+  /// start() of all that initialised.
+  void start();
+  /// Inputs, control(), outputs of all. False if one failed: the run ends here.
+  bool control(std::int64_t tick, const Observation& seen);
+  enum class Timing { same_step, next_step };
+  /// Writes the outputs of the controllers without (or with) delay into the command, in order; the last one wins, external
+  /// wrenches add up. A number that isn't finite is reported once and never passed on: what was commanded before stays.
+  void output(Timing timing, Command& command);
+  /// stop() of all, children first, and unconfigure().
+  void stop();
+
+  const std::vector<HostedController>& controllers() const { return controllers_; }
+  /// Hash of all that the controllers read (or wrote) in this tick.
+  std::uint64_t input_hash(const Observation& seen) const;
+  std::uint64_t output_hash() const;
+
+  /// The first failure that ends the run: a controller threw, crashed or hung.
+  const std::optional<Diagnostic>& failure() const { return failure_; }
+  /// A controller refused to configure, initialise or start; the run goes on without it.
+  bool any_refused() const { return refused_; }
+  /// What happened since the last call, in order; includes the controllers' messages (severity note).
+  std::vector<msg::Event> take_events();
+
+ private:
+  ControllerHost() = default;
+  Result<void> add(const ScenarioController& specification, int body, int parent);
+  bool call(HostedController& hosted, const char* function, const std::function<void()>& code);
+  void refuse(HostedController& hosted, const char* function);
+  void event(Severity severity, const std::string& source, std::string text);
+  void collect_messages(HostedController& hosted);
+  void configure(HostedController& hosted);
+  void initialize(HostedController& hosted, const Observation& initial);
+  void set_drives(const HostedController& hosted, Command& command);
+  void apply(HostedController& hosted, Command& command);
+
+  const Scenario* scenario_ = nullptr;
+  HostOptions options_;
+  std::vector<cnoid::BodyPtr> bodies_before_;  // by scenario body: what configure() sees
+  std::vector<HostedController> controllers_;  // in order of their calls
+  std::vector<msg::Event> events_;
+  std::optional<Diagnostic> failure_;
+  bool refused_ = false;
+  bool stopped_ = false;
+  std::int64_t tick_ = 0;
+};
+
+/// The state a scenario starts from: joints as given, links by forward kinematics, all at rest.
+Observation initial_observation(const Scenario& scenario);
+
+}  // namespace rehearse

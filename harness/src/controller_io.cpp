@@ -1,0 +1,261 @@
+#include "controller_io.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "cnoid_body.h"
+
+namespace rehearse {
+namespace {
+
+using CnoidLink = cnoid::Link;
+
+constexpr int joint_modes = CnoidLink::JointDisplacement | CnoidLink::JointVelocity | CnoidLink::JointEffort;
+
+/// The quantities that a link's state flags stand for, in the order of Quantity. A link without a joint id has no joint
+/// quantities.
+struct FlagQuantity {
+  int flag;
+  Quantity quantity;
+};
+constexpr FlagQuantity flag_quantities[] = {
+    {CnoidLink::JointDisplacement, Quantity::q},          {CnoidLink::JointVelocity, Quantity::dq},
+    {CnoidLink::JointAcceleration, Quantity::ddq},        {CnoidLink::JointEffort, Quantity::u},
+    {CnoidLink::LinkPosition, Quantity::pose},            {CnoidLink::LinkTwist, Quantity::twist},
+    {CnoidLink::LinkAcceleration, Quantity::acceleration}, {CnoidLink::LinkExtWrench, Quantity::wrench},
+};
+
+/// What enableInput(link) means in an actuation mode; Choreonoid since 2.1.
+int default_input(const CnoidLink& link) {
+  const int mode = link.actuationMode();
+  int flags = CnoidLink::StateNone;
+  if ((mode & joint_modes) && link.jointType() != CnoidLink::PseudoContinuousTrackJoint) flags |= CnoidLink::JointDisplacement;
+  if (mode & CnoidLink::LinkExtWrench) flags |= CnoidLink::LinkPosition;
+  return flags;
+}
+
+void put(double* target, const cnoid::Vector3& v) { std::copy(v.data(), v.data() + 3, target); }
+cnoid::Vector3 vector(const double* source) { return {source[0], source[1], source[2]}; }
+
+/// One observed quantity as numbers.
+void gather(const IoField& field, const BodyObservation& seen, double* values) {
+  const LinkReading& link = seen.links[field.link];
+  switch (field.quantity) {
+    case Quantity::q: *values = seen.joints[field.joint].q; break;
+    case Quantity::dq: *values = seen.joints[field.joint].dq; break;
+    case Quantity::ddq: *values = seen.joints[field.joint].ddq; break;
+    case Quantity::u: *values = seen.joints[field.joint].u; break;
+    case Quantity::pose:
+      put(values, link.position);
+      std::copy(link.rotation.coeffs().data(), link.rotation.coeffs().data() + 4, values + 3);
+      break;
+    case Quantity::twist:
+      put(values, link.velocity);
+      put(values + 3, link.angular_velocity);
+      break;
+    case Quantity::acceleration:
+      put(values, link.acceleration);
+      put(values + 3, link.angular_acceleration);
+      break;
+    case Quantity::wrench: std::fill(values, values + 6, 0.0); break;  // the simulated one is zeroed by each step
+  }
+}
+
+/// Numbers of one quantity into the controller's link.
+void scatter(const IoField& field, const double* values, CnoidLink& link) {
+  switch (field.quantity) {
+    case Quantity::q: link.q() = *values; break;
+    case Quantity::dq: link.dq() = *values; break;
+    case Quantity::ddq: link.ddq() = *values; break;
+    case Quantity::u: link.u() = *values; break;
+    case Quantity::pose:
+      link.T().translation() = vector(values);
+      link.T().linear() = Eigen::Quaterniond(values[6], values[3], values[4], values[5]).toRotationMatrix();
+      break;
+    case Quantity::twist:
+      link.v() = vector(values);
+      link.w() = vector(values + 3);
+      break;
+    case Quantity::acceleration:
+      link.dv() = vector(values);
+      link.dw() = vector(values + 3);
+      break;
+    case Quantity::wrench: std::copy(values, values + 6, link.F_ext().data()); break;
+  }
+}
+
+/// One commanded quantity of the controller's link as numbers.
+void gather_command(const IoField& field, const CnoidLink& link, double* values) {
+  switch (field.quantity) {
+    case Quantity::q: *values = link.q_target(); break;
+    case Quantity::dq: *values = link.dq_target(); break;
+    case Quantity::ddq: *values = link.ddq(); break;
+    case Quantity::u: *values = link.u(); break;
+    case Quantity::pose: {
+      const Eigen::Quaterniond rotation(Eigen::Matrix3d(link.R()));
+      put(values, link.p());
+      std::copy(rotation.coeffs().data(), rotation.coeffs().data() + 4, values + 3);
+      break;
+    }
+    case Quantity::twist:
+      put(values, link.v());
+      put(values + 3, link.w());
+      break;
+    case Quantity::acceleration:
+      put(values, link.dv());
+      put(values + 3, link.dw());
+      break;
+    case Quantity::wrench: std::copy(link.F_ext().data(), link.F_ext().data() + 6, values); break;
+  }
+}
+
+}  // namespace
+
+ControllerIo::ControllerIo(std::string name, std::string run_options, std::string own_options, double time_step)
+    : name_(std::move(name)),
+      run_options_(std::move(run_options)),
+      own_options_(std::move(own_options)),
+      time_step_(time_step) {}
+
+void ControllerIo::attach(IoBody& body) {
+  io_body_ = &body;
+  body_ = &body.body();
+  configuring_ = false;
+  frozen_ = false;
+  input_flags_.assign(body_->numLinks(), 0);
+  output_on_.assign(body_->numLinks(), false);
+  output_modes_.assign(body_->numLinks(), 0);
+}
+
+const cnoid::Link& ControllerIo::checked(const cnoid::Link* link, const char* function) const {
+  if (!link) throw std::invalid_argument(fmt::format("{}: the link is null", function));
+  if (!io_body_) throw std::invalid_argument(fmt::format("{} is for initialize(), not for configure()", function));
+  if (link->index() < 0)
+    throw std::invalid_argument(
+        fmt::format("{}: the link is a dummy that fills a hole in the joint ids; it belongs to no robot", function));
+  if (link->index() >= body_->numLinks())
+    throw std::invalid_argument(fmt::format("{}: link '{}' belongs to another body", function, link->name()));
+  return *link;
+}
+
+void ControllerIo::enableIO(CnoidLink* link) {
+  enableInput(link);
+  enableOutput(link);
+}
+
+void ControllerIo::enableInput(CnoidLink* link) { enableInput(link, default_input(checked(link, "enableInput"))); }
+
+void ControllerIo::enableInput(CnoidLink* link, int flags) {
+  const CnoidLink& known = checked(link, "enableInput");
+  if (frozen_) {
+    enabled_too_late_ = true;
+    return;
+  }
+  input_flags_[known.index()] |= flags;
+  link->mergeSensingMode(static_cast<short>(flags));
+}
+
+void ControllerIo::enableInput(cnoid::Device* device) {
+  if (!device) throw std::invalid_argument("enableInput: the device is null");
+  if (!io_body_) throw std::invalid_argument("enableInput is for initialize(), not for configure()");
+  if (device->body() != body_)
+    throw std::invalid_argument(fmt::format("enableInput: device '{}' belongs to another body", device->name()));
+  if (frozen_) {
+    enabled_too_late_ = true;
+    return;
+  }
+  if (std::find(input_devices_.begin(), input_devices_.end(), device->index()) == input_devices_.end())
+    input_devices_.push_back(device->index());
+  io_body_->enable(*device);
+}
+
+void ControllerIo::enableOutput(CnoidLink* link) {
+  const CnoidLink& known = checked(link, "enableOutput");
+  if (frozen_)
+    enabled_too_late_ = true;
+  else
+    output_on_[known.index()] = true;
+}
+
+void ControllerIo::enableOutput(CnoidLink* link, int flags) {
+  checked(link, "enableOutput");
+  if (frozen_) {
+    enabled_too_late_ = true;
+    return;
+  }
+  link->setActuationMode(static_cast<short>(flags));
+  output_on_[link->index()] = true;
+}
+
+void ControllerIo::setJointInput(int flags) {
+  for (CnoidLink* joint : body_->joints())
+    if (joint->isValid()) enableInput(joint, flags);
+}
+
+void ControllerIo::setJointOutput(int flags) {
+  for (CnoidLink* joint : body_->joints())
+    if (joint->isValid()) enableOutput(joint, flags);
+}
+
+std::vector<std::string> ControllerIo::freeze() {
+  std::vector<std::string> findings;
+  frozen_ = true;
+  for (int i = 0; i < body_->numLinks(); ++i) {
+    const CnoidLink& link = *body_->link(i);
+    if (output_on_[i]) output_modes_[i] = link.actuationMode();
+    for (const FlagQuantity& known : flag_quantities) {
+      const bool of_joint = known.quantity <= Quantity::u;
+      const int joint = link.jointId();
+      if (input_flags_[i] & known.flag) {
+        if (of_joint && joint < 0)
+          findings.push_back(fmt::format("link '{}' has no joint to read", link.name()));
+        else
+          inputs_.add(i, joint, known.quantity);
+      }
+      if (output_modes_[i] & known.flag) {
+        if (of_joint && joint < 0)
+          findings.push_back(fmt::format("link '{}' has no joint to command", link.name()));
+        else
+          outputs_.add(i, joint, known.quantity);
+      }
+    }
+    if (input_flags_[i] & CnoidLink::LinkContactState)
+      findings.push_back(fmt::format("the contact points of link '{}' are not provided; they stay empty", link.name()));
+    constexpr int moves_link = CnoidLink::LinkPosition | CnoidLink::LinkTwist | CnoidLink::LinkAcceleration;
+    if (output_modes_[i] & moves_link)
+      findings.push_back(fmt::format("link '{}' can't be moved by command: it is simulated by its dynamics", link.name()));
+  }
+  input_values_.assign(inputs_.size, 0.0);
+  output_values_.assign(outputs_.size, 0.0);
+  return findings;
+}
+
+void ControllerIo::input(const BodyObservation& seen) {
+  for (const IoField& field : inputs_.fields) {
+    double* values = input_values_.data() + field.offset;
+    gather(field, seen, values);
+    scatter(field, values, *body_->link(field.link));
+  }
+}
+
+void ControllerIo::output() {
+  for (const IoField& field : outputs_.fields)
+    gather_command(field, *body_->link(field.link), output_values_.data() + field.offset);
+}
+
+std::vector<std::string> ControllerIo::take_messages() {
+  std::vector<std::string> lines;
+  if (enabled_too_late_) {
+    lines.push_back("enabled an input or output after initialize(): it has no effect");
+    enabled_too_late_ = false;
+  }
+  if (messages_.tellp() <= 0) return lines;
+  std::istringstream text(messages_.str());
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  messages_.str({});
+  return lines;
+}
+
+}  // namespace rehearse

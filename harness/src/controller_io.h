@@ -1,0 +1,98 @@
+// ControllerIo: the IO object of one controller. It keeps which quantities were enabled and moves their values between
+// the observation, the controller's body and the flat arrays of io_layout.h.
+//
+// Copying follows Choreonoid's SimpleControllerItem: only enabled quantities move, everything else in the controller's
+// body keeps the value that was last written to it, and nothing runs forward kinematics on it.
+#pragma once
+
+#include <cnoid/SimpleController>
+#include <rehearse/io.h>
+
+#include <cstdint>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "io_body.h"
+#include "io_layout.h"
+
+namespace rehearse {
+
+class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
+ public:
+  ControllerIo(std::string name, std::string run_options, std::string own_options, double time_step);
+
+  // What the controller sees.
+  std::string controllerName() const override { return name_; }
+  cnoid::Body* body() override { return body_; }
+  std::string optionString() const override { return getIntegratedOptionString(run_options_, own_options_); }
+  std::ostream& os() const override { return messages_; }
+  double timeStep() const override { return configuring_ ? 0.0 : time_step_; }
+  double currentTime() const override { return time_; }
+  bool isNoDelayMode() const override { return no_delay_; }
+  bool setNoDelayMode(bool on) override { return no_delay_ = on; }
+  bool isImmediateMode() const override { return no_delay_; }
+  void setImmediateMode(bool on) override { no_delay_ = on; }
+  void enableIO(cnoid::Link* link) override;
+  void enableInput(cnoid::Link* link) override;
+  void enableInput(cnoid::Link* link, int flags) override;
+  void enableInput(cnoid::Device* device) override;
+  void enableOutput(cnoid::Link* link) override;
+  void enableOutput(cnoid::Link* link, int flags) override;
+  void setJointInput(int flags) override;
+  void setJointOutput(int flags) override;
+  void setLinkInput(cnoid::Link* link, int flags) override { enableInput(link, flags); }
+  void setLinkOutput(cnoid::Link* link, int flags) override { enableOutput(link, flags); }
+
+  // What the host does.
+  /// The body that configure() sees; ended by attach().
+  void show_body(cnoid::Body& body) { body_ = &body; }
+  /// The body for the run; initialize() comes next.
+  void attach(IoBody& body);
+  /// After initialize(): the tables are fixed. Returns what was asked for and can't be had, a sentence each.
+  std::vector<std::string> freeze();
+  void set_time(double seconds) { time_ = seconds; }
+  const std::string& own_options() const { return own_options_; }
+  bool frozen() const { return frozen_; }
+  /// The lines written to os() since the last call.
+  std::vector<std::string> take_messages();
+
+  const IoLayout& inputs() const { return inputs_; }
+  const IoLayout& outputs() const { return outputs_; }
+  /// The link's actuation mode at the end of initialize(), StateFlags, for a field of outputs().
+  int mode_of(int link) const { return output_modes_[link]; }
+  const std::vector<int>& input_devices() const { return input_devices_; }
+
+  /// Observation -> input_values() -> the controller's body.
+  void input(const BodyObservation& seen);
+  /// The controller's body -> output_values().
+  void output();
+  const std::vector<double>& input_values() const { return input_values_; }
+  const std::vector<double>& output_values() const { return output_values_; }
+
+ private:
+  const cnoid::Link& checked(const cnoid::Link* link, const char* function) const;
+
+  std::string name_;
+  std::string run_options_;
+  std::string own_options_;
+  double time_step_;
+  double time_ = 0.0;
+  bool no_delay_ = false;
+  bool configuring_ = true;
+  bool frozen_ = false;
+  bool enabled_too_late_ = false;
+  cnoid::Body* body_ = nullptr;
+  IoBody* io_body_ = nullptr;
+  mutable std::ostringstream messages_;
+  std::vector<int> input_flags_;    // by link index
+  std::vector<bool> output_on_;     // by link index
+  std::vector<int> output_modes_;   // by link index
+  std::vector<int> input_devices_;  // device indices, in the order they were enabled
+  IoLayout inputs_;
+  IoLayout outputs_;
+  std::vector<double> input_values_;
+  std::vector<double> output_values_;
+};
+
+}  // namespace rehearse

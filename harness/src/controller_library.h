@@ -1,0 +1,50 @@
+// ControllerLibrary: a controller's shared library, found, loaded and asked for its factory.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace cnoid {
+class SimpleController;
+}
+
+namespace rehearse {
+
+/// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
+/// working directory. Any other name is looked for as NAME.so and libNAME.so in the folders of REHEARSE_CONTROLLER_PATH
+/// (separated by colons), then in lib/rehearse/controllers beside this library.
+/// Fails saying where it looked.
+Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
+
+class ControllerLibrary {
+ public:
+  /// Loads the file. Fails if it can't be loaded (naming an undefined symbol as its author wrote it) or is no controller.
+  /// The code that runs while it loads may take `call_limit` seconds.
+  static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, double call_limit);
+  ~ControllerLibrary();
+  ControllerLibrary(const ControllerLibrary&) = delete;
+  ControllerLibrary& operator=(const ControllerLibrary&) = delete;
+
+  /// A new controller. Runs the library's code: to be called under guard.
+  cnoid::SimpleController* create() const { return factory_(); }
+
+  const std::filesystem::path& file() const { return file_; }
+  /// 16 hexadecimal digits (XXH3) of the file's bytes.
+  const std::string& content_hash() const { return content_hash_; }
+  /// Leaves the library in memory for good: its code crashed or never returned, and may not be unloaded.
+  void keep_loaded() { keep_loaded_ = true; }
+
+ private:
+  ControllerLibrary() = default;
+  using Factory = cnoid::SimpleController* (*)();
+  std::filesystem::path file_;
+  std::string content_hash_;
+  void* handle_ = nullptr;
+  Factory factory_ = nullptr;
+  bool keep_loaded_ = false;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,187 @@
+#include "guarded_call.h"
+
+#include <cxxabi.h>
+#include <pthread.h>
+#include <rehearse/diagnostic.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <xmmintrin.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <typeinfo>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+constexpr int caught_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+constexpr int hang_signal = SIGXCPU;  // sent by the watchdog; nobody else sends it unless a CPU limit is set
+constexpr std::size_t signal_stack_size = 64 * 1024;
+
+sigjmp_buf return_point;
+volatile sig_atomic_t guarding = 0;
+pthread_t guarded_thread;
+struct sigaction outside_actions[NSIG];  // as they were before ours
+
+extern "C" void leave_guarded_code(int signal_number) {
+  if (guarding && pthread_equal(pthread_self(), guarded_thread)) {
+    guarding = 0;
+    siglongjmp(return_point, signal_number);
+  }
+  if (signal_number == hang_signal) return;  // it came too late: the call has returned
+  // A crash outside of guarded code is not ours to hide: whoever handled it before gets it when the fault repeats.
+  sigaction(signal_number, &outside_actions[signal_number], nullptr);
+  if (signal_number == SIGABRT) raise(SIGABRT);
+}
+
+/// Watches from a thread of its own that no guarded call takes longer than its limit. This is wall time on purpose: it
+/// decides only whether a run goes on, never what is in it.
+class Watchdog {
+ public:
+  static Watchdog& instance() {
+    static Watchdog watchdog;
+    return watchdog;
+  }
+
+  void begin(double limit) {
+    if (!thread_.joinable()) thread_ = std::thread([this] { watch(); });
+    limit_.store(limit, std::memory_order_relaxed);
+    calls_.fetch_add(1, std::memory_order_release);  // odd: a call is under way
+  }
+  void end() { calls_.fetch_add(1, std::memory_order_release); }
+
+ private:
+  Watchdog() = default;
+  ~Watchdog() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_one();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void watch() {
+    using clock = std::chrono::steady_clock;
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the guarded thread
+    std::uint64_t seen = 0;
+    clock::time_point since = clock::now();
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, std::chrono::milliseconds(20), [this] { return stop_; })) {
+      const std::uint64_t calls = calls_.load(std::memory_order_acquire);
+      if (calls != seen) {
+        seen = calls;
+        since = clock::now();
+        continue;
+      }
+      const bool under_way = calls % 2 == 1;
+      const std::chrono::duration<double> age = clock::now() - since;
+      if (under_way && age.count() > limit_.load(std::memory_order_relaxed)) {
+        pthread_kill(guarded_thread, hang_signal);
+        since = clock::now();
+      }
+    }
+  }
+
+  std::atomic<std::uint64_t> calls_{0};
+  std::atomic<double> limit_{0.0};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stop_ = false;
+  std::thread thread_;
+};
+
+/// The signal stack of this thread, so that an overflow of its ordinary one can be survived.
+void provide_signal_stack() {
+  thread_local std::vector<char> stack;
+  if (!stack.empty()) return;
+  stack.resize(signal_stack_size);
+  stack_t alternate{};
+  alternate.ss_sp = stack.data();
+  alternate.ss_size = stack.size();
+  sigaltstack(&alternate, nullptr);
+}
+
+void install_handlers() {
+  static bool installed = false;
+  if (installed) return;
+  installed = true;
+  struct sigaction action {};
+  action.sa_handler = leave_guarded_code;
+  // SA_NODEFER: the signal isn't blocked when the handler is left by siglongjmp
+  action.sa_flags = SA_ONSTACK | SA_NODEFER;
+  for (const int signal_number : caught_signals) sigaction(signal_number, &action, &outside_actions[signal_number]);
+  sigaction(hang_signal, &action, &outside_actions[hang_signal]);
+}
+
+std::string describe_signal(int signal_number) {
+  switch (signal_number) {
+    case SIGSEGV: return "crashed: segmentation fault (an access to memory that isn't there, as through a null pointer)";
+    case SIGBUS: return "crashed: bus error";
+    case SIGFPE: return "crashed: arithmetic fault (as a division of an integer by zero)";
+    case SIGILL: return "crashed: illegal instruction";
+    case SIGABRT: return "crashed: it called abort, or an assertion of its own failed";
+    default: return "crashed: signal " + std::to_string(signal_number);
+  }
+}
+
+std::string demangled(const char* name) {
+  int status = 0;
+  char* text = abi::__cxa_demangle(name, nullptr, nullptr, &status);
+  std::string result = status == 0 && text ? text : name;
+  std::free(text);
+  return result;
+}
+
+/// Runs the code and catches what it throws.
+void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
+  try {
+    code();
+  } catch (const std::exception& exception) {
+    outcome.end = CallEnd::threw;
+    outcome.what = "threw " + demangled(typeid(exception).name()) + ": " + exception.what();
+  } catch (...) {
+    outcome.end = CallEnd::threw;
+    outcome.what = "threw something that is no std::exception";
+    if (const std::type_info* type = abi::__cxa_current_exception_type())
+      outcome.what += ": " + demangled(type->name());
+  }
+}
+
+}  // namespace
+
+CallOutcome guarded_call(const std::function<void()>& code, double limit) {
+  REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
+  install_handlers();
+  provide_signal_stack();
+  guarded_thread = pthread_self();
+  const unsigned int float_mode = _mm_getcsr();
+  CallOutcome outcome;
+  Watchdog::instance().begin(limit);
+  const int signal_number = sigsetjmp(return_point, 0);
+  if (signal_number == 0) {
+    guarding = 1;
+    run_catching(code, outcome);
+    guarding = 0;
+  } else {
+    outcome.end = signal_number == hang_signal ? CallEnd::hung : CallEnd::crashed;
+  }
+  Watchdog::instance().end();
+  constexpr unsigned int exception_flags = 0x3f;  // sticky "inexact" and the like: not a mode
+  outcome.changed_float_mode = (_mm_getcsr() & ~exception_flags) != (float_mode & ~exception_flags);
+  if (outcome.changed_float_mode) _mm_setcsr(float_mode);
+  if (outcome.end == CallEnd::hung)
+    outcome.what = "did not return within " + std::to_string(limit) + " s";
+  else if (outcome.end == CallEnd::crashed)
+    outcome.what = describe_signal(signal_number);
+  return outcome;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,49 @@
+// IoBody: the copy of a robot that a controller and its children share, with its devices wired up.
+#pragma once
+
+#include <cnoid/Body>
+#include <rehearse/io.h>
+#include <rehearse/model.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+/// What a controller said to a device by notifyStateChange(): the numbers of the device's writeState().
+struct DeviceOutput {
+  int device = 0;  // index into the model's devices
+  bool on = true;
+  std::vector<double> values;
+};
+
+class IoBody {
+ public:
+  /// At rest in the state of `initial`.
+  IoBody(std::shared_ptr<const Model> model, const std::string& name, bool fixed, const BodyObservation& initial);
+  IoBody(const IoBody&) = delete;
+  IoBody& operator=(const IoBody&) = delete;
+
+  cnoid::Body& body() { return *body_; }
+  const Model& model() const { return *model_; }
+
+  /// From now on readings of the device reach the body's copy.
+  void enable(const cnoid::Device& device) { enabled_[device.index()] = true; }
+  bool is_enabled(int device) const { return enabled_[device]; }
+  /// Copies fresh readings of the enabled devices and emits their sigStateChanged. `delivered_at` [s].
+  void input_devices(const BodyObservation& seen, double delivered_at);
+  /// The devices whose change was notified since the last call, in model order.
+  std::vector<DeviceOutput> take_device_outputs();
+
+ private:
+  std::shared_ptr<const Model> model_;
+  cnoid::BodyPtr body_;
+  std::vector<bool> enabled_;   // by device index
+  std::vector<bool> notified_;  // by device index
+  bool any_notified_ = false;
+  std::vector<cnoid::ScopedConnection> connections_;  // by device index
+};
+
+}  // namespace rehearse

@@ -1,0 +1,50 @@
+// IoLayout: what one controller reads or writes in a tick, as a flat array of numbers whose layout is known.
+//
+// The layout is fixed once the controller's initialize() has run. Everything that handles inputs and outputs in bulk
+// (hashing, recording, comparing, replaying) works on the arrays; the layout says what each number is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace rehearse {
+
+enum class Quantity : std::uint8_t {
+  q,             // joint displacement; as output the wanted one [rad] or [m]
+  dq,            // [rad/s] or [m/s]
+  ddq,           // [rad/s²] or [m/s²]
+  u,             // effort [N·m] or [N]
+  pose,          // of the link: position [m], then quaternion x, y, z, w
+  twist,         // of the link's origin: linear [m/s], then angular [rad/s]
+  acceleration,  // of the link's origin: linear [m/s²], then angular [rad/s²]
+  wrench,        // on the link: force [N], then torque about the world's origin [N·m]
+};
+
+constexpr int width_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::pose: return 7;
+    case Quantity::twist:
+    case Quantity::acceleration:
+    case Quantity::wrench: return 6;
+    default: return 1;
+  }
+}
+
+struct IoField {
+  int link = 0;    // index into the model's links
+  int joint = -1;  // id of the link's joint, or -1
+  Quantity quantity = Quantity::q;
+  int offset = 0;  // of its first number in the array
+};
+
+struct IoLayout {
+  std::vector<IoField> fields;  // by link, then by quantity
+  int size = 0;                 // numbers in all
+
+  void add(int link, int joint, Quantity quantity) {
+    fields.push_back({link, joint, quantity, size});
+    size += width_of(quantity);
+  }
+};
+
+}  // namespace rehearse

@@ -1,0 +1,49 @@
+#include "joint_arrays.h"
+
+#include <rehearse/cdr.h>
+#include <rehearse/messages.h>
+
+#include <cstring>
+
+namespace rehearse {
+namespace {
+
+constexpr std::size_t after_stamp = 12;  // four bytes of encapsulation, then seconds and nanoseconds
+
+}  // namespace
+
+bool JointArrays::read(mcap::Bytes payload) {
+  // The same size and the same bytes between the stamp and the numbers: the same names and the same counts.
+  bool same = !frame_.empty() && payload.size() == frame_.size() && std::memcmp(payload.data(), frame_.data(), 4) == 0;
+  std::size_t from = after_stamp;
+  for (int i = 0; same && i < 3; ++i) {
+    same = std::memcmp(payload.data() + from, frame_.data() + from, offsets_[i] - from) == 0;
+    from = offsets_[i] + arrays_[i].size() * sizeof(double);
+  }
+  if (!same) return read_everything(payload);
+  names_changed_ = false;
+  for (int i = 0; i < 3; ++i)
+    if (!arrays_[i].empty())
+      std::memcpy(arrays_[i].data(), payload.data() + offsets_[i], arrays_[i].size() * sizeof(double));
+  return true;
+}
+
+bool JointArrays::read_everything(mcap::Bytes payload) {
+  CdrReader reader(payload);
+  msg::Header header;
+  std::vector<std::string> names;
+  msg::decode(reader, header);
+  msg::detail::decode_value(reader, names);
+  for (int i = 0; i < 3; ++i) {
+    reader.get_sequence(arrays_[i]);
+    offsets_[i] = reader.position() - arrays_[i].size() * sizeof(double);
+    if (!reader.ok() || (!arrays_[i].empty() && arrays_[i].size() != names.size())) return false;
+  }
+  names_changed_ = names != names_;
+  names_ = std::move(names);
+  frame_.clear();
+  if (!reader.swapped()) frame_.assign(payload.begin(), payload.end());
+  return true;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,39 @@
+// JointArrays: the numbers of a stream of sensor_msgs/JointState messages, read fast.
+//
+// The names in such messages are the same from tick to tick. They are decoded once; a later message whose bytes agree up
+// to the numbers is read without looking at them again.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+class JointArrays {
+ public:
+  /// False if the bytes are no JointState message.
+  bool read(mcap::Bytes payload);
+
+  const std::vector<std::string>& names() const { return names_; }
+  /// Position, velocity and effort, each empty or as long as names().
+  const std::vector<double>& position() const { return arrays_[0]; }
+  const std::vector<double>& velocity() const { return arrays_[1]; }
+  const std::vector<double>& effort() const { return arrays_[2]; }
+  /// True if the last read() found other names than the one before it, or was the first.
+  bool names_changed() const { return names_changed_; }
+
+ private:
+  bool read_everything(mcap::Bytes payload);
+
+  std::vector<std::string> names_;
+  std::array<std::vector<double>, 3> arrays_;
+  std::array<std::size_t, 3> offsets_{};   // of each array's first number
+  std::vector<std::byte> frame_;           // all bytes of the last message that was read in full
+  bool names_changed_ = false;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,18 @@
+// Provenance: what a recording was made with, as far as its bits may depend on it.
+#pragma once
+
+#include <rehearse/mcap.h>
+#include <rehearse/scenario.h>
+
+#include <string>
+
+#include "controller_host.h"
+
+namespace rehearse {
+
+/// Versions of Rehearse, C library and compiler, processor, what is pinned, seed and solver, and the controllers' files
+/// by name and content. `physics` and `renderer` describe themselves; empty: not used.
+mcap::StringMap provenance(const Scenario& scenario, const ControllerHost& host, const std::string& physics,
+                           const std::string& renderer);
+
+}  // namespace rehearse

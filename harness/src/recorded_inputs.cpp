@@ -1,0 +1,259 @@
+#include "recorded_inputs.h"
+
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/messages.h>
+#include <rehearse/png.h>
+
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+namespace rehearse {
+namespace {
+
+Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
+
+/// A topic's segments, without the leading slash.
+std::vector<std::string> segments(std::string_view topic) {
+  std::vector<std::string> parts;
+  while (!topic.empty()) {
+    if (topic.front() == '/') topic.remove_prefix(1);
+    const std::size_t slash = topic.find('/');
+    parts.emplace_back(topic.substr(0, slash));
+    topic = slash == std::string_view::npos ? std::string_view() : topic.substr(slash);
+  }
+  return parts;
+}
+
+}  // namespace
+
+/// Where the messages of one channel go.
+struct RecordedInputs::Feed {
+  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, device } kind = Kind::joints;
+  int body = 0;
+  int target = 0;  // link or device index
+  JointArrays joints;
+  std::vector<int> joint_ids;  // by index in the message; -1: no such joint
+  std::string topic;
+};
+
+RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& reader) : scenario_(scenario) {
+  for (const ScenarioBody& body : scenario.bodies) {
+    BodyObservation& seen = observation_.bodies.emplace_back();
+    seen.joints.resize(body.model->joints.size());
+    seen.links.resize(body.model->links.size());
+    seen.devices.resize(body.model->devices.size());
+  }
+  for (const auto& [id, channel] : reader.channels()) {
+    const std::vector<std::string> parts = segments(channel.topic);
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+      const ScenarioBody& body = scenario.bodies[b];
+      if (parts.empty() || parts[0] != body.name) continue;
+      const int index = static_cast<int>(b);
+      if (parts.size() == 2 && parts[1] == "joints") {
+        add_joints(index, channel);
+      } else if (parts.size() == 3 && body.model->find_device(parts[1]) >= 0) {
+        add_device(index, body.model->find_device(parts[1]), parts[2], channel);
+      } else if (parts.size() == 3) {
+        add_link(index, parts[1], parts[2], channel);
+      } else if (parts.size() == 4 && parts[2] == "input" && parts[3] == "joint_accelerations") {
+        add(channel).kind = Feed::Kind::joint_accelerations;
+        feeds_[id]->body = index;
+      } else if (parts.size() == 5 && parts[2] == "input") {
+        add_link(index, parts[3], parts[4], channel);
+      }
+    }
+  }
+}
+
+RecordedInputs::~RecordedInputs() = default;
+
+RecordedInputs::Feed& RecordedInputs::add(const mcap::Channel& channel) {
+  channels_.push_back(channel.id);
+  std::unique_ptr<Feed>& feed = feeds_[channel.id];
+  feed = std::make_unique<Feed>();
+  feed->topic = channel.topic;
+  return *feed;
+}
+
+void RecordedInputs::add_joints(int body, const mcap::Channel& channel) {
+  Feed& feed = add(channel);
+  feed.kind = Feed::Kind::joints;
+  feed.body = body;
+}
+
+void RecordedInputs::add_link(int body, const std::string& link, const std::string& kind, const mcap::Channel& channel) {
+  const int index = scenario_.bodies[body].model->find_link(link);
+  if (index < 0) return;
+  const std::pair<const char*, Feed::Kind> kinds[] = {
+      {"pose", Feed::Kind::pose}, {"twist", Feed::Kind::twist}, {"accel", Feed::Kind::acceleration}};
+  for (const auto& [name, feed_kind] : kinds) {
+    if (kind != name) continue;
+    Feed& feed = add(channel);
+    feed.kind = feed_kind;
+    feed.body = body;
+    feed.target = index;
+  }
+}
+
+void RecordedInputs::add_device(int body, int device, const std::string& kind, const mcap::Channel& channel) {
+  if (kind != "wrench" && kind != "imu" && kind != "image" && kind != "depth") return;
+  Feed& feed = add(channel);
+  feed.kind = Feed::Kind::device;
+  feed.body = body;
+  feed.target = device;
+}
+
+bool RecordedInputs::has(int body, const IoField& field) const {
+  for (const auto& [id, feed] : feeds_) {
+    if (feed->body != body) continue;
+    switch (field.quantity) {
+      case Quantity::q:
+      case Quantity::dq:
+      case Quantity::u:
+        if (feed->kind == Feed::Kind::joints) return true;
+        break;
+      case Quantity::ddq:
+        if (feed->kind == Feed::Kind::joint_accelerations) return true;
+        break;
+      case Quantity::pose:
+        if (feed->kind == Feed::Kind::pose && feed->target == field.link) return true;
+        break;
+      case Quantity::twist:
+        if (feed->kind == Feed::Kind::twist && feed->target == field.link) return true;
+        break;
+      case Quantity::acceleration:
+        if (feed->kind == Feed::Kind::acceleration && feed->target == field.link) return true;
+        break;
+      case Quantity::wrench: return true;  // always zero: nothing to record
+    }
+  }
+  return false;
+}
+
+bool RecordedInputs::has_device(int body, int device) const {
+  for (const auto& [id, feed] : feeds_)
+    if (feed->kind == Feed::Kind::device && feed->body == body && feed->target == device) return true;
+  return false;
+}
+
+void RecordedInputs::begin_tick() {
+  for (BodyObservation& body : observation_.bodies)
+    for (DeviceReading& device : body.devices) device.fresh = false;
+}
+
+Result<void> RecordedInputs::accept(const mcap::Message& message) {
+  Feed& feed = *feeds_.at(message.channel->id);
+  const Model& model = *scenario_.bodies[feed.body].model;
+  BodyObservation& body = observation_.bodies[feed.body];
+  CdrReader reader(message.data);
+  bool fits = true;
+  switch (feed.kind) {
+    case Feed::Kind::joints:
+      fits = feed.joints.read(message.data);
+      if (!fits) break;
+      if (feed.joints.names_changed()) {
+        feed.joint_ids.clear();
+        for (const std::string& name : feed.joints.names()) {
+          const int link = model.find_joint(name);
+          feed.joint_ids.push_back(link < 0 ? -1 : model.links[link].joint.id);
+        }
+      }
+      for (std::size_t i = 0; i < feed.joint_ids.size(); ++i) {
+        if (feed.joint_ids[i] < 0) continue;
+        JointReading& joint = body.joints[feed.joint_ids[i]];
+        if (!feed.joints.position().empty()) joint.q = feed.joints.position()[i];
+        if (!feed.joints.velocity().empty()) joint.dq = feed.joints.velocity()[i];
+        if (!feed.joints.effort().empty()) joint.u = feed.joints.effort()[i];
+      }
+      break;
+    case Feed::Kind::joint_accelerations: {
+      msg::JointAccelerations accelerations;
+      fits = msg::decode(reader, accelerations) && accelerations.acceleration.size() == accelerations.name.size();
+      for (std::size_t i = 0; fits && i < accelerations.name.size(); ++i) {
+        const int link = model.find_joint(accelerations.name[i]);
+        if (link >= 0 && model.links[link].joint.id >= 0)
+          body.joints[model.links[link].joint.id].ddq = accelerations.acceleration[i];
+      }
+      break;
+    }
+    case Feed::Kind::pose: {
+      msg::PoseStamped pose;
+      fits = msg::decode(reader, pose);
+      const auto& [position, orientation] = pose.pose;
+      body.links[feed.target].position = {position.x, position.y, position.z};
+      body.links[feed.target].rotation = {orientation.w, orientation.x, orientation.y, orientation.z};
+      break;
+    }
+    case Feed::Kind::twist: {
+      msg::TwistStamped twist;
+      fits = msg::decode(reader, twist);
+      body.links[feed.target].velocity = vector(twist.twist.linear);
+      body.links[feed.target].angular_velocity = vector(twist.twist.angular);
+      break;
+    }
+    case Feed::Kind::acceleration: {
+      msg::AccelStamped acceleration;
+      fits = msg::decode(reader, acceleration);
+      body.links[feed.target].acceleration = vector(acceleration.accel.linear);
+      body.links[feed.target].angular_acceleration = vector(acceleration.accel.angular);
+      break;
+    }
+    case Feed::Kind::device: return accept_device(feed, message);
+  }
+  if (fits) return {};
+  return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));
+}
+
+Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message& message) {
+  const Device& device = scenario_.bodies[feed.body].model->devices[feed.target];
+  DeviceReading& reading = observation_.bodies[feed.body].devices[feed.target];
+  CdrReader reader(message.data);
+  const auto mismatch = [&] {
+    return error(fmt::format("a message on {} at {} ns is not what device '{}' measures", feed.topic, message.log_time,
+                             device.name));
+  };
+  // the time that the sensor stated, in exactly the number it was when it was recorded
+  const auto measured_at = [this](const msg::Time& stamp) {
+    const double seconds = static_cast<double>(stamp.to_ns()) * 1e-9;
+    return time_of(std::llround(seconds / scenario_.time_step), scenario_.time_step);
+  };
+  reading.fresh = true;
+  if (std::holds_alternative<ForceSensor>(device.kind)) {
+    msg::WrenchStamped wrench;
+    if (!msg::decode(reader, wrench)) return mismatch();
+    const msg::Wrench& w = wrench.wrench;
+    reading.values = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
+    reading.measured_at = measured_at(wrench.header.stamp);
+  } else if (!std::holds_alternative<Camera>(device.kind)) {
+    msg::Imu imu;
+    if (!msg::decode(reader, imu)) return mismatch();
+    const msg::Vector3 &w = imu.angular_velocity, &a = imu.linear_acceleration;
+    if (std::holds_alternative<Gyro>(device.kind)) reading.values = {w.x, w.y, w.z};
+    if (std::holds_alternative<Accelerometer>(device.kind)) reading.values = {a.x, a.y, a.z};
+    if (std::holds_alternative<Imu>(device.kind)) reading.values = {w.x, w.y, w.z, a.x, a.y, a.z};
+    reading.measured_at = measured_at(imu.header.stamp);
+  } else if (feed.topic.ends_with("/image")) {
+    msg::CompressedImage color;
+    if (!msg::decode(reader, color)) return mismatch();
+    reading.measured_at = measured_at(color.header.stamp);
+    reading.image = nullptr;
+    if (color.data.empty()) return {};  // it was switched off
+    auto image = decode_png(color.data);
+    if (!image) return mismatch();
+    reading.image = std::make_shared<const Image>(std::move(*image));
+  } else {
+    msg::Image picture;
+    if (!msg::decode(reader, picture)) return mismatch();
+    const std::size_t pixels = std::size_t{picture.width} * picture.height;
+    if (picture.encoding != "32FC1" || picture.data.size() != pixels * sizeof(float)) return mismatch();
+    DepthImage depth{static_cast<int>(picture.width), static_cast<int>(picture.height), std::vector<float>(pixels)};
+    std::memcpy(depth.meters.data(), picture.data.data(), picture.data.size());
+    reading.depth = std::make_shared<const DepthImage>(std::move(depth));
+  }
+  return {};
+}
+
+}  // namespace rehearse

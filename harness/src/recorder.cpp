@@ -1,0 +1,493 @@
+#include "recorder.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/pinhole.h>
+#include <rehearse/png.h>
+
+#include <cmath>
+#include <cstring>
+#include <set>
+
+namespace rehearse {
+namespace {
+
+constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};  // large, and not compressed by themselves
+constexpr double transforms_per_second = 30.0;  // for viewers: the exact state stands in other channels
+constexpr double no_covariance = -1.0;          // ROS: "this quantity is not measured"
+
+msg::Vector3 vector(const double* v) { return {v[0], v[1], v[2]}; }
+msg::Vector3 vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+msg::Point point(const double* v) { return {v[0], v[1], v[2]}; }
+msg::Quaternion quaternion(const double* xyzw) { return {xyzw[0], xyzw[1], xyzw[2], xyzw[3]}; }
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+const char* length_unit(const Joint& joint) { return joint.type == JointType::prismatic ? "m" : "rad"; }
+const char* effort_unit(const Joint& joint) { return joint.type == JointType::prismatic ? "N" : "N·m"; }
+
+/// Units of a JointState's elements, and which of them wrap around.
+mcap::StringMap joint_metadata(const Model& model, const std::vector<int>& joints) {
+  mcap::StringMap metadata;
+  for (const int id : joints) {
+    const Joint& joint = model.links[model.joints[id]].joint;
+    const std::string unit = length_unit(joint);
+    metadata["unit:" + joint.name + "/q"] = unit;
+    metadata["unit:" + joint.name + "/dq"] = unit + "/s";
+    metadata["unit:" + joint.name + "/u"] = effort_unit(joint);
+  }
+  return metadata;
+}
+
+const mcap::StringMap wrench_units{{"unit:force", "N"}, {"unit:torque", "N·m"}};
+const mcap::StringMap pose_units{{"unit:position", "m"}, {"unit:orientation", "quaternion"}};
+const mcap::StringMap twist_units{{"unit:linear", "m/s"}, {"unit:angular", "rad/s"}};
+const mcap::StringMap acceleration_units{{"unit:linear_acceleration", "m/s²"}, {"unit:angular_acceleration", "rad/s²"}};
+const mcap::StringMap imu_units{{"unit:angular_velocity", "rad/s"}, {"unit:linear_acceleration", "m/s²"}};
+
+/// A joint message of one controller: which array holds which of its numbers.
+struct JointChannel {
+  std::uint16_t channel = 0;
+  msg::JointState message;
+  struct Slot {
+    int offset;                     // in the controller's array
+    std::vector<double> msg::JointState::*array;
+    std::size_t index;              // in the message's array
+  };
+  std::vector<Slot> slots;
+};
+
+/// Inputs or outputs of one controller.
+struct SideChannels {
+  JointChannel joints;
+  std::uint16_t accelerations = 0;  // channel; 0: none
+  msg::JointAccelerations acceleration_message;
+  std::vector<int> acceleration_offsets;
+  struct LinkChannel {
+    std::uint16_t channel;
+    IoField field;
+  };
+  std::vector<LinkChannel> links;
+};
+
+struct ControllerChannels {
+  SideChannels input, output;
+  std::vector<std::uint16_t> devices;  // by device index; 0: none
+};
+
+struct DeviceChannels {
+  std::uint16_t numbers = 0;
+  std::uint16_t color = 0;
+  std::uint16_t depth = 0;
+  std::uint16_t info = 0;
+};
+
+struct BodyChannels {
+  std::uint16_t joints = 0, pose = 0, twist = 0;  // 0: none
+  msg::JointState joint_message;
+  msg::PoseStamped pose_message;
+  msg::TwistStamped twist_message;
+  std::vector<DeviceChannels> devices;
+};
+
+bool root_moves(const ScenarioBody& body) {
+  return !body.fixed && body.model->links[0].joint.type == JointType::free;
+}
+
+/// ROS' matrices of a pinhole camera without distortion.
+msg::CameraInfo camera_info(const Camera& camera) {
+  msg::CameraInfo info;
+  info.width = static_cast<std::uint32_t>(camera.width);
+  info.height = static_cast<std::uint32_t>(camera.height);
+  const double focal = camera.height / 2.0 / std::tan(vertical_field_of_view(camera) / 2.0);  // [pixels]
+  const double cx = camera.width / 2.0;
+  const double cy = camera.height / 2.0;
+  info.distortion_model = "plumb_bob";
+  info.d.assign(5, 0.0);
+  info.k = {focal, 0, cx, 0, focal, cy, 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.p = {focal, 0, cx, 0, 0, focal, cy, 0, 0, 0, 1, 0};
+  return info;
+}
+
+}  // namespace
+
+struct Recorder::Impl {
+  const Scenario& scenario;
+  std::unique_ptr<mcap::Writer> writer;
+  RecordingSize size;
+  CdrWriter cdr;
+  std::set<std::uint16_t> known_channels;
+  std::vector<BodyChannels> bodies;
+  std::vector<ControllerChannels> controllers;
+  std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
+  std::int64_t transform_interval = 1;  // [ticks]
+  msg::Tick tick_message;
+  msg::TFMessage transforms;
+
+  explicit Impl(const Scenario& of) : scenario(of) {}
+
+  template <class T>
+  std::uint16_t channel(const std::string& topic, mcap::StringMap metadata = {}, mcap::ChunkGroup group = mcap::numbers) {
+    const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
+    ++size.channels;
+    return writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
+  }
+
+  template <class T>
+  Result<void> write(std::uint16_t to, std::int64_t tick, const T& message) {
+    cdr.reset();
+    msg::encode(message, cdr);
+    ++size.messages;
+    const std::uint64_t now = nanoseconds_of(tick, scenario.time_step);
+    return writer->write(to, now, now, cdr.bytes());
+  }
+
+  msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, scenario.time_step)); }
+
+  Result<void> attach_sources();
+  void declare_body(const ScenarioBody& body);
+  void declare_device(const ScenarioBody& body, const Device& device, DeviceChannels& channels);
+  void declare_side(const std::string& prefix, const Model& model, const IoLayout& layout, SideChannels& side);
+  Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen);
+  Result<void> write_device(std::int64_t tick, const ScenarioBody& body, const Device& device,
+                            const DeviceReading& reading, const DeviceChannels& channels);
+  Result<void> write_pictures(std::int64_t tick, const std::string& frame, const Camera& camera,
+                              const DeviceReading& reading, const DeviceChannels& channels);
+  Result<void> write_transforms(std::int64_t tick, const Observation& seen);
+  Result<void> write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values);
+  Result<void> write_link(std::int64_t tick, const SideChannels::LinkChannel& to, const double* values);
+};
+
+Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Recorder::~Recorder() = default;
+const RecordingSize& Recorder::size() const { return impl_->size; }
+
+Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& file, const Scenario& scenario,
+                                                   const mcap::StringMap& provenance) {
+  auto impl = std::make_unique<Impl>(scenario);
+  auto writer = mcap::Writer::create(file);
+  if (!writer) return writer.errors();
+  impl->writer = std::move(*writer);
+  if (auto attached = impl->attach_sources(); !attached) return attached.errors();
+  if (auto written = impl->writer->add_metadata("rehearse", provenance); !written) return written.errors();
+  return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
+}
+
+Result<void> Recorder::Impl::attach_sources() {
+  // names are those of the scenario: a trace knows nothing of the folders of the machine it was made on
+  if (auto done = writer->add_attachment("scenario.yaml", "application/yaml", bytes_of(scenario.text)); !done)
+    return done;
+  std::set<std::string> attached;
+  for (const ScenarioBody& body : scenario.bodies) {
+    if (body.model_file.empty() || !attached.insert(body.model_file).second) continue;
+    if (auto done = writer->add_attachment(body.model_file, "application/xml", bytes_of(body.model->source_text)); !done)
+      return done;
+    Diagnostics report = body.model->report;
+    for (Diagnostic& finding : report) finding.file = body.model_file;
+    const std::string text = to_string(report);
+    if (auto done = writer->add_attachment(body.model_file + ".report", "text/plain", bytes_of(text)); !done)
+      return done;
+  }
+  return {};
+}
+
+void Recorder::declare(const ControllerHost& host) {
+  Impl& impl = *impl_;
+  for (const ScenarioBody& body : impl.scenario.bodies) impl.declare_body(body);
+  for (const HostedController& hosted : host.controllers()) {
+    ControllerChannels& channels = impl.controllers.emplace_back();
+    const ScenarioBody& body = impl.scenario.bodies[hosted.body];
+    impl.declare_side("/" + hosted.label + "/input/", *body.model, hosted.io->inputs(), channels.input);
+    impl.declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
+    channels.devices.assign(body.model->devices.size(), 0);
+  }
+  impl.transform_channel = impl.channel<msg::TFMessage>("/tf", {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
+  impl.checkpoint_channel = impl.channel<msg::Checkpoint>("/checkpoint");
+  impl.event_channel = impl.channel<msg::Event>("/events");
+  impl.tick_channel = impl.channel<msg::Tick>("/tick");
+  impl.transform_interval =
+      std::max<std::int64_t>(1, std::llround(1.0 / (transforms_per_second * impl.scenario.time_step)));
+}
+
+void Recorder::Impl::declare_body(const ScenarioBody& body) {
+  BodyChannels& channels = bodies.emplace_back();
+  const Model& model = *body.model;
+  const std::string topic = "/" + body.name + "/";
+  if (!model.joints.empty()) {
+    std::vector<int> all;
+    for (std::size_t id = 0; id < model.joints.size(); ++id) {
+      all.push_back(static_cast<int>(id));
+      channels.joint_message.name.push_back(model.links[model.joints[id]].joint.name);
+    }
+    channels.joints = channel<msg::JointState>(topic + "joints", joint_metadata(model, all));
+  }
+  if (root_moves(body)) {
+    const std::string root = topic + model.links[0].name;
+    channels.pose = channel<msg::PoseStamped>(root + "/pose", pose_units);
+    channels.twist = channel<msg::TwistStamped>(root + "/twist", twist_units);
+    channels.pose_message.header.frame_id = "world";
+    channels.twist_message.header.frame_id = "world";
+  }
+  for (const Device& device : model.devices) declare_device(body, device, channels.devices.emplace_back());
+}
+
+void Recorder::Impl::declare_device(const ScenarioBody& body, const Device& device, DeviceChannels& channels) {
+  const std::string topic = "/" + body.name + "/" + device.name + "/";
+  const auto* camera = std::get_if<Camera>(&device.kind);
+  if (!camera) {
+    channels.numbers = std::holds_alternative<ForceSensor>(device.kind)
+                           ? channel<msg::WrenchStamped>(topic + "wrench", wrench_units)
+                           : channel<msg::Imu>(topic + "imu", imu_units);
+    return;
+  }
+  if (!scenario.record_frames || !scenario.runs_camera(body.name, device.name)) return;
+  channels.color = channel<msg::CompressedImage>(topic + "image", {{"unit", "pixels"}}, mcap::pictures);
+  channels.info = channel<msg::CameraInfo>(topic + "camera_info");
+  if (camera->depth) channels.depth = channel<msg::Image>(topic + "depth", {{"unit", "m"}}, depth_pictures);
+}
+
+void Recorder::Impl::declare_side(const std::string& prefix, const Model& model, const IoLayout& layout,
+                                  SideChannels& side) {
+  std::vector<int> joints;  // in link order, each once
+  std::set<Quantity> used;
+  for (const IoField& field : layout.fields) {
+    if (field.quantity > Quantity::u) continue;
+    if (joints.empty() || joints.back() != field.joint) joints.push_back(field.joint);
+    used.insert(field.quantity);
+  }
+  msg::JointState& message = side.joints.message;
+  const double not_enabled = std::nan("");
+  for (const int joint : joints) message.name.push_back(model.links[model.joints[joint]].joint.name);
+  const std::pair<Quantity, std::vector<double> msg::JointState::*> arrays[] = {
+      {Quantity::q, &msg::JointState::position},
+      {Quantity::dq, &msg::JointState::velocity},
+      {Quantity::u, &msg::JointState::effort}};
+  for (const auto& [quantity, array] : arrays)
+    if (used.count(quantity)) (message.*array).assign(joints.size(), not_enabled);
+  if (used.count(Quantity::ddq)) {
+    side.acceleration_message.name = message.name;
+    side.acceleration_message.acceleration.assign(joints.size(), not_enabled);
+    side.acceleration_offsets.assign(joints.size(), -1);
+    side.accelerations = channel<msg::JointAccelerations>(prefix + "joint_accelerations");
+  }
+  if (used.count(Quantity::q) || used.count(Quantity::dq) || used.count(Quantity::u))
+    side.joints.channel = channel<msg::JointState>(prefix + "joints", joint_metadata(model, joints));
+
+  std::size_t index = 0;
+  for (const IoField& field : layout.fields) {
+    if (field.quantity <= Quantity::u) {
+      while (joints[index] != field.joint) ++index;
+      if (field.quantity == Quantity::ddq) side.acceleration_offsets[index] = field.offset;
+      for (const auto& [quantity, array] : arrays)
+        if (quantity == field.quantity) side.joints.slots.push_back({field.offset, array, index});
+      continue;
+    }
+    const std::string topic = prefix + model.links[field.link].name;
+    std::uint16_t id = 0;
+    switch (field.quantity) {
+      case Quantity::pose: id = channel<msg::PoseStamped>(topic + "/pose", pose_units); break;
+      case Quantity::twist: id = channel<msg::TwistStamped>(topic + "/twist", twist_units); break;
+      case Quantity::acceleration: id = channel<msg::AccelStamped>(topic + "/accel", acceleration_units); break;
+      default: id = channel<msg::WrenchStamped>(topic + "/wrench", wrench_units); break;
+    }
+    side.links.push_back({id, field});
+  }
+}
+
+Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen) {
+  for (std::size_t i = 0; i < seen.bodies.size(); ++i)
+    if (auto done = impl_->write_body(tick, i, seen.bodies[i]); !done) return done;
+  if (tick % impl_->transform_interval != 0) return {};
+  return impl_->write_transforms(tick, seen);
+}
+
+Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen) {
+  BodyChannels& channels = bodies[index];
+  const ScenarioBody& body = scenario.bodies[index];
+  if (channels.joints) {
+    msg::JointState& message = channels.joint_message;
+    const std::size_t count = seen.joints.size();
+    message.header.stamp = stamp(tick);
+    message.position.resize(count);
+    message.velocity.resize(count);
+    message.effort.resize(count);
+    for (std::size_t id = 0; id < count; ++id) {
+      message.position[id] = seen.joints[id].q;
+      message.velocity[id] = seen.joints[id].dq;
+      message.effort[id] = seen.joints[id].u;
+    }
+    if (auto done = write(channels.joints, tick, message); !done) return done;
+  }
+  if (channels.pose) {
+    const LinkReading& root = seen.links[0];
+    channels.pose_message.header.stamp = channels.twist_message.header.stamp = stamp(tick);
+    channels.pose_message.pose = {point(root.position.data()), quaternion(root.rotation.coeffs().data())};
+    channels.twist_message.twist = {vector(root.velocity), vector(root.angular_velocity)};
+    if (auto done = write(channels.pose, tick, channels.pose_message); !done) return done;
+    if (auto done = write(channels.twist, tick, channels.twist_message); !done) return done;
+  }
+  for (std::size_t i = 0; i < seen.devices.size(); ++i) {
+    if (!seen.devices[i].fresh) continue;
+    if (auto done = write_device(tick, body, body.model->devices[i], seen.devices[i], channels.devices[i]); !done)
+      return done;
+  }
+  return {};
+}
+
+Result<void> Recorder::Impl::write_device(std::int64_t tick, const ScenarioBody& body, const Device& device,
+                                          const DeviceReading& reading, const DeviceChannels& channels) {
+  const std::string frame = body.name + "/" + device.name;
+  if (const auto* camera = std::get_if<Camera>(&device.kind))
+    return channels.color ? write_pictures(tick, frame, *camera, reading, channels) : Result<void>();
+  const double* values = reading.values.data();
+  if (std::holds_alternative<ForceSensor>(device.kind)) {
+    msg::WrenchStamped message;
+    message.header = {stamp(tick), frame};
+    message.wrench = {vector(values), vector(values + 3)};
+    return write(channels.numbers, tick, message);
+  }
+  msg::Imu message;
+  message.header = {stamp(tick), frame};
+  message.orientation_covariance[0] = no_covariance;
+  message.angular_velocity_covariance[0] = std::holds_alternative<Accelerometer>(device.kind) ? no_covariance : 0.0;
+  message.linear_acceleration_covariance[0] = std::holds_alternative<Gyro>(device.kind) ? no_covariance : 0.0;
+  if (std::holds_alternative<Accelerometer>(device.kind)) {
+    message.linear_acceleration = vector(values);
+  } else {
+    message.angular_velocity = vector(values);
+    if (std::holds_alternative<Imu>(device.kind)) message.linear_acceleration = vector(values + 3);
+  }
+  return write(channels.numbers, tick, message);
+}
+
+Result<void> Recorder::Impl::write_pictures(std::int64_t tick, const std::string& frame, const Camera& camera,
+                                            const DeviceReading& reading, const DeviceChannels& channels) {
+  const msg::Header header{msg::Time::from_ns(static_cast<std::uint64_t>(std::llround(reading.measured_at * 1e9))),
+                           frame};
+  msg::CompressedImage color;
+  color.header = header;
+  color.format = reading.image ? "rgb8; png compressed" : "";  // no picture: the camera was switched off
+  if (reading.image) color.data = encode_png(*reading.image);
+  ++size.frames;
+  if (auto done = write(channels.color, tick, color); !done) return done;
+  msg::CameraInfo info = camera_info(camera);
+  info.header = header;
+  if (auto done = write(channels.info, tick, info); !done) return done;
+  if (!channels.depth || !reading.depth) return {};
+  msg::Image depth;
+  depth.header = header;
+  depth.width = info.width;
+  depth.height = info.height;
+  depth.encoding = "32FC1";
+  depth.step = info.width * static_cast<std::uint32_t>(sizeof(float));
+  depth.data.resize(reading.depth->meters.size() * sizeof(float));
+  std::memcpy(depth.data.data(), reading.depth->meters.data(), depth.data.size());
+  return write(channels.depth, tick, depth);
+}
+
+Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observation& seen) {
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < seen.bodies.size(); ++b) {
+    const ScenarioBody& body = scenario.bodies[b];
+    for (std::size_t i = 0; i < seen.bodies[b].links.size(); ++i) {
+      if (count == transforms.transforms.size()) {
+        msg::TransformStamped& added = transforms.transforms.emplace_back();
+        added.header.frame_id = "world";
+        added.child_frame_id = body.name + "/" + body.model->links[i].name;
+      }
+      msg::TransformStamped& transform = transforms.transforms[count++];
+      const LinkReading& link = seen.bodies[b].links[i];
+      transform.header.stamp = stamp(tick);
+      transform.transform = {vector(link.position), quaternion(link.rotation.coeffs().data())};
+    }
+  }
+  return write(transform_channel, tick, transforms);
+}
+
+Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes) {
+  Impl& impl = *impl_;
+  msg::Tick& message = impl.tick_message;
+  message.controller_results.clear();
+  for (std::size_t c = 0; host && c < impl.controllers.size(); ++c) {
+    const HostedController& hosted = host->controllers()[c];
+    message.controller_results.push_back(hosted.result);
+    ControllerChannels& channels = impl.controllers[c];
+    if (!hosted.running) continue;
+    if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
+    if (auto done = impl.write_side(tick, channels.output, hosted.io->output_values()); !done) return done;
+    for (const DeviceOutput& output : hosted.device_outputs) {
+      const Model& model = *impl.scenario.bodies[hosted.body].model;
+      std::uint16_t& channel = channels.devices[output.device];
+      if (!channel)  // most controllers command no device: its channel appears with the first command
+        channel = impl.channel<msg::DeviceState>("/" + hosted.label + "/output/" + model.devices[output.device].name +
+                                                 "/state");
+      msg::DeviceState state;
+      state.header = {impl.stamp(tick), impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};
+      state.values = output.values;
+      if (auto done = impl.write(channel, tick, state); !done) return done;
+    }
+  }
+  if (host) ++impl.size.ticks;
+  message.stamp = impl.stamp(tick);
+  message.tick = tick;
+  message.state_hash = hashes.state;
+  message.input_hash = hashes.input;
+  message.output_hash = hashes.output;
+  return impl.write(impl.tick_channel, tick, message);
+}
+
+Result<void> Recorder::Impl::write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values) {
+  if (side.joints.channel) {
+    side.joints.message.header.stamp = stamp(tick);
+    for (const JointChannel::Slot& slot : side.joints.slots)
+      (side.joints.message.*slot.array)[slot.index] = values[slot.offset];
+    if (auto done = write(side.joints.channel, tick, side.joints.message); !done) return done;
+  }
+  if (side.accelerations) {
+    side.acceleration_message.header.stamp = stamp(tick);
+    for (std::size_t i = 0; i < side.acceleration_offsets.size(); ++i)
+      if (side.acceleration_offsets[i] >= 0)
+        side.acceleration_message.acceleration[i] = values[side.acceleration_offsets[i]];
+    if (auto done = write(side.accelerations, tick, side.acceleration_message); !done) return done;
+  }
+  for (const SideChannels::LinkChannel& link : side.links)
+    if (auto done = write_link(tick, link, values.data() + link.field.offset); !done) return done;
+  return {};
+}
+
+Result<void> Recorder::Impl::write_link(std::int64_t tick, const SideChannels::LinkChannel& to, const double* values) {
+  const msg::Header header{stamp(tick), "world"};
+  switch (to.field.quantity) {
+    case Quantity::pose:
+      return write(to.channel, tick, msg::PoseStamped{header, {point(values), quaternion(values + 3)}});
+    case Quantity::twist:
+      return write(to.channel, tick, msg::TwistStamped{header, {vector(values), vector(values + 3)}});
+    case Quantity::acceleration:
+      return write(to.channel, tick, msg::AccelStamped{header, {vector(values), vector(values + 3)}});
+    default: return write(to.channel, tick, msg::WrenchStamped{header, {vector(values), vector(values + 3)}});
+  }
+}
+
+Result<void> Recorder::record_checkpoint(std::int64_t tick, std::span<const std::byte> state) {
+  msg::Checkpoint message;
+  message.stamp = impl_->stamp(tick);
+  message.tick = tick;
+  message.format = checkpoint_format;
+  message.data.resize(state.size());
+  std::memcpy(message.data.data(), state.data(), state.size());
+  return impl_->write(impl_->checkpoint_channel, tick, message);
+}
+
+Result<void> Recorder::record_events(const std::vector<msg::Event>& events) {
+  for (const msg::Event& event : events)
+    if (auto done = impl_->write(impl_->event_channel, event.tick, event); !done) return done;
+  return {};
+}
+
+Result<void> Recorder::close(const mcap::StringMap& outcome) {
+  if (auto done = impl_->writer->add_metadata("rehearse.outcome", outcome); !done) return done;
+  return impl_->writer->close();
+}
+
+}  // namespace rehearse

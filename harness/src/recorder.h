@@ -1,0 +1,72 @@
+// Recorder: writes a run into a trace, tick by tick. harness/TRACE_FORMAT.md says what stands where.
+//
+// A tick's messages carry the state at its beginning, what the controllers read of it and what they commanded; the message
+// on /tick comes last and so closes the tick. Nothing here depends on the machine, the process or the time of day.
+#pragma once
+
+#include <rehearse/cdr.h>
+#include <rehearse/io.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/scenario.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller_host.h"
+
+namespace rehearse {
+
+/// The hashes that stand in /tick.
+struct TickHashes {
+  std::uint64_t state = 0;
+  std::uint64_t input = 0;
+  std::uint64_t output = 0;
+};
+
+/// What a recording has come to.
+struct RecordingSize {
+  std::int64_t ticks = 0;
+  int channels = 0;
+  std::int64_t frames = 0;    // colour pictures
+  std::int64_t messages = 0;
+};
+
+class Recorder {
+ public:
+  /// Creates the file and writes what is known before the run: attachments (scenario, models, load reports) and the
+  /// provenance.
+  static Result<std::unique_ptr<Recorder>> create(const std::filesystem::path& file, const Scenario& scenario,
+                                                  const mcap::StringMap& provenance);
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Makes the channels; the controllers' tables are fixed by now.
+  void declare(const ControllerHost& host);
+  /// The state at the beginning of a tick. Cameras: pictures that arrived at this tick.
+  Result<void> record_state(std::int64_t tick, const Observation& seen);
+  /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
+  Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
+  Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
+  Result<void> record_events(const std::vector<msg::Event>& events);
+  /// `outcome` tells how the run ended; the trace is complete after it.
+  Result<void> close(const mcap::StringMap& outcome);
+
+  const RecordingSize& size() const;
+
+ private:
+  struct Impl;
+  explicit Recorder(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Names the layout of a checkpoint's bytes: changes with every change of World::save().
+inline constexpr const char* checkpoint_format = "rehearse-ode-state-1";
+
+}  // namespace rehearse

@@ -1,0 +1,190 @@
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/session.h>
+#include <rehearse/vision.h>
+#include <rehearse/world.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller_host.h"
+#include "provenance.h"
+#include "recorder.h"
+
+namespace rehearse {
+namespace {
+
+constexpr double checkpoint_period = 0.1;  // [s] of simulated time
+
+std::vector<WorldBody> world_bodies(const Scenario& scenario) {
+  std::vector<WorldBody> bodies;
+  for (const ScenarioBody& body : scenario.bodies)
+    bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints});
+  return bodies;
+}
+
+/// Null if no camera runs: then nothing needs a renderer.
+Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
+  std::vector<std::shared_ptr<const Model>> models;
+  std::vector<std::vector<bool>> active;
+  bool any = false;
+  for (const ScenarioBody& body : scenario.bodies) {
+    models.push_back(body.model);
+    std::vector<bool>& of_body = active.emplace_back();
+    for (const Device& device : body.model->devices) {
+      of_body.push_back(std::holds_alternative<Camera>(device.kind) && scenario.runs_camera(body.name, device.name));
+      any |= of_body.back();
+    }
+  }
+  if (!any) return std::unique_ptr<Vision>();
+  return Vision::create(scenario.time_step, std::move(models), std::move(active));
+}
+
+/// What acts for one step only is taken back.
+void clear_momentary(Command& command) {
+  for (BodyCommand& body : command.bodies) {
+    std::fill(body.external.begin(), body.external.end(), Wrench{});
+    for (DeviceCommand& device : body.devices) device.fresh = false;
+  }
+}
+
+}  // namespace
+
+struct Session::Impl {
+  const Scenario& scenario;
+  std::unique_ptr<World> world;
+  std::unique_ptr<Vision> vision;  // null: no camera runs
+  std::unique_ptr<ControllerHost> host;
+  std::unique_ptr<Recorder> recorder;
+  std::filesystem::path file;
+  Observation seen;
+  Command command;
+  std::int64_t checkpoint_interval = 1;  // [ticks]
+  RunSummary summary;
+
+  explicit Impl(const Scenario& of) : scenario(of) {}
+  void sense(std::int64_t tick);
+  void push();
+  Result<void> record_events();
+};
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Session::~Session() = default;
+std::int64_t Session::tick() const { return impl_->world->tick(); }
+
+Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const std::filesystem::path& trace,
+                                                 const HostOptions& options) {
+  auto impl = std::make_unique<Impl>(scenario);
+  auto world = World::create({scenario.time_step, scenario.gravity, scenario.seed, scenario.solver},
+                             world_bodies(scenario));
+  if (!world) return world.errors();
+  impl->world = std::move(*world);
+  auto vision = make_vision(scenario);
+  if (!vision) return vision.errors();
+  impl->vision = std::move(*vision);
+  auto host = ControllerHost::create(scenario, options);
+  if (!host) return host.errors();
+  impl->host = std::move(*host);
+  auto recorder = Recorder::create(trace, scenario,
+                                   provenance(scenario, *impl->host, World::engine_description(),
+                                              impl->vision ? impl->vision->renderer_description() : ""));
+  if (!recorder) return recorder.errors();
+  impl->recorder = std::move(*recorder);
+  impl->file = trace;
+  impl->checkpoint_interval = std::max<std::int64_t>(1, std::llround(checkpoint_period / scenario.time_step));
+  impl->command = impl->host->initialize(initial_observation(scenario));
+  impl->recorder->declare(*impl->host);
+  impl->host->start();
+  if (auto done = impl->record_events(); !done) return done.errors();
+  return std::unique_ptr<Session>(new Session(std::move(impl)));
+}
+
+void Session::Impl::sense(std::int64_t tick) {
+  seen = world->sense();
+  if (vision) vision->look(tick, seen);
+}
+
+void Session::Impl::push() {
+  const double now = world->time();
+  for (const Push& push : scenario.pushes)
+    if (push.from <= now && now < push.until) world->push(push.body, push.link, push.force, push.point, push.torque);
+}
+
+Result<bool> Session::step() {
+  Impl& run = *impl_;
+  const std::int64_t tick = run.world->tick();
+  if (tick >= run.scenario.ticks() || run.host->failure() || run.summary.failure) return false;
+
+  run.sense(tick);
+  if (tick % run.checkpoint_interval == 0)
+    if (auto done = run.recorder->record_checkpoint(tick, run.world->save()); !done) return done.errors();
+  const bool alive = run.host->control(tick, run.seen);  // input, control, output of each controller
+  run.host->output(ControllerHost::Timing::same_step, run.command);
+  if (auto done = run.recorder->record_state(tick, run.seen); !done) return done.errors();
+  const TickHashes hashes{run.world->state_hash(), run.host->input_hash(run.seen), run.host->output_hash()};
+  if (auto done = run.recorder->record_tick(tick, run.host.get(), hashes); !done) return done.errors();
+  if (auto done = run.record_events(); !done) return done.errors();
+  if (!alive) return false;
+
+  run.world->actuate(run.command);
+  run.push();
+  if (!run.world->step())
+    run.summary.failure = error(fmt::format("the simulation exploded in the step after tick {}: a position or velocity "
+                                            "is no longer finite", tick));
+  clear_momentary(run.command);
+  run.host->output(ControllerHost::Timing::next_step, run.command);
+  if (run.vision) run.vision->switch_cameras(tick, run.command);
+  return true;
+}
+
+Result<void> Session::Impl::record_events() {
+  const std::vector<msg::Event> events = host->take_events();
+  for (const msg::Event& event : events)
+    if (event.severity != to_string(Severity::note))
+      summary.remarks.push_back({event.severity == to_string(Severity::error) ? Severity::error : Severity::warning,
+                                 "", 0, 0, event.source + ": " + event.text, ""});
+  return recorder->record_events(events);
+}
+
+Result<RunSummary> Session::finish() {
+  Impl& run = *impl_;
+  const std::int64_t tick = run.world->tick();
+  run.host->stop();
+  if (!run.summary.failure && run.host->failure()) run.summary.failure = *run.host->failure();
+  if (!run.summary.failure) {  // the state after the last step closes a complete run
+    run.sense(tick);
+    if (auto done = run.recorder->record_state(tick, run.seen); !done) return done.errors();
+    if (auto done = run.recorder->record_tick(tick, nullptr, {run.world->state_hash(), 0, 0}); !done)
+      return done.errors();
+  }
+  if (auto done = run.record_events(); !done) return done.errors();
+  const RecordingSize& size = run.recorder->size();
+  mcap::StringMap outcome{{"ticks", std::to_string(size.ticks)},
+                          {"complete", run.summary.failure ? "false" : "true"}};
+  if (run.summary.failure) outcome["failure"] = run.summary.failure->message;
+  if (auto done = run.recorder->close(outcome); !done) return done.errors();
+  run.summary.ticks = size.ticks;
+  run.summary.channels = size.channels;
+  run.summary.frames = size.frames;
+  run.summary.controller_refused = run.host->any_refused();
+  std::error_code ignored;
+  run.summary.bytes = std::filesystem::file_size(run.file, ignored);
+  return run.summary;
+}
+
+Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace, const RecordOptions& options) {
+  auto session = Session::create(scenario, trace, options);
+  if (!session) return session.errors();
+  const std::int64_t all = scenario.ticks();
+  const std::int64_t stride = std::max<std::int64_t>(1, all / 100);
+  for (;;) {
+    const Result<bool> going_on = (*session)->step();
+    if (!going_on) return going_on.errors();
+    if (!*going_on) break;
+    const std::int64_t done = (*session)->tick();
+    if (options.progress && done % stride == 0) options.progress(done, all);
+  }
+  return (*session)->finish();
+}
+
+}  // namespace rehearse
