@@ -1,5 +1,5 @@
-// Our traces, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2 messages, value by value; and
-// a file that they write, read by us.
+// Our traces, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2 messages, value by value;
+// and a file that they write, read by us.
 #include <rehearse/messages.h>
 #include <rehearse/ros2msg.h>
 #include <rehearse/trace.h>
@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -15,8 +17,6 @@
 #include <filesystem>
 #include <limits>
 #include <sstream>
-#include <sys/wait.h>
-#include <unistd.h>
 
 using namespace rehearse;
 namespace fs = std::filesystem;

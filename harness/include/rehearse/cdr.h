@@ -1,4 +1,4 @@
-// CDR: how a ROS 2 message becomes bytes, and back. Classic CDR (XCDR version 1), as DDS-XTypes 1.3, section 7.4.3 has it.
+// CDR: how a ROS 2 message becomes bytes, and back. Classic CDR (XCDR version 1): DDS-XTypes 1.3, section 7.4.3.
 //
 // A payload begins with four bytes that say which byte order follows; values then stand at multiples of their own size,
 // counted from behind those four bytes. Strings carry their length with a final zero; sequences carry their count.
@@ -80,8 +80,8 @@ class CdrWriter {
   std::size_t size_ = 0;
 };
 
-/// Takes values from a payload in order. The first that isn't there makes ok() false for good; values are 0 or empty then.
-/// No length in the payload is believed before that many bytes are seen to be there.
+/// Takes values from a payload in order. The first that isn't there makes ok() false for good; values are 0 or empty
+/// then. No length in the payload is believed before that many bytes are seen to be there.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> payload) : bytes_(payload) {

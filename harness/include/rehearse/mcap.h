@@ -1,11 +1,13 @@
 // MCAP: the container in which a recording stands. Writer and Reader of the public format, version 0.
 //
 // A file is a sequence of records: schemas and channels (what can be said), messages packed into chunks (what was said,
-// compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here knows
-// what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into such a file: harness/TRACE_FORMAT.md.
+// compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here
+// knows what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
 //
-// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own compresses,
-// checksums and writes finished chunks. The bytes of the file depend on the calls and their arguments, on nothing else.
+// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own
+// compresses, checksums and writes finished chunks. The bytes of the file depend on the calls and their arguments, on
+// nothing else.
+//
 // Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
 // damaged file before it says where the damage is. Neither class may be used from two threads at a time.
 #pragma once
@@ -104,7 +106,7 @@ struct WriterOptions {
   std::string profile = "ros2";
   /// A chunk is finished when its records reach this size [bytes]; so it is at most one message larger.
   std::size_t chunk_size = 768 * 1024;
-  /// ... or when a message comes whose log time is this much after the chunk's first [ns]. This bounds what a kill loses.
+  /// ... or when any message comes this much log time after the chunk's first [ns]. This bounds what a kill loses.
   std::uint64_t chunk_span = 1'000'000'000;
   int zstd_level = 1;  // level 3 took three times as long on joint states and made them no smaller (measured)
   /// Finished chunks that may wait for the writer thread; then write() waits too. Bounds the memory.
@@ -171,8 +173,8 @@ struct ReaderOptions {
 /// A record as it stands in the file.
 struct Record {
   std::uint8_t opcode = 0;
-  Bytes body;                       // without opcode and length; valid during the callback only
-  std::uint64_t offset = 0;         // of its opcode: in the file, or in the chunk's decompressed records
+  Bytes body;                          // without opcode and length; valid during the callback only
+  std::uint64_t offset = 0;            // of its opcode: in the file, or in the chunk's decompressed records
   std::optional<std::uint64_t> chunk;  // offset of its chunk in the file, if it is in one
 };
 
@@ -196,7 +198,7 @@ class Reader {
   const std::string& library() const;  // of the header: who wrote it
   std::uint64_t size() const;          // [bytes]
 
-  /// What the walk at open() found: cut at byte N, summary damaged, ... Empty: the file is whole as far as its frame goes.
+  /// What the walk at open() found: cut at byte N, summary damaged, ... Empty: the file's frame is whole.
   const Diagnostics& damage() const;
 
   const std::map<std::uint16_t, Schema>& schemas() const;

@@ -1,7 +1,7 @@
 // The messages that a trace holds: plain structs with the names and fields of ROS 2, and how they are written and read.
 //
-// Each struct lists its fields once, in for_each_field(); encode(), decode() and the schema text all come from that list,
-// so they can't disagree. encode() and decode() don't allocate once strings and vectors have had their size.
+// Each struct lists its fields once, in for_each_field(); encode(), decode() and the schema text all come from that
+// list, so they can't disagree. encode() and decode() don't allocate once strings and vectors have had their size.
 // The types of package rehearse_msgs are ours; what they are for stands in harness/TRACE_FORMAT.md.
 #pragma once
 
@@ -273,7 +273,7 @@ struct Image {
   std::uint32_t width = 0;   // [pixels]
   std::string encoding;      // as rgb8, 32FC1
   std::uint8_t is_bigendian = 0;
-  std::uint32_t step = 0;    // bytes a row
+  std::uint32_t step = 0;  // bytes a row
   std::vector<std::uint8_t> data;
 
   template <class Self, class Visit>
@@ -327,10 +327,10 @@ struct CameraInfo {
   std::uint32_t height = 0;  // [pixels]
   std::uint32_t width = 0;   // [pixels]
   std::string distortion_model;
-  std::vector<double> d;        // distortion
-  std::array<double, 9> k{};    // intrinsics [pixels]
-  std::array<double, 9> r{};    // rectification
-  std::array<double, 12> p{};   // projection [pixels]
+  std::vector<double> d;       // distortion
+  std::array<double, 9> k{};   // intrinsics [pixels]
+  std::array<double, 9> r{};   // rectification
+  std::array<double, 12> p{};  // projection [pixels]
   std::uint32_t binning_x = 0;
   std::uint32_t binning_y = 0;
   RegionOfInterest roi;
@@ -356,9 +356,9 @@ struct Tick {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";
   Time stamp;
   std::int64_t tick = 0;
-  std::uint64_t state_hash = 0;   // of the complete simulation state after the tick
-  std::uint64_t input_hash = 0;   // of all that went to controllers
-  std::uint64_t output_hash = 0;  // of all that they commanded
+  std::uint64_t state_hash = 0;          // of the complete simulation state after the tick
+  std::uint64_t input_hash = 0;          // of all that went to controllers
+  std::uint64_t output_hash = 0;         // of all that they commanded
   std::vector<bool> controller_results;  // what control() returned, in scenario order
 
   template <class Self, class Visit>
@@ -438,7 +438,9 @@ struct Checkpoint {
 
 /// Any struct of this header.
 template <class T>
-concept MessageStruct = requires { T::type_name; };
+concept MessageStruct = requires {
+  T::type_name;
+};
 
 /// Appends the message to the writer; begin with writer.reset().
 template <MessageStruct T>

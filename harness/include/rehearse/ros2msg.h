@@ -1,9 +1,9 @@
 // ros2msg: the schema language of ROS 2 messages, and a decoder that reads any payload which such a schema describes.
 //
-// A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line "MSG: package/Name" and
-// its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`; TYPE is a primitive or
-// another message, with `[]`, `[n]` or `[<=n]` behind it for a sequence, an array or a bounded sequence; `string<=n` is a
-// bounded string. wstring is refused.
+// A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line
+// "MSG: package/Name" and its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`;
+// TYPE is a primitive or another message, with `[]`, `[n]` or `[<=n]` behind it for a sequence, an array or a bounded
+// sequence; `string<=n` is a bounded string. wstring is refused.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -26,8 +26,8 @@ struct FieldType {
   Primitive primitive = Primitive::boolean;  // if it isn't a message; `byte` and `char` are uint8
   std::size_t message = 0;                   // if it is: index into Schema::definitions
   Shape shape = Shape::single;
-  std::uint32_t count = 0;                   // array: its length. sequence: at most this many, 0 for no bound
-  std::uint32_t string_bound = 0;            // at most this many bytes, 0 for no bound
+  std::uint32_t count = 0;         // array: its length. sequence: at most this many, 0 for no bound
+  std::uint32_t string_bound = 0;  // at most this many bytes, 0 for no bound
 };
 
 struct FieldDefinition {
@@ -62,11 +62,11 @@ struct Value {
   enum class Kind { signed_integer, unsigned_integer, floating, boolean, text, blob };
   std::string_view path;  // names and element numbers with / between them: transforms/0/header/frame_id
   Kind kind = Kind::floating;
-  std::int64_t integer = 0;         // signed_integer
+  std::int64_t integer = 0;            // signed_integer
   std::uint64_t unsigned_integer = 0;  // unsigned_integer; boolean: 0 or 1
-  double number = 0.0;              // floating: exact, a float32 widened
-  std::string_view text;            // text, in the payload
-  std::span<const std::byte> blob;  // blob, in the payload
+  double number = 0.0;                 // floating: exact, a float32 widened
+  std::string_view text;               // text, in the payload
+  std::span<const std::byte> blob;     // blob, in the payload
 
   bool is_number() const { return kind != Kind::text && kind != Kind::blob; }
 };
@@ -78,8 +78,8 @@ class Decoder {
 
   const Schema& schema() const { return schema_; }
 
-  /// Calls `callback` for every value in the order of the payload. False if the payload (CDR) ends too early, isn't CDR,
-  /// or breaks a bound; what came before was delivered. Bytes left over at the end are ignored.
+  /// Calls `callback` for every value in the order of the payload. False if the payload (CDR) ends too early, isn't
+  /// CDR, or breaks a bound; what came before was delivered. Bytes left over at the end are ignored.
   bool decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback);
 
  private:

@@ -1,18 +1,20 @@
 // Trace: a whole recording in memory, for tests and comparisons.
 //
-// Every number in it is an element of a series, and a series has a name: the topic of its channel without the leading slash
-// and without the last segment (the last segment says the kind of message, what is before it whose it is), then the element:
+// Every number in it is an element of a series, and a series has a name: the topic of its channel without the leading
+// slash and without the last segment (the last segment says the kind of message, what is before it whose it is), then
+// the element. By the type of the message:
 //
-//   /SR1/joints                    sensor_msgs/JointState      SR1/RLEG_KNEE/q, .../dq, .../u
-//   /SR1/accelerations             rehearse_msgs/JointAccelerations  SR1/RLEG_KNEE/ddq
-//   /SR1/WAIST/pose                geometry_msgs/PoseStamped   SR1/WAIST/position/x, SR1/WAIST/orientation/w
-//   /SR1/WAIST/twist               geometry_msgs/TwistStamped  SR1/WAIST/linear/x, SR1/WAIST/angular/x
-//   /SR1/WAIST/accel               geometry_msgs/AccelStamped  SR1/WAIST/linear_acceleration/x, .../angular_acceleration/x
-//   /SR1/LeftAnkleForceSensor/wrench  geometry_msgs/WrenchStamped  SR1/LeftAnkleForceSensor/force/z, .../torque/x
-//   /SR1/Gyro/imu                  sensor_msgs/Imu             SR1/Gyro/angular_velocity/x, .../linear_acceleration/x
-//   /tf                            tf2_msgs/TFMessage          WAIST/position/x (the child frame), WAIST/orientation/w
-//   /tick                          rehearse_msgs/Tick          tick, state_hash, input_hash, output_hash, controller_results/0
-//   anything else with a ros2msg schema                        the path of the field, but for header and stamp
+//   topic                     type                series
+//   /SR1/joints               JointState          SR1/RLEG_KNEE/q, .../dq, .../u
+//   /SR1/accelerations        JointAccelerations  SR1/RLEG_KNEE/ddq
+//   /SR1/WAIST/pose           PoseStamped         SR1/WAIST/position/x, .../orientation/w
+//   /SR1/WAIST/twist          TwistStamped        SR1/WAIST/linear/x, .../angular/x
+//   /SR1/WAIST/accel          AccelStamped        SR1/WAIST/linear_acceleration/x, .../angular_acceleration/x
+//   /SR1/LeftForce/wrench     WrenchStamped       SR1/LeftForce/force/z, .../torque/x
+//   /SR1/WaistIMU/imu         Imu                 SR1/WaistIMU/angular_velocity/x, .../linear_acceleration/x
+//   /tf                       TFMessage           WAIST/position/x (the child frame), .../orientation/w
+//   /tick                     Tick                tick, state_hash, input_hash, output_hash, controller_results/0
+//   any other with a ros2msg schema               the path of each numeric field, but for header and stamp
 //
 // If that would name two series alike, the later channel's have its whole topic before the element.
 // Pictures, checkpoints and events have no series; their bytes are at hand by number, and events() are decoded.
@@ -44,17 +46,17 @@ struct TraceColumn {
   CellKind kind = CellKind::floating;
 };
 
-/// A channel and its numbers as a table: a row per message, a column per series, 8 bytes a cell, rows one after the other.
-/// A cell that a message has no value for holds NaN, or 0 in an integer column.
+/// A channel and its numbers as a table: a row per message, a column per series, 8 bytes a cell, rows one after the
+/// other. A cell that a message has no value for holds NaN, or 0 in an integer column.
 struct TraceChannel {
   std::string topic;
   std::string type;      // sensor_msgs/msg/JointState; empty without schema
   std::string encoding;  // cdr
   mcap::StringMap metadata;
-  std::vector<std::uint64_t> times;        // log time of each message [ns]
-  std::vector<TraceColumn> columns;        // empty if the channel has no numbers
-  std::vector<std::uint64_t> cells;        // rows() * columns.size() bit patterns
-  std::vector<mcap::Location> locations;   // of each message whose bytes Trace::payload gives; empty for tables of ours
+  std::vector<std::uint64_t> times;       // log time of each message [ns]
+  std::vector<TraceColumn> columns;       // empty if the channel has no numbers
+  std::vector<std::uint64_t> cells;       // rows() * columns.size() bit patterns
+  std::vector<mcap::Location> locations;  // of each message, for Trace::payload; empty for the types listed above
 
   std::size_t messages() const { return times.size(); }
   std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
@@ -86,8 +88,8 @@ class Trace {
   const std::string& file() const { return file_; }      // as the user named it
   const Diagnostics& damage() const { return damage_; }  // only with Damage::tolerate
 
-  double duration() const;       // from the first message to the last [s]
-  std::int64_t ticks() const;    // messages of type rehearse_msgs/msg/Tick
+  double duration() const;     // from the first message to the last [s]
+  std::int64_t ticks() const;  // messages of type rehearse_msgs/msg/Tick
 
   /// In the order in which they were defined.
   const std::vector<TraceChannel>& channels() const { return channels_; }

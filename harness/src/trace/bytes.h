@@ -47,7 +47,8 @@ class ByteWriter {
   std::size_t record_ = 0;
 };
 
-/// Takes values from the front of a range. After the first that doesn't fit ok() is false and all values are 0 or empty.
+/// Takes values from the front of a range. After the first that doesn't fit ok() is false and all values are 0 or
+/// empty.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}

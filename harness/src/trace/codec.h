@@ -51,8 +51,8 @@ class Decompressor {
   Decompressor(const Decompressor&) = delete;
   Decompressor& operator=(const Decompressor&) = delete;
 
-  /// Decompresses into `out`, which must come to exactly `size` bytes. `compression` is the chunk's own word for it; the
-  /// empty word gives back `compressed` itself. The diagnostic says what is wrong, not where.
+  /// Decompresses into `out`, which must come to exactly `size` bytes. `compression` is the chunk's own word for it;
+  /// the empty word gives back `compressed` itself. The diagnostic says what is wrong, not where.
   Result<Bytes> decompress(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
 
  private:

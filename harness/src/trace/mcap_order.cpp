@@ -27,8 +27,8 @@ struct Run {
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
 };
 
-/// Merges runs by (log time, position in the file). Chunks are opened when the time comes to their first message and let
-/// go after their last.
+/// Merges runs by (log time, position in the file). Chunks are opened when the time comes to their first message and
+/// let go after their last.
 class Merge {
  public:
   Merge(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
@@ -55,11 +55,11 @@ class Merge {
   Reader::Impl& reader_;
   const ChannelSet& channels_;
   DamageLog& damage_;
-  std::vector<ChunkPlace> chunks_;             // by start time, then place
+  std::vector<ChunkPlace> chunks_;  // by start time, then place
   std::size_t next_chunk_ = 0;
-  std::vector<std::unique_ptr<Run>> heap_;     // the earliest on top
-  std::vector<std::unique_ptr<Run>> spare_;    // for their memory
-  std::uint64_t held_ = 0;                     // bytes of open chunks
+  std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
+  std::vector<std::unique_ptr<Run>> spare_;  // for their memory
+  std::uint64_t held_ = 0;                   // bytes of open chunks
 };
 
 void Merge::collect_loose() {
@@ -111,11 +111,12 @@ void Merge::collect(Run& run, RecordWalker& walker, const ChunkPlace* place) {
     const auto head = parse_message_head(record.body);
     if (!head || !channels_.has(head->channel)) continue;
     run.order.push_back({head->log_time, record.offset});
-    in_span = in_span && (place == nullptr || (place->start_time <= head->log_time && head->log_time <= place->end_time));
+    in_span =
+        in_span && (place == nullptr || (place->start_time <= head->log_time && head->log_time <= place->end_time));
   }
   if (!in_span) {
-    damage_.add(fmt::format("damaged: messages of the chunk at byte {} are outside of the time that it states",
-                            place->offset));
+    damage_.add(
+        fmt::format("damaged: messages of the chunk at byte {} are outside of the time that it states", place->offset));
   }
   const auto earlier = [](const Waiting& a, const Waiting& b) { return a.log_time < b.log_time; };
   if (!std::is_sorted(run.order.begin(), run.order.end(), earlier)) {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <unistd.h>
 
 namespace rehearse::mcap {
 
@@ -220,8 +220,12 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
     offset_records.put(static_cast<std::uint64_t>(out.size() - start));
     offset_records.end_record();
   };
-  put_group(op::schema, [&] { for (const auto& schema : schemas) put_schema(out, schema); });
-  put_group(op::channel, [&] { for (const auto& channel : channels) put_channel(out, channel); });
+  put_group(op::schema, [&] {
+    for (const auto& schema : schemas) put_schema(out, schema);
+  });
+  put_group(op::channel, [&] {
+    for (const auto& channel : channels) put_channel(out, channel);
+  });
   put_group(op::statistics, [&] { put_statistics(out, statistics); });
   put_group(op::chunk_index, [&] { out.put_bytes(chunk_indexes_); });
   put_group(op::attachment_index, [&] { out.put_bytes(attachment_indexes_); });

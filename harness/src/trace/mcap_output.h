@@ -90,7 +90,7 @@ class Output {
   std::mutex mutex_;
   std::condition_variable to_thread_;
   std::condition_variable from_thread_;
-  std::deque<Job> queue_;             // guarded by mutex_, as all down to error_
+  std::deque<Job> queue_;  // guarded by mutex_, as all down to error_
   std::vector<ChunkData> free_;
   bool busy_ = false;
   bool stopping_ = false;

@@ -22,8 +22,9 @@ Diagnostic Reader::Impl::damaged(std::string message) const {
 
 Result<Bytes> Reader::Impl::open_chunk(const ChunkHead& head, std::uint64_t offset, RawBuffer& buffer) {
   if (head.uncompressed_size > options_.max_chunk_size) {
-    return damaged(fmt::format("damaged: the chunk at byte {} says that it holds {} bytes decompressed; {} is the limit",
-                               offset, head.uncompressed_size, options_.max_chunk_size));
+    return damaged(
+        fmt::format("damaged: the chunk at byte {} says that it holds {} bytes decompressed; {} is the limit", offset,
+                    head.uncompressed_size, options_.max_chunk_size));
   }
   auto records = decompressor_.decompress(head.compression, head.records, head.uncompressed_size, buffer);
   if (!records) {

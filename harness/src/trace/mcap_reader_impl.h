@@ -108,10 +108,10 @@ class Reader::Impl {
   Diagnostic damaged(std::string message) const;
 
   // What scan() found; the rest of it.
-  std::uint64_t data_end_ = 0;               // offset of DataEnd, or of the first byte that is no whole record
-  std::optional<std::uint32_t> data_crc_;    // as DataEnd has it, if it has one
-  std::vector<ChunkPlace> chunks_;           // in file order
-  bool loose_messages_ = false;              // some messages are in no chunk
+  std::uint64_t data_end_ = 0;             // offset of DataEnd, or of the first byte that is no whole record
+  std::optional<std::uint32_t> data_crc_;  // as DataEnd has it, if it has one
+  std::vector<ChunkPlace> chunks_;         // in file order
+  bool loose_messages_ = false;            // some messages are in no chunk
 
  private:
   // mcap_scan.cpp

@@ -80,8 +80,8 @@ void Reader::Impl::report_cut(const RecordWalker& walker) {
   const Bytes rest = bytes_.subspan(walker.offset());
   const bool ends_well = rest.size() >= magic.size() && begins_with_magic(rest.last(magic.size()));
   if (ends_well) {
-    damage_.add(fmt::format("damaged at byte {}: what begins there is no record that fits into the file",
-                            walker.offset()));
+    damage_.add(
+        fmt::format("damaged at byte {}: what begins there is no record that fits into the file", walker.offset()));
   } else if (!rest.empty() && is_all_zero(rest)) {
     damage_.add(fmt::format("truncated at byte {}: from there on the file holds zeros only", walker.offset()));
   } else {
@@ -155,8 +155,8 @@ void Reader::Impl::scan_end(RecordWalker& walker, const Record& record) {
       if (!walker.next(footer)) return report_cut(walker);
     }
   }
-  const std::uint64_t summary_start = record.opcode == op::data_end ? record.offset + record_head + record.body.size()
-                                                                    : record.offset;
+  const std::uint64_t summary_start =
+      record.opcode == op::data_end ? record.offset + record_head + record.body.size() : record.offset;
   scan_footer(footer, summary_start);
   const Bytes tail = bytes_.subspan(walker.offset());
   if (tail.size() < magic.size()) {
@@ -171,9 +171,11 @@ void Reader::Impl::scan_footer(const Record& record, std::uint64_t summary_start
   const std::uint64_t expected_start = summary_start == record.offset ? 0 : summary_start;
   if (!footer) {
     damage_.add(fmt::format("damaged: the Footer at byte {} hasn't its length of 20", record.offset));
-  } else if (footer->summary_start != expected_start && !(expected_start == 0 && footer->summary_start == record.offset)) {
-    damage_.add(fmt::format("damaged: the Footer at byte {} says that the summary begins at byte {}, it does at byte {}",
-                            record.offset, footer->summary_start, expected_start));
+  } else if (footer->summary_start != expected_start &&
+             !(expected_start == 0 && footer->summary_start == record.offset)) {
+    damage_.add(
+        fmt::format("damaged: the Footer at byte {} says that the summary begins at byte {}, it does at byte {}",
+                    record.offset, footer->summary_start, expected_start));
   } else {
     const std::uint64_t crc_at = record.offset + record_head + 16;
     const Bytes covered = bytes_.subspan(summary_start, crc_at - summary_start);

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fcntl.h>
 #include <limits>
 #include <utility>
 
@@ -55,8 +55,8 @@ class Writer::Impl {
 
   const WriterOptions options_;
   std::vector<Schema> schemas_;
-  std::vector<Channel> channels_;      // id - 1 is the index
-  std::vector<ChannelState> states_;   // like channels_
+  std::vector<Channel> channels_;     // id - 1 is the index
+  std::vector<ChannelState> states_;  // like channels_
   std::vector<Group> groups_;
   std::uint64_t next_deadline_ = no_time;  // log time at which some chunk is old
   std::uint64_t message_count_ = 0;
@@ -71,8 +71,8 @@ std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view e
     if (schema.name == name && schema.encoding == encoding && schema.data == data) return schema.id;
   }
   REHEARSE_ASSERT(schemas_.size() < 0xffff, "a trace holds at most 65535 schemas");
-  schemas_.push_back({static_cast<std::uint16_t>(schemas_.size() + 1), std::string(name), std::string(encoding),
-                      std::string(data)});
+  schemas_.push_back(
+      {static_cast<std::uint16_t>(schemas_.size() + 1), std::string(name), std::string(encoding), std::string(data)});
   RawJob job;
   ByteWriter out(job.bytes);
   put_schema(out, schemas_.back());
@@ -136,7 +136,8 @@ Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, 
   start_time_ = std::min(start_time_, log_time);
   end_time_ = std::max(end_time_, log_time);
   if (chunk.records.size() >= options_.chunk_size) finish_chunk(group);
-  if (output_.failed()) [[unlikely]] return output_.status();
+  if (output_.failed()) [[unlikely]]
+    return output_.status();
   return {};
 }
 

@@ -42,7 +42,8 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 bool is_name_character(char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; }
 
 bool is_name(std::string_view text) {
-  return !text.empty() && (is_letter(text[0]) || text[0] == '_') && std::all_of(text.begin(), text.end(), is_name_character);
+  return !text.empty() && (is_letter(text[0]) || text[0] == '_') &&
+         std::all_of(text.begin(), text.end(), is_name_character);
 }
 
 std::string_view trim(std::string_view text) {
@@ -271,7 +272,9 @@ void Parser::resolve() {
 
 std::optional<std::size_t> Parser::find_definition(std::string_view type, std::string_view package) const {
   const bool bare = type.find('/') == std::string_view::npos;
-  const std::string full = !bare ? std::string(type) : type == "Header" ? "std_msgs/Header" : fmt::format("{}/{}", package, type);
+  const std::string full = !bare              ? std::string(type)
+                           : type == "Header" ? "std_msgs/Header"
+                                              : fmt::format("{}/{}", package, type);
   for (std::size_t i = 0; i < schema_.definitions.size(); ++i) {
     if (schema_.definitions[i].name == full) return i;
   }

@@ -123,7 +123,8 @@ double Trace::mean(std::string_view series, double from_s, double until_s) const
     sum += all[i];
     ++count;
   }
-  if (count == 0) throw std::out_of_range(fmt::format("\"{}\" has no sample from {} s until {} s", series, from_s, until_s));
+  if (count == 0)
+    throw std::out_of_range(fmt::format("\"{}\" has no sample from {} s until {} s", series, from_s, until_s));
   return sum / static_cast<double>(count);
 }
 

@@ -9,7 +9,8 @@ namespace rehearse {
 /// Builds a Trace in one pass over its file.
 class TraceLoader {
  public:
-  TraceLoader(const std::filesystem::path& file, Trace::Damage damage) : file_(file), tolerant_(damage == Trace::Damage::tolerate) {}
+  TraceLoader(const std::filesystem::path& file, Trace::Damage damage)
+      : file_(file), tolerant_(damage == Trace::Damage::tolerate) {}
 
   Result<Trace> load();
 
@@ -53,8 +54,14 @@ Result<Trace> TraceLoader::load() {
       trace_.channels_.push_back(std::move(source->second->table));
     } else {
       const mcap::Schema* schema = trace_.reader_->schema_of(channel);
-      trace_.channels_.push_back({channel.topic, schema == nullptr ? "" : schema->name, channel.message_encoding,
-                                  channel.metadata, {}, {}, {}, {}});
+      trace_.channels_.push_back({channel.topic,
+                                  schema == nullptr ? "" : schema->name,
+                                  channel.message_encoding,
+                                  channel.metadata,
+                                  {},
+                                  {},
+                                  {},
+                                  {}});
     }
   }
   name_series();
@@ -149,8 +156,6 @@ void TraceLoader::name_series() {
   }
 }
 
-Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) {
-  return TraceLoader(file, damage).load();
-}
+Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) { return TraceLoader(file, damage).load(); }
 
 }  // namespace rehearse

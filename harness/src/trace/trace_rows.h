@@ -35,7 +35,8 @@ class RowReader {
   virtual bool read(std::span<const std::byte> payload) = 0;
 };
 
-/// The reader for a type; null if its messages have no series. `schema` may be null. Fails if the schema can't be parsed.
+/// The reader for a type; null if its messages have no series. `schema` may be null. Fails if the schema can't be
+/// parsed.
 Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const mcap::Schema* schema);
 
 /// Types that TRACE_FORMAT.md gives a table of their own; null for all others.

@@ -10,8 +10,8 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-/// The rows of JointState and JointAccelerations: arrays that go with an array of names. Names are nearly always those of
-/// the message before, so their bytes are compared and skipped, and the arrays copied whole.
+/// The rows of JointState and JointAccelerations: arrays that go with an array of names. Names are nearly always those
+/// of the message before, so their bytes are compared and skipped, and the arrays copied whole.
 class NamedArraysReader : public RowReader {
  public:
   /// `suffixes` name the arrays that follow the names, in order: "/q", "/dq", "/u".
@@ -66,7 +66,8 @@ class NamedArraysReader : public RowReader {
 
   void copy_row() {
     for (const auto& array : arrays_) {
-      if (!array.empty()) std::memcpy(row_.next_cells(array.size()).data(), array.data(), array.size() * sizeof(double));
+      if (!array.empty())
+        std::memcpy(row_.next_cells(array.size()).data(), array.data(), array.size() * sizeof(double));
     }
   }
 

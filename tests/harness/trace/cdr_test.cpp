@@ -56,8 +56,13 @@ TEST(Cdr, DoesNotPadAfterAnEmptySequence) {
 
 TEST(Cdr, KeepsEveryBitOfADouble) {
   const double payload_nan = std::bit_cast<double>(std::uint64_t{0xfff4dead'beef0001});
-  const std::vector<double> values{payload_nan, -0.0, 0.0, std::numeric_limits<double>::infinity(),
-                                   -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::denorm_min(), 0.1};
+  const std::vector<double> values{payload_nan,
+                                   -0.0,
+                                   0.0,
+                                   std::numeric_limits<double>::infinity(),
+                                   -std::numeric_limits<double>::infinity(),
+                                   std::numeric_limits<double>::denorm_min(),
+                                   0.1};
   CdrWriter writer;
   writer.put_sequence(std::span<const double>(values));
   for (const double value : values) writer.put(value);

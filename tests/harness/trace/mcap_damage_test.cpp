@@ -89,7 +89,8 @@ TEST(McapDamage, TellsZerosFromRecords) {
   file.magic().header();
   const std::string start = std::to_string(file.bytes.size());
   file.bytes.resize(file.bytes.size() + 1000);  // as a file system leaves them after a power cut
-  EXPECT_THAT(complaint_about(file), HasSubstr("truncated at byte " + start + ": from there on the file holds zeros only"));
+  EXPECT_THAT(complaint_about(file),
+              HasSubstr("truncated at byte " + start + ": from there on the file holds zeros only"));
 }
 
 TEST(McapDamage, TellsALengthThatIsWrongFromAFileThatIsCut) {
@@ -104,7 +105,9 @@ TEST(McapDamage, SaysWhichChunkHasAWrongCrcAndGoesOn) {
   Composer file;
   file.magic().header().channel(1, "/a");
   const std::string start = std::to_string(file.bytes.size());
-  file.chunk(1, 1, Composer().message(1, 1, "bad"), "", {}, 0xdeadbeef).chunk(2, 2, Composer().message(1, 2, "good")).end();
+  file.chunk(1, 1, Composer().message(1, 1, "bad"), "", {}, 0xdeadbeef)
+      .chunk(2, 2, Composer().message(1, 2, "good"))
+      .end();
   const Pass pass = pass_over(*open_composed(file));
   EXPECT_EQ(pass.messages, (std::vector<Seen>{{"/a", 0, 2, "good"}}));
   EXPECT_EQ(to_string(pass.end.errors()),
@@ -121,7 +124,8 @@ TEST(McapDamage, RefusesFilesThatAreNotMcap) {
   EXPECT_EQ(complaint_about(Composer()), "composed.mcap: error: not an MCAP file: it is empty\n");
   EXPECT_EQ(complaint_about(Composer().raw(bytes_of("version https://git-lfs.github.com/spec/v1\n"))),
             "composed.mcap: error: not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n\n");
-  EXPECT_THAT(complaint_about(Composer().raw(bytes_of("\x89MCAP9\r\n"))), HasSubstr("a version that this reader doesn't know"));
+  EXPECT_THAT(complaint_about(Composer().raw(bytes_of("\x89MCAP9\r\n"))),
+              HasSubstr("a version that this reader doesn't know"));
 }
 
 TEST(McapDamage, DoesNotBelieveAChunkThatSaysItIsHuge) {
@@ -154,9 +158,10 @@ TEST(McapDamage, DoesNotBelieveLengthsInsideOfRecords) {
   EXPECT_THAT(complaint_about(file(0x04, Composer().put(std::uint32_t{1}).put(huge))), HasSubstr("channel"));
   EXPECT_THAT(complaint_about(file(0x0c, Composer().text("m").put(huge))), HasSubstr("Metadata"));
   EXPECT_THAT(complaint_about(file(0x06, Composer().put(std::uint64_t{0}))), HasSubstr("chunk"));
-  EXPECT_THAT(complaint_about(file(0x09, Composer().put(std::uint64_t{0}).put(std::uint64_t{0}).text("a").text("b").put(
-                                             ~std::uint64_t{0}))),
-              HasSubstr("attachment"));
+  EXPECT_THAT(
+      complaint_about(file(
+          0x09, Composer().put(std::uint64_t{0}).put(std::uint64_t{0}).text("a").text("b").put(~std::uint64_t{0}))),
+      HasSubstr("attachment"));
 }
 
 TEST(McapDamage, NamesTheChannelOfAMessageThatHasNone) {

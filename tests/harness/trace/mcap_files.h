@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 namespace rehearse::test {
@@ -28,8 +28,9 @@ class TempFile {
   TempFile() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     static int count = 0;
-    path_ = std::filesystem::temp_directory_path() / (std::string("rehearse_") + test->test_suite_name() + "." + test->name() +
-                                                      "_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+    path_ = std::filesystem::temp_directory_path() /
+            (std::string("rehearse_") + test->test_suite_name() + "." + test->name() + "_" +
+             std::to_string(::getpid()) + "_" + std::to_string(count++));
   }
   ~TempFile() { std::filesystem::remove(path_); }
   TempFile(const TempFile&) = delete;

@@ -169,15 +169,17 @@ TEST(McapReader, WalksEveryRecordAndThoseInChunks) {
   auto reader = std::move(*mcap::Reader::open(file.path()));
   std::map<int, int> count;
   EXPECT_TRUE(reader->for_each_record([&](const mcap::Record& record) { return ++count[record.opcode], true; }));
-  const std::map<int, int> expected{{0x01, 1}, {0x02, 1}, {0x03, 2}, {0x04, 4}, {0x05, 5}, {0x06, 3}, {0x07, 3}, {0x08, 3},
-                                    {0x09, 1}, {0x0a, 1}, {0x0b, 1}, {0x0c, 1}, {0x0d, 1}, {0x0e, 6}, {0x0f, 1}};
+  const std::map<int, int> expected{{0x01, 1}, {0x02, 1}, {0x03, 2}, {0x04, 4}, {0x05, 5},
+                                    {0x06, 3}, {0x07, 3}, {0x08, 3}, {0x09, 1}, {0x0a, 1},
+                                    {0x0b, 1}, {0x0c, 1}, {0x0d, 1}, {0x0e, 6}, {0x0f, 1}};
   EXPECT_EQ(count, expected);
 }
 
 TEST(McapReader, RefusesWhatIsNoFile) {
   const auto missing = mcap::Reader::open("/nonexistent/a.mcap");
   ASSERT_FALSE(missing);
-  EXPECT_EQ(to_string(missing.errors()[0]), "/nonexistent/a.mcap: error: can't read the trace: No such file or directory");
+  EXPECT_EQ(to_string(missing.errors()[0]),
+            "/nonexistent/a.mcap: error: can't read the trace: No such file or directory");
   const auto directory = mcap::Reader::open("/");
   ASSERT_FALSE(directory);
   EXPECT_THAT(directory.errors()[0].message, HasSubstr("it is a directory"));

@@ -73,7 +73,8 @@ TEST(McapWriter, FinishesEveryOldChunkWhenTimeGoesOn) {
   const auto picture = writer->add_channel(0, "/b", "text", {}, mcap::pictures);
   ASSERT_TRUE(writer->write(picture, 0, 0, bytes_of("p")));
   ASSERT_TRUE(writer->write(number, 1, 1, bytes_of("n")));
-  ASSERT_TRUE(writer->write(number, 10, 10, bytes_of("n")));  // the picture's chunk is 10 old now, though no picture comes
+  // The picture's chunk is 10 old now, though no picture comes.
+  ASSERT_TRUE(writer->write(number, 10, 10, bytes_of("n")));
   ASSERT_TRUE(writer->write(number, 11, 11, bytes_of("n")));
   ASSERT_TRUE(writer->close());
   using Chunks = std::vector<std::pair<std::uint64_t, std::string>>;

@@ -14,15 +14,16 @@ namespace {
 
 using AllMessages =
     testing::Types<msg::JointState, msg::Imu, msg::Image, msg::CompressedImage, msg::CameraInfo, msg::PoseStamped,
-                   msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::TFMessage, msg::Tick, msg::DeviceState,
-                   msg::JointAccelerations, msg::Event, msg::Checkpoint>;
+                   msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::TFMessage, msg::Tick,
+                   msg::DeviceState, msg::JointAccelerations, msg::Event, msg::Checkpoint>;
 
 /// Gives every field another value, and writes down each with its path as ros2msg::Decoder should find it.
 class Filler {
  public:
   template <msg::MessageStruct T>
   void fill(T& message, const std::string& path) {
-    T::for_each_field(message, [&](const char* name, auto& field) { fill(field, path.empty() ? name : path + "/" + name); });
+    T::for_each_field(message,
+                      [&](const char* name, auto& field) { fill(field, path.empty() ? name : path + "/" + name); });
   }
   template <CdrNumber T>
   void fill(T& value, const std::string& path) {
@@ -96,8 +97,8 @@ TYPED_TEST(Messages, AreEncodedAsTheirSchemaSays) {
 
   std::map<std::string, std::string> found;
   ros2msg::Decoder decoder(std::move(*schema));
-  EXPECT_TRUE(decoder.decode(writer.bytes(),
-                             [&](const ros2msg::Value& value) { found.emplace(value.path, print(value)); }));
+  EXPECT_TRUE(
+      decoder.decode(writer.bytes(), [&](const ros2msg::Value& value) { found.emplace(value.path, print(value)); }));
   EXPECT_EQ(found, filler.expected);
 }
 

@@ -65,7 +65,8 @@ bool yes
 }  // namespace
 
 TEST(Ros2msg, ParsesShapesAndBounds) {
-  const auto fields = parse("int32 a\nfloat64[] b\nuint8[3] c\nint16[<=5] d\nstring<=7 e\nstring<=7[<=2] f\n").definitions[0].fields;
+  const auto fields =
+      parse("int32 a\nfloat64[] b\nuint8[3] c\nint16[<=5] d\nstring<=7 e\nstring<=7[<=2] f\n").definitions[0].fields;
   ASSERT_EQ(fields.size(), 6u);
   EXPECT_EQ(fields[0].type.shape, FieldType::Shape::single);
   EXPECT_EQ(fields[1].type.shape, FieldType::Shape::sequence);

@@ -108,17 +108,17 @@ TEST(Trace, NamesTheElementsOfEveryStandardType) {
   recording.add("/B/accelerations", 0, accelerations);
   recording.add("/B/Dev/state", 0, msg::DeviceState{{}, {7, 8}});
   const Trace trace = recording.load();
-  EXPECT_THAT(names_of(trace),
-              testing::UnorderedElementsAre(
-                  "B/L/position/x", "B/L/position/y", "B/L/position/z", "B/L/orientation/x", "B/L/orientation/y",
-                  "B/L/orientation/z", "B/L/orientation/w", "B/L/linear/x", "B/L/linear/y", "B/L/linear/z",
-                  "B/L/angular/x", "B/L/angular/y", "B/L/angular/z", "B/L/linear_acceleration/x",
-                  "B/L/linear_acceleration/y", "B/L/linear_acceleration/z", "B/L/angular_acceleration/x",
-                  "B/L/angular_acceleration/y", "B/L/angular_acceleration/z", "B/Foot/force/x", "B/Foot/force/y",
-                  "B/Foot/force/z", "B/Foot/torque/x", "B/Foot/torque/y", "B/Foot/torque/z", "B/Imu/angular_velocity/x",
-                  "B/Imu/angular_velocity/y", "B/Imu/angular_velocity/z", "B/Imu/linear_acceleration/x",
-                  "B/Imu/linear_acceleration/y", "B/Imu/linear_acceleration/z", "B/J/ddq", "B/Dev/values/0",
-                  "B/Dev/values/1"));
+  EXPECT_THAT(
+      names_of(trace),
+      testing::UnorderedElementsAre(
+          "B/L/position/x", "B/L/position/y", "B/L/position/z", "B/L/orientation/x", "B/L/orientation/y",
+          "B/L/orientation/z", "B/L/orientation/w", "B/L/linear/x", "B/L/linear/y", "B/L/linear/z", "B/L/angular/x",
+          "B/L/angular/y", "B/L/angular/z", "B/L/linear_acceleration/x", "B/L/linear_acceleration/y",
+          "B/L/linear_acceleration/z", "B/L/angular_acceleration/x", "B/L/angular_acceleration/y",
+          "B/L/angular_acceleration/z", "B/Foot/force/x", "B/Foot/force/y", "B/Foot/force/z", "B/Foot/torque/x",
+          "B/Foot/torque/y", "B/Foot/torque/z", "B/Imu/angular_velocity/x", "B/Imu/angular_velocity/y",
+          "B/Imu/angular_velocity/z", "B/Imu/linear_acceleration/x", "B/Imu/linear_acceleration/y",
+          "B/Imu/linear_acceleration/z", "B/J/ddq", "B/Dev/values/0", "B/Dev/values/1"));
   EXPECT_EQ(trace.last("B/L/orientation/w"), 7);
   EXPECT_EQ(trace.last("B/L/angular_acceleration/z"), 6);
   EXPECT_EQ(trace.last("B/Foot/torque/x"), 4);
