@@ -12,9 +12,13 @@ rehearse_add_library(harness
   src/hashing.cpp
   src/io_body.cpp
   src/joint_arrays.cpp
+  src/pin.cpp
   src/provenance.cpp
   src/recorded_inputs.cpp
-  src/recorder.cpp)
+  src/recorded_outputs.cpp
+  src/recorder.cpp
+  src/replay.cpp
+  src/trace_scenario.cpp)
 target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})
 target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
 target_link_libraries(rehearse_harness

@@ -50,6 +50,7 @@ cnoid::LinkPtr make_link(const Link& link, bool fixed) {
 
 cnoid::DevicePtr make_camera(const Camera& camera) {
   cnoid::CameraPtr made = camera.depth ? new cnoid::RangeCamera : new cnoid::Camera;
+  made->setImageType(cnoid::Camera::COLOR_IMAGE);
   made->setResolution(camera.width, camera.height);
   made->setFieldOfView(camera.field_of_view);
   made->setNearClipDistance(camera.near_clip);

@@ -29,20 +29,6 @@ std::uint8_t drive_of(int mode) {
   return drive;
 }
 
-const char* quantity_name(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::q: return "q_target";
-    case Quantity::dq: return "dq_target";
-    case Quantity::ddq: return "ddq";
-    case Quantity::u: return "u";
-    case Quantity::pose: return "T";
-    case Quantity::twist: return "v, w";
-    case Quantity::acceleration: return "dv, dw";
-    case Quantity::wrench: return "F_ext";
-  }
-  return "";
-}
-
 std::uint64_t hash_values(const std::vector<double>& values, std::uint64_t seed) {
   return hash_bytes(values.data(), values.size() * sizeof(double), seed);
 }
@@ -65,6 +51,14 @@ Observation initial_observation(const Scenario& scenario) {
     seen.devices.resize(body.model->devices.size());
   }
   return observation;
+}
+
+void append_remarks(const std::vector<msg::Event>& events, Diagnostics& remarks) {
+  for (const msg::Event& event : events) {
+    if (event.severity == to_string(Severity::note)) continue;
+    Diagnostic& remark = remarks.emplace_back(error(event.source + ": " + event.text));
+    if (event.severity != to_string(Severity::error)) remark.severity = Severity::warning;
+  }
 }
 
 Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& scenario, const HostOptions& options) {
@@ -121,6 +115,13 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   auto loaded = ControllerLibrary::open(*file, options_.call_limit);
   if (!loaded) return at(specification.place, loaded.errors()[0]);
   hosted.library = *loaded;
+  libraries_.push_back(*loaded);
+  try {
+    hosted.io->options();
+  } catch (const std::invalid_argument& mistake) {
+    return at(specification.place,
+              error(fmt::format("the options of controller '{}' can't be split: {}", hosted.label, mistake.what())));
+  }
   return {};
 }
 
@@ -278,7 +279,7 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
       if (!hosted.reported[field.offset])
         event(Severity::error, hosted.label,
               fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
-                          "before it", value[0], quantity_name(field.quantity),
+                          "before it", value[0], name_of(field.quantity),
                           scenario_->bodies[hosted.body].model->links[field.link].name, tick_));
       hosted.reported[field.offset] = true;
       continue;

@@ -89,6 +89,8 @@ class ControllerHost {
 
   const Scenario* scenario_ = nullptr;
   HostOptions options_;
+  // Declared before what may hold objects whose code is in them, so closed after it.
+  std::vector<std::shared_ptr<ControllerLibrary>> libraries_;
   std::vector<cnoid::BodyPtr> bodies_before_;  // by scenario body: what configure() sees
   std::vector<HostedController> controllers_;  // in order of their calls
   std::vector<msg::Event> events_;
@@ -97,6 +99,9 @@ class ControllerHost {
   bool stopped_ = false;
   std::int64_t tick_ = 0;
 };
+
+/// Events that are more than a controller's own messages, as diagnostics.
+void append_remarks(const std::vector<msg::Event>& events, Diagnostics& remarks);
 
 /// The state a scenario starts from: joints as given, links by forward kinematics, all at rest.
 Observation initial_observation(const Scenario& scenario);

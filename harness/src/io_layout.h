@@ -30,6 +30,21 @@ constexpr int width_of(Quantity quantity) {
   }
 }
 
+/// As the API names it: the state variable of a link.
+constexpr const char* name_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::q: return "q";
+    case Quantity::dq: return "dq";
+    case Quantity::ddq: return "ddq";
+    case Quantity::u: return "u";
+    case Quantity::pose: return "T";
+    case Quantity::twist: return "v, w";
+    case Quantity::acceleration: return "dv, dw";
+    case Quantity::wrench: return "F_ext";
+  }
+  return "";
+}
+
 struct IoField {
   int link = 0;    // index into the model's links
   int joint = -1;  // id of the link's joint, or -1

@@ -6,9 +6,12 @@
 #include <rehearse/messages.h>
 #include <rehearse/png.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string_view>
+
+#include "joint_arrays.h"
 
 namespace rehearse {
 namespace {
@@ -71,7 +74,6 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& rea
 RecordedInputs::~RecordedInputs() = default;
 
 RecordedInputs::Feed& RecordedInputs::add(const mcap::Channel& channel) {
-  channels_.push_back(channel.id);
   std::unique_ptr<Feed>& feed = feeds_[channel.id];
   feed = std::make_unique<Feed>();
   feed->topic = channel.topic;
@@ -106,37 +108,47 @@ void RecordedInputs::add_device(int body, int device, const std::string& kind, c
   feed.target = device;
 }
 
-bool RecordedInputs::has(int body, const IoField& field) const {
-  for (const auto& [id, feed] : feeds_) {
-    if (feed->body != body) continue;
-    switch (field.quantity) {
-      case Quantity::q:
-      case Quantity::dq:
-      case Quantity::u:
-        if (feed->kind == Feed::Kind::joints) return true;
-        break;
-      case Quantity::ddq:
-        if (feed->kind == Feed::Kind::joint_accelerations) return true;
-        break;
-      case Quantity::pose:
-        if (feed->kind == Feed::Kind::pose && feed->target == field.link) return true;
-        break;
-      case Quantity::twist:
-        if (feed->kind == Feed::Kind::twist && feed->target == field.link) return true;
-        break;
-      case Quantity::acceleration:
-        if (feed->kind == Feed::Kind::acceleration && feed->target == field.link) return true;
-        break;
-      case Quantity::wrench: return true;  // always zero: nothing to record
-    }
+bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) const {
+  if (feed.body != body) return false;
+  switch (field.quantity) {
+    case Quantity::q:
+    case Quantity::dq:
+    case Quantity::u: return feed.kind == Feed::Kind::joints;
+    case Quantity::ddq: return feed.kind == Feed::Kind::joint_accelerations;
+    case Quantity::pose: return feed.kind == Feed::Kind::pose && feed.target == field.link;
+    case Quantity::twist: return feed.kind == Feed::Kind::twist && feed.target == field.link;
+    case Quantity::acceleration: return feed.kind == Feed::Kind::acceleration && feed.target == field.link;
+    case Quantity::wrench: return false;
   }
   return false;
 }
 
+bool RecordedInputs::has(int body, const IoField& field) const {
+  if (field.quantity == Quantity::wrench) return true;  // always zero: nothing to record
+  return std::any_of(feeds_.begin(), feeds_.end(),
+                     [&](const auto& entry) { return feeds(*entry.second, body, field); });
+}
+
 bool RecordedInputs::has_device(int body, int device) const {
-  for (const auto& [id, feed] : feeds_)
-    if (feed->kind == Feed::Kind::device && feed->body == body && feed->target == device) return true;
-  return false;
+  return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
+    const Feed& feed = *entry.second;
+    return feed.kind == Feed::Kind::device && feed.body == body && feed.target == device;
+  });
+}
+
+std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host) const {
+  std::vector<std::uint16_t> channels;
+  for (const auto& [id, feed] : feeds_) {
+    bool read = false;
+    for (const HostedController& hosted : host.controllers()) {
+      if (!hosted.running || hosted.body != feed->body) continue;
+      for (const IoField& field : hosted.io->inputs().fields) read |= feeds(*feed, hosted.body, field);
+      for (const int device : hosted.io->input_devices())
+        read |= feed->kind == Feed::Kind::device && feed->target == device;
+    }
+    if (read) channels.push_back(id);
+  }
+  return channels;
 }
 
 void RecordedInputs::begin_tick() {
@@ -146,39 +158,12 @@ void RecordedInputs::begin_tick() {
 
 Result<void> RecordedInputs::accept(const mcap::Message& message) {
   Feed& feed = *feeds_.at(message.channel->id);
-  const Model& model = *scenario_.bodies[feed.body].model;
   BodyObservation& body = observation_.bodies[feed.body];
   CdrReader reader(message.data);
   bool fits = true;
   switch (feed.kind) {
-    case Feed::Kind::joints:
-      fits = feed.joints.read(message.data);
-      if (!fits) break;
-      if (feed.joints.names_changed()) {
-        feed.joint_ids.clear();
-        for (const std::string& name : feed.joints.names()) {
-          const int link = model.find_joint(name);
-          feed.joint_ids.push_back(link < 0 ? -1 : model.links[link].joint.id);
-        }
-      }
-      for (std::size_t i = 0; i < feed.joint_ids.size(); ++i) {
-        if (feed.joint_ids[i] < 0) continue;
-        JointReading& joint = body.joints[feed.joint_ids[i]];
-        if (!feed.joints.position().empty()) joint.q = feed.joints.position()[i];
-        if (!feed.joints.velocity().empty()) joint.dq = feed.joints.velocity()[i];
-        if (!feed.joints.effort().empty()) joint.u = feed.joints.effort()[i];
-      }
-      break;
-    case Feed::Kind::joint_accelerations: {
-      msg::JointAccelerations accelerations;
-      fits = msg::decode(reader, accelerations) && accelerations.acceleration.size() == accelerations.name.size();
-      for (std::size_t i = 0; fits && i < accelerations.name.size(); ++i) {
-        const int link = model.find_joint(accelerations.name[i]);
-        if (link >= 0 && model.links[link].joint.id >= 0)
-          body.joints[model.links[link].joint.id].ddq = accelerations.acceleration[i];
-      }
-      break;
-    }
+    case Feed::Kind::joints: fits = accept_joints(feed, message.data); break;
+    case Feed::Kind::joint_accelerations: fits = accept_accelerations(feed, message.data); break;
     case Feed::Kind::pose: {
       msg::PoseStamped pose;
       fits = msg::decode(reader, pose);
@@ -205,6 +190,39 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
   }
   if (fits) return {};
   return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));
+}
+
+bool RecordedInputs::accept_joints(Feed& feed, mcap::Bytes payload) {
+  if (!feed.joints.read(payload)) return false;
+  const Model& model = *scenario_.bodies[feed.body].model;
+  if (feed.joints.names_changed()) {
+    feed.joint_ids.clear();
+    for (const std::string& name : feed.joints.names()) {
+      const int link = model.find_joint(name);
+      feed.joint_ids.push_back(link < 0 ? -1 : model.links[link].joint.id);
+    }
+  }
+  for (std::size_t i = 0; i < feed.joint_ids.size(); ++i) {
+    if (feed.joint_ids[i] < 0) continue;
+    JointReading& joint = observation_.bodies[feed.body].joints[feed.joint_ids[i]];
+    if (!feed.joints.position().empty()) joint.q = feed.joints.position()[i];
+    if (!feed.joints.velocity().empty()) joint.dq = feed.joints.velocity()[i];
+    if (!feed.joints.effort().empty()) joint.u = feed.joints.effort()[i];
+  }
+  return true;
+}
+
+bool RecordedInputs::accept_accelerations(const Feed& feed, mcap::Bytes payload) {
+  CdrReader reader(payload);
+  msg::JointAccelerations message;
+  if (!msg::decode(reader, message) || message.acceleration.size() != message.name.size()) return false;
+  const Model& model = *scenario_.bodies[feed.body].model;
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    const int link = model.find_joint(message.name[i]);
+    if (link >= 0 && model.links[link].joint.id >= 0)
+      observation_.bodies[feed.body].joints[model.links[link].joint.id].ddq = message.acceleration[i];
+  }
+  return true;
 }
 
 Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message& message) {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "controller_host.h"
 #include "io_layout.h"
-#include "joint_arrays.h"
 
 namespace rehearse {
 
@@ -22,8 +22,8 @@ class RecordedInputs {
   RecordedInputs(const Scenario& scenario, const mcap::Reader& reader);
   ~RecordedInputs();
 
-  /// The channels that accept() wants to see.
-  const std::vector<std::uint16_t>& channels() const { return channels_; }
+  /// The channels that hold what a controller of the host reads: accept() wants to see these, and no others.
+  std::vector<std::uint16_t> channels_read_by(const ControllerHost& host) const;
   /// Whether the trace holds a quantity of a link, or what a device measured.
   bool has(int body, const IoField& field) const;
   bool has_device(int body, int device) const;
@@ -36,15 +36,17 @@ class RecordedInputs {
 
  private:
   struct Feed;
+  bool feeds(const Feed& feed, int body, const IoField& field) const;
   void add_joints(int body, const mcap::Channel& channel);
   void add_link(int body, const std::string& link, const std::string& kind, const mcap::Channel& channel);
   void add_device(int body, int device, const std::string& kind, const mcap::Channel& channel);
   Feed& add(const mcap::Channel& channel);
+  bool accept_joints(Feed& feed, mcap::Bytes payload);
+  bool accept_accelerations(const Feed& feed, mcap::Bytes payload);
   Result<void> accept_device(const Feed& feed, const mcap::Message& message);
 
   const Scenario& scenario_;
   Observation observation_;
-  std::vector<std::uint16_t> channels_;
   std::map<std::uint16_t, std::unique_ptr<Feed>> feeds_;
 };
 

@@ -139,10 +139,7 @@ Result<bool> Session::step() {
 
 Result<void> Session::Impl::record_events() {
   const std::vector<msg::Event> events = host->take_events();
-  for (const msg::Event& event : events)
-    if (event.severity != to_string(Severity::note))
-      summary.remarks.push_back({event.severity == to_string(Severity::error) ? Severity::error : Severity::warning,
-                                 "", 0, 0, event.source + ": " + event.text, ""});
+  append_remarks(events, summary.remarks);
   return recorder->record_events(events);
 }
 

@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/replay.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "controller_host.h"
+#include "recorded_inputs.h"
+#include "recorded_outputs.h"
+#include "trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+Diagnostic in_trace(const mcap::Reader& trace, Diagnostic diagnostic) {
+  if (diagnostic.file.empty()) diagnostic.file = trace.name();
+  return diagnostic;
+}
+
+class Replayer {
+ public:
+  Replayer(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& trace, ControllerHost& host)
+      : options_(options), scenario_(scenario), trace_(trace), host_(host), inputs_(scenario, trace) {}
+
+  Result<ReplayReport> run();
+
+ private:
+  Result<void> begin();
+  Diagnostics unrecorded_inputs() const;
+  bool on_message(const mcap::Message& message);
+  bool finish_tick();
+  void compare_results();
+  void differs(Divergence&& found);
+  void take_events();
+
+  const ReplayOptions& options_;
+  const Scenario& scenario_;
+  mcap::Reader& trace_;
+  ControllerHost& host_;
+  RecordedInputs inputs_;
+  std::vector<RecordedOutputs> outputs_;       // by controller
+  std::vector<RecordedOutputs*> output_of_;    // by channel id; null: none
+  std::vector<bool> is_input_;                 // by channel id
+  std::uint16_t tick_channel_ = 0;
+  std::vector<std::uint16_t> channels_;
+  msg::Tick tick_;
+  bool tick_here_ = false;
+  std::uint64_t now_ = 0;                      // log time of the tick being gathered [ns]
+  std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
+  bool tick_differs_ = false;
+  Diagnostics errors_;
+  ReplayReport report_;
+};
+
+Result<void> Replayer::begin() {
+  host_.initialize(initial_observation(scenario_));
+  host_.start();
+  for (const auto& [id, channel] : trace_.channels())
+    if (channel.topic == "/tick") tick_channel_ = id;
+  if (tick_channel_ == 0) return in_trace(trace_, error("it has no ticks: nothing of the run was recorded"));
+  if (Diagnostics missing = unrecorded_inputs(); !missing.empty()) return missing;
+
+  const std::size_t ids = std::size_t{trace_.channels().rbegin()->first} + 1;
+  is_input_.assign(ids, false);
+  output_of_.assign(ids, nullptr);
+  channels_ = inputs_.channels_read_by(host_);
+  for (const std::uint16_t id : channels_) is_input_[id] = true;
+  channels_.push_back(tick_channel_);
+  outputs_.reserve(host_.controllers().size());
+  for (const HostedController& hosted : host_.controllers()) {
+    RecordedOutputs& outputs = outputs_.emplace_back(hosted, scenario_, trace_);
+    for (const std::uint16_t id : outputs.channels()) {
+      output_of_[id] = &outputs;
+      channels_.push_back(id);
+    }
+  }
+  from_ = static_cast<std::uint64_t>(std::llround(std::max(0.0, options_.from) * 1e9));
+  if (options_.until) until_ = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options_.until) * 1e9));
+  return {};
+}
+
+Diagnostics Replayer::unrecorded_inputs() const {
+  Diagnostics missing;
+  for (const HostedController& hosted : host_.controllers()) {
+    if (!hosted.running) continue;
+    const Model& model = *scenario_.bodies[hosted.body].model;
+    const auto report = [&](const std::string& what) {
+      missing.push_back(in_trace(trace_, error(fmt::format("controller '{}' reads {}, which was not recorded",
+                                                           hosted.label, what),
+                                               "record again with this controller")));
+    };
+    for (const IoField& field : hosted.io->inputs().fields)
+      if (!inputs_.has(hosted.body, field))
+        report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
+    for (const int device : hosted.io->input_devices())
+      if (!inputs_.has_device(hosted.body, device)) report(fmt::format("device '{}'", model.devices[device].name));
+  }
+  return missing;
+}
+
+Result<ReplayReport> Replayer::run() {
+  if (auto begun = begin(); !begun) return begun.errors();
+  take_events();
+  bool going_on = !host_.failure();
+  const auto gather = [this, &going_on](const mcap::Message& message) {
+    if (message.log_time != now_ && !(going_on = finish_tick())) return false;
+    now_ = message.log_time;
+    return going_on = on_message(message);
+  };
+  Result<void> read;
+  if (going_on) read = trace_.for_each_message_in_order(gather, channels_);
+  if (going_on) finish_tick();
+  if (!errors_.empty()) return errors_;
+  if (!read) return read.errors();
+  host_.stop();
+  take_events();
+  report_.failure = host_.failure();
+  report_.controller_refused = host_.any_refused();
+  return report_;
+}
+
+bool Replayer::on_message(const mcap::Message& message) {
+  const std::uint16_t id = message.channel->id;
+  Result<void> accepted;
+  if (id == tick_channel_) {
+    CdrReader reader(message.data);
+    tick_here_ = msg::decode(reader, tick_);
+    if (!tick_here_) accepted = error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time));
+  } else if (is_input_[id]) {
+    accepted = inputs_.accept(message);
+  } else {
+    accepted = output_of_[id]->accept(message);
+  }
+  if (!accepted) errors_ = {in_trace(trace_, accepted.errors()[0])};
+  return accepted.ok();
+}
+
+/// All messages of a tick are here: control, and compare. False: the replay ends.
+bool Replayer::finish_tick() {
+  if (!tick_here_) return true;  // before the first tick, or a tick that wasn't closed
+  tick_here_ = false;
+  const bool last_state = tick_.controller_results.size() != host_.controllers().size();
+  if (last_state || now_ >= until_) return false;  // after the last step only the state is recorded
+  tick_differs_ = false;
+  if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
+  if (now_ >= from_) {
+    for (const RecordedOutputs& outputs : outputs_)
+      report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
+    compare_results();
+    report_.ticks_different += tick_differs_ ? 1 : 0;
+  }
+  ++report_.ticks;
+  take_events();
+  inputs_.begin_tick();
+  for (RecordedOutputs& outputs : outputs_) outputs.begin_tick();
+  const std::int64_t all = scenario_.ticks();
+  if (options_.progress && report_.ticks % std::max<std::int64_t>(1, all / 100) == 0)
+    options_.progress(report_.ticks, all);
+  return true;
+}
+
+void Replayer::compare_results() {
+  for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
+    ++report_.values;
+    const bool result = host_.controllers()[i].result;
+    if (result == tick_.controller_results[i]) continue;
+    Divergence found;
+    found.channel = "/tick";
+    found.element = fmt::format("controller_results/{}", i);
+    found.expected = tick_.controller_results[i] ? 1.0 : 0.0;
+    found.actual = result ? 1.0 : 0.0;
+    found.difference = 1.0;
+    found.note = fmt::format("control() of '{}' returned {}, and {} in the recording", host_.controllers()[i].label,
+                             result, !result);
+    differs(std::move(found));
+  }
+}
+
+void Replayer::differs(Divergence&& found) {
+  found.tick = tick_.tick;
+  found.time = time_of(tick_.tick, scenario_.time_step);
+  tick_differs_ = true;
+  ++report_.values_different;
+  if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
+  if (!report_.first) report_.first = std::move(found);
+}
+
+void Replayer::take_events() { append_remarks(host_.take_events(), report_.remarks); }
+
+}  // namespace
+
+Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
+  auto reader = mcap::Reader::open(trace);
+  if (!reader) return reader.errors();
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario.errors();
+  auto host = ControllerHost::create(*scenario, options);
+  if (!host) return host.errors();
+  return Replayer(options, *scenario, **reader, **host).run();
+}
+
+}  // namespace rehearse
