@@ -356,7 +356,7 @@ struct Tick {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";
   Time stamp;
   std::int64_t tick = 0;
-  std::uint64_t state_hash = 0;          // of the complete simulation state after the tick
+  std::uint64_t state_hash = 0;          // of the complete simulation state at the beginning of the tick
   std::uint64_t input_hash = 0;          // of all that went to controllers
   std::uint64_t output_hash = 0;         // of all that they commanded
   std::vector<bool> controller_results;  // what control() returned, in scenario order
