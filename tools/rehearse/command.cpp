@@ -1,0 +1,82 @@
+#include "command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+
+namespace rehearse::tool {
+namespace {
+
+constexpr VerbSummary verbs[] = {
+    {"record", "run a scenario in closed loop and record all that passes", true},
+    {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands", false},
+    {"info", "what stands in a trace", false},
+    {"inspect", "load a robot model and report what was understood of it", false},
+    {"render", "draw a picture of a scenario or a model", true},
+};
+
+Exit usage_error(const std::string& verb, const std::string& what) {
+  return refuse(error(fmt::format("rehearse {}: {}", verb, what), fmt::format("see rehearse {} --help", verb)));
+}
+
+/// One line, without the full stop that some messages have.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+std::span<const VerbSummary> all_verbs() { return verbs; }
+
+const VerbSummary* find_verb(std::string_view name) {
+  const auto found = std::find_if(std::begin(verbs), std::end(verbs), [&](const auto& verb) { return verb.name == name; });
+  return found == std::end(verbs) ? nullptr : found;
+}
+
+std::string overview() {
+  std::string text =
+      "Rehearse records robot controllers in a deterministic simulation, and replays and judges the recordings.\n"
+      "\n"
+      "Usage: rehearse VERB [ARGUMENTS...]\n"
+      "       rehearse VERB --help\n"
+      "\n"
+      "Verbs:\n";
+  for (const VerbSummary& verb : verbs) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+  text +=
+      "\n"
+      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed.\n";
+  return text;
+}
+
+Exit run_verb(const Verb& verb, int argc, char** argv) {
+  const std::string name(verb.name);
+  CLI::App options(std::string(find_verb(verb.name)->summary), "rehearse " + name);
+  options.footer("Example:\n" + std::string(verb.example));
+  try {
+    const std::function<Exit()> run = verb.declare(options);
+    std::vector<std::string> arguments(argv + 2, argv + argc);
+    std::reverse(arguments.begin(), arguments.end());  // the order in which CLI11 takes them
+    options.parse(arguments);
+    return run();
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", options.help());
+    return Exit::done;
+  } catch (const CLI::ParseError& problem) {
+    return usage_error(name, one_line(problem.what()));
+  } catch (const std::exception& problem) {
+    return refuse(error(fmt::format("internal error: {}", problem.what())));
+  }
+}
+
+Exit refuse(const Diagnostics& diagnostics) {
+  fmt::print(stderr, "{}", to_string(diagnostics));
+  return Exit::bad_input;
+}
+
+Exit refuse(Diagnostic diagnostic) { return refuse(Diagnostics{std::move(diagnostic)}); }
+
+}  // namespace rehearse::tool

@@ -1,0 +1,63 @@
+// A verb of the command: its options, what it does, and how it ends.
+//
+// Each verb is one file, VERB_command.cpp, with one Verb object. Two programs share them: `rehearse`, which simulates
+// nothing and links neither physics nor renderer, and `rehearse-simulate` behind it, which does.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <functional>
+#include <span>
+#include <string_view>
+
+namespace rehearse::tool {
+
+/// What a program ends with. Outside programs rely on the numbers.
+enum class Exit {
+  done = 0,               // the same, or done
+  differs = 1,            // two runs differ
+  bad_input = 2,          // bad usage or bad input; nothing was written
+  controller_failed = 3,  // it refused, threw, crashed or hung; the trace is kept up to there
+};
+
+struct Verb {
+  std::string_view name;
+  std::string_view example;  // a command line or more, shown below --help
+  /// Declares the options and returns what to do once they are read.
+  std::function<Exit()> (*declare)(CLI::App& options);
+};
+
+// Defined in NAME_command.cpp.
+extern const Verb info_verb;
+extern const Verb inspect_verb;
+extern const Verb record_verb;
+extern const Verb render_verb;
+extern const Verb replay_verb;
+
+/// A verb as the list of all of them shows it.
+struct VerbSummary {
+  std::string_view name;
+  std::string_view summary;
+  bool simulates;  // lives in rehearse-simulate
+};
+
+/// All verbs, in the order in which one meets them.
+std::span<const VerbSummary> all_verbs();
+/// Null if there is no such verb.
+const VerbSummary* find_verb(std::string_view name);
+
+/// `rehearse --help`.
+std::string overview();
+
+/// Reads the verb's arguments (argv[2] and on) and runs it. Usage errors and, as a last resort, exceptions are told on
+/// stderr and end in Exit::bad_input.
+Exit run_verb(const Verb& verb, int argc, char** argv);
+
+/// Prints to stderr, one a line; returns Exit::bad_input.
+Exit refuse(const Diagnostics& diagnostics);
+Exit refuse(Diagnostic diagnostic);
+
+}  // namespace rehearse::tool

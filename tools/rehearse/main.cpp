@@ -1,0 +1,60 @@
+// rehearse: the command. What simulates is in a program of its own, so that this one links neither physics nor renderer.
+#include <fmt/format.h>
+#include <rehearse/pin.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+
+#include "command.h"
+
+namespace rehearse::tool {
+namespace {
+
+constexpr const Verb* own_verbs[] = {&replay_verb, &info_verb, &inspect_verb};
+
+/// Goes on as rehearse-simulate, which stands at a fixed place beside this program. Comes back only if it can't.
+Exit become_simulator(char** argv) {
+  std::error_code problem;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", problem);
+  const std::filesystem::path simulator = (self.parent_path() / SIMULATOR_BESIDE_COMMAND).lexically_normal();
+  set_pinned_environment();
+  execv(simulator.c_str(), argv);
+  return refuse(error(fmt::format("can't start {}: {}", simulator.string(), std::strerror(errno)),
+                      "it is built and installed together with rehearse"));
+}
+
+/// The verb that begins alike, for a hint.
+std::string hint_for(std::string_view word) {
+  for (const VerbSummary& verb : all_verbs())
+    if (word.size() >= 2 && verb.name.substr(0, 2) == word.substr(0, 2))
+      return fmt::format("did you mean {}? rehearse --help lists all verbs", verb.name);
+  return "rehearse --help lists all verbs";
+}
+
+Exit run(int argc, char** argv) {
+  const std::string_view word = argc < 2 ? "" : argv[1];
+  if (word == "--help" || word == "-h" || word == "help") {
+    fmt::print("{}", overview());
+    return Exit::done;
+  }
+  if (word == "--version") {
+    fmt::print("rehearse {}\n", REHEARSE_VERSION);
+    return Exit::done;
+  }
+  if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
+  const VerbSummary* known = find_verb(word);
+  if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
+  if (known->simulates) return become_simulator(argv);
+  pin_process(argv);
+  for (const Verb* verb : own_verbs)
+    if (verb->name == word) return run_verb(*verb, argc, argv);
+  REHEARSE_ASSERT(false, "a verb that is listed is in one of the two programs");
+}
+
+}  // namespace
+}  // namespace rehearse::tool
+
+int main(int argc, char** argv) { return static_cast<int>(rehearse::tool::run(argc, argv)); }

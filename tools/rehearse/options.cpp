@@ -1,0 +1,69 @@
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace rehearse::tool {
+namespace {
+
+template <class Number>
+Number parse(const std::string& option, std::string_view text, Number lowest, Number highest, const char* kind) {
+  Number number{};
+  const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool complete = end.ec == std::errc() && end.ptr == text.data() + text.size();
+  if (complete && number >= lowest && number <= highest) return number;  // NaN is neither
+  throw CLI::ValidationError(option, fmt::format("'{}' is not {} from {} to {}", text, kind, lowest, highest));
+}
+
+void take_controller(HostOptions& host, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw CLI::ValidationError("--controller", fmt::format("'{}' is not NAME=LIB", text));
+  const std::string name = text.substr(0, equals);
+  if (!host.libraries.emplace(name, text.substr(equals + 1)).second)
+    throw CLI::ValidationError("--controller", fmt::format("'{}' is given twice", name));
+}
+
+}  // namespace
+
+double parse_number(const std::string& option, std::string_view text, double lowest, double highest) {
+  return parse(option, text, lowest, highest, "a number");
+}
+
+std::int64_t parse_integer(const std::string& option, std::string_view text, std::int64_t lowest,
+                           std::int64_t highest) {
+  return parse(option, text, lowest, highest, "a whole number");
+}
+
+void add_number(CLI::App& options, const std::string& option, const std::string& help, double lowest, double highest,
+                std::function<void(double)> take) {
+  const auto read = [=](const std::string& text) { take(parse_number(option, text, lowest, highest)); };
+  options.add_option_function<std::string>(option, read, help)->type_name("NUMBER");
+}
+
+void add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
+                 std::int64_t highest, std::function<void(std::int64_t)> take) {
+  const auto read = [=](const std::string& text) { take(parse_integer(option, text, lowest, highest)); };
+  options.add_option_function<std::string>(option, read, help)->type_name("NUMBER");
+}
+
+void add_host_options(CLI::App& options, HostOptions& host) {
+  const auto take_all = [&host](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) take_controller(host, text);
+  };
+  options
+      .add_option_function<std::vector<std::string>>(
+          "--controller", take_all,
+          "library to load for the controller NAME (or BODY/NAME) instead of the scenario's: a name, or a path")
+      ->type_name("NAME=LIB")
+      ->allow_extra_args(false);
+  add_number(options, "--call-limit", "wall time that a call into a controller may take [s]; then it counts as hung (10)",
+             0.01, 86400.0, [&host](double limit) { host.call_limit = limit; });
+}
+
+void add_json_flag(CLI::App& options, bool& json) {
+  options.add_flag("--json", json, "print one JSON object, and nothing else, on stdout");
+}
+
+}  // namespace rehearse::tool

@@ -1,0 +1,30 @@
+// Options that several verbs share, and numbers on the command line: read without locale, and all refused alike.
+#pragma once
+
+#include <rehearse/host_options.h>
+
+#include <CLI/App.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace rehearse::tool {
+
+/// `text` as a number from `lowest` to `highest`; else throws CLI::ValidationError, naming `option`.
+double parse_number(const std::string& option, std::string_view text, double lowest, double highest);
+std::int64_t parse_integer(const std::string& option, std::string_view text, std::int64_t lowest, std::int64_t highest);
+
+/// An option with a number, handed to `take`. `option` is its long form, as "--until".
+void add_number(CLI::App& options, const std::string& option, const std::string& help, double lowest, double highest,
+                std::function<void(double)> take);
+void add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
+                 std::int64_t highest, std::function<void(std::int64_t)> take);
+
+/// --controller NAME=LIB, as often as one likes, and --call-limit S.
+void add_host_options(CLI::App& options, HostOptions& host);
+
+/// --json.
+void add_json_flag(CLI::App& options, bool& json);
+
+}  // namespace rehearse::tool

@@ -1,0 +1,43 @@
+// What verbs print and write: amounts for people, JSON for programs, files that don't replace something else.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/divergence.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse::tool {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN and no infinities: they become the strings "NaN", "Infinity" and "-Infinity".
+Json json_of(double number);
+Json json_of(const std::optional<Divergence>& divergence);  // null if there is none
+Json json_of(const Diagnostics& diagnostics);
+
+/// The object and a newline, on stdout. Text that isn't UTF-8 has its bad bytes replaced.
+void print(const Json& object);
+
+/// "812 bytes", "5.4 MB".
+std::string file_size_text(std::uintmax_t bytes);
+/// "1 link", "3 links".
+std::string count_text(std::int64_t count, std::string_view noun);
+
+using TableRow = std::vector<std::string>;
+/// Cells in columns as wide as their widest cell; the first row is the heading.
+void print_table(const std::vector<TableRow>& rows);
+
+/// That a file of ours may be written there: it doesn't exist, or is one of its kind, that is, begins with `magic`.
+/// So that a slip of the hand replaces no scenario by a picture.
+Result<void> check_output(const std::filesystem::path& file, std::string_view magic, std::string_view kind);
+
+inline constexpr std::string_view mcap_magic = "\x89MCAP0\r\n";
+inline constexpr std::string_view png_magic = "\x89PNG\r\n\x1a\n";
+
+}  // namespace rehearse::tool

@@ -1,0 +1,39 @@
+#include "progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace rehearse::tool {
+namespace {
+
+constexpr int bar_width = 30;  // [characters]
+constexpr std::chrono::seconds patience{1};
+constexpr std::chrono::milliseconds interval{100};
+
+}  // namespace
+
+Progress::Progress(std::string what) : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void Progress::show(std::int64_t done, std::int64_t all) {
+  if (!on_terminal_ || all <= 0) return;
+  const Clock::time_point now = Clock::now();
+  if (now - begin_ < patience || (drawn_ && now - last_ < interval)) return;
+  last_ = now;
+  drawn_ = true;
+  const double share = std::clamp(static_cast<double>(done) / static_cast<double>(all), 0.0, 1.0);
+  const double elapsed = std::chrono::duration<double>(now - begin_).count();
+  const double left = share > 0.0 ? elapsed / share - elapsed : 0.0;
+  const int filled = static_cast<int>(share * bar_width);
+  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %, {:.0f} s left\x1b[K", what_, "", filled, "", bar_width - filled,
+             share * 100.0, left);
+  std::fflush(stderr);
+}
+
+}  // namespace rehearse::tool

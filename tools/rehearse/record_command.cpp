@@ -1,0 +1,103 @@
+// rehearse record: one closed-loop run, into a trace.
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/session.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+#include "scenario_text.h"
+
+namespace rehearse::tool {
+namespace {
+
+struct Settings {
+  std::string scenario;
+  std::string trace;  // empty: named like the scenario, in the working directory
+  std::optional<std::uint32_t> seed;
+  std::optional<double> duration;  // [s]
+  bool no_frames = false;
+  RecordOptions record;
+};
+
+/// The scenario as it will run.
+Result<Scenario> load(const Settings& settings) {
+  Result<Scenario> scenario = Scenario::load(settings.scenario);
+  if (!scenario) return scenario;
+  if (settings.seed) scenario->seed = *settings.seed;
+  if (settings.duration) scenario->duration = *settings.duration;
+  if (settings.no_frames) scenario->record_frames = false;
+  if (scenario->ticks() < 1)
+    return error(fmt::format("--duration {} is no tick", scenario->duration),
+                 fmt::format("expected at least one time step, {} s", scenario->time_step));
+  return scenario;
+}
+
+/// A failure is an event too, and so comes back among the remarks: it is told once, last.
+void tell_remarks(const RunSummary& summary) {
+  for (const Diagnostic& remark : summary.remarks)
+    if (!summary.failure || remark.message.find(summary.failure->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
+  if (summary.failure) fmt::print(stderr, "{}\n", to_string(*summary.failure));
+}
+
+void tell_recording(const Scenario& scenario, const std::string& trace, const RunSummary& summary, double seconds) {
+  const double simulated = time_of(summary.ticks, scenario.time_step);
+  fmt::print("recorded {}: {}\n", scenario.name, cast_of(scenario));
+  fmt::print("{}, {:g} s of simulation, in {:.2f} s: {:.3g} times real time, {:.0f} ticks/s\n",
+             count_text(summary.ticks, "tick"), simulated, seconds, simulated / seconds,
+             static_cast<double>(summary.ticks) / seconds);
+  fmt::print("{}, {}, {} in {}\n", count_text(summary.channels, "channel"), count_text(summary.frames, "camera frame"),
+             file_size_text(summary.bytes), trace);
+}
+
+Exit run(Settings& settings) {
+  const Result<Scenario> scenario = load(settings);
+  if (!scenario) return refuse(scenario.errors());
+  tell_warnings(*scenario);
+  const std::string trace =
+      settings.trace.empty() ? std::filesystem::path(settings.scenario).stem().string() + ".mcap" : settings.trace;
+  if (const auto allowed = check_output(trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+
+  const Stopwatch stopwatch;
+  Result<RunSummary> summary = [&] {
+    Progress progress("recording");
+    settings.record.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    return record(*scenario, trace, settings.record);
+  }();
+  if (!summary) return refuse(summary.errors());
+  tell_recording(*scenario, trace, *summary, stopwatch.seconds());
+  std::fflush(stdout);  // before what stderr says of it
+  tell_remarks(*summary);
+  return summary->failure || summary->controller_refused ? Exit::controller_failed : Exit::done;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("scenario", settings->scenario, "the scenario, a YAML file")->required()->type_name("SCENARIO");
+  options.add_option("-o,--output", settings->trace, "the trace to write (named like the scenario, here)")
+      ->type_name("TRACE");
+  add_integer(options, "--seed", "seed of the run, instead of the scenario's", 0,
+              std::numeric_limits<std::uint32_t>::max(),
+              [=](std::int64_t seed) { settings->seed = static_cast<std::uint32_t>(seed); });
+  add_number(options, "--duration", "simulated time that the run lasts [s], instead of the scenario's", 0.0,
+             Scenario::max_duration, [=](double duration) { settings->duration = duration; });
+  options.add_flag("--no-frames", settings->no_frames, "leave the cameras' pictures out of the trace");
+  add_host_options(options, settings->record);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb record_verb{
+    "record",
+    "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
+    "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n",
+    declare};
+
+}  // namespace rehearse::tool

@@ -1,0 +1,154 @@
+// rehearse render: a picture of a scenario as it starts, or of a model.
+#include <fmt/format.h>
+#include <rehearse/png.h>
+#include <rehearse/renderer.h>
+#include <rehearse/scenario.h>
+#include <rehearse/urdf.h>
+
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "scenario_text.h"
+#include "viewpoint.h"
+
+namespace rehearse::tool {
+namespace {
+
+constexpr int largest_side = Renderer::max_size / 3;  // of a fine picture [pixels]
+constexpr double farthest = 1e4;                      // coordinate of eye and target [m]
+const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);
+
+struct Settings {
+  std::string input;
+  std::string picture;
+  std::optional<Eigen::Vector3d> eye, target;  // [m]
+  Camera camera;
+};
+
+/// True if the file looks like XML: the first character that isn't white space is a '<'.
+bool is_model(const std::string& file) {
+  if (std::filesystem::path(file).extension() == ".urdf") return true;
+  std::ifstream stream(file, std::ios::binary);
+  char first = 0;
+  return (stream >> first) && first == '<';
+}
+
+/// Poses of the links as the run starts.
+PlacedModel place(const ScenarioBody& body) {
+  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
+  root.linear() = body.rotation.toRotationMatrix();
+  root.translation() = body.position;
+  return {body.model, forward_kinematics(*body.model, root, body.joints), body.fixed};
+}
+
+Result<std::vector<PlacedModel>> load_scene(const std::string& file) {
+  std::vector<PlacedModel> scene;
+  if (is_model(file)) {
+    Result<Model> model = load_urdf(file);
+    if (!model) return model.errors();
+    const std::vector<double> at_zero(model->joints.size(), 0.0);
+    const auto shared = std::make_shared<const Model>(*std::move(model));
+    scene.push_back({shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), at_zero), false});
+    return scene;
+  }
+  const Result<Scenario> scenario = Scenario::load(file);
+  if (!scenario) return scenario.errors();
+  tell_warnings(*scenario);
+  for (const ScenarioBody& body : scenario->bodies) scene.push_back(place(body));
+  return scene;
+}
+
+void add_to(Renderer& renderer, const PlacedModel& placed) {
+  for (std::size_t i = 0; i < placed.model->links.size(); ++i)
+    for (const Shape& shape : placed.model->links[i].visuals)
+      renderer.set_link_pose(renderer.add(shape, default_color), placed.links[i]);
+}
+
+Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>& bytes) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) return error(fmt::format("can't write {}", file), "is there such a folder, and room in it?");
+  return {};
+}
+
+Exit run(Settings& settings) {
+  const auto scene = load_scene(settings.input);
+  if (!scene) return refuse(scene.errors());
+  if (const auto allowed = check_output(settings.picture, png_magic, "PNG picture"); !allowed)
+    return refuse(allowed.errors());
+  const Viewpoint view = default_viewpoint(*scene, settings.camera, settings.eye, settings.target);
+  const double distance = (view.target - view.eye).norm();
+  if (distance < 1e-6) return refuse(error("--eye and --target are the same place", "give two different points"));
+  settings.camera.near_clip = std::min(0.01 * distance, 0.1);
+  settings.camera.far_clip = std::max(1000.0, 100.0 * distance);
+
+  const auto renderer = Renderer::create();
+  if (!renderer) return refuse(renderer.errors());
+  for (const PlacedModel& placed : *scene) add_to(**renderer, placed);
+  const Frame frame = (*renderer)->draw(settings.camera, look_at(view.eye, view.target), Quality::fine);
+  if (const auto written = write_file(settings.picture, encode_png(frame.color)); !written)
+    return refuse(written.errors());
+  fmt::print("{}: {} x {} pixels, seen from {:.3g},{:.3g},{:.3g} m towards {:.3g},{:.3g},{:.3g} m\n", settings.picture,
+             settings.camera.width, settings.camera.height, view.eye.x(), view.eye.y(), view.eye.z(), view.target.x(),
+             view.target.y(), view.target.z());
+  return Exit::done;
+}
+
+/// "x,y,z" [m].
+Eigen::Vector3d parse_point(const std::string& option, const std::string& text) {
+  const std::size_t first = text.find(',');
+  const std::size_t second = first == std::string::npos ? first : text.find(',', first + 1);
+  if (second == std::string::npos || text.find(',', second + 1) != std::string::npos)
+    throw CLI::ValidationError(option, fmt::format("'{}' is not x,y,z", text));
+  const std::string_view all = text;
+  return {parse_number(option, all.substr(0, first), -farthest, farthest),
+          parse_number(option, all.substr(first + 1, second - first - 1), -farthest, farthest),
+          parse_number(option, all.substr(second + 1), -farthest, farthest)};
+}
+
+void add_point(CLI::App& options, const std::string& option, const std::string& help,
+               std::optional<Eigen::Vector3d>& point) {
+  options
+      .add_option_function<std::string>(
+          option, [option, &point](const std::string& text) { point = parse_point(option, text); }, help)
+      ->type_name("X,Y,Z");
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  settings->camera.width = 960;
+  settings->camera.height = 720;
+  settings->camera.field_of_view = 35.0 * std::numbers::pi / 180.0;
+  options.add_option("input", settings->input, "a scenario, shown as it starts, or a model with all joints at zero")
+      ->required()
+      ->type_name("SCENARIO|MODEL");
+  options.add_option("-o,--output", settings->picture, "the picture to write")->required()->type_name("PNG");
+  add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,
+              [=](std::int64_t width) { settings->camera.width = static_cast<int>(width); });
+  add_integer(options, "--height", "of the picture [pixels] (720)", 1, largest_side,
+              [=](std::int64_t height) { settings->camera.height = static_cast<int>(height); });
+  add_point(options, "--eye", "where the camera is [m] (in front, to the right and above, so that all is seen)",
+            settings->eye);
+  add_point(options, "--target", "what it looks at [m] (the middle of all that isn't scenery)", settings->target);
+  add_number(options, "--fov", "opening angle of the picture's shorter side [deg] (35)", 1.0, 170.0,
+             [=](double degrees) { settings->camera.field_of_view = degrees * std::numbers::pi / 180.0; });
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb render_verb{
+    "render",
+    "  rehearse render fixtures/scenarios/sr1_minimum.yaml -o sr1.png\n"
+    "  rehearse render robot.urdf -o hand.png --eye 0.6,0.2,1.1 --target 0,0.3,0.9\n",
+    declare};
+
+}  // namespace rehearse::tool

@@ -1,0 +1,101 @@
+// rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit.
+#include <fmt/format.h>
+#include <rehearse/replay.h>
+
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+constexpr double longest_time = 1e9;  // [s]
+
+struct Settings {
+  std::string trace;
+  bool json = false;
+  ReplayOptions replay;
+};
+
+std::string verdict(const ReplayReport& report) {
+  if (report.failure) return "failed: " + report.failure->message;
+  if (report.first) return "differs: " + to_string(*report.first);
+  if (report.values == 0) return "equal, but nothing was compared: no controller commanded anything in that time";
+  return fmt::format("equal: {} in {}, bit for bit", count_text(report.values, "commanded number"),
+                     count_text(report.ticks, "tick"));
+}
+
+Json report_json(const ReplayReport& report) {
+  return {{"verdict", verdict(report)},
+          {"equal", report.equal()},
+          {"within", report.equal()},  // the tolerance of a replay is zero
+          {"first", json_of(report.first)},
+          {"worst", json_of(report.worst)},
+          {"ticks", report.ticks},
+          {"ticks_different", report.ticks_different},
+          {"values", report.values},
+          {"values_different", report.values_different},
+          {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
+          {"controller_refused", report.controller_refused},
+          {"remarks", json_of(report.remarks)}};
+}
+
+void tell(const Settings& settings, const ReplayReport& report, double seconds) {
+  fmt::print("replayed {}: {} without physics in {:.3f} s, {:.0f} ticks/s\n", settings.trace,
+             count_text(report.ticks, "tick"), seconds, static_cast<double>(report.ticks) / seconds);
+  fmt::print("{}\n", verdict(report));
+  if (!report.first) return;
+  fmt::print("worst: {}\n", to_string(*report.worst));
+  fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks, "tick"),
+             report.values_different, count_text(report.values, "commanded number"));
+}
+
+void tell_remarks(const ReplayReport& report) {
+  for (const Diagnostic& remark : report.remarks)
+    if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
+}
+
+Exit run(Settings& settings) {
+  const Stopwatch stopwatch;
+  const Result<ReplayReport> report = [&] {
+    Progress progress("replaying");
+    settings.replay.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    return replay(settings.trace, settings.replay);
+  }();
+  if (!report) return refuse(report.errors());
+  if (settings.json) {
+    print(report_json(*report));
+  } else {
+    tell(settings, *report, stopwatch.seconds());
+    std::fflush(stdout);  // before what stderr says of it
+    tell_remarks(*report);
+  }
+  if (report->failure || report->controller_refused) return Exit::controller_failed;
+  return report->equal() ? Exit::done : Exit::differs;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("trace", settings->trace, "the recording")->required()->type_name("TRACE");
+  add_number(options, "--from", "compare commands from this time on [s]; the replay itself starts at the beginning",
+             0.0, longest_time, [=](double from) { settings->replay.from = from; });
+  add_number(options, "--until", "end there [s]", 0.0, longest_time,
+             [=](double until) { settings->replay.until = until; });
+  add_host_options(options, settings->replay);
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb replay_verb{
+    "replay",
+    "  rehearse replay sr1.mcap\n"
+    "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n",
+    declare};
+
+}  // namespace rehearse::tool

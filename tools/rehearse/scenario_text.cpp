@@ -1,0 +1,35 @@
+#include "scenario_text.h"
+
+#include <fmt/format.h>
+
+namespace rehearse::tool {
+namespace {
+
+std::string controllers_of(const ScenarioBody& body) {
+  std::string names;
+  for (const ScenarioController& controller : body.controllers) {
+    names += (names.empty() ? "" : " and ") + controller.name;
+    for (const ScenarioController& child : controller.children) names += " and " + child.name;
+  }
+  return names;
+}
+
+}  // namespace
+
+void tell_warnings(const Scenario& scenario) {
+  for (const Diagnostic& warning : scenario.warnings)
+    if (warning.severity != Severity::note) fmt::print(stderr, "{}\n", to_string(warning));
+}
+
+std::string cast_of(const Scenario& scenario) {
+  std::string cast;
+  for (const ScenarioBody& body : scenario.bodies) {
+    const std::string controllers = controllers_of(body);
+    const bool scenery = body.fixed && body.model->joints.empty() && controllers.empty();
+    if (scenery) continue;
+    cast += (cast.empty() ? "" : ", ") + body.name + (controllers.empty() ? "" : " under " + controllers);
+  }
+  return cast.empty() ? "nothing that moves" : cast;
+}
+
+}  // namespace rehearse::tool

@@ -1,0 +1,16 @@
+// Scenarios in the words of the command.
+#pragma once
+
+#include <rehearse/scenario.h>
+
+#include <string>
+
+namespace rehearse::tool {
+
+/// Prints what loading changed or doubts about the scenario and its models to stderr; `inspect` shows the notes.
+void tell_warnings(const Scenario& scenario);
+
+/// "SR1 under SR1Minimum, Box": the bodies and what controls them; bodies that never move are left out.
+std::string cast_of(const Scenario& scenario);
+
+}  // namespace rehearse::tool

@@ -1,0 +1,82 @@
+#include "viewpoint.h"
+
+#include <rehearse/pinhole.h>
+#include <rehearse/renderer.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rehearse::tool {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+
+const Vector3d viewing_direction = Vector3d(1.0, -0.75, 0.4).normalized();  // from target to eye; robots face +x
+constexpr double margin = 1.1;      // of the picture around what matters
+constexpr double nearest = 0.1;     // to the middle of it [m]
+
+Vector3d half_extents(const Geometry& geometry) {
+  if (const auto* box = std::get_if<Box>(&geometry)) return box->size / 2.0;
+  if (const auto* sphere = std::get_if<Sphere>(&geometry)) return Vector3d::Constant(sphere->radius);
+  if (const auto* cylinder = std::get_if<Cylinder>(&geometry))
+    return {cylinder->radius, cylinder->radius, cylinder->length / 2.0};
+  const auto& capsule = std::get<Capsule>(geometry);
+  return {capsule.radius, capsule.radius, capsule.length / 2.0 + capsule.radius};
+}
+
+/// The corners of the boxes around a model's visible shapes, in the world.
+void add_corners(const PlacedModel& placed, std::vector<Vector3d>& corners) {
+  for (std::size_t i = 0; i < placed.model->links.size(); ++i) {
+    for (const Shape& shape : placed.model->links[i].visuals) {
+      const Vector3d half = half_extents(shape.geometry);
+      const Eigen::Isometry3d pose = placed.links[i] * shape.pose;
+      for (int corner = 0; corner < 8; ++corner)
+        corners.push_back(pose * Vector3d(corner & 1 ? half.x() : -half.x(), corner & 2 ? half.y() : -half.y(),
+                                          corner & 4 ? half.z() : -half.z()));
+    }
+  }
+}
+
+AlignedBox3d box_around(const std::vector<Vector3d>& corners) {
+  AlignedBox3d box;
+  for (const Vector3d& corner : corners) box.extend(corner);
+  return box;
+}
+
+std::vector<Vector3d> corners_that_matter(const std::vector<PlacedModel>& scene) {
+  std::vector<Vector3d> players, scenery;
+  for (const PlacedModel& placed : scene)
+    add_corners(placed, placed.fixed && placed.model->joints.empty() ? scenery : players);
+  if (scenery.empty()) return players;
+  const bool large = !players.empty() && box_around(scenery).diagonal().norm() > box_around(players).diagonal().norm();
+  if (!large) players.insert(players.end(), scenery.begin(), scenery.end());
+  return players;
+}
+
+/// The least distance from `target` from which all corners are inside the picture.
+double distance_to_see(const std::vector<Vector3d>& corners, const Vector3d& target, const Camera& camera) {
+  const Eigen::Matrix3d to_camera = look_at(target + viewing_direction, target).linear().transpose();
+  const double high = std::tan(vertical_field_of_view(camera) / 2.0) / margin;
+  const double wide = high * camera.width / camera.height;
+  double distance = nearest;
+  for (const Vector3d& corner : corners) {
+    const Vector3d seen = to_camera * (corner - target);  // it looks along -z
+    distance = std::max({distance, seen.z() + std::abs(seen.x()) / wide, seen.z() + std::abs(seen.y()) / high});
+  }
+  return distance;
+}
+
+}  // namespace
+
+Viewpoint default_viewpoint(const std::vector<PlacedModel>& scene, const Camera& camera,
+                            const std::optional<Vector3d>& eye, const std::optional<Vector3d>& target) {
+  const std::vector<Vector3d> corners = corners_that_matter(scene);
+  const Vector3d middle = corners.empty() ? Vector3d(Vector3d::Zero()) : Vector3d(box_around(corners).center());
+  Viewpoint view;
+  view.target = target.value_or(middle);
+  view.eye = eye ? *eye : Vector3d(view.target + viewing_direction * distance_to_see(corners, view.target, camera));
+  return view;
+}
+
+}  // namespace rehearse::tool
