@@ -161,7 +161,7 @@ void Vision::switch_cameras(std::int64_t tick, const Command& command) {
 
 Frame Vision::draw(const Camera& camera, const Isometry3d& pose, const Observation& observation) {
   impl_->place(observation);
-  return impl_->renderer->draw(camera, pose);
+  return impl_->renderer->draw(camera, pose, Quality::fine);
 }
 
 std::string Vision::renderer_description() const { return impl_->renderer->description(); }

@@ -34,7 +34,7 @@ class Vision {
   /// Controllers switch cameras on and off. Off: its picture is taken away. On again: it captures at the next tick.
   void switch_cameras(std::int64_t tick, const Command& command);
 
-  /// Draws the bodies where the observation says they are, from any place.
+  /// Draws the bodies where the observation says they are, from any place, for people: with shadows and smooth edges.
   Frame draw(const Camera& camera, const Eigen::Isometry3d& pose, const Observation& observation);
 
   /// What the pixels depend on.
