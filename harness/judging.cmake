@@ -1,0 +1,14 @@
+# Comparing runs, and the golden ones' life. Part of the harness library: it runs controllers again, but simulates nothing.
+find_package(nlohmann_json 3.10 REQUIRED)
+
+target_sources(rehearse_harness PRIVATE
+  src/compare.cpp
+  src/compare_numbers.cpp
+  src/compare_pictures.cpp
+  src/compare_report.cpp
+  src/digest.cpp
+  src/golden.cpp
+  src/golden_files.cpp
+  src/golden_list.cpp
+  src/tolerance.cpp)
+target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)

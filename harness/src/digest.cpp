@@ -1,0 +1,102 @@
+// The digest of a golden: a recording in words and numbers, for reviews.
+#include <fmt/format.h>
+#include <rehearse/golden.h>
+#include <rehearse/messages.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "compare_parts.h"
+#include "hashing.h"
+
+namespace rehearse {
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+std::string cell_text(const TraceChannel& channel, std::size_t row, std::size_t column) {
+  const std::uint64_t bits = channel.bits(row, column);
+  switch (channel.columns[column].kind) {
+    case CellKind::floating: return fmt::format("{}", std::bit_cast<double>(bits));
+    case CellKind::signed_integer: return fmt::format("{}", static_cast<std::int64_t>(bits));
+    case CellKind::unsigned_integer: return fmt::format("{}", bits);
+    case CellKind::boolean: return bits ? "true" : "false";
+  }
+  return "";
+}
+
+/// One line: what a series does over the run.
+void describe_series(const TraceChannel& channel, std::size_t column, std::string& text) {
+  const TraceColumn& series = channel.columns[column];
+  const std::size_t rows = channel.rows();
+  if (rows == 0) return;
+  std::size_t least = 0, most = 0, not_numbers = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double value = channel.number(row, column);
+    not_numbers += std::isnan(value) ? 1 : 0;
+    if (!(value >= channel.number(least, column))) least = row;
+    if (!(value <= channel.number(most, column))) most = row;
+  }
+  const std::string unit = unit_of(channel, series.element);
+  fmt::format_to(Out(text), "  {} [{}] first {} last {} min {} max {}", series.element, unit.empty() ? "-" : unit,
+                 cell_text(channel, 0, column), cell_text(channel, rows - 1, column), cell_text(channel, least, column),
+                 cell_text(channel, most, column));
+  if (not_numbers > 0) fmt::format_to(Out(text), " NaN {} times", not_numbers);
+  text += '\n';
+}
+
+bool is_hash(const TraceColumn& column) { return column.element.ends_with("_hash"); }
+
+std::uint64_t hash_of_table(const TraceChannel& channel) {
+  const std::uint64_t times = hash_bytes(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
+  return hash_bytes(channel.cells.data(), channel.cells.size() * sizeof(std::uint64_t), times);
+}
+
+Result<std::uint64_t> hash_of_payloads(const Trace& trace, const TraceChannel& channel) {
+  std::uint64_t hash = hash_bytes(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
+  for (std::size_t i = 0; i < channel.locations.size(); ++i) {
+    const auto payload = trace.payload(channel, i);
+    if (!payload) return payload.errors();
+    hash = hash_bytes(payload->data(), payload->size(), hash);
+  }
+  return hash;
+}
+
+Result<void> describe_channel(const Trace& trace, const TraceChannel& channel, std::string& text) {
+  std::uint64_t hash = 0;
+  if (channel.columns.empty()) {
+    const auto of_payloads = hash_of_payloads(trace, channel);
+    if (!of_payloads) return of_payloads.errors();
+    hash = *of_payloads;
+  } else {
+    hash = hash_of_table(channel);
+  }
+  fmt::format_to(Out(text), "\n{} {}: {} {}, hash {}\n", channel.topic, channel.type, channel.messages(),
+                 is_picture(channel) ? "pictures" : "messages", hash_text(hash));
+  for (std::size_t column = 0; column < channel.columns.size(); ++column)
+    if (!is_hash(channel.columns[column])) describe_series(channel, column, text);
+  return {};
+}
+
+void describe_facts(const Trace& trace, const char* metadata, std::string& text) {
+  const mcap::StringMap* facts = trace.find_metadata(metadata);
+  if (!facts) return;
+  for (const auto& [fact, value] : *facts) fmt::format_to(Out(text), "  {}: {}\n", fact, value);
+}
+
+}  // namespace
+
+Result<std::string> digest_of(const Trace& trace) {
+  std::string text = "digest 1 of a recording; derived from it, not to be edited\n\nprovenance\n";
+  describe_facts(trace, "rehearse", text);
+  text += "\noutcome\n";
+  describe_facts(trace, "rehearse.outcome", text);
+  text += "\nevents\n";
+  for (const msg::Event& event : trace.events())
+    fmt::format_to(Out(text), "  tick {} {} {}: {}\n", event.tick, event.severity, event.source, event.text);
+  for (const TraceChannel& channel : trace.channels())
+    if (auto done = describe_channel(trace, channel, text); !done) return done.errors();
+  return text;
+}
+
+}  // namespace rehearse

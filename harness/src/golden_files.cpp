@@ -1,0 +1,96 @@
+#include "golden_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "hashing.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+Diagnostic can_not(const char* what, const fs::path& file, const std::string& why) {
+  Diagnostic finding = error(fmt::format("can't {}: {}", what, why));
+  finding.file = file.string();
+  return finding;
+}
+
+/// Waits until a file or folder is on the disk.
+Result<void> sync(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const std::string why = std::strerror(errno);
+  if (descriptor >= 0) ::close(descriptor);
+  if (!done) return can_not("be written to disk", path, why);
+  return {};
+}
+
+/// Removes what was begun, unless it was finished.
+class Draft {
+ public:
+  explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {}
+  ~Draft() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  const fs::path& file() const { return file_; }
+  Result<void> replace_target() const {
+    std::error_code failed;
+    fs::rename(file_, target_, failed);
+    if (failed) return can_not("be replaced", target_, failed.message());
+    return {};
+  }
+
+ private:
+  fs::path target_;
+  fs::path file_;
+};
+
+Result<void> write_text(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  if (!stream) return can_not("be written", file, std::strerror(errno));
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> read_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return can_not("be read", file, std::strerror(errno));
+  return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+Result<std::uint64_t> hash_of_file(const fs::path& file) {
+  const auto bytes = read_text(file);
+  if (!bytes) return bytes.errors();
+  return hash_bytes(bytes->data(), bytes->size());
+}
+
+Result<void> replace_together(const fs::path& source, const fs::path& trace, const std::string& text,
+                              const fs::path& digest) {
+  const Draft new_trace(trace), new_digest(digest);
+  std::error_code failed;
+  fs::copy_file(source, new_trace.file(), fs::copy_options::overwrite_existing, failed);
+  if (failed) return can_not("be written", new_trace.file(), failed.message());
+  fs::permissions(new_trace.file(), fs::perms::owner_write, fs::perm_options::add, failed);
+  if (auto done = write_text(new_digest.file(), text); !done) return done;
+  if (auto done = sync(new_trace.file()); !done) return done;
+  if (auto done = sync(new_digest.file()); !done) return done;
+  if (auto done = new_trace.replace_target(); !done) return done;
+  if (auto done = new_digest.replace_target(); !done) return done;
+  return sync(trace.has_parent_path() ? trace.parent_path() : fs::path("."));
+}
+
+}  // namespace rehearse

@@ -1,0 +1,53 @@
+#include <rehearse/tolerance.h>
+
+namespace rehearse {
+
+bool matches(std::string_view pattern, std::string_view name) {
+  // Where the last star was seen, and how much of the name it has swallowed: on a mismatch it swallows one more.
+  std::size_t p = 0, n = 0;
+  std::size_t star = std::string_view::npos, swallowed = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      swallowed = n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
+      ++p;
+      ++n;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      n = ++swallowed;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+Tolerance default_tolerance(std::string_view unit) {
+  struct UnitDefault {
+    std::string_view unit;
+    double atol;
+  };
+  constexpr UnitDefault defaults[] = {{"rad", 1e-9},   {"m", 1e-9},   {"quaternion", 1e-9},
+                                      {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},
+                                      {"m/s²", 1e-4},  {"N·m", 1e-4}, {"N", 1e-4}};
+  for (const UnitDefault& known : defaults)
+    if (known.unit == unit) return {known.atol, 0.0, 0.0, 0.0};
+  return {};
+}
+
+Tolerance tolerance_of(std::string_view series, std::string_view unit, const std::vector<ToleranceRule>& rules) {
+  Tolerance tolerance = default_tolerance(unit);
+  for (auto rule = rules.rbegin(); rule != rules.rend(); ++rule) {
+    if (!matches(rule->channel, series)) continue;
+    tolerance.atol = rule->atol.value_or(tolerance.atol);
+    tolerance.rtol = rule->rtol.value_or(tolerance.rtol);
+    tolerance.pixel_share = rule->pixel_share.value_or(tolerance.pixel_share);
+    tolerance.pixel_delta = rule->pixel_delta.value_or(tolerance.pixel_delta);
+    break;
+  }
+  return tolerance;
+}
+
+}  // namespace rehearse

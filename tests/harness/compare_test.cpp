@@ -1,0 +1,379 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rehearse/compare.h>
+
+#include <cmath>
+#include <limits>
+
+#include "small_traces.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::SmallTrace;
+using testing::TemporaryFolder;
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// A golden and a run that starts as its copy.
+class Compare : public ::testing::Test {
+ protected:
+  Comparison compared(const std::vector<ToleranceRule>& rules = {}) {
+    return compare(golden_.load(folder_ / "golden.mcap"), actual_.load(folder_ / "actual.mcap"), rules);
+  }
+  static ToleranceRule rule(std::string channel) {
+    ToleranceRule made;
+    made.channel = std::move(channel);
+    return made;
+  }
+
+  TemporaryFolder folder_;
+  SmallTrace golden_;
+  SmallTrace actual_;
+};
+
+TEST_F(Compare, FindsACopyEqual) {
+  const Comparison comparison = compared();
+  EXPECT_TRUE(comparison.equal);
+  EXPECT_TRUE(comparison.within);
+  EXPECT_FALSE(comparison.first);
+  EXPECT_EQ(comparison.ticks, 3);
+  EXPECT_EQ(comparison.pictures, 6);
+  EXPECT_TRUE(comparison.channels.empty());
+  EXPECT_EQ(table(comparison), "");
+  EXPECT_THAT(verdict(comparison), HasSubstr("equal bit for bit: 3 ticks"));
+}
+
+TEST_F(Compare, TellsWhereAndByHowMuchACommandDiffers) {
+  actual_.ticks[1].u = 12.5;
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.equal);
+  EXPECT_FALSE(comparison.within);
+  ASSERT_TRUE(comparison.first);
+  EXPECT_EQ(comparison.first->tick, 1);
+  EXPECT_EQ(comparison.first->time, 0.001);
+  EXPECT_EQ(comparison.first->channel, "/Robot/Pd/output/joints");
+  EXPECT_EQ(comparison.first->element, "KNEE/u");
+  EXPECT_EQ(comparison.first->expected, 12.0);
+  EXPECT_EQ(comparison.first->actual, 12.5);
+  EXPECT_EQ(comparison.first->difference, 0.5);
+  EXPECT_EQ(comparison.first->ulps, std::uint64_t{1} << 48);
+  EXPECT_EQ(comparison.first->unit, "N·m");
+  EXPECT_EQ(comparison.first->stage, Stage::controller);
+  EXPECT_EQ(comparison.beyond, 1);
+  EXPECT_EQ(verdict(comparison),
+            "differs at tick 1 (0.001 s): /Robot/Pd/output/joints KNEE/u is 12.5 N·m, expected 12 N·m: off by 0.5 N·m "
+            "(281474976710656 ULPs, 5e+03 times the tolerance of 0.0001 N·m; stage: controller)");
+}
+
+TEST_F(Compare, BlamesTheStateBeforeTheInputsAndTheInputsBeforeTheCommandsOfATick) {
+  actual_.ticks[2].q = actual_.ticks[2].input_q = 0.6;
+  actual_.ticks[2].u = 13.0;
+  EXPECT_EQ(compared().first->stage, Stage::physics);
+  actual_.ticks[2].q = 0.5;
+  EXPECT_EQ(compared().first->stage, Stage::inputs);
+}
+
+TEST_F(Compare, BlamesACommandOfAnEarlierTickBeforeTheStateThatFollowsFromIt) {
+  actual_.ticks[1].u = 13.0;
+  actual_.ticks[2].q = 0.6;
+  EXPECT_EQ(compared().first->stage, Stage::controller);
+  EXPECT_EQ(compared().first->tick, 1);
+}
+
+TEST_F(Compare, CallsADifferenceBelowTheUnitsToleranceWithin) {
+  actual_.ticks[1].q = std::nextafter(0.5, 1.0);
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.equal);
+  EXPECT_TRUE(comparison.within);
+  ASSERT_TRUE(comparison.first_bit);
+  EXPECT_EQ(comparison.first_bit->ulps, 1u);
+  EXPECT_EQ(comparison.differing, 1);
+  EXPECT_EQ(comparison.beyond, 0);
+  EXPECT_THAT(verdict(comparison), HasSubstr("within tolerance: 1 of"));
+}
+
+TEST_F(Compare, ObeysTheRulesOfTheScenario) {
+  actual_.ticks[1].force = 653.0;
+  ToleranceRule loose = rule("Robot/*/force/*");
+  loose.atol = 4.0;
+  EXPECT_TRUE(compared({loose}).within);
+  loose.atol = 2.0;
+  EXPECT_FALSE(compared({loose}).within);
+}
+
+TEST_F(Compare, ScalesTheToleranceOfAVectorByItsNorm) {
+  actual_.ticks[1].position[1] = 0.05;  // y is 0 in the golden; the vector is 10 m long
+  ToleranceRule relative = rule("*/position/*");
+  relative.rtol = 0.01;
+  EXPECT_TRUE(compared({relative}).within);
+  relative.rtol = 0.001;
+  EXPECT_FALSE(compared({relative}).within);
+}
+
+TEST_F(Compare, TakesThePassingPartOfMaxNotOfTheSum) {
+  actual_.ticks[1].force = 650.0 + 10.0;
+  ToleranceRule both = rule("*");
+  both.atol = 6.0;
+  both.rtol = 0.01;  // 6.5 N
+  EXPECT_FALSE(compared({both}).within);
+}
+
+TEST_F(Compare, NamesTheWorstByTimesItsTolerance) {
+  actual_.ticks[0].force = 660.0;  // 1e5 times 1e-4
+  actual_.ticks[1].q = 0.51;       // 1e7 times 1e-9
+  const Comparison comparison = compared();
+  EXPECT_EQ(comparison.first->channel, "/Robot/Foot/wrench");
+  EXPECT_EQ(comparison.worst->channel, "/Robot/joints");
+}
+
+TEST_F(Compare, TakesNanForNanOfTheSameTickOnly) {
+  golden_.ticks[1].u = actual_.ticks[1].u = nan_value;
+  EXPECT_TRUE(compared().equal);
+  actual_.ticks[2].u = nan_value;
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.within);
+  EXPECT_EQ(comparison.first->tick, 2);
+  EXPECT_EQ(comparison.worst->tick, 2);
+}
+
+TEST_F(Compare, TakesANanOfOtherBitsForOtherBitsOnly) {
+  golden_.ticks[1].u = nan_value;
+  actual_.ticks[1].u = -nan_value;
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.equal);
+  EXPECT_TRUE(comparison.within);
+}
+
+TEST_F(Compare, TellsMinusZeroFromZeroButFailsNothing) {
+  golden_.ticks[1].u = 0.0;
+  actual_.ticks[1].u = -0.0;
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.equal);
+  EXPECT_TRUE(comparison.within);
+  EXPECT_EQ(comparison.first_bit->tick, 1);
+}
+
+TEST_F(Compare, TakesInfinityForInfinityOfTheSameSignOnly) {
+  golden_.ticks[1].u = actual_.ticks[1].u = infinite;
+  EXPECT_TRUE(compared().equal);
+  actual_.ticks[1].u = -infinite;
+  EXPECT_FALSE(compared().within);
+}
+
+TEST_F(Compare, TellsTheFirstTickOfAnotherStateByItsHashAndFailsNothing) {
+  actual_.ticks[1].state_hash = 2;
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.equal);
+  EXPECT_TRUE(comparison.within);
+  EXPECT_EQ(comparison.first_bit->tick, 1);
+  EXPECT_EQ(comparison.first_bit->element, "state_hash");
+  EXPECT_EQ(comparison.first_bit->stage, Stage::physics);
+}
+
+TEST_F(Compare, IsExactAboutWhatControlReturned) {
+  actual_.ticks[2].result = false;
+  ToleranceRule generous = rule("*");
+  generous.atol = 1e6;
+  const Comparison comparison = compared({generous});
+  EXPECT_FALSE(comparison.within);
+  EXPECT_EQ(comparison.first->element, "controller_results/0");
+  EXPECT_EQ(comparison.first->stage, Stage::controller);
+}
+
+TEST_F(Compare, MeasuresOrientationsByTheirAngle) {
+  const double angle = 0.02;
+  actual_.ticks[1].rotation = {std::sin(angle / 2), 0.0, 0.0, std::cos(angle / 2)};
+  const Comparison comparison = compared();
+  ASSERT_TRUE(comparison.first);
+  EXPECT_NEAR(comparison.first->difference, angle, 1e-15);
+  EXPECT_EQ(comparison.first->element, "orientation/x");
+  EXPECT_EQ(comparison.first->unit, "rad");
+  EXPECT_EQ(comparison.beyond, 1);
+}
+
+TEST_F(Compare, TakesAQuaternionForItsNegative) {
+  actual_.ticks[1].rotation = {-0.0, -0.0, -0.0, -1.0};
+  EXPECT_TRUE(compared().within);
+  EXPECT_FALSE(compared().equal);
+}
+
+TEST_F(Compare, SeesAnglesFarBelowWhatAnArcCosineCouldSee) {
+  actual_.ticks[1].rotation = {5e-9, 0.0, 0.0, 1.0};  // 1e-8 rad; cos of it is 1
+  EXPECT_FALSE(compared().within);
+}
+
+TEST_F(Compare, WrapsAJointWhoseChannelSaysSo) {
+  actual_.ticks[1].wheel = 3.0 - 2.0 * M_PI;
+  EXPECT_TRUE(compared().within);
+  actual_.ticks[1].wheel = 3.1 - 2.0 * M_PI;
+  EXPECT_NEAR(compared().first->difference, 0.1, 1e-12);
+}
+
+TEST_F(Compare, DoesNotWrapAJointOfWhichNobodySaysSo) {
+  actual_.ticks[1].q = 0.5 + 2.0 * M_PI;
+  EXPECT_FALSE(compared().within);
+}
+
+TEST_F(Compare, CallsAMissingTickAFindingWithItsPlace) {
+  actual_.ticks.erase(actual_.ticks.begin() + 1);
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.within);
+  EXPECT_EQ(comparison.first->tick, 1);
+  EXPECT_THAT(comparison.first->note, HasSubstr("missing"));
+}
+
+TEST_F(Compare, CallsAnExtraTickAFindingWithItsPlace) {
+  golden_.ticks.erase(golden_.ticks.begin() + 1);
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.within);
+  EXPECT_EQ(comparison.first->tick, 1);
+  EXPECT_THAT(comparison.first->note, HasSubstr("extra"));
+}
+
+TEST_F(Compare, SaysOnceThatARunEndedEarlyAndWhy) {
+  actual_.ticks.pop_back();
+  actual_.outcome["failure"] = "controller 'Robot/Pd' threw in control() at tick 1";
+  const Comparison comparison = compared();
+  ASSERT_EQ(comparison.channels.size(), 1u);
+  EXPECT_EQ(comparison.first->tick, 1);
+  EXPECT_EQ(comparison.first->stage, Stage::controller);
+  EXPECT_THAT(comparison.first->note, HasSubstr("threw in control()"));
+  EXPECT_THAT(comparison.first->note, HasSubstr("goes on to tick 2"));
+}
+
+TEST_F(Compare, PutsADifferenceBeforeTheEarlyEndThatFollowsFromIt) {
+  actual_.ticks.pop_back();
+  actual_.ticks[0].u = 1e9;
+  EXPECT_EQ(compared().first->element, "KNEE/u");
+}
+
+TEST_F(Compare, CallsAMissingChannelAFinding) {
+  actual_.left_out = {"/Robot/Foot/wrench"};
+  const Comparison comparison = compared();
+  EXPECT_EQ(comparison.first->channel, "/Robot/Foot/wrench");
+  EXPECT_EQ(comparison.first->stage, Stage::sensors);
+  EXPECT_EQ(comparison.first->note, "the channel is missing");
+}
+
+TEST_F(Compare, CallsAnExtraChannelAFinding) {
+  golden_.left_out = {"/Robot/Foot/wrench"};
+  EXPECT_THAT(compared().first->note, HasSubstr("extra"));
+}
+
+TEST_F(Compare, CallsAJointOfAnotherNameMissingAndExtra) {
+  actual_.joint_names[0] = "ELBOW";
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.within);
+  EXPECT_EQ(comparison.first->element, "KNEE/q");
+  EXPECT_EQ(comparison.first->note, "is missing");
+}
+
+TEST_F(Compare, MatchesJointsByNameNotByOrder) {
+  std::swap(actual_.joint_names[0], actual_.joint_names[1]);
+  for (auto& tick : actual_.ticks) std::swap(tick.q, tick.wheel);
+  EXPECT_TRUE(compared().equal);
+}
+
+msg::Event event(std::int64_t tick, std::string text) {
+  return {msg::Time::from_ns(static_cast<std::uint64_t>(tick) * 1'000'000), tick, "warning", "Robot/Pd",
+          std::move(text)};
+}
+
+TEST_F(Compare, NamesTheFirstEventThatIsNotTheGoldens) {
+  golden_.events = {event(0, "hello"), event(1, "saturated")};
+  actual_.events = {event(0, "hello"), event(2, "saturated")};
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.within);
+  EXPECT_EQ(comparison.first->tick, 1);
+  EXPECT_THAT(comparison.first->note, HasSubstr("event 2 is \"tick 2, warning, Robot/Pd: saturated\", expected"));
+}
+
+TEST_F(Compare, CountsThePixelsThatDiffer) {
+  actual_.ticks[1].image.pixels[3] = 103;
+  const Comparison comparison = compared();
+  ASSERT_TRUE(comparison.first);
+  EXPECT_EQ(comparison.first->stage, Stage::renderer);
+  EXPECT_THAT(comparison.first->note, HasSubstr("1 of 8 pixels (12.5 %) differ, by up to 3 of 255"));
+}
+
+TEST_F(Compare, AllowsPixelsByDeltaAndByShare) {
+  actual_.ticks[1].image.pixels[3] = 103;
+  ToleranceRule pixels = rule("Robot/Eye/*");
+  pixels.pixel_delta = 3.0;
+  EXPECT_TRUE(compared({pixels}).within);
+  EXPECT_FALSE(compared({pixels}).equal);
+  pixels.pixel_delta = 2.0;
+  EXPECT_FALSE(compared({pixels}).within);
+  pixels.pixel_share = 0.125;
+  EXPECT_TRUE(compared({pixels}).within);
+  pixels.pixel_share = 0.124;
+  EXPECT_FALSE(compared({pixels}).within);
+}
+
+TEST_F(Compare, SaysThatAPictureHasAnotherSize) {
+  actual_.ticks[1].image = {2, 4, std::vector<std::uint8_t>(24, 100)};
+  EXPECT_THAT(compared().first->note, HasSubstr("the picture has 2 x 4 pixels, expected 4 x 2"));
+}
+
+TEST_F(Compare, JudgesDepthByPixelRelativeToItsDistance) {
+  actual_.ticks[1].depth[3] = 4.01F;
+  EXPECT_FALSE(compared().within);
+  ToleranceRule depth = rule("Robot/Eye/depth");
+  depth.rtol = 0.01;
+  EXPECT_TRUE(compared({depth}).within);
+}
+
+TEST_F(Compare, CallsNothingHitAgainstSomethingHitBeyondAnyTolerance) {
+  actual_.ticks[1].depth[3] = std::numeric_limits<float>::infinity();
+  ToleranceRule depth = rule("*");
+  depth.atol = 1e9;
+  EXPECT_FALSE(compared({depth}).within);
+}
+
+TEST_F(Compare, RemarksOnAnotherScenarioAndOtherLibraries) {
+  actual_.scenario = "rehearse: 1\nseed: 2\n";
+  actual_.provenance["rehearse"] = "0.2.0";
+  const Comparison comparison = compared();
+  EXPECT_TRUE(comparison.equal);
+  EXPECT_THAT(comparison.remarks, ElementsAre("scenario.yaml is not what it was when the golden was recorded",
+                                              "rehearse was \"0.1.0\" and is \"0.2.0\""));
+}
+
+TEST_F(Compare, KeepsTheTableToTwelveLines) {
+  for (auto& tick : actual_.ticks) {
+    tick = {tick.tick, 2, 2, false, 1.0, 1.0, {0, 0, 0}, {1, 0, 0, 0}, 1.0, 1.0, 1.0, tick.image, {0, 0, 0, 0}};
+    tick.image.pixels.assign(24, 0);
+  }
+  actual_.provenance = {{"a", "1"}};
+  const std::string text = table(compared());
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 12) << text;
+  EXPECT_THAT(text, HasSubstr("physics"));
+}
+
+TEST_F(Compare, WritesJsonWithInfinitiesAndNanAsStrings) {
+  actual_.ticks[1].u = nan_value;
+  EXPECT_EQ(to_json(compared()).substr(0, 15), "{\n  \"verdict\": ");
+  EXPECT_THAT(to_json(compared()), HasSubstr(R"(  "equal": false,
+  "within": false,
+  "first": {
+    "tick": 1,
+    "time": 0.001,
+    "channel": "/Robot/Pd/output/joints",
+    "element": "KNEE/u",
+    "expected": 12.0,
+    "actual": "NaN",
+    "ulps": null,
+    "stage": "controller"
+  })"));
+}
+
+TEST_F(Compare, WritesJsonWithoutAFirstIfThereIsNone) {
+  EXPECT_THAT(to_json(compared()), HasSubstr("\"equal\": true,\n  \"within\": true,\n  \"first\": null\n}"));
+}
+
+}  // namespace
+}  // namespace rehearse

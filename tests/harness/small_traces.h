@@ -1,0 +1,135 @@
+// Recordings of three ticks, made by hand: a joint, a link, a sensor, a controller, pictures; any value can be changed.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <rehearse/cdr.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/png.h>
+#include <rehearse/trace.h>
+
+#include <unistd.h>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rehearse::testing {
+
+/// A folder of the test's own, removed with it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    path_ = std::filesystem::temp_directory_path() /
+            ("rehearse_" + std::to_string(getpid()) + "_" + info->test_suite_name() + "." + info->name());
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Everything in one tick.
+struct SmallTick {
+  std::int64_t tick = 0;
+  std::uint64_t state_hash = 1;
+  std::uint64_t output_hash = 1;
+  bool result = true;
+  double q = 0.5;                                      // [rad]
+  double wheel = 3.0;                                  // [rad], of a joint that turns on and on
+  std::array<double, 3> position{10.0, 0.0, 0.7};      // [m]
+  std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};  // x, y, z, w
+  double force = 650.0;                                // [N]
+  double input_q = 0.5;                                // [rad]
+  double u = 12.0;                                     // [N·m]
+  Image image{4, 2, std::vector<std::uint8_t>(24, 100)};
+  std::vector<float> depth{1.0F, 2.0F, 3.0F, 4.0F};
+};
+
+struct SmallTrace {
+  std::vector<SmallTick> ticks{{0}, {1}, {2}};
+  std::vector<msg::Event> events;
+  std::vector<std::string> left_out;  // topics
+  std::vector<std::string> joint_names{"KNEE", "WHEEL"};
+  std::string scenario = "rehearse: 1\n";
+  mcap::StringMap provenance{{"trace_version", "1"}, {"rehearse", "0.1.0"}};
+  mcap::StringMap outcome{{"ticks", "3"}, {"complete", "true"}};
+
+  void write(const std::filesystem::path& file) const;
+  Trace load(const std::filesystem::path& file) const {
+    write(file);
+    auto trace = Trace::load(file);
+    EXPECT_TRUE(trace) << to_string(trace.errors());
+    return *trace;
+  }
+};
+
+/// Writes the messages of a SmallTrace.
+class SmallWriter {
+ public:
+  SmallWriter(const SmallTrace& trace, const std::filesystem::path& file)
+      : trace_(trace), writer_(*mcap::Writer::create(file)) {}
+
+  template <class T>
+  void write(const std::string& topic, std::uint64_t time, const T& message, mcap::StringMap metadata = {}) {
+    for (const std::string& left_out : trace_.left_out)
+      if (left_out == topic) return;
+    std::uint16_t& channel = channels_[topic];
+    if (channel == 0)
+      channel = writer_->add_channel(writer_->add_schema(T::type_name, "ros2msg", msg::schema_text<T>()), topic, "cdr",
+                                     std::move(metadata));
+    CdrWriter cdr;
+    msg::encode(message, cdr);
+    ASSERT_TRUE(writer_->write(channel, time, time, cdr.bytes()));
+  }
+  mcap::Writer& file() { return *writer_; }
+
+ private:
+  const SmallTrace& trace_;
+  std::unique_ptr<mcap::Writer> writer_;
+  std::map<std::string, std::uint16_t> channels_;
+};
+
+inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick& tick) {
+  const std::uint64_t time = static_cast<std::uint64_t>(tick.tick) * 1'000'000;
+  const msg::Header header{msg::Time::from_ns(time), "world"};
+  const mcap::StringMap joint_units{
+      {"unit:KNEE/q", "rad"}, {"unit:WHEEL/q", "rad"}, {"unit:KNEE/u", "N·m"}, {"wrap:WHEEL/q", "true"}};
+  to.write("/Robot/joints", time, msg::JointState{header, trace.joint_names, {tick.q, tick.wheel}, {}, {}},
+           joint_units);
+  to.write("/Robot/BASE/pose", time,
+           msg::PoseStamped{header,
+                            {{tick.position[0], tick.position[1], tick.position[2]},
+                             {tick.rotation[0], tick.rotation[1], tick.rotation[2], tick.rotation[3]}}},
+           {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
+  to.write("/Robot/Foot/wrench", time, msg::WrenchStamped{header, {{0.0, 0.0, tick.force}, {}}},
+           {{"unit:force", "N"}, {"unit:torque", "N·m"}});
+  msg::CompressedImage image{header, "png", encode_png(tick.image)};
+  to.write("/Robot/Eye/image", time, image, {{"unit", "pixels"}});
+  msg::Image depth{header, 2, 2, "32FC1", 0, 8, std::vector<std::uint8_t>(16)};
+  std::memcpy(depth.data.data(), tick.depth.data(), 16);
+  to.write("/Robot/Eye/depth", time, depth, {{"unit", "m"}});
+  to.write("/Robot/Pd/input/joints", time, msg::JointState{header, {"KNEE"}, {tick.input_q}, {}, {}}, joint_units);
+  to.write("/Robot/Pd/output/joints", time, msg::JointState{header, {"KNEE"}, {}, {}, {tick.u}}, joint_units);
+  to.write("/tick", time,
+           msg::Tick{header.stamp, tick.tick, tick.state_hash, tick.state_hash, tick.output_hash, {tick.result}});
+}
+
+inline void SmallTrace::write(const std::filesystem::path& file) const {
+  SmallWriter writer(*this, file);
+  ASSERT_TRUE(writer.file().add_attachment("scenario.yaml", "application/yaml", std::as_bytes(std::span(scenario))));
+  ASSERT_TRUE(writer.file().add_metadata("rehearse", provenance));
+  for (const SmallTick& tick : ticks) write_tick(writer, *this, tick);
+  for (const msg::Event& event : events) writer.write("/events", event.stamp.to_ns(), event);
+  ASSERT_TRUE(writer.file().add_metadata("rehearse.outcome", outcome));
+  ASSERT_TRUE(writer.file().close());
+}
+
+}  // namespace rehearse::testing
