@@ -2,6 +2,7 @@
 find_package(nlohmann_json 3.10 REQUIRED)
 
 target_sources(rehearse_harness PRIVATE
+  src/check.cpp
   src/compare.cpp
   src/compare_numbers.cpp
   src/compare_pictures.cpp

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
 #include <rehearse/compare.h>
+#include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 // Tables of numbers against each other. Most rows of most comparisons are equal, so bytes are compared before numbers
 // are.
+#include <rehearse/messages.h>
+
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -155,9 +157,7 @@ void NumberJudge::compare_rows() {
   const std::size_t row_bytes = golden.columns.size() * sizeof(std::uint64_t);
   if (same_columns_ && channel_.in_step && golden.cells == actual.cells) return;
   for (const auto& [golden_row, actual_row] : channel_.pairs) {
-    if (same_columns_ && std::memcmp(golden.cells.data() + golden_row * golden.columns.size(),
-                                     actual.cells.data() + actual_row * actual.columns.size(), row_bytes) == 0)
-      continue;
+    if (same_columns_ && std::memcmp(golden.row(golden_row), actual.row(actual_row), row_bytes) == 0) continue;
     compare_row(golden_row, actual_row);
   }
 }

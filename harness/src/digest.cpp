@@ -1,8 +1,10 @@
 // The digest of a golden: a recording in words and numbers, for reviews.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
+#include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
+#include <bit>
 #include <cmath>
 #include <iterator>
 

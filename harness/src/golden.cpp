@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/golden.h>
+#include <rehearse/mcap.h>
 
 #include <cstdlib>
 #include <fstream>

@@ -1,6 +1,7 @@
 // Which goldens there are, and who owns them.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
+#include <rehearse/mcap.h>
 
 #include <algorithm>
 #include <map>

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/mcap_types.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +30,6 @@
 namespace rehearse::mcap {
 
 using Bytes = std::span<const std::byte>;
-using StringMap = std::map<std::string, std::string>;
 
 /// Says what the messages of a channel look like.
 struct Schema {
@@ -48,13 +48,6 @@ struct Channel {
   std::string message_encoding;  // "cdr" in what we write
   StringMap metadata;
   bool operator==(const Channel&) const = default;
-};
-
-/// Where a message stands, for Reader::message_at.
-struct Location {
-  std::uint64_t record = 0;  // byte offset in the file of the chunk, or of the message itself if it is in none
-  std::uint64_t inside = 0;  // byte offset of the message's record in the chunk's decompressed records; 0 if in none
-  bool chunked = false;
 };
 
 /// One message, as a Reader delivers it. The data is valid during the callback only.

@@ -18,23 +18,35 @@
 //
 // If that would name two series alike, the later channel's have its whole topic before the element.
 // Pictures, checkpoints and events have no series; their bytes are at hand by number, and events() are decoded.
+//
+// C++17, because tests of controllers include it. Whoever looks into attachments, metadata or events includes mcap.h or
+// messages.h too (C++20).
 #pragma once
 
-#include <rehearse/mcap.h>
-#include <rehearse/messages.h>
+#include <rehearse/diagnostic.h>
+#include <rehearse/mcap_types.h>
 
-#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace rehearse {
+
+namespace mcap {
+class Reader;
+struct Attachment;
+struct Metadata;
+}  // namespace mcap
+namespace msg {
+struct Event;
+}
 
 /// What the 64 bits of a cell are.
 enum class CellKind { floating, signed_integer, unsigned_integer, boolean };
@@ -60,9 +72,8 @@ struct TraceChannel {
 
   std::size_t messages() const { return times.size(); }
   std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
-  std::span<const std::uint64_t> row(std::size_t index) const {
-    return {cells.data() + index * columns.size(), columns.size()};
-  }
+  /// The columns.size() cells of a row.
+  const std::uint64_t* row(std::size_t index) const { return cells.data() + index * columns.size(); }
   std::uint64_t bits(std::size_t row_index, std::size_t column) const {
     return cells[row_index * columns.size() + column];
   }
@@ -98,7 +109,7 @@ class Trace {
   const mcap::Attachment* find_attachment(std::string_view name) const;  // null: none
   const std::vector<mcap::Metadata>& metadata() const;
   const mcap::StringMap* find_metadata(std::string_view name) const;  // null: none
-  const std::vector<msg::Event>& events() const { return events_; }
+  const std::vector<msg::Event>& events() const;
 
   /// All series, sorted by name.
   const std::map<std::string, SeriesPlace, std::less<>>& series() const { return series_; }
@@ -132,7 +143,7 @@ class Trace {
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;
-  std::vector<msg::Event> events_;
+  std::shared_ptr<std::vector<msg::Event>> events_;  // never null in a loaded trace
 };
 
 }  // namespace rehearse

@@ -1,8 +1,11 @@
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -189,6 +192,8 @@ const TraceChannel* Trace::find_channel(std::string_view topic) const {
   }
   return nullptr;
 }
+
+const std::vector<msg::Event>& Trace::events() const { return *events_; }
 
 const std::vector<mcap::Attachment>& Trace::attachments() const { return reader_->attachments(); }
 

@@ -40,6 +40,7 @@ Result<Trace> TraceLoader::load() {
   auto reader = mcap::Reader::open(file_);
   if (!reader) return reader.errors();
   trace_.file_ = file_.string();
+  trace_.events_ = std::make_shared<std::vector<msg::Event>>();
   trace_.reader_ = std::move(*reader);
   const auto pass = trace_.reader_->for_each_message([this](const mcap::Message& message) {
     add_message(message);
@@ -109,7 +110,7 @@ void TraceLoader::add_event(const mcap::Message& message) {
   CdrReader reader(message.data);
   msg::Event event;
   if (msg::decode(reader, event)) {
-    trace_.events_.push_back(std::move(event));
+    trace_.events_->push_back(std::move(event));
   } else {
     complain(fmt::format("topic {}: an event isn't a valid {}", message.channel->topic, msg::Event::type_name));
   }

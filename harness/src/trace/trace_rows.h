@@ -1,7 +1,11 @@
 // From messages to rows of numbers. Internal.
 #pragma once
 
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
 #include <rehearse/trace.h>
+
+#include <bit>
 
 namespace rehearse {
 

@@ -1,5 +1,6 @@
 #include "mcap_files.h"
 
+#include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
 #include <gmock/gmock.h>

@@ -1,0 +1,75 @@
+// Check: a scenario against its golden, on several levels, so that the guilty part can be named.
+//
+// controller: the golden's inputs into the controllers, without physics; their commands have to be the same bits.
+// plant: the golden's commands into the world, from checkpoint to checkpoint. Not compared in this version: skipped.
+// closed: the whole run again, compared within the scenario's tolerances.
+//
+// If closed differs and controller doesn't, something else than the controller changed. This library does not simulate:
+// whoever checks hands in what records a run (session.h: record).
+#pragma once
+
+#include <rehearse/compare.h>
+#include <rehearse/golden.h>
+#include <rehearse/replay.h>
+#include <rehearse/scenario.h>
+#include <rehearse/session.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace rehearse {
+
+enum class LevelState {
+  equal,   // bit for bit
+  within,  // tolerance
+  differs,
+  skipped,  // nobody asked, or there was nothing to compare
+};
+
+/// "equal", "within", "differs" or "skipped".
+std::string_view to_string(LevelState state);
+
+struct CheckOptions {
+  bool controller = true;
+  bool closed = true;
+  RecordOptions run;  // of both levels
+};
+
+/// What makes a fresh recording of a scenario.
+using RecordRun =
+    std::function<Result<RunSummary>(const Scenario&, const std::filesystem::path& trace, const RecordOptions&)>;
+
+struct CheckReport {
+  LevelState controller = LevelState::skipped;
+  LevelState plant = LevelState::skipped;
+  LevelState closed = LevelState::skipped;
+  std::string verdict;                   // one sentence, without a full stop; names the guilty part
+  std::string message;                   // for a person: where the run's trace is, what to do next; may be empty
+  std::optional<Divergence> first;       // on the level that tells most; none if all are equal
+  std::optional<ReplayReport> replay;    // of level controller
+  std::optional<Comparison> comparison;  // of level closed
+  std::optional<RunSummary> run;         // of level closed
+  bool golden_written = false;
+
+  bool equal() const;   // every level that was compared
+  bool within() const;  // no level differs
+};
+
+/// Compares a scenario's behaviour now with a golden recording. The fresh trace is written to `actual`, and removed if
+/// it is within. Fails if the golden can't be read or the run can't begin.
+Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesystem::path& golden,
+                                   const std::filesystem::path& actual, const CheckOptions& options,
+                                   const RecordRun& record);
+
+/// The same with the golden that the scenario names, and with that golden's life: a missing one fails, or is written,
+/// as the mode says; a run that differs waits in the store's pending folder, or replaces the golden.
+Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
+                                 const CheckOptions& options, const RecordRun& record);
+
+/// An object with verdict, equal, within, levels (controller, plant, closed) and first, as in compare.h.
+std::string to_json(const CheckReport& report);
+
+}  // namespace rehearse
