@@ -1,5 +1,6 @@
 // Our traces, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2 messages, value by value;
 // and a file that they write, read by us.
+#include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/ros2msg.h>
 #include <rehearse/trace.h>
