@@ -358,6 +358,15 @@ Wrench OdeBody::child_wrench(const OdeJoint& joint) const {
   return wrench;
 }
 
+double OdeBody::motor_effort(const OdeJoint& joint) const {
+  const Vector3d force = vector(joint.feedback->f1);
+  if (!joint.revolute) return world_axis(joint).dot(force);
+  // about the hinge, where the forces that only guide the link have no share along the axis
+  const Vector3d lever = vector(dBodyGetPosition(groups_[links_[joint.link].group].body)) -
+                         link_point(joint.link, Vector3d::Zero());
+  return world_axis(joint).dot(vector(joint.feedback->t1) + lever.cross(force));
+}
+
 void OdeBody::after_step() {
   const Model& model = *description_.model;
   for (RigidGroup& group : groups_) {
@@ -368,10 +377,7 @@ void OdeBody::after_step() {
   for (std::size_t id = 0; id < joints_.size(); ++id) {
     OdeJoint& joint = joints_[id];
     joint_accelerations_[id] = (rate(joint) - joint.previous_dq) / time_step_;
-    if (joint.motor_drives) {
-      const dReal* constraint = joint.revolute ? joint.feedback->t1 : joint.feedback->f1;
-      efforts_[id] = world_axis(joint).dot(vector(constraint));
-    }
+    if (joint.motor_drives) efforts_[id] = motor_effort(joint);
     if (!joint.revolute) continue;
     const double angle = dJointGetHingeAngle(joint.joint);
     if (angle - joint.wrapped > std::numbers::pi) --joint.turns;

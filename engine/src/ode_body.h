@@ -48,7 +48,7 @@ struct OdeJoint {
 
 class OdeBody {
  public:
-  /// Checks all that ODE would abort on. `prefix` starts the messages: "body 'SR1'".
+  /// Checks all that ODE would abort on. The messages begin with "body 'SR1': ".
   static Diagnostics check(const WorldBody& description);
 
   OdeBody(dWorldID world, WorldBody description, double time_step);
@@ -91,6 +91,7 @@ class OdeBody {
   void apply_effort(const OdeJoint& joint, double effort);
   Eigen::Vector3d world_axis(const OdeJoint& joint) const;
   Wrench child_wrench(const OdeJoint& joint) const;
+  double motor_effort(const OdeJoint& joint) const;
   void measure(const Device& device, const BodyObservation& observation, const Eigen::Vector3d& gravity,
                DeviceReading& reading) const;
 

@@ -9,41 +9,18 @@
 
 #include "contacts.h"
 #include "ode_body.h"
+#include "ode_runtime.h"
 
 namespace rehearse {
-namespace {
-
-/// ODE's process-wide set-up, once, before the first world.
-void initialise_ode() {
-  static const bool done = dInitODE2(0) != 0;
-  REHEARSE_ASSERT(done, "ODE initialises");
-}
-
-/// ODE has one random generator for the process. While this lives, it is the world's; after it, it is as it was.
-class OwnRandom {
- public:
-  explicit OwnRandom(std::uint64_t& seed) : seed_(seed), outside_(dRandGetSeed()) { dRandSetSeed(seed_); }
-  ~OwnRandom() {
-    seed_ = dRandGetSeed();
-    dRandSetSeed(outside_);
-  }
-  OwnRandom(const OwnRandom&) = delete;
-  OwnRandom& operator=(const OwnRandom&) = delete;
-
- private:
-  std::uint64_t& seed_;
-  unsigned long outside_;
-};
-
-}  // namespace
-
 struct World::Impl {
   WorldSettings settings;
   dWorldID world = nullptr;
+  std::unique_ptr<OwnJobs> jobs;
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<OdeBody>> bodies;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
+  bool exploded = false;  // ODE broke off a step
   Command command;
   mutable Observation observation;
   mutable bool observed = false;
@@ -53,10 +30,15 @@ struct World::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
+    if (exploded) {  // ODE was left in the middle of a step: what it holds can't be taken apart
+      for (auto& body : bodies) static_cast<void>(body.release());
+      static_cast<void>(jobs.release());
+      return;
+    }
     bodies.clear();  // shapes, before the bodies they sit on
     if (contacts) dJointGroupDestroy(contacts);
     if (world) dWorldDestroy(world);
-  }
+  }  // its jobs after it
 
   void create_world();
   void apply_command();
@@ -84,6 +66,7 @@ World::~World() = default;
 void World::Impl::create_world() {
   const SolverSettings& solver = settings.solver;
   world = dWorldCreate();
+  jobs = std::make_unique<OwnJobs>(world);
   contacts = dJointGroupCreate(0);
   dWorldSetGravity(world, settings.gravity.x(), settings.gravity.y(), settings.gravity.z());
   dWorldSetERP(world, solver.erp);
@@ -146,10 +129,12 @@ void World::push(int body, int link, const Eigen::Vector3d& force, const Eigen::
 void World::Impl::apply_command() {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i]->drive(command.bodies[i]);
-    const std::vector<Wrench>& external = command.bodies[i].external;
-    for (std::size_t link = 0; link < external.size(); ++link)
-      if (!external[link].force.isZero(0.0) || !external[link].torque.isZero(0.0))
-        bodies[i]->add_wrench(static_cast<int>(link), external[link].force, external[link].torque);
+    std::vector<Wrench>& external = command.bodies[i].external;
+    for (std::size_t link = 0; link < external.size(); ++link) {
+      if (external[link].force.isZero(0.0) && external[link].torque.isZero(0.0)) continue;
+      bodies[i]->add_wrench(static_cast<int>(link), external[link].force, external[link].torque);
+      external[link] = {};  // it acts during one step
+    }
   }
 }
 
@@ -160,15 +145,14 @@ bool World::step() {
   add_contacts(impl.world, impl.contacts, impl.bodies, impl.settings.solver);
   {
     OwnRandom random(impl.random);
-    if (impl.settings.solver.method == SolverSettings::Method::quick)
-      dWorldQuickStep(impl.world, impl.settings.time_step);
-    else
-      dWorldStep(impl.world, impl.settings.time_step);
+    impl.exploded = !step_ode(impl.world, impl.settings.time_step,
+                              impl.settings.solver.method == SolverSettings::Method::quick);
   }
-  dJointGroupEmpty(impl.contacts);
-  for (auto& body : impl.bodies) body->after_step();
   ++impl.tick;
   impl.observed = false;
+  if (impl.exploded) return false;
+  dJointGroupEmpty(impl.contacts);
+  for (auto& body : impl.bodies) body->after_step();
   for (const auto& body : impl.bodies)
     if (!body->finite()) return false;
   return true;

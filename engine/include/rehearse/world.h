@@ -57,15 +57,16 @@ class World {
   /// Valid until the next call of step() or restore(). Its cameras are empty.
   const Observation& sense() const;
 
-  /// What drives the joints from the coming step on, and what acts on the links during it (external wrenches).
-  /// Every number in it must be finite.
+  /// What drives the joints from the coming step on, until another command comes, and the external wrenches that act on
+  /// the links during the coming step only. Every number in it must be finite.
   void actuate(const Command& command);
 
   /// A force [N] at a point of the link [m, link frame] and a torque [N·m], both in world axes, during the coming step.
   void push(int body, int link, const Eigen::Vector3d& force, const Eigen::Vector3d& point,
             const Eigen::Vector3d& torque);
 
-  /// One step. False if the state is no longer finite (the simulation has exploded); it can't go on then.
+  /// One step. False if the state is no longer finite (the simulation has exploded): the world can only be destroyed
+  /// then.
   bool step();
 
   /// Steps done, and their number divided by the rate [s].
@@ -74,8 +75,8 @@ class World {
 
   /// 64-bit hash (XXH3) of all that save() saves.
   std::uint64_t state_hash() const;
-  /// Everything the next step depends on, raw. Restored into this world, or one made from the same settings and bodies,
-  /// the run goes on with the same bits.
+  /// Everything the next step depends on, raw, but for what is handed in for each step: the command and the pushes.
+  /// Restored into this world, or one made from the same settings and bodies, the run goes on with the same bits.
   std::vector<std::byte> save() const;
   /// Fails if `state` is not of a world like this one.
   Result<void> restore(std::span<const std::byte> state);

@@ -1,0 +1,218 @@
+// When cameras look and when their pictures arrive.
+
+#include <rehearse/clock.h>
+#include <rehearse/vision.h>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace rehearse {
+namespace {
+
+using Ticks = std::set<std::int64_t>;
+
+/// A body with cameras in front of which a red sphere stands; it can be moved away.
+class VisionTest : public ::testing::Test {
+ protected:
+  VisionTest() {
+    model_.name = "Eye";
+    model_.links.resize(2);
+    model_.links[0].name = "HEAD";
+    model_.links[1].name = "BALL";
+    model_.links[1].parent = 0;
+    model_.links[1].visuals.push_back({"", Sphere{0.3}, Eigen::Isometry3d::Identity(), Color(1, 0, 0, 1)});
+  }
+
+  void add_camera(const std::string& name, double rate, bool depth = false) {
+    Camera camera;
+    camera.width = 8;
+    camera.height = 6;
+    camera.frame_rate = rate;
+    camera.depth = depth;
+    model_.devices.push_back({name, -1, 0, Eigen::Isometry3d::Identity(), camera, 0});
+  }
+
+  void create(double time_step = 0.001) {
+    time_step_ = time_step;
+    auto vision = Vision::create(time_step, {std::make_shared<const Model>(model_)},
+                                 {std::vector<bool>(model_.devices.size(), true)});
+    ASSERT_TRUE(vision.ok()) << to_string(vision.errors());
+    vision_ = std::move(*vision);
+    observation_.bodies.resize(1);
+    observation_.bodies[0].links.resize(2);
+    observation_.bodies[0].devices.resize(model_.devices.size());
+    move_ball(-2.0);
+  }
+
+  void move_ball(double z) { observation_.bodies[0].links[1].position = {0.0, 0.0, z}; }
+
+  /// Looks until `last`; the ticks at which the camera had a new picture.
+  Ticks arrivals(std::int64_t last, int camera = 0) {
+    Ticks ticks;
+    for (; tick_ <= last; ++tick_) {
+      vision_->look(tick_, observation_);
+      if (reading(camera).fresh && reading(camera).image) ticks.insert(tick_);
+    }
+    return ticks;
+  }
+
+  void switch_camera(bool on, int camera = 0) {
+    Command command;
+    command.bodies.resize(1);
+    command.bodies[0].devices.resize(model_.devices.size());
+    command.bodies[0].devices[camera] = {true, on};
+    vision_->switch_cameras(tick_ - 1, command);
+  }
+
+  const DeviceReading& reading(int camera = 0) const { return observation_.bodies[0].devices[camera]; }
+
+  /// Whether the picture's middle is red.
+  bool sees_ball(int camera = 0) const {
+    const std::uint8_t* middle = reading(camera).image->pixels.data() + (3 * 8 + 4) * 3;
+    return middle[0] > 2 * middle[2] + 20;
+  }
+
+  Model model_;
+  std::unique_ptr<Vision> vision_;
+  Observation observation_;
+  double time_step_ = 0.0;
+  std::int64_t tick_ = 0;
+};
+
+TEST_F(VisionTest, APictureArrivesAPeriodAfterItsCapture) {
+  add_camera("Camera", 30.0);
+  create();
+  // captured at 0, 34, 67, 100 (the first ticks at or after multiples of 33.3 ms), each seen 34 ticks later
+  EXPECT_EQ(arrivals(140), (Ticks{34, 68, 101, 134}));
+}
+
+TEST_F(VisionTest, APictureTellsWhenItWasCaptured) {
+  add_camera("Camera", 30.0);
+  create();
+  arrivals(33);
+  EXPECT_EQ(reading().image, nullptr);
+  EXPECT_FALSE(reading().fresh);
+  arrivals(34);
+  EXPECT_EQ(reading().measured_at, 0.0);
+  arrivals(68);
+  EXPECT_EQ(reading().measured_at, time_of(34, 0.001));
+  arrivals(101);
+  EXPECT_EQ(reading().measured_at, time_of(67, 0.001));
+}
+
+TEST_F(VisionTest, APictureShowsTheMomentOfItsCapture) {
+  add_camera("Camera", 30.0);
+  create();
+  arrivals(0);
+  move_ball(+2.0);  // behind the camera
+  arrivals(34);
+  EXPECT_TRUE(sees_ball());
+  arrivals(68);
+  EXPECT_FALSE(sees_ball());
+}
+
+TEST_F(VisionTest, APictureStaysUntilTheNextOne) {
+  add_camera("Camera", 30.0);
+  create();
+  arrivals(34);
+  const auto first = reading().image;
+  arrivals(67);
+  EXPECT_EQ(reading().image, first);
+  EXPECT_FALSE(reading().fresh);
+  arrivals(68);
+  EXPECT_NE(reading().image, first);
+}
+
+TEST_F(VisionTest, ARateThatTheStepDividesIsKeptExactly) {
+  add_camera("Camera", 50.0);
+  create(0.004);
+  EXPECT_EQ(arrivals(26), (Ticks{5, 10, 15, 20, 25}));
+}
+
+TEST_F(VisionTest, ARateFasterThanTheStepGivesAPictureEachTick) {
+  add_camera("Camera", 10000.0);
+  create();
+  EXPECT_EQ(arrivals(5), (Ticks{1, 2, 3, 4, 5}));
+  EXPECT_EQ(reading().measured_at, time_of(4, 0.001));
+}
+
+TEST_F(VisionTest, ASlowCamerasPictureArrivesAfterASecond) {
+  add_camera("Camera", 0.5);  // a period of two seconds, a latency of at most one
+  create(0.1);
+  EXPECT_EQ(arrivals(35), (Ticks{10, 30}));
+}
+
+TEST_F(VisionTest, SwitchedOffACameraLosesItsPictureAndSaysSo) {
+  add_camera("Camera", 30.0);
+  create();
+  arrivals(40);
+  switch_camera(false);
+  vision_->look(tick_++, observation_);
+  EXPECT_TRUE(reading().fresh);
+  EXPECT_EQ(reading().image, nullptr);
+  vision_->look(tick_++, observation_);
+  EXPECT_FALSE(reading().fresh);
+  EXPECT_EQ(arrivals(200), Ticks{});
+}
+
+TEST_F(VisionTest, SwitchedOnAgainItCapturesAtTheNextTick) {
+  add_camera("Camera", 30.0);
+  create();
+  arrivals(40);
+  switch_camera(false);
+  arrivals(49);
+  switch_camera(true);  // in tick 49
+  EXPECT_EQ(arrivals(120), (Ticks{84, 118}));
+  EXPECT_EQ(reading().measured_at, time_of(84, 0.001));
+}
+
+TEST_F(VisionTest, SwitchingOnWhatIsOnChangesNothing) {
+  add_camera("Camera", 30.0);
+  create();
+  arrivals(20);
+  switch_camera(true);
+  EXPECT_EQ(arrivals(70), (Ticks{34, 68}));
+}
+
+TEST_F(VisionTest, OneCamerasPicturesDoNotDependOnTheOthers) {
+  add_camera("Camera", 30.0, true);
+  create();
+  arrivals(68);
+  const Image alone = *reading().image;
+  const DepthImage alone_depth = *reading().depth;
+
+  add_camera("Fast", 500.0);
+  add_camera("Depth", 17.0, true);
+  tick_ = 0;
+  observation_ = {};
+  create();
+  arrivals(68);
+  EXPECT_EQ(reading().image->pixels, alone.pixels);
+  EXPECT_EQ(reading().depth->meters, alone_depth.meters);
+}
+
+TEST_F(VisionTest, OnlyACameraThatMeasuresDepthGivesIt) {
+  add_camera("Colour", 30.0, false);
+  add_camera("Depth", 30.0, true);
+  create();
+  arrivals(34);
+  EXPECT_EQ(reading(0).depth, nullptr);
+  ASSERT_NE(reading(1).depth, nullptr);
+  EXPECT_NEAR(reading(1).depth->meters[3 * 8 + 4], 1.75, 0.05);
+}
+
+TEST_F(VisionTest, ACameraThatDoesNotRunIsLeftAlone) {
+  add_camera("Camera", 30.0);
+  auto vision = Vision::create(0.001, {std::make_shared<const Model>(model_)}, {{false}});
+  ASSERT_TRUE(vision.ok());
+  observation_.bodies.resize(1);
+  observation_.bodies[0].links.resize(2);
+  observation_.bodies[0].devices.resize(1);
+  for (int tick = 0; tick < 70; ++tick) (*vision)->look(tick, observation_);
+  EXPECT_EQ(reading().image, nullptr);
+  EXPECT_FALSE(reading().fresh);
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,17 @@
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
+rehearse_add_test(world_tests LABEL sim
+  SOURCES
+    world/contacts_test.cpp
+    world/create_test.cpp
+    world/drives_test.cpp
+    world/force_sensor_test.cpp
+    world/inertial_sensors_test.cpp
+    world/joints_test.cpp
+    world/rigid_groups_test.cpp
+    world/state_test.cpp
+    world/wrenches_test.cpp
+  LIBRARIES Rehearse::world)
+
+rehearse_add_test(vision_tests LABEL render
+  SOURCES vision/pinhole_test.cpp vision/vision_test.cpp
+  LIBRARIES Rehearse::renderer)
