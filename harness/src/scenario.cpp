@@ -190,4 +190,24 @@ Result<Scenario> Scenario::parse(std::string text, const std::string& file, cons
   return scenario;
 }
 
+Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& file) {
+  Result<std::string> text = read_file(file);
+  if (!text) return text.errors();
+  const Result<YamlNodePtr> root = parse_yaml(std::move(*text), file.string());
+  if (!root) return root.errors();
+  Findings findings(file.string());
+  Scenario scenario;  // a place for the list
+  if ((*root)->kind != YamlNode::Kind::map) {
+    expected(findings, **root, "the file", "a map with a list of tolerances");
+  } else if (find_key(**root, "rehearse") != nullptr) {
+    if (const YamlNode* node = find_key(**root, "tolerances")) read_tolerances(findings, *node, scenario);
+  } else {
+    const Keys keys(findings, **root, "the file", {"tolerances"});
+    if (const YamlNode* node = keys.require("tolerances", "a list of tolerances, each with its channel"))
+      read_tolerances(findings, *node, scenario);
+  }
+  if (findings.any_error()) return findings.errors();
+  return std::move(scenario.tolerances);
+}
+
 }  // namespace rehearse

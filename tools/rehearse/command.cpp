@@ -5,13 +5,20 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace rehearse::tool {
 namespace {
 
 constexpr VerbSummary verbs[] = {
     {"record", "run a scenario in closed loop and record all that passes", true},
+    {"check", "run scenarios and compare them with their goldens", true},
     {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands", false},
+    {"diff", "compare two traces; what differs first, first", false},
+    {"golden", "list the goldens, or accept a run as one", false},
     {"info", "what stands in a trace", false},
     {"inspect", "load a robot model and report what was understood of it", false},
     {"render", "draw a picture of a scenario or a model", true},
@@ -33,7 +40,8 @@ std::string one_line(std::string text) {
 std::span<const VerbSummary> all_verbs() { return verbs; }
 
 const VerbSummary* find_verb(std::string_view name) {
-  const auto found = std::find_if(std::begin(verbs), std::end(verbs), [&](const auto& verb) { return verb.name == name; });
+  const auto found =
+      std::find_if(std::begin(verbs), std::end(verbs), [&](const auto& verb) { return verb.name == name; });
   return found == std::end(verbs) ? nullptr : found;
 }
 
@@ -48,13 +56,16 @@ std::string overview() {
   for (const VerbSummary& verb : verbs) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
   text +=
       "\n"
-      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed.\n";
+      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller "
+      "failed.\n";
   return text;
 }
 
 Exit run_verb(const Verb& verb, int argc, char** argv) {
   const std::string name(verb.name);
   CLI::App options(std::string(find_verb(verb.name)->summary), "rehearse " + name);
+  options.get_formatter()->label("REQUIRED", "");
+  options.get_formatter()->column_width(26);
   options.footer("Example:\n" + std::string(verb.example));
   try {
     const std::function<Exit()> run = verb.declare(options);

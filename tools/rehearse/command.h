@@ -11,6 +11,7 @@
 #include <CLI/Formatter.hpp>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace rehearse::tool {
@@ -31,6 +32,9 @@ struct Verb {
 };
 
 // Defined in NAME_command.cpp.
+extern const Verb check_verb;
+extern const Verb diff_verb;
+extern const Verb golden_verb;
 extern const Verb info_verb;
 extern const Verb inspect_verb;
 extern const Verb record_verb;

@@ -4,9 +4,12 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "options.h"
@@ -25,7 +28,7 @@ struct Settings {
 /// What one pass over the messages says of a channel.
 struct ChannelCount {
   std::uint64_t messages = 0;
-  std::uint64_t bytes = 0;  // of the payloads
+  std::uint64_t bytes = 0;                                          // of the payloads
   std::uint64_t first = std::numeric_limits<std::uint64_t>::max();  // log time [ns]
   std::uint64_t last = 0;                                           // [ns]
 
@@ -36,7 +39,8 @@ struct ChannelCount {
     last = std::max(last, message.log_time);
   }
   double rate() const {  // [Hz]; 0 if there is none
-    return messages < 2 || last == first ? 0.0 : static_cast<double>(messages - 1) * 1e9 / static_cast<double>(last - first);
+    return messages < 2 || last == first ? 0.0
+                                         : static_cast<double>(messages - 1) * 1e9 / static_cast<double>(last - first);
   }
 };
 
@@ -187,10 +191,14 @@ void tell(const mcap::Reader& reader, const Contents& contents) {
   fmt::print("{}: {}, written by {}{}\n", reader.name(), file_size_text(reader.size()),
              reader.library().empty() ? "an unnamed library" : reader.library(),
              reader.profile().empty() ? "" : ", profile " + reader.profile());
-  fmt::print("{} in {}, {:g} s from {:g} s to {:g} s", count_text(static_cast<std::int64_t>(contents.all.messages), "message"),
+  fmt::print("{} in {}, {:g} s from {:g} s to {:g} s",
+             count_text(static_cast<std::int64_t>(contents.all.messages), "message"),
              count_text(static_cast<std::int64_t>(reader.channels().size()), "channel"),
              contents.end() - contents.begin(), contents.begin(), contents.end());
-  fmt::print("{}\n\n", contents.ticks > 0 ? fmt::format(", {} on /tick", count_text(static_cast<std::int64_t>(contents.ticks), "message")) : "");
+  fmt::print("{}\n\n",
+             contents.ticks > 0
+                 ? fmt::format(", {} on /tick", count_text(static_cast<std::int64_t>(contents.ticks), "message"))
+                 : "");
   tell_channels(reader, contents);
   tell_records(reader);
   tell_events(contents);
@@ -211,17 +219,16 @@ Exit run(const Settings& settings) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("trace", settings->trace, "the trace, or any other MCAP file")->required()->type_name("TRACE");
+  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file")->required()->type_name("");
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
 }
 
 }  // namespace
 
-const Verb info_verb{
-    "info",
-    "  rehearse info sr1.mcap\n"
-    "  rehearse info sr1.mcap --json\n",
-    declare};
+const Verb info_verb{"info",
+                     "  rehearse info sr1.mcap\n"
+                     "  rehearse info sr1.mcap --json\n",
+                     declare};
 
 }  // namespace rehearse::tool

@@ -3,8 +3,12 @@
 #include <rehearse/urdf.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "command.h"
 #include "options.h"
@@ -68,14 +72,14 @@ Json model_json(const Model& model) {
                        {"link", model.links[device.link].name},
                        {"id", device.id},
                        {"line", device.line}});
-  return {{"name", model.name}, {"links", links_json(model)},          {"joints", joints}, {"devices", devices},
-          {"mass", model.mass()}, {"findings", json_of(model.report)}};
+  return {{"name", model.name}, {"links", links_json(model)}, {"joints", joints},
+          {"devices", devices}, {"mass", model.mass()},       {"findings", json_of(model.report)}};
 }
 
 /// The same shape when there is no model: readers need not ask twice.
 Json json_without_model(const Diagnostics& errors) {
-  return {{"name", nullptr}, {"links", Json::array()}, {"joints", Json::array()}, {"devices", Json::array()},
-          {"mass", nullptr}, {"findings", json_of(errors)}};
+  return {{"name", nullptr},          {"links", Json::array()}, {"joints", Json::array()},
+          {"devices", Json::array()}, {"mass", nullptr},        {"findings", json_of(errors)}};
 }
 
 std::string joint_counts(const Model& model) {
@@ -88,8 +92,7 @@ std::string joint_counts(const Model& model) {
 
 std::string range_text(const Joint& joint) {
   if (joint.lower == -unlimited && joint.upper == unlimited) return "any";
-  return fmt::format("{:.4g} to {:.4g} {}", joint.lower, joint.upper,
-                     joint.type == JointType::prismatic ? "m" : "rad");
+  return fmt::format("{:.4g} to {:.4g} {}", joint.lower, joint.upper, joint.type == JointType::prismatic ? "m" : "rad");
 }
 
 std::string effort_text(const Joint& joint) {
@@ -99,7 +102,8 @@ std::string effort_text(const Joint& joint) {
 
 void tell(const Model& model) {
   const Joint& root = model.links[0].joint;
-  fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name, count_text(static_cast<int>(model.links.size()), "link"),
+  fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name,
+             count_text(static_cast<int>(model.links.size()), "link"),
              count_text(static_cast<int>(model.links.size()) - 1, "joint"), joint_counts(model),
              count_text(static_cast<int>(model.devices.size()), "device"), model.mass(),
              root.type == JointType::free ? "free" : "fixed to the world");
@@ -137,7 +141,7 @@ Exit run(const Settings& settings) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("model", settings->model, "the model, a URDF file")->required()->type_name("MODEL");
+  options.add_option("MODEL", settings->model, "a URDF file")->required()->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "what would be repaired is an error");
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
@@ -145,10 +149,9 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb inspect_verb{
-    "inspect",
-    "  rehearse inspect fixtures/models/sr1.urdf\n"
-    "  rehearse inspect robot.urdf --strict --json\n",
-    declare};
+const Verb inspect_verb{"inspect",
+                        "  rehearse inspect fixtures/models/sr1.urdf\n"
+                        "  rehearse inspect robot.urdf --strict --json\n",
+                        declare};
 
 }  // namespace rehearse::tool

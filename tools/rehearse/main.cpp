@@ -1,11 +1,15 @@
-// rehearse: the command. What simulates is in a program of its own, so that this one links neither physics nor renderer.
+// rehearse: the command. What simulates is in a program of its own, so that this one links neither physics nor
+// renderer.
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
+#include <string>
 #include <string_view>
 
 #include "command.h"
@@ -13,7 +17,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr const Verb* own_verbs[] = {&replay_verb, &info_verb, &inspect_verb};
+constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb, &golden_verb, &info_verb, &inspect_verb};
 
 /// Goes on as rehearse-simulate, which stands at a fixed place beside this program. Comes back only if it can't.
 Exit become_simulator(char** argv) {
@@ -49,9 +53,10 @@ Exit run(int argc, char** argv) {
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
   if (known->simulates) return become_simulator(argv);
   pin_process(argv);
-  for (const Verb* verb : own_verbs)
-    if (verb->name == word) return run_verb(*verb, argc, argv);
-  REHEARSE_ASSERT(false, "a verb that is listed is in one of the two programs");
+  const auto verb = std::find_if(std::begin(own_verbs), std::end(own_verbs),
+                                 [&](const Verb* candidate) { return candidate->name == word; });
+  REHEARSE_ASSERT(verb != std::end(own_verbs), "a verb that is listed is in one of the two programs");
+  return run_verb(**verb, argc, argv);
 }
 
 }  // namespace

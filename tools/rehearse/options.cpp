@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 namespace rehearse::tool {
 namespace {
@@ -54,12 +57,11 @@ void add_host_options(CLI::App& options, HostOptions& host) {
   };
   options
       .add_option_function<std::vector<std::string>>(
-          "--controller", take_all,
-          "library to load for the controller NAME (or BODY/NAME) instead of the scenario's: a name, or a path")
+          "--controller", take_all, "another library (a name or a path) for the controller NAME or BODY/NAME")
       ->type_name("NAME=LIB")
       ->allow_extra_args(false);
-  add_number(options, "--call-limit", "wall time that a call into a controller may take [s]; then it counts as hung (10)",
-             0.01, 86400.0, [&host](double limit) { host.call_limit = limit; });
+  add_number(options, "--call-limit", "a controller's call that takes longer has hung [s of wall time] (10)", 0.01,
+             86400.0, [&host](double limit) { host.call_limit = limit; });
 }
 
 void add_json_flag(CLI::App& options, bool& json) {

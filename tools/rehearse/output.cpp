@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <limits>
 
 namespace rehearse::tool {
 namespace {
@@ -24,18 +26,21 @@ Json json_of(double number) {
 
 Json json_of(const std::optional<Divergence>& divergence) {
   if (!divergence) return nullptr;
-  return {{"tick", divergence->tick},
-          {"time", json_of(divergence->time)},
-          {"channel", divergence->channel},
-          {"element", divergence->element},
-          {"expected", json_of(divergence->expected)},
-          {"actual", json_of(divergence->actual)},
-          {"difference", json_of(divergence->difference)},
-          {"ulps", divergence->ulps},
-          {"tolerance", json_of(divergence->tolerance)},
-          {"unit", divergence->unit},
-          {"note", divergence->note},
-          {"stage", to_string(divergence->stage)}};
+  const Divergence& d = *divergence;
+  const bool of_numbers = d.note.empty();
+  const auto number = [of_numbers](double value) { return of_numbers ? json_of(value) : Json(nullptr); };
+  const bool comparable = of_numbers && d.ulps != std::numeric_limits<std::uint64_t>::max();
+  return {{"tick", d.tick},
+          {"time", d.time},
+          {"channel", d.channel},
+          {"element", d.element},
+          {"expected", number(d.expected)},
+          {"actual", number(d.actual)},
+          {"difference", number(d.difference)},
+          {"ulps", comparable ? Json(d.ulps) : Json(nullptr)},
+          {"unit", d.unit},
+          {"note", d.note},
+          {"stage", to_string(d.stage)}};
 }
 
 Json json_of(const Diagnostics& diagnostics) {

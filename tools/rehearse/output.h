@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 
 /// JSON has no NaN and no infinities: they become the strings "NaN", "Infinity" and "-Infinity".
 Json json_of(double number);
-Json json_of(const std::optional<Divergence>& divergence);  // null if there is none
+/// Null if there is none; expected, actual and ulps are null where it isn't a matter of two numbers.
+Json json_of(const std::optional<Divergence>& divergence);
 Json json_of(const Diagnostics& diagnostics);
 
 /// The object and a newline, on stdout. Text that isn't UTF-8 has its bad bytes replaced.

@@ -3,7 +3,10 @@
 #include <rehearse/clock.h>
 #include <rehearse/session.h>
 
+#include <cstdio>
+#include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -36,14 +39,6 @@ Result<Scenario> load(const Settings& settings) {
     return error(fmt::format("--duration {} is no tick", scenario->duration),
                  fmt::format("expected at least one time step, {} s", scenario->time_step));
   return scenario;
-}
-
-/// A failure is an event too, and so comes back among the remarks: it is told once, last.
-void tell_remarks(const RunSummary& summary) {
-  for (const Diagnostic& remark : summary.remarks)
-    if (!summary.failure || remark.message.find(summary.failure->message) == std::string::npos)
-      fmt::print(stderr, "{}\n", to_string(remark));
-  if (summary.failure) fmt::print(stderr, "{}\n", to_string(*summary.failure));
 }
 
 void tell_recording(const Scenario& scenario, const std::string& trace, const RunSummary& summary, double seconds) {
@@ -79,25 +74,23 @@ Exit run(Settings& settings) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("scenario", settings->scenario, "the scenario, a YAML file")->required()->type_name("SCENARIO");
-  options.add_option("-o,--output", settings->trace, "the trace to write (named like the scenario, here)")
+  options.add_option("SCENARIO", settings->scenario, "a YAML file")->required()->type_name("");
+  options.add_option("-o,--output", settings->trace, "the trace to write (SCENARIO.mcap in this folder)")
       ->type_name("TRACE");
-  add_integer(options, "--seed", "seed of the run, instead of the scenario's", 0,
-              std::numeric_limits<std::uint32_t>::max(),
+  add_integer(options, "--seed", "instead of the scenario's", 0, std::numeric_limits<std::uint32_t>::max(),
               [=](std::int64_t seed) { settings->seed = static_cast<std::uint32_t>(seed); });
-  add_number(options, "--duration", "simulated time that the run lasts [s], instead of the scenario's", 0.0,
-             Scenario::max_duration, [=](double duration) { settings->duration = duration; });
-  options.add_flag("--no-frames", settings->no_frames, "leave the cameras' pictures out of the trace");
+  add_number(options, "--duration", "simulated time [s], instead of the scenario's", 0.0, Scenario::max_duration,
+             [=](double duration) { settings->duration = duration; });
+  options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   add_host_options(options, settings->record);
   return [settings] { return run(*settings); };
 }
 
 }  // namespace
 
-const Verb record_verb{
-    "record",
-    "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
-    "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n",
-    declare};
+const Verb record_verb{"record",
+                       "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
+                       "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n",
+                       declare};
 
 }  // namespace rehearse::tool

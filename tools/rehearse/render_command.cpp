@@ -5,12 +5,17 @@
 #include <rehearse/scenario.h>
 #include <rehearse/urdf.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "command.h"
 #include "options.h"
@@ -127,9 +132,9 @@ std::function<Exit()> declare(CLI::App& options) {
   settings->camera.width = 960;
   settings->camera.height = 720;
   settings->camera.field_of_view = 35.0 * std::numbers::pi / 180.0;
-  options.add_option("input", settings->input, "a scenario, shown as it starts, or a model with all joints at zero")
+  options.add_option("SCENARIO|MODEL", settings->input, "a scenario as it starts, or a model with its joints at zero")
       ->required()
-      ->type_name("SCENARIO|MODEL");
+      ->type_name("");
   options.add_option("-o,--output", settings->picture, "the picture to write")->required()->type_name("PNG");
   add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,
               [=](std::int64_t width) { settings->camera.width = static_cast<int>(width); });
@@ -145,10 +150,9 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb render_verb{
-    "render",
-    "  rehearse render fixtures/scenarios/sr1_minimum.yaml -o sr1.png\n"
-    "  rehearse render robot.urdf -o hand.png --eye 0.6,0.2,1.1 --target 0,0.3,0.9\n",
-    declare};
+const Verb render_verb{"render",
+                       "  rehearse render fixtures/scenarios/sr1_minimum.yaml -o sr1.png\n"
+                       "  rehearse render robot.urdf -o hand.png --eye 0.6,0.2,1.1 --target 0,0.3,0.9\n",
+                       declare};
 
 }  // namespace rehearse::tool

@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <rehearse/replay.h>
 
+#include <cstdint>
+#include <cstdio>
+#include <memory>
 #include <string>
 
 #include "command.h"
@@ -22,10 +25,10 @@ struct Settings {
 
 std::string verdict(const ReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
-  if (report.first) return "differs: " + to_string(*report.first);
+  if (report.first) return "differs at " + to_string(*report.first);
   if (report.values == 0) return "equal, but nothing was compared: no controller commanded anything in that time";
-  return fmt::format("equal: {} in {}, bit for bit", count_text(report.values, "commanded number"),
-                     count_text(report.ticks, "tick"));
+  return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
+                     count_text(report.values, "commanded number"));
 }
 
 Json report_json(const ReplayReport& report) {
@@ -80,9 +83,9 @@ Exit run(Settings& settings) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("trace", settings->trace, "the recording")->required()->type_name("TRACE");
-  add_number(options, "--from", "compare commands from this time on [s]; the replay itself starts at the beginning",
-             0.0, longest_time, [=](double from) { settings->replay.from = from; });
+  options.add_option("TRACE", settings->trace, "the recording")->required()->type_name("");
+  add_number(options, "--from", "compare from this time on [s]; it starts at the beginning anyway", 0.0, longest_time,
+             [=](double from) { settings->replay.from = from; });
   add_number(options, "--until", "end there [s]", 0.0, longest_time,
              [=](double until) { settings->replay.until = until; });
   add_host_options(options, settings->replay);
@@ -92,10 +95,9 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb replay_verb{
-    "replay",
-    "  rehearse replay sr1.mcap\n"
-    "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n",
-    declare};
+const Verb replay_verb{"replay",
+                       "  rehearse replay sr1.mcap\n"
+                       "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n",
+                       declare};
 
 }  // namespace rehearse::tool

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+
 namespace rehearse::tool {
 namespace {
 
@@ -19,6 +21,13 @@ std::string controllers_of(const ScenarioBody& body) {
 void tell_warnings(const Scenario& scenario) {
   for (const Diagnostic& warning : scenario.warnings)
     if (warning.severity != Severity::note) fmt::print(stderr, "{}\n", to_string(warning));
+}
+
+void tell_remarks(const RunSummary& summary) {
+  for (const Diagnostic& remark : summary.remarks)
+    if (!summary.failure || remark.message.find(summary.failure->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
+  if (summary.failure) fmt::print(stderr, "{}\n", to_string(*summary.failure));
 }
 
 std::string cast_of(const Scenario& scenario) {

@@ -1,7 +1,8 @@
-// Scenarios in the words of the command.
+// Scenarios and their runs, in the words of the command.
 #pragma once
 
 #include <rehearse/scenario.h>
+#include <rehearse/session.h>
 
 #include <string>
 
@@ -9,6 +10,9 @@ namespace rehearse::tool {
 
 /// Prints what loading changed or doubts about the scenario and its models to stderr; `inspect` shows the notes.
 void tell_warnings(const Scenario& scenario);
+
+/// Prints a run's remarks to stderr, and its failure last, once (a failure is among the remarks too).
+void tell_remarks(const RunSummary& summary);
 
 /// "SR1 under SR1Minimum, Box": the bodies and what controls them; bodies that never move are left out.
 std::string cast_of(const Scenario& scenario);

@@ -13,8 +13,8 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 const Vector3d viewing_direction = Vector3d(1.0, -0.75, 0.4).normalized();  // from target to eye; robots face +x
-constexpr double margin = 1.1;      // of the picture around what matters
-constexpr double nearest = 0.1;     // to the middle of it [m]
+constexpr double margin = 1.1;                                              // of the picture around what matters
+constexpr double nearest = 0.1;                                             // to the middle of it [m]
 
 Vector3d half_extents(const Geometry& geometry) {
   if (const auto* box = std::get_if<Box>(&geometry)) return box->size / 2.0;

@@ -22,8 +22,8 @@ struct Viewpoint {
   Eigen::Vector3d target;  // [m]
 };
 
-/// From the front, the right and above, just so far away that all that matters is in the picture. Floors and walls, that
-/// is, bodies that are fixed, rigid and larger than all others together, don't count unless there is nothing else.
+/// From the front, the right and above, just so far away that all that matters is in the picture. Floors and walls,
+/// that is, bodies that are fixed, rigid and larger than all others together, don't count unless there is nothing else.
 /// A given eye or target is kept.
 Viewpoint default_viewpoint(const std::vector<PlacedModel>& scene, const Camera& camera,
                             const std::optional<Eigen::Vector3d>& eye, const std::optional<Eigen::Vector3d>& target);

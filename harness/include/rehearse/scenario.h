@@ -110,4 +110,7 @@ struct Scenario {
   static Result<Scenario> parse(std::string text, const std::string& file, const ModelSource& models);
 };
 
+/// The `tolerances` of a YAML file, which is a scenario (then nothing else of it is read) or has no other key.
+Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& file);
+
 }  // namespace rehearse

@@ -1,0 +1,128 @@
+// Verbs for tests of the command: run it as a user does, in a folder of the test's own, and look at all that came of
+// it.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace rehearse::test {
+
+namespace fs = std::filesystem;
+
+inline const fs::path fixtures = FIXTURES_DIR;
+inline const fs::path sr1_scenario = fixtures / "scenarios/sr1_minimum.yaml";
+inline const fs::path box_scenario = fixtures / "scenarios/drop_box.yaml";
+inline const fs::path command = REHEARSE_COMMAND;
+
+inline std::string read_file(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+inline std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+/// How a command ended.
+struct Outcome {
+  int status = -1;  // -1: it was ended by a signal
+  std::string out;
+  std::string err;
+
+  /// Its stdout as JSON; a test failure and null if it isn't.
+  nlohmann::json json() const {
+    const nlohmann::json object = nlohmann::json::parse(out, nullptr, false);
+    EXPECT_FALSE(object.is_discarded()) << "not JSON: " << out;
+    return object.is_discarded() ? nlohmann::json() : object;
+  }
+};
+
+/// A test with an empty folder, in which its commands run.
+class Command : public ::testing::Test {
+ protected:
+  Command() {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string(test->test_suite_name()) + "." + test->name();
+    for (char& c : name)
+      if (c == '/') c = '_';
+    folder_ = fs::path(::testing::TempDir()) / ("rehearse_" + std::to_string(getpid())) / name;
+    fs::create_directories(folder_);
+    // what the machine that runs the tests has set is not what they are about
+    for (const char* variable :
+         {"CI", "REHEARSE_GOLDEN", "REHEARSE_GOLDEN_DIR", "REHEARSE_PENDING", "REHEARSE_CONTROLLER_PATH"})
+      unsetenv(variable);
+  }
+  ~Command() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  const fs::path& folder() const { return folder_; }
+
+  /// `environment`: as "CI=true REHEARSE_GOLDEN=new".
+  Outcome run(const fs::path& program, const std::vector<std::string>& arguments,
+              const std::string& environment = "") const {
+    std::string line = "cd " + quoted(folder_.string()) + " && " + environment + " " + quoted(program.string());
+    for (const std::string& argument : arguments) line += " " + quoted(argument);
+    const fs::path out = folder_.string() + ".stdout", err = folder_.string() + ".stderr";
+    const int ended =
+        std::system((line + " > " + quoted(out.string()) + " 2> " + quoted(err.string()) + " < /dev/null").c_str());
+    return {WIFEXITED(ended) ? WEXITSTATUS(ended) : -1, read_file(out), read_file(err)};
+  }
+  Outcome rehearse(const std::vector<std::string>& arguments, const std::string& environment = "") const {
+    return run(command, arguments, environment);
+  }
+
+  /// The same, for commands that have to succeed.
+  Outcome done(const std::vector<std::string>& arguments) const {
+    Outcome outcome = rehearse(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    return outcome;
+  }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  bool exists(const std::string& name) const { return fs::exists(folder_ / name); }
+  bool is_empty() const { return fs::is_empty(folder_); }
+
+  /// 50 ms of a pendulum that is let go at 20 degrees, without cameras, under one controller.
+  fs::path pendulum(const std::string& library, const std::string& options = "") const {
+    return write("pendulum.yaml", "rehearse: 1\nduration: 0.05\nbodies:\n  - name: Pendulum\n    model: " +
+                                      (fixtures / "models/pendulum.urdf").string() +
+                                      "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Swing\n" +
+                                      "        library: " + library + "\n        options: \"" + options + "\"\n");
+  }
+  /// 100 ms of SR1 without cameras.
+  fs::path sr1_without_cameras() const {
+    std::string text = read_file(sr1_scenario);
+    const auto replace = [&](const std::string& before, const std::string& after) {
+      const std::size_t at = text.find(before);
+      ASSERT_NE(at, std::string::npos) << before;
+      text.replace(at, before.size(), after);
+    };
+    replace("../models/", (fixtures / "models/").string());
+    replace("[SR1/LeftCamera, SR1/RightCamera]", "[]");
+    replace("duration: 2 ", "duration: 0.1 ");
+    return write("sr1.yaml", text);
+  }
+
+ private:
+  fs::path folder_;
+};
+
+}  // namespace rehearse::test

@@ -1,0 +1,2 @@
+// A shared library, but not one of a controller: it has no factory.
+extern "C" int answer() { return 42; }

@@ -1,0 +1,229 @@
+// The verbs that judge: check, diff and golden, in a folder like a user's repository.
+#include "command.h"
+
+#include <gmock/gmock.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string golden_file = "golden/Robot.Stands.mcap";
+const std::string pending_file = "rehearse-pending/Robot.Stands.mcap";
+const std::string changed_gain = "SR1Minimum=" CHANGED_GAIN;
+
+/// A repository with one scenario that names a golden, and one that doesn't.
+class Repository : public Command {
+ protected:
+  Repository() {
+    fs::create_directories(folder() / "fixtures/scenarios");
+    fs::create_directories(folder() / "golden");
+    std::string text = read_file(sr1_without_cameras());
+    const std::string before = "golden: SR1.StandsUnderItsMinimumController";
+    const std::size_t at = text.find(before);
+    EXPECT_NE(at, std::string::npos);
+    write("fixtures/scenarios/stands.yaml", text.replace(at, before.size(), "golden: Robot.Stands"));
+    fs::copy_file(box_scenario, folder() / "fixtures/scenarios/drop_box.yaml");
+  }
+  const std::string scenario_ = "fixtures/scenarios/stands.yaml";
+
+  void accept_golden() const {
+    EXPECT_EQ(rehearse({"check", scenario_}).status, 1);
+    done({"golden", "accept", "Robot.Stands"});
+  }
+};
+
+class Check : public Repository {};
+class Golden : public Repository {};
+class Diff : public Repository {
+ protected:
+  /// a.mcap, and b.mcap with the changed gain.
+  void record_two() const {
+    done({"record", scenario_, "-o", "a.mcap"});
+    done({"record", scenario_, "-o", "b.mcap", "--controller", changed_gain});
+  }
+};
+
+TEST_F(Check, FailsWithoutAGoldenAndSaysHowTheRunBecomesOne) {
+  const Outcome outcome = rehearse({"check", scenario_});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("there is no golden golden/Robot.Stands.mcap"));
+  EXPECT_THAT(outcome.out, HasSubstr("rehearse golden accept Robot.Stands\n"));
+  EXPECT_FALSE(exists(golden_file));
+  EXPECT_TRUE(exists(pending_file));
+}
+
+TEST_F(Check, PassesARunThatIsAsItsGolden) {
+  accept_golden();
+  const Outcome outcome = done({"check", scenario_});
+  EXPECT_THAT(outcome.out, StartsWith("sr1_minimum: equal bit for bit: 101 ticks, "));  // and the last state
+  EXPECT_THAT(outcome.out, HasSubstr("\n  closed loop: equal; controller on recorded inputs: equal; "));
+  EXPECT_FALSE(exists(pending_file));
+}
+
+TEST_F(Check, WithoutAScenarioRunsAllThatNameAGolden) {
+  accept_golden();
+  const nlohmann::json report = done({"check", "--json"}).json();
+  EXPECT_EQ(report["file"], scenario_);
+  EXPECT_EQ(report["equal"], true);
+}
+
+TEST_F(Check, AnswersInJson) {
+  accept_golden();
+  const nlohmann::json report = done({"check", scenario_, "--json"}).json();
+  EXPECT_THAT(report["verdict"].get<std::string>(), StartsWith("equal bit for bit: "));
+  EXPECT_EQ(report["equal"], true);
+  EXPECT_EQ(report["within"], true);
+  EXPECT_EQ(report["first"], nullptr);
+  EXPECT_EQ(report["levels"], nlohmann::json({{"controller", "equal"}, {"plant", "skipped"}, {"closed", "equal"}}));
+}
+
+TEST_F(Check, AnswersForSeveralScenariosInOneObject) {
+  accept_golden();
+  const nlohmann::json report = done({"check", scenario_, scenario_, "--json"}).json();
+  EXPECT_EQ(report["verdict"], "2 scenarios as their goldens are");
+  EXPECT_EQ(report["levels"]["closed"], "equal");
+  EXPECT_EQ(report["first"], nullptr);
+  EXPECT_EQ(report["scenarios"].size(), 2u);
+}
+
+TEST_F(Check, FindsAChangedGainAtTheTickInWhichItFirstActs) {
+  accept_golden();
+  const std::string golden = read_file(folder() / golden_file);
+  const nlohmann::json replayed = rehearse({"replay", golden_file, "--json", "--controller", changed_gain}).json();
+
+  const Outcome outcome = rehearse({"check", scenario_, "--json", "--controller", changed_gain});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  const nlohmann::json report = outcome.json();
+  EXPECT_EQ(report["equal"], false);
+  EXPECT_EQ(report["within"], false);
+  EXPECT_EQ(report["levels"]["controller"], "differs");
+  EXPECT_EQ(report["first"]["stage"], "controller");
+  EXPECT_EQ(report["first"]["element"], "RLEG_KNEE/u");
+  EXPECT_EQ(report["first"]["tick"], replayed["first"]["tick"]);
+  EXPECT_THAT(report["verdict"].get<std::string>(), HasSubstr("the controller changed"));
+  EXPECT_TRUE(read_file(folder() / golden_file) == golden);
+}
+
+TEST_F(Check, ComparesTheAskedLevelsOnly) {
+  accept_golden();
+  const nlohmann::json report = done({"check", scenario_, "--json", "--level", "controller"}).json();
+  EXPECT_EQ(report["levels"]["controller"], "equal");
+  EXPECT_EQ(report["levels"]["closed"], "skipped");
+  const nlohmann::json all = done({"check", scenario_, "--json", "--level", "controller,plant,closed"}).json();
+  EXPECT_EQ(all["levels"]["closed"], "equal");
+  EXPECT_EQ(all["levels"]["plant"], "skipped");
+}
+
+TEST_F(Check, ComparesWithATraceThatIsNamed) {
+  done({"record", scenario_, "-o", "yesterday.mcap"});
+  done({"check", scenario_, "--golden", "yesterday.mcap"});
+  EXPECT_EQ(rehearse({"check", scenario_, "--golden", "yesterday.mcap", "--controller", changed_gain}).status, 1);
+}
+
+TEST_F(Check, UnderCiWritesNoGolden) {
+  const Outcome outcome = rehearse({"check", scenario_}, "CI=true REHEARSE_GOLDEN=new");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: REHEARSE_GOLDEN is 'new', but CI is 'true'"));
+  EXPECT_FALSE(exists(golden_file));
+}
+
+TEST_F(Check, OfAControllerThatFailsEndsInStatusThree) {
+  EXPECT_EQ(rehearse({"record", pendulum(MISBEHAVING).string(), "-o", "calm.mcap"}).status, 0);
+  const Outcome outcome = rehearse({"check", pendulum(MISBEHAVING, "throw 7").string(), "--golden", "calm.mcap"});
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("error: controller 'Pendulum/Swing' threw std::runtime_error"));
+}
+
+TEST_F(Golden, ListTellsWhoNamesEachAndWhichNobodyNames) {
+  accept_golden();
+  for (const char* ending : {".mcap", ".txt"})
+    fs::copy_file(folder() / ("golden/Robot.Stands" + std::string(ending)),
+                  folder() / ("golden/Robot.Falls" + std::string(ending)));
+  const nlohmann::json list = done({"golden", "list", "--json"}).json();
+  ASSERT_EQ(list["goldens"].size(), 2u);
+  EXPECT_EQ(list["goldens"][0]["name"], "Robot.Falls");
+  EXPECT_EQ(list["goldens"][0]["orphan"], true);
+  EXPECT_EQ(list["goldens"][1]["name"], "Robot.Stands");
+  EXPECT_EQ(list["goldens"][1]["orphan"], false);
+  EXPECT_EQ(list["goldens"][1]["problem"], nullptr);
+  EXPECT_THAT(list["goldens"][1]["owners"][0].get<std::string>(), HasSubstr("stands.yaml"));
+  const std::string text = done({"golden", "list"}).out;
+  EXPECT_THAT(text, ContainsRegex("\n  Robot.Falls +[0-9.]+ kB +no test or scenario names it +-\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  Robot.Stands +[0-9.]+ kB +in use +.*stands.yaml\n"));
+}
+
+TEST_F(Golden, AcceptSaysWhatMoved) {
+  accept_golden();
+  EXPECT_EQ(rehearse({"check", scenario_, "--controller", changed_gain}).status, 1);
+  const Outcome outcome = done({"golden", "accept", "Robot.Stands"});
+  EXPECT_THAT(outcome.out, StartsWith("accepted golden/Robot.Stands.mcap\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("differs at tick "));
+  EXPECT_THAT(outcome.out, HasSubstr("look at golden/Robot.Stands.txt and commit both files\n"));
+  EXPECT_FALSE(exists(pending_file));
+  done({"check", scenario_, "--controller", changed_gain});
+}
+
+TEST_F(Golden, AcceptRefusesWhatDoesNotWait) {
+  const Outcome outcome = rehearse({"golden", "accept", "Robot.Walks"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("nothing waits to be accepted as 'Robot.Walks'"));
+}
+
+TEST_F(Golden, AcceptWritesNothingUnderCi) {
+  EXPECT_EQ(rehearse({"check", scenario_}).status, 1);
+  const Outcome outcome = rehearse({"golden", "accept", "Robot.Stands"}, "CI=true");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: goldens are only checked where CI is 'true'"));
+  EXPECT_FALSE(exists(golden_file));
+}
+
+TEST_F(Diff, FindsNothingBetweenEqualRuns) {
+  done({"record", scenario_, "-o", "a.mcap"});
+  const nlohmann::json report = done({"diff", "a.mcap", "a.mcap", "--json"}).json();
+  EXPECT_EQ(report["equal"], true);
+  EXPECT_EQ(report["first"], nullptr);
+  EXPECT_THAT(done({"diff", "a.mcap", "a.mcap"}).out, StartsWith("equal bit for bit: "));
+}
+
+TEST_F(Diff, TellsTheFirstDivergenceFirst) {
+  record_two();
+  const Outcome outcome = rehearse({"diff", "a.mcap", "b.mcap"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, StartsWith("differs at tick "));
+  const nlohmann::json report = rehearse({"diff", "a.mcap", "b.mcap", "--json"}).json();
+  EXPECT_EQ(report["within"], false);
+  EXPECT_GT(report["first"]["tick"], 0);
+  EXPECT_NE(report["first"]["expected"], report["first"]["actual"]);
+}
+
+TEST_F(Diff, TakesTolerancesFromAFile) {
+  record_two();
+  write("loose.yaml", "tolerances:\n  - {channel: \"*\", atol: 1.0e9}\n");
+  const nlohmann::json report = done({"diff", "a.mcap", "b.mcap", "--tolerances", "loose.yaml", "--json"}).json();
+  EXPECT_EQ(report["within"], true);
+  EXPECT_EQ(report["equal"], false);
+}
+
+TEST_F(Diff, TakesTolerancesFromAScenario) {
+  record_two();
+  EXPECT_EQ(rehearse({"diff", "a.mcap", "b.mcap", "--tolerances", scenario_}).status, 1);
+}
+
+TEST_F(Diff, RefusesAFileThatHasNoTolerances) {
+  record_two();
+  const auto refusal = [this](const std::string& text) {
+    const Outcome outcome = rehearse({"diff", "a.mcap", "b.mcap", "--tolerances", write("t.yaml", text).string()});
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  EXPECT_THAT(refusal("tolerance: []\n"), ContainsRegex("t.yaml:1:1: error: .*'tolerance'"));
+  EXPECT_THAT(refusal("tolerances: [{channel: x, atol: -1}]\n"), ContainsRegex("t.yaml:1:[0-9]+: error: "));
+  EXPECT_THAT(refusal("- 1\n"), HasSubstr("t.yaml:1:1: error: "));
+  EXPECT_THAT(refusal("a: [\n"), HasSubstr("t.yaml:"));
+}
+
+}  // namespace
+}  // namespace rehearse::test

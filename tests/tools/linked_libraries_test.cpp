@@ -1,0 +1,75 @@
+// "Without physics" means: what replays links neither physics nor renderer, not even through another library.
+#include "command.h"
+
+#include <gmock/gmock.h>
+
+#include <regex>
+#include <set>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class LinkedLibraries : public Command {
+ protected:
+  /// The libraries that the file's own dynamic section names.
+  std::set<std::string> needed_by(const fs::path& file) const {
+    const Outcome section = run("readelf", {"--dynamic", "--wide", file.string()});
+    EXPECT_EQ(section.status, 0) << section.err;
+    return matches(section.out, std::regex("\\(NEEDED\\).*\\[(.*)\\]"));
+  }
+  /// The files that the dynamic linker would load, libraries of libraries included.
+  std::set<std::string> loaded_for(const fs::path& file) const {
+    const Outcome list = run("ldd", {file.string()});
+    EXPECT_EQ(list.status, 0) << list.err;
+    EXPECT_THAT(list.out, HasSubstr("libc.so"));
+    EXPECT_THAT(list.out, Not(HasSubstr("not found")));
+    return matches(list.out, std::regex("=> (/\\S+)"));
+  }
+  /// All of both: every name in the dynamic section of the program and of each library it loads.
+  std::string everything(const fs::path& program) const {
+    std::string names;
+    for (const std::string& name : needed_by(program)) names += name + "\n";
+    for (const std::string& library : loaded_for(program)) {
+      names += library + "\n";
+      for (const std::string& name : needed_by(library)) names += name + "\n";
+    }
+    return names;
+  }
+
+ private:
+  static std::set<std::string> matches(const std::string& text, const std::regex& pattern) {
+    std::set<std::string> found;
+    for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it) found.insert((*it)[1]);
+    return found;
+  }
+};
+
+TEST_F(LinkedLibraries, OfTheCommandHaveNeitherPhysicsNorRenderer) {
+  const std::string names = everything(command);
+  EXPECT_THAT(names, HasSubstr("librehearse_harness"));
+  for (const char* absent : {"libode", "libOSMesa", "libGL", "libLLVM", "librehearse_world", "librehearse_renderer",
+                             "librehearse_simulation"})
+    EXPECT_THAT(names, Not(HasSubstr(absent)));
+}
+
+TEST_F(LinkedLibraries, OfTheSimulatorHaveBoth) {  // so that the test above can fail
+  const std::string names = everything(REHEARSE_SIMULATE);
+  EXPECT_THAT(names, HasSubstr("libode"));
+  EXPECT_THAT(names, HasSubstr("libOSMesa"));
+}
+
+TEST_F(LinkedLibraries, LoadedWhileItReplaysHaveNeitherPhysicsNorRenderer) {
+  done({"record", sr1_without_cameras().string(), "-o", "sr1.mcap"});
+  const Outcome outcome = rehearse({"replay", "sr1.mcap"}, "LD_DEBUG=files");  // on stderr, dlopen included
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("SR1MinimumController.so"));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("libode")));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("libOSMesa")));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("libGL")));
+}
+
+}  // namespace
+}  // namespace rehearse::test

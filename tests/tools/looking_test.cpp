@@ -1,0 +1,159 @@
+// The verbs that look: info at traces, inspect at models, render at scenes.
+#include "command.h"
+
+#include <gmock/gmock.h>
+#include <rehearse/png.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Info : public Command {};
+class Inspect : public Command {};
+class Render : public Command {
+ protected:
+  Image picture(const std::string& name) const {
+    const std::string bytes = read_file(folder() / name);
+    const Result<Image> image = decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    EXPECT_TRUE(image.ok());
+    return image ? *image : Image{};
+  }
+};
+
+TEST_F(Info, TellsAPersonWhatIsInATrace) {
+  done({"record", sr1_scenario.string(), "--duration", "0.2", "-o", "sr1.mcap"});
+  const std::string text = done({"info", "sr1.mcap"}).out;
+  EXPECT_THAT(text, ContainsRegex("sr1.mcap: .* written by rehearse " REHEARSE_VERSION ", profile ros2\n"));
+  EXPECT_THAT(text, HasSubstr(" in 20 channels, 0.2 s from 0 s to 0.2 s, 201 messages on /tick\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  /SR1/joints  +sensor_msgs/msg/JointState  +201  +1000 Hz  +"));
+  EXPECT_THAT(text, HasSubstr("\n  scenario.yaml, application/yaml, "));
+  EXPECT_THAT(text, HasSubstr("\n  seed: 0\n"));
+  EXPECT_THAT(text, HasSubstr("\nmetadata 'rehearse.outcome'\n  complete: true\n"));
+}
+
+TEST_F(Info, TellsAProgramAllOfIt) {
+  done({"record", sr1_scenario.string(), "--duration", "0.1", "-o", "sr1.mcap"});
+  const nlohmann::json info = done({"info", "sr1.mcap", "--json"}).json();
+  EXPECT_EQ(info["header"]["profile"], "ros2");
+  EXPECT_EQ(info["size"], fs::file_size(folder() / "sr1.mcap"));
+  EXPECT_EQ(info["duration"], 0.1);
+  ASSERT_EQ(info["channels"].size(), 20u);
+  EXPECT_EQ(info["channels"][0]["topic"], "/SR1/joints");
+  EXPECT_EQ(info["channels"][0]["type"], "sensor_msgs/msg/JointState");
+  EXPECT_EQ(info["channels"][0]["messages"], 101);
+  EXPECT_NEAR(info["channels"][0]["rate"], 1000.0, 1e-6);
+  EXPECT_EQ(info["statistics"]["message_count"], info["messages"]);
+  EXPECT_EQ(info["attachments"][0]["name"], "scenario.yaml");
+  EXPECT_EQ(info["attachments"][0]["size"], fs::file_size(sr1_scenario));
+  EXPECT_EQ(info["metadata"][0]["name"], "rehearse");
+  EXPECT_FALSE(info["schemas"].empty());
+  EXPECT_TRUE(info["damage"].empty());
+}
+
+TEST_F(Info, ShowsWhatIsWholeOfATruncatedTraceAndSaysSo) {
+  done({"record", box_scenario.string(), "-o", "box.mcap"});
+  fs::resize_file(folder() / "box.mcap", fs::file_size(folder() / "box.mcap") - 100);
+  const Outcome outcome = rehearse({"info", "box.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.out, HasSubstr("/Box/"));
+  EXPECT_THAT(outcome.err, StartsWith("box.mcap: error: truncated at byte "));
+  const Outcome json = rehearse({"info", "box.mcap", "--json"});
+  EXPECT_EQ(json.status, 2);
+  EXPECT_EQ(json.err, "");
+  EXPECT_FALSE(json.json()["damage"].empty());
+}
+
+const std::string sr1_model = (fixtures / "models/sr1.urdf").string();
+
+TEST_F(Inspect, TellsAPersonWhatWasUnderstood) {
+  const std::string text = done({"inspect", sr1_model}).out;
+  EXPECT_THAT(text, StartsWith("SR1: 30 links, 29 joints (29 revolute), 7 devices, "));
+  EXPECT_THAT(text, ContainsRegex("\n  3   RLEG_KNEE +revolute +RLEG_KNEE +0 to 2.618 rad +500 N·m\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  1   RightAnkleForceSensor  ForceSensor +RLEG_ANKLE_R\n"));
+  EXPECT_THAT(text, ContainsRegex("sr1.urdf:[0-9]+: note: "));
+}
+
+TEST_F(Inspect, TellsAProgramAllOfIt) {
+  const nlohmann::json model = done({"inspect", sr1_model, "--json"}).json();
+  EXPECT_EQ(model["name"], "SR1");
+  ASSERT_EQ(model["links"].size(), 30u);
+  ASSERT_EQ(model["joints"].size(), 29u);
+  ASSERT_EQ(model["devices"].size(), 7u);
+  for (const char* kind : {"links", "joints", "devices"})
+    for (const nlohmann::json& object : model[kind]) {
+      EXPECT_TRUE(object["name"].is_string() && object["type"].is_string()) << object;
+    }
+  const nlohmann::json& knee = model["joints"][3];
+  EXPECT_EQ(knee["name"], "RLEG_KNEE");
+  EXPECT_EQ(knee["type"], "revolute");
+  EXPECT_EQ(knee["id"], 3);
+  EXPECT_EQ(knee["parent"], "RLEG_HIP_Y");
+  EXPECT_EQ(knee["limits"]["effort"], 500.0);
+  double mass = 0.0;
+  for (const nlohmann::json& link : model["links"]) mass += link["mass"].get<double>();
+  EXPECT_NEAR(model["mass"], mass, 1e-9);
+  EXPECT_EQ(model["findings"][0]["severity"], "note");
+  EXPECT_GT(model["findings"][0]["line"], 0);
+}
+
+TEST_F(Inspect, TellsAPersonEveryErrorOfABrokenModel) {
+  const Outcome outcome = rehearse({"inspect", (fixtures / "broken/urdf_axis_zero.urdf").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, ContainsRegex("urdf_axis_zero.urdf:[0-9]+:?[0-9]*: error: "));
+}
+
+TEST_F(Inspect, TellsAProgramTheErrorsAsFindings) {
+  const Outcome outcome = rehearse({"inspect", (fixtures / "broken/urdf_axis_zero.urdf").string(), "--json"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "");
+  const nlohmann::json model = outcome.json();
+  EXPECT_EQ(model["name"], nullptr);
+  ASSERT_FALSE(model["findings"].empty());
+  EXPECT_EQ(model["findings"][0]["severity"], "error");
+}
+
+TEST_F(Render, DrawsAScenarioAsItStarts) {
+  EXPECT_THAT(done({"render", sr1_scenario.string(), "-o", "sr1.png"}).out,
+              StartsWith("sr1.png: 960 x 720 pixels, seen from "));
+  const Image image = picture("sr1.png");
+  ASSERT_EQ(image.width, 960);
+  ASSERT_EQ(image.height, 720);
+  // the robot's light grey is in the middle of the picture, and not at its edges
+  int middle = 0, edge = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t* pixel = &image.pixels[3 * (static_cast<std::size_t>(y) * image.width + x)];
+      const bool grey = pixel[0] > 150 && pixel[2] - pixel[0] < 20;
+      const bool inside = x > 240 && x < 720 && y > 10 && y < 710;
+      (inside ? middle : edge) += grey ? 1 : 0;
+    }
+  EXPECT_GT(middle, 10'000);
+  EXPECT_EQ(edge, 0);
+}
+
+TEST_F(Render, DrawsAModelInTheAskedSize) {
+  done({"render", sr1_model, "-o", "sr1.png", "--width", "200", "--height", "300"});
+  EXPECT_EQ(picture("sr1.png").width, 200);
+  EXPECT_EQ(picture("sr1.png").height, 300);
+}
+
+TEST_F(Render, LooksFromWhereItIsTold) {
+  const Outcome outcome = done({"render", box_scenario.string(), "-o", "a.png", "--eye", "-2,1.5,1", "--target",
+                                "0,0,0.6", "--fov", "20", "--width", "99", "--height", "99"});
+  EXPECT_THAT(outcome.out, HasSubstr("seen from -2,1.5,1 m towards 0,0,0.6 m"));
+  const Image image = picture("a.png");
+  const std::uint8_t* pixel = &image.pixels[3 * (49 * 99 + 49)];
+  EXPECT_GT(pixel[0], 2 * pixel[2]);  // the orange box is in the middle
+}
+
+TEST_F(Render, GivesTheSamePictureTwice) {
+  for (const char* file : {"a.png", "b.png"}) done({"render", sr1_scenario.string(), "-o", file});
+  EXPECT_TRUE(read_file(folder() / "a.png") == read_file(folder() / "b.png"));
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,85 @@
+// rehearse record: what it says, what it writes, and that it writes the same twice.
+#include "command.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+class Record : public Command {};
+
+TEST_F(Record, SaysInThreeLinesWhatWasRecorded) {
+  const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "-o", "sr1.mcap"});
+  EXPECT_THAT(outcome.out,
+              HasSubstr("recorded sr1_minimum: SR1 under SR1Minimum\n100 ticks, 0.1 s of simulation, in "));
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("times real time, [0-9]+ ticks/s\n20 channels, 4 camera frames, .* in sr1.mcap\n$"));
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 3);
+}
+
+TEST_F(Record, NamesTheTraceLikeTheScenario) {
+  done({"record", box_scenario.string()});
+  EXPECT_TRUE(exists("drop_box.mcap"));
+}
+
+TEST_F(Record, GivesEqualBytesTwice) {
+  for (const char* trace : {"a.mcap", "b.mcap"})
+    done({"record", sr1_scenario.string(), "--duration", "0.2", "-o", trace});
+  EXPECT_GT(fs::file_size(folder() / "a.mcap"), 100'000u);  // 200 ticks of 29 joints, and 10 pictures
+  EXPECT_TRUE(read_file(folder() / "a.mcap") == read_file(folder() / "b.mcap"));
+}
+
+TEST_F(Record, GivesEqualBytesWhateverTheEnvironmentSaysOfTheProcessor) {
+  const std::string scenario = sr1_without_cameras().string();
+  done({"record", scenario, "-o", "a.mcap"});
+  rehearse({"record", scenario, "-o", "b.mcap"}, "GALLIUM_OVERRIDE_CPU_CAPS=avx LP_NUM_THREADS=4");
+  EXPECT_TRUE(read_file(folder() / "a.mcap") == read_file(folder() / "b.mcap"));
+}
+
+TEST_F(Record, ReplacesATrace) {
+  done({"record", box_scenario.string(), "-o", "a.mcap", "--duration", "0.5"});
+  const auto size = fs::file_size(folder() / "a.mcap");
+  done({"record", box_scenario.string(), "-o", "a.mcap"});
+  EXPECT_GT(fs::file_size(folder() / "a.mcap"), size);
+}
+
+TEST_F(Record, SeedAndDurationOfTheCommandLineStandInTheTrace) {
+  done({"record", box_scenario.string(), "-o", "a.mcap", "--seed", "4294967295", "--duration", "0.25"});
+  const nlohmann::json info = done({"info", "a.mcap", "--json"}).json();
+  EXPECT_EQ(info["metadata"][0]["values"]["seed"], "4294967295");
+  EXPECT_EQ(info["metadata"][0]["values"]["duration"], "0.25");
+  EXPECT_EQ(info["ticks"], 251);  // and the state after the last
+}
+
+TEST_F(Record, LeavesPicturesOut) {
+  const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "--no-frames", "-o", "a.mcap"});
+  EXPECT_THAT(outcome.out, HasSubstr("14 channels, 0 camera frames"));
+}
+
+TEST_F(Record, RefusesAControllerThatTheScenarioHasNot) {
+  const Outcome outcome = rehearse({"record", pendulum("SR1MinimumController").string(), "--controller", "Swng=x.so"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "error: there is no controller 'Swng' in pendulum (there is: Pendulum/Swing)\n");
+  EXPECT_FALSE(exists("pendulum.mcap"));
+}
+
+TEST_F(Record, TellsEveryMistakeOfAScenario) {
+  const Outcome outcome = rehearse({"record", (fixtures / "broken/scenario_unknown_key.yaml").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, ContainsRegex("scenario_unknown_key.yaml:[0-9]+:[0-9]+: error: "));
+  EXPECT_TRUE(is_empty());
+}
+
+TEST_F(Record, DrawsNoProgressBarWhenPiped) {
+  const Outcome outcome = done({"record", sr1_scenario.string(), "-o", "a.mcap"});
+  EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,124 @@
+// rehearse replay: from the trace alone, without physics; a changed gain is found where it first acts.
+#include "command.h"
+
+#include <gmock/gmock.h>
+#include <rehearse/scenario.h>
+#include <rehearse/trace.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Replay : public Command {
+ protected:
+  void record_sr1() const { done({"record", sr1_without_cameras().string(), "-o", "sr1.mcap"}); }
+};
+
+TEST_F(Replay, RepeatsEveryCommand) {
+  record_sr1();
+  const Outcome outcome = done({"replay", "sr1.mcap"});
+  EXPECT_THAT(outcome.out, StartsWith("replayed sr1.mcap: 100 ticks without physics in "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("\nequal bit for bit: 100 ticks, 3000 commanded numbers\n"));  // 29 joints, 1 result
+}
+
+TEST_F(Replay, RepeatsARunWithCameras) {
+  done({"record", sr1_scenario.string(), "--duration", "0.1", "-o", "sr1.mcap"});
+  EXPECT_THAT(done({"replay", "sr1.mcap"}).out, HasSubstr("\nequal bit for bit: "));
+}
+
+TEST_F(Replay, NeedsNothingButTheTrace) {
+  record_sr1();
+  fs::create_directory(folder() / "elsewhere");
+  fs::rename(folder() / "sr1.mcap", folder() / "elsewhere/renamed.mcap");
+  fs::remove(folder() / "sr1.yaml");
+  done({"replay", "elsewhere/renamed.mcap"});
+}
+
+TEST_F(Replay, AnswersInJson) {
+  record_sr1();
+  const nlohmann::json report = done({"replay", "sr1.mcap", "--json"}).json();
+  EXPECT_EQ(report["equal"], true);
+  EXPECT_EQ(report["within"], true);
+  EXPECT_EQ(report["first"], nullptr);
+  EXPECT_EQ(report["ticks"], 100);
+  EXPECT_EQ(report["verdict"], "equal bit for bit: 100 ticks, 3000 commanded numbers");
+}
+
+TEST_F(Replay, FindsAChangedGainAtTheFirstTickInWhichItActs) {
+  record_sr1();
+  // the gain multiplies how far the knee is from where the scenario puts it
+  const auto scenario = Scenario::load(sr1_without_cameras());
+  ASSERT_TRUE(scenario.ok());
+  const double reference = scenario->bodies[1].joints[3];
+  const auto trace = Trace::load(folder() / "sr1.mcap");
+  ASSERT_TRUE(trace.ok());
+  const std::vector<double> knee = trace->values("SR1/SR1Minimum/input/RLEG_KNEE/q");
+  std::size_t first = 0;
+  while (first < knee.size() && knee[first] == reference) ++first;
+  ASSERT_LT(first, knee.size());
+
+  const Outcome outcome = rehearse({"replay", "sr1.mcap", "--json", "--controller", "SR1Minimum=" CHANGED_GAIN});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  const nlohmann::json report = outcome.json();
+  EXPECT_EQ(report["equal"], false);
+  EXPECT_EQ(report["within"], false);
+  EXPECT_EQ(report["first"]["tick"], first);
+  EXPECT_DOUBLE_EQ(report["first"]["time"], static_cast<double>(first) * 0.001);
+  EXPECT_EQ(report["first"]["channel"], "/SR1/SR1Minimum/output/joints");
+  EXPECT_EQ(report["first"]["element"], "RLEG_KNEE/u");
+  EXPECT_EQ(report["first"]["stage"], "controller");
+  EXPECT_EQ(report["first"]["expected"],
+            trace->at("SR1/SR1Minimum/output/RLEG_KNEE/u", static_cast<double>(first) * 0.001));
+  EXPECT_NE(report["first"]["actual"], report["first"]["expected"]);
+  EXPECT_GT(report["first"]["ulps"], 0);
+}
+
+TEST_F(Replay, SaysInASentenceWhereItDiffers) {
+  record_sr1();
+  const Outcome outcome = rehearse({"replay", "sr1.mcap", "--controller", "SR1/SR1Minimum=" CHANGED_GAIN});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("\ndiffers at tick .*RLEG_KNEE/u.*\nworst: .*\n[0-9]+ of 100 ticks and .* differ\n$"));
+}
+
+TEST_F(Replay, ComparesTheAskedSpanOnly) {
+  record_sr1();
+  const nlohmann::json late =
+      rehearse({"replay", "sr1.mcap", "--json", "--from", "0.05", "--controller", "SR1Minimum=" CHANGED_GAIN}).json();
+  EXPECT_EQ(late["first"]["tick"], 50);
+  const nlohmann::json early = done({"replay", "sr1.mcap", "--json", "--until", "0.04"}).json();
+  EXPECT_EQ(early["ticks"], 40);
+}
+
+TEST_F(Replay, RefusesATruncatedTrace) {
+  record_sr1();
+  fs::resize_file(folder() / "sr1.mcap", fs::file_size(folder() / "sr1.mcap") / 2);
+  const Outcome outcome = rehearse({"replay", "sr1.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, ContainsRegex("^sr1.mcap: error: truncated at byte [0-9]+"));
+}
+
+TEST_F(Replay, RefusesATraceWithOneFlippedBit) {
+  record_sr1();
+  std::string bytes = read_file(folder() / "sr1.mcap");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write("flipped.mcap", bytes);
+  const Outcome outcome = rehearse({"replay", "flipped.mcap"});
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, StartsWith("flipped.mcap: error: "));
+}
+
+TEST_F(Replay, NamesAControllerThatTheTraceHasNot) {
+  record_sr1();
+  const Outcome outcome = rehearse({"replay", "sr1.mcap", "--controller", "Walker=x.so"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "error: there is no controller 'Walker' in sr1_minimum (there is: SR1/SR1Minimum)\n");
+}
+
+}  // namespace
+}  // namespace rehearse::test

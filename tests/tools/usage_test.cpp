@@ -1,0 +1,107 @@
+// The command line itself: help, versions, slips of the hand.
+#include "command.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::vector<std::string> verbs{"record", "check", "replay", "diff", "golden", "info", "inspect", "render"};
+
+class Usage : public Command {};
+
+/// Refused with one line of that text; nothing on stdout and nothing written.
+class RefusedUsage : public Command,
+                     public ::testing::WithParamInterface<std::pair<std::vector<std::string>, const char*>> {};
+
+TEST_F(Usage, HelpListsEachVerbWithALine) {
+  const Outcome outcome = done({"--help"});
+  for (const std::string& verb : verbs) EXPECT_THAT(outcome.out, HasSubstr("\n  " + verb + " "));
+  EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0 "));
+}
+
+TEST_F(Usage, EachVerbHelpsWithAnExample) {
+  for (const std::string& verb : verbs) {
+    const Outcome outcome = done({verb, "--help"});
+    EXPECT_THAT(outcome.out, HasSubstr("Usage: rehearse " + verb));
+    EXPECT_THAT(outcome.out, HasSubstr("Example:\n  rehearse " + verb));
+  }
+}
+
+TEST_F(Usage, SaysItsVersion) { EXPECT_EQ(done({"--version"}).out, "rehearse " REHEARSE_VERSION "\n"); }
+
+TEST_F(Usage, TheProgramBehindItIsNotStartedByHand) {
+  const Outcome outcome = run(REHEARSE_SIMULATE, {});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, StartsWith("error: rehearse-simulate is a part of rehearse"));
+}
+
+TEST_P(RefusedUsage, WithOneLineAndNothingWritten) {
+  const auto& [arguments, message] = GetParam();
+  const Outcome outcome = rehearse(arguments);
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, HasSubstr(message));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_TRUE(is_empty());
+}
+
+const std::string box = box_scenario.string();
+
+using Case = std::pair<std::vector<std::string>, const char*>;
+INSTANTIATE_TEST_SUITE_P(
+    Of, RefusedUsage,
+    ::testing::Values(
+        Case{{}, "error: no verb given (rehearse --help lists all verbs)"},
+        Case{{"recrd"}, "error: there is no verb 'recrd' (did you mean record? rehearse --help lists all verbs)"},
+        Case{{"--verbose"}, "error: there is no verb '--verbose'"},
+        Case{{"record"}, "error: rehearse record: SCENARIO is required (see rehearse record --help)"},
+        Case{{"record", box, "--sed", "1"}, "error: rehearse record: The following arguments were not expected: "},
+        Case{{"record", box, "--seed"}, "error: rehearse record: --seed: 1 required NUMBER missing"},
+        Case{{"record", box, "--seed", "-1"}, "--seed: '-1' is not a whole number from 0 to 4294967295"},
+        Case{{"record", box, "--seed", "1.5"}, "--seed: '1.5' is not a whole number"},
+        Case{{"record", box, "--duration", "long"}, "--duration: 'long' is not a number from 0 to 86400"},
+        Case{{"record", box, "--duration", "1e9"}, "--duration: '1e9' is not a number from 0 to 86400"},
+        Case{{"record", box, "--duration", "nan"}, "--duration: 'nan' is not a number from 0 to 86400"},
+        Case{{"record", box, "--duration", "0"}, "error: --duration 0 is no tick"},
+        Case{{"record", box, "--controller", "Walker"}, "--controller: 'Walker' is not NAME=LIB"},
+        Case{{"record", box, "--controller", "=lib.so"}, "--controller: '=lib.so' is not NAME=LIB"},
+        Case{{"record", box, "--controller", "A=b", "--controller", "A=c"}, "--controller: 'A' is given twice"},
+        Case{{"record", box, "--call-limit", "0"}, "--call-limit: '0' is not a number from 0.01 to 86400"},
+        Case{{"record", box, "-o", "/nowhere/a.mcap"}, "/nowhere/a.mcap: error: can't create the trace"},
+        Case{{"record", box, "-o", "/"}, "error: can't write /: it is a directory"},
+        Case{{"record", box, "-o", box}, "it exists and is no trace (name another file, or remove it first)"},
+        Case{{"record", "/"}, "/: error: it is a directory"},
+        Case{{"record", "nowhere.yaml"}, "nowhere.yaml: error: there is no such file"},
+        Case{{"replay", "nowhere.mcap"}, "nowhere.mcap: error: can't read the trace: No such file or directory"},
+        Case{{"replay", "/"}, "/: error: can't read the trace: it is a directory"},
+        Case{{"replay", box}, "drop_box.yaml: error: not an MCAP file"},
+        Case{{"check", box, "--level", "open"}, "--level: 'open' is not closed, controller or plant"},
+        Case{{"check", box, "--level", "plant"}, "--level: plant alone compares nothing in this version"},
+        Case{{"check", box}, "drop_box.yaml: error: the scenario names no golden to compare with"},
+        Case{{"check"}, "error: no scenario below fixtures/scenarios names a golden"},
+        Case{{"check", box, box, "--golden", "a.mcap"}, "error: --golden compares one scenario"},
+        Case{{"check", box, "--golden", "nowhere.mcap"}, "nowhere.mcap: error: can't read the trace"},
+        Case{{"diff", box}, "error: rehearse diff: B is required"},
+        Case{{"diff", box, box}, "drop_box.yaml: error: not an MCAP file"},
+        Case{{"golden"}, "error: rehearse golden: A subcommand is required"},
+        Case{{"golden", "accept"}, "error: rehearse golden: NAME is required"},
+        Case{{"golden", "list"}, "error: there is no folder 'golden' beside ./ or above it"},
+        Case{{"info", box}, "drop_box.yaml: error: not an MCAP file"},
+        Case{{"info", "nowhere.mcap"}, "nowhere.mcap: error: can't read the trace"},
+        Case{{"inspect", "nowhere.urdf"}, "nowhere.urdf: error: "}, Case{{"inspect", "/"}, "/: error: "},
+        Case{{"render", box}, "error: rehearse render: --output is required"},
+        Case{{"render", box, "-o", "a.png", "--eye", "1,2"}, "--eye: '1,2' is not x,y,z"},
+        Case{{"render", box, "-o", "a.png", "--eye", "1,2,c"}, "--eye: 'c' is not a number"},
+        Case{{"render", box, "-o", "a.png", "--width", "0"}, "--width: '0' is not a whole number from 1 to 2730"},
+        Case{{"render", box, "-o", "a.png", "--eye", "1,1,1", "--target", "1,1,1"}, "--eye and --target are the same"},
+        Case{{"render", box, "-o", box}, "it exists and is no PNG picture"},
+        Case{{"render", "nowhere.yaml", "-o", "a.png"}, "nowhere.yaml: error: there is no such file"}));
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,206 @@
+// rehearse check: runs scenarios and compares them with their goldens.
+#include <fmt/format.h>
+#include <rehearse/check.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+#include "scenario_text.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* usual_scenarios = "fixtures/scenarios";
+
+struct Settings {
+  std::vector<std::string> scenarios;
+  std::string golden;  // a trace to compare with; empty: the one that each scenario names
+  bool json = false;
+  CheckOptions check;
+};
+
+/// Of one scenario.
+struct Checked {
+  std::string scenario;  // its name
+  std::string file;
+  CheckReport report;
+};
+
+/// All scenarios below the usual folder that name a golden, by path.
+Result<std::vector<Scenario>> usual() {
+  std::vector<fs::path> files;
+  std::error_code missing;
+  for (fs::recursive_directory_iterator entry(usual_scenarios, missing), end; !missing && entry != end;
+       entry.increment(missing))
+    if (entry->path().extension() == ".yaml") files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  std::vector<Scenario> scenarios;
+  for (const fs::path& file : files) {
+    Result<Scenario> scenario = Scenario::load(file);
+    if (!scenario) return scenario.errors();
+    if (!scenario->golden.empty()) scenarios.push_back(*std::move(scenario));
+  }
+  if (scenarios.empty())
+    return error(fmt::format("no scenario below {} names a golden", usual_scenarios),
+                 "name a scenario, or go to the folder that has fixtures and golden");
+  return scenarios;
+}
+
+Result<std::vector<Scenario>> load(const Settings& settings) {
+  if (settings.scenarios.empty()) return usual();
+  std::vector<Scenario> scenarios;
+  for (const std::string& file : settings.scenarios) {
+    Result<Scenario> scenario = Scenario::load(file);
+    if (!scenario) return scenario.errors();
+    scenarios.push_back(*std::move(scenario));
+  }
+  return scenarios;
+}
+
+Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
+  Progress progress("checking " + scenario.name);
+  CheckOptions options = settings.check;
+  options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+  if (!settings.golden.empty())
+    return check_scenario(scenario, settings.golden, pending_folder() / (scenario.name + ".mcap"), options, record);
+  const auto mode = golden_mode();
+  if (!mode) return mode.errors();
+  // check_golden knows best what to say of a scenario that names none
+  const auto folder = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
+  if (!folder) return folder.errors();
+  GoldenStore store(*folder);
+  return check_golden(scenario, store, *mode, options, record);
+}
+
+bool failed(const CheckReport& report) {
+  const bool run_failed = report.run && (report.run->failure || report.run->controller_refused);
+  return run_failed || (report.replay && (report.replay->failure || report.replay->controller_refused));
+}
+
+Exit exit_of(const CheckReport& report) {
+  if (failed(report)) return Exit::controller_failed;
+  return report.within() ? Exit::done : Exit::differs;
+}
+
+void tell(const Checked& checked, double seconds) {
+  const CheckReport& report = checked.report;
+  fmt::print("{}: {}\n", checked.scenario, report.verdict);
+  fmt::print("  closed loop: {}; controller on recorded inputs: {}; {:.1f} s\n", to_string(report.closed),
+             to_string(report.controller), seconds);
+  if (report.comparison) fmt::print("{}", table(*report.comparison));
+  if (!report.message.empty()) fmt::print("{}\n", report.message);
+  std::fflush(stdout);  // before what stderr says of it
+  if (report.run) tell_remarks(*report.run);
+}
+
+Json json_of_check(const Checked& checked) {
+  Json object = Json::parse(to_json(checked.report));
+  object["scenario"] = checked.scenario;
+  object["file"] = checked.file;
+  object["message"] = checked.report.message;
+  return object;
+}
+
+/// Over all of them: differs if any differs, else within if any is, else equal; skipped if all skipped it.
+std::string_view together(const std::vector<Checked>& all, LevelState CheckReport::*level) {
+  for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal})
+    for (const Checked& checked : all)
+      if (checked.report.*level == state) return to_string(state);
+  return to_string(LevelState::skipped);
+}
+
+/// One object for several scenarios: the same members as for one, and each of them in `scenarios`.
+Json json_of_checks(const std::vector<Checked>& all) {
+  const auto bad =
+      std::find_if(all.begin(), all.end(), [](const Checked& checked) { return !checked.report.within(); });
+  Json scenarios = Json::array();
+  for (const Checked& checked : all) scenarios.push_back(json_of_check(checked));
+  return {{"verdict", bad == all.end() ? fmt::format("{} as their goldens are", count_text(std::ssize(all), "scenario"))
+                                       : bad->scenario + ": " + bad->report.verdict},
+          {"equal", std::all_of(all.begin(), all.end(), [](const Checked& checked) { return checked.report.equal(); })},
+          {"within", bad == all.end()},
+          {"levels",
+           {{"controller", together(all, &CheckReport::controller)},
+            {"plant", together(all, &CheckReport::plant)},
+            {"closed", together(all, &CheckReport::closed)}}},
+          {"first", bad == all.end() ? Json(nullptr) : json_of_check(*bad)["first"]},
+          {"scenarios", scenarios}};
+}
+
+Exit run(const Settings& settings) {
+  const auto scenarios = load(settings);
+  if (!scenarios) return refuse(scenarios.errors());
+  if (!settings.golden.empty() && scenarios->size() != 1)
+    return refuse(error("--golden compares one scenario", "name that scenario"));
+  Exit worst = Exit::done;
+  std::vector<Checked> all;
+  for (const Scenario& scenario : *scenarios) {
+    tell_warnings(scenario);
+    const Stopwatch stopwatch;
+    auto report = check(settings, scenario);
+    if (!report) return refuse(report.errors());
+    worst = std::max(worst, exit_of(*report));
+    all.push_back({scenario.name, scenario.file, *std::move(report)});
+    if (!settings.json) tell(all.back(), stopwatch.seconds());
+  }
+  if (settings.json) print(all.size() == 1 ? json_of_check(all[0]) : json_of_checks(all));
+  return worst;
+}
+
+void take_levels(const std::vector<std::string>& levels, CheckOptions& check) {
+  check.controller = check.closed = false;
+  for (const std::string& level : levels) {
+    if (level == "controller") {
+      check.controller = true;
+    } else if (level == "closed") {
+      check.closed = true;
+    } else if (level != "plant") {  // which this version skips, and says so
+      throw CLI::ValidationError("--level", fmt::format("'{}' is not closed, controller or plant", level));
+    }
+  }
+  if (!check.controller && !check.closed)
+    throw CLI::ValidationError("--level", "plant alone compares nothing in this version; have closed or controller");
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options
+      .add_option("SCENARIO", settings->scenarios,
+                  fmt::format("YAML files (all below {} that name a golden)", usual_scenarios))
+      ->type_name("");
+  options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
+      ->type_name("TRACE");
+  options
+      .add_option_function<std::vector<std::string>>(
+          "--level", [=](const std::vector<std::string>& levels) { take_levels(levels, settings->check); },
+          "what to compare: closed, controller (both); plant is skipped in this version")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("LEVEL,...");
+  add_host_options(options, settings->check.run);
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb check_verb{"check",
+                      "  rehearse check\n"
+                      "  rehearse check fixtures/scenarios/sr1_minimum.yaml --level controller\n"
+                      "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n",
+                      declare};
+
+}  // namespace rehearse::tool

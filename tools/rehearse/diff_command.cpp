@@ -1,0 +1,60 @@
+// rehearse diff: two traces of what should be the same run; what differs first, first.
+#include <fmt/format.h>
+#include <rehearse/compare.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+
+namespace rehearse::tool {
+namespace {
+
+struct Settings {
+  std::string golden, actual;
+  std::string tolerances;  // a file; empty: those of the golden's scenario
+  bool json = false;
+};
+
+/// A trace that carries no scenario has no tolerances: then only the defaults of the units hold.
+Result<std::vector<ToleranceRule>> rules_of(const Settings& settings, const Trace& golden) {
+  return settings.tolerances.empty() ? tolerances_of(golden) : load_tolerances(settings.tolerances);
+}
+
+Exit run(const Settings& settings) {
+  const auto golden = Trace::load(settings.golden);
+  if (!golden) return refuse(golden.errors());
+  const auto actual = Trace::load(settings.actual);
+  if (!actual) return refuse(actual.errors());
+  const auto rules = rules_of(settings, *golden);
+  if (!rules) return refuse(rules.errors());
+  const Comparison comparison = compare(*golden, *actual, *rules);
+  if (settings.json) {
+    fmt::print("{}\n", to_json(comparison));
+  } else {
+    fmt::print("{}\n{}", verdict(comparison), table(comparison));
+  }
+  return comparison.within ? Exit::done : Exit::differs;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("A", settings->golden, "the trace with the expected values")->required()->type_name("");
+  options.add_option("B", settings->actual, "the trace with the actual values")->required()->type_name("");
+  options.add_option("--tolerances", settings->tolerances, "YAML with a list of tolerances (those of A's scenario)")
+      ->type_name("FILE");
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb diff_verb{"diff",
+                     "  rehearse diff golden/SR1.Stands.mcap today.mcap\n"
+                     "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n",
+                     declare};
+
+}  // namespace rehearse::tool
