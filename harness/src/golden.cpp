@@ -49,7 +49,10 @@ Result<GoldenMode> golden_mode() {
 
 fs::path pending_folder() {
   const std::string stated = environment("REHEARSE_PENDING");
-  return stated.empty() ? fs::path("rehearse-pending") : fs::path(stated);
+  if (!stated.empty()) return stated;
+  std::error_code ignored;
+  const bool has_build = fs::is_regular_file("build/CMakeCache.txt", ignored);
+  return has_build ? "build/goldens/pending" : "rehearse-pending";
 }
 
 Result<fs::path> find_golden_folder(const fs::path& scenario) {

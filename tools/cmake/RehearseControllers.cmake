@@ -26,3 +26,37 @@ endfunction()
 function(choreonoid_add_simple_controller name)
   rehearse_add_simple_controller(${name} ${ARGN})
 endfunction()
+
+# rehearse_add_controller_test(NAME SOURCES files... [CONTROLLERS targets...] [FIXTURES folder] [GOLDEN folder]
+#                              [LABEL label] [TIMEOUT seconds]): a test program written with <rehearse/gtest.h>.
+#
+# Each TEST is one ctest. Scenarios and models are named relative to FIXTURES (default: fixtures), goldens stand in GOLDEN
+# (default: golden); both folders are relative to the CMakeLists.txt at hand. The controllers are built before the test.
+# Recordings go to traces/, and those that don't match their golden to goldens/pending/, of the build folder.
+function(rehearse_add_controller_test name)
+  cmake_parse_arguments(arg "" "FIXTURES;GOLDEN;LABEL;TIMEOUT" "SOURCES;CONTROLLERS" ${ARGN})
+  if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "rehearse_add_controller_test(${name}): SOURCES are missing, or these words mean nothing here: "
+                        "'${arg_UNPARSED_ARGUMENTS}'")
+  endif()
+  foreach(default "FIXTURES=fixtures" "GOLDEN=golden" "LABEL=golden" "TIMEOUT=300")
+    string(REGEX MATCH "^([A-Z]+)=(.*)$" matched ${default})
+    if(NOT arg_${CMAKE_MATCH_1})
+      set(arg_${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
+    endif()
+  endforeach()
+  get_filename_component(fixtures ${arg_FIXTURES} ABSOLUTE)
+  get_filename_component(golden ${arg_GOLDEN} ABSOLUTE)
+  add_executable(${name} ${arg_SOURCES})
+  target_compile_definitions(${name} PRIVATE
+    REHEARSE_TEST_FIXTURES="${fixtures}"
+    REHEARSE_TEST_GOLDEN="${golden}"
+    REHEARSE_TEST_OUTPUT="${CMAKE_BINARY_DIR}"
+    REHEARSE_TEST_CONTROLLERS="${CMAKE_BINARY_DIR}/lib/rehearse/controllers")
+  target_link_libraries(${name} PRIVATE Rehearse::gtest)
+  if(arg_CONTROLLERS)
+    add_dependencies(${name} ${arg_CONTROLLERS})
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
+endfunction()

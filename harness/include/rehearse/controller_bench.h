@@ -1,0 +1,99 @@
+// ControllerBench: one controller on a bench. No physics, no recording: a test sets what the controller reads, lets a
+// tick pass, and looks at what it commands.
+//
+//   rehearse::ControllerBench bench("MyWalker", "models/walker.urdf");
+//   bench.joint("ANKLE").q = 0.1;                    // [rad]
+//   bench.tick();
+//   EXPECT_NEAR(bench.joint("ANKLE").u, 12.0, 1e-9);  // [N·m]
+//
+// What a test doesn't set stays: joints, links and sensors are at rest where the options put them, and nothing moves by
+// itself, whatever is commanded. The controller sees only what it enabled in initialize(), which runs in the
+// constructor. C++17. Functions throw std::out_of_range for a name that the model hasn't, and say which names are near.
+#pragma once
+
+#include <rehearse/image.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+/// Set before a tick, read after it.
+struct BenchJoint {
+  double q = 0.0;         // what the controller reads: displacement [rad] or [m]
+  double dq = 0.0;        // [rad/s] or [m/s]
+  double ddq = 0.0;       // [rad/s²] or [m/s²]
+  double u = 0.0;         // before a tick the effort of the last step, after it the commanded one, if any [N·m] or [N]
+  double q_target = 0.0;  // commanded [rad] or [m]
+  double dq_target = 0.0;  // commanded [rad/s] or [m/s]
+};
+
+/// World frame. The rotation is a unit quaternion; it isn't aligned, so that no compiler option changes the layout.
+struct BenchLink {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+  Eigen::Quaternion<double, Eigen::DontAlign> rotation = Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();              // [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();      // [rad/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // [m/s²]
+  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // [rad/s²]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();                 // commanded external force [N]
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // commanded external torque about the world's origin [N·m]
+};
+
+/// A sensor with values measures afresh in every tick; a camera delivers a picture in the tick after it was set.
+struct BenchDevice {
+  /// In the device frame. Force sensor: force [N], torque [N·m] (6 numbers); gyro: angular velocity [rad/s] (3);
+  /// accelerometer: specific force [m/s²] (3); IMU: angular velocity, specific force (6). Empty: it measures nothing.
+  std::vector<double> values;
+  std::shared_ptr<const Image> image;
+  std::shared_ptr<const DepthImage> depth;
+  bool on = true;  // as the controller switched it
+};
+
+struct BenchOptions {
+  double time_step = 0.001;              // [s]
+  std::string options;                   // the controller's option string
+  std::map<std::string, double> joints;  // displacement at the beginning, by name [rad] or [m]; 0 for all others
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the root link at the beginning [m]
+};
+
+class ControllerBench {
+ public:
+  /// `library`: a controller's name or path, `model`: a URDF file; paths are relative to the test's fixtures. Runs
+  /// configure(), initialize() and start(). Throws std::runtime_error if something can't be loaded, or if the
+  /// controller refuses or fails.
+  ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options = {});
+  ~ControllerBench();
+  ControllerBench(const ControllerBench&) = delete;
+  ControllerBench& operator=(const ControllerBench&) = delete;
+
+  BenchJoint& joint(std::string_view name);
+  BenchLink& link(std::string_view name);
+  BenchDevice& device(std::string_view name);
+
+  /// Puts all links where the root link's pose and the joints' q say; at rest.
+  void update_links();
+
+  /// Inputs, control(), outputs; then time advances by one step. Returns what control() returned. Throws
+  /// std::runtime_error if the controller throws, crashes or hangs, std::invalid_argument if a sensor has a wrong
+  /// number of values.
+  bool tick();
+
+  /// Time that the controller sees in the next tick [s].
+  double time() const;
+  std::int64_t ticks() const;  // that have passed
+
+  /// What the controller wrote to its stream, and what was remarked on it, since the beginning.
+  const std::vector<std::string>& messages() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,69 @@
+// Tests of controllers with GoogleTest. The one header that such a test includes; C++17.
+//
+//   TEST(Walker, StopsBeforeTheEdge) {  // golden/Walker.StopsBeforeTheEdge.mcap
+//     const rehearse::Trace trace = rehearse::record("scenarios/walk_to_edge.yaml");
+//     EXPECT_LT(trace.last("Walker/BASE/position/x"), 0.95);  // [m], the table ends at 1.00
+//     EXPECT_MATCHES_GOLDEN(trace);
+//   }
+//   TEST(Walker, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("Walker.StopsBeforeTheEdge"); }
+//
+// Link the target Rehearse::gtest: it has a main() that pins the process, so that every machine computes the same bits.
+// rehearse_add_controller_test(NAME SOURCES .. CONTROLLERS .. FIXTURES .. GOLDEN ..) does all of it. For values by
+// hand, without physics: controller_bench.h. How goldens are made and accepted: golden.h.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <rehearse/controller_bench.h>
+#include <rehearse/test_support.h>
+#include <rehearse/trace.h>
+
+#include <string>
+
+namespace rehearse {
+namespace internal {
+
+/// Suite.Test of the test that runs; the slashes of parameterised and typed tests become dashes.
+inline std::string current_test() {
+  const ::testing::TestInfo* info = ::testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = info ? std::string(info->test_suite_name()) + "." + info->name() : "NoTest.Runs";
+  for (char& letter : name)
+    if (letter == '/') letter = '-';
+  return name;
+}
+
+inline ::testing::AssertionResult assertion_of(const TestVerdict& verdict) {
+  return verdict.passed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << verdict.message;
+}
+
+inline ::testing::AssertionResult MatchesGolden(const char*, const Trace& trace) {
+  return assertion_of(match_golden(trace, current_test()));
+}
+
+inline ::testing::AssertionResult Replays(const char*, const std::string& name) {
+  return assertion_of(replay_golden(name));
+}
+
+#ifdef REHEARSE_TEST_FIXTURES
+inline const bool folders_are_set =
+    set_test_folders({REHEARSE_TEST_FIXTURES, REHEARSE_TEST_GOLDEN, REHEARSE_TEST_OUTPUT, REHEARSE_TEST_CONTROLLERS});
+#endif
+
+}  // namespace internal
+
+/// Runs a scenario (a path in the fixtures) in simulation and returns its recording, which is kept as
+/// traces/Suite.Test.mcap in the test's output folder. Throws std::runtime_error, which fails the test, if the run
+/// can't begin, or if a controller refused, threw, crashed or hung in it; the text is what `rehearse record` would say.
+inline Trace record(const std::string& scenario) {
+  return internal::record_for_test(scenario, internal::current_test());
+}
+
+}  // namespace rehearse
+
+/// The recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario. By REHEARSE_GOLDEN=new and
+/// =accept the golden is written instead. If it doesn't agree, the failure says where first and by how much.
+#define EXPECT_MATCHES_GOLDEN(trace) EXPECT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, trace)
+#define ASSERT_MATCHES_GOLDEN(trace) ASSERT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, trace)
+
+/// The controllers, fed with the inputs recorded in golden/NAME.mcap and without physics, command the same bits.
+#define EXPECT_REPLAYS(name) EXPECT_PRED_FORMAT1(::rehearse::internal::Replays, name)
+#define ASSERT_REPLAYS(name) ASSERT_PRED_FORMAT1(::rehearse::internal::Replays, name)

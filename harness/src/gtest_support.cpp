@@ -1,0 +1,71 @@
+// What <rehearse/gtest.h> does, without GoogleTest.
+#include <fmt/format.h>
+#include <rehearse/golden.h>
+#include <rehearse/replay.h>
+#include <rehearse/session.h>
+#include <rehearse/test_support.h>
+
+#include <cstdlib>
+#include <map>
+#include <stdexcept>
+
+namespace rehearse::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A trace for each recording of a test: traces stay open as long as the test looks at them.
+fs::path new_trace_file(const std::string& test) {
+  static std::map<std::string, int> recorded;
+  const int number = ++recorded[test];
+  const fs::path folder = fs::path(test_folders().output) / "traces";
+  fs::create_directories(folder);
+  return folder / (number == 1 ? test + ".mcap" : fmt::format("{}-{}.mcap", test, number));
+}
+
+GoldenStore golden_store() {
+  const TestFolders folders = test_folders();
+  const bool stated = std::getenv("REHEARSE_PENDING") != nullptr;
+  return GoldenStore(folders.golden, stated ? pending_folder() : fs::path(folders.output) / "goldens" / "pending");
+}
+
+}  // namespace
+
+Trace record_for_test(const std::string& scenario_file, const std::string& test) {
+  const auto scenario = Scenario::load(fixture_path(scenario_file));
+  if (!scenario) throw std::runtime_error(to_string(scenario.errors()));
+  const fs::path file = new_trace_file(test);
+  const auto run = rehearse::record(*scenario, file);
+  if (!run) throw std::runtime_error(to_string(run.errors()));
+  if (run->failure)
+    throw std::runtime_error(fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure), file.string()));
+  if (run->controller_refused) throw std::runtime_error(to_string(run->remarks));
+  auto trace = Trace::load(file);
+  if (!trace) throw std::runtime_error(to_string(trace.errors()));
+  return std::move(*trace);
+}
+
+TestVerdict match_golden(const Trace& trace, const std::string& test) {
+  const auto mode = golden_mode();
+  if (!mode) return {false, to_string(mode.errors())};
+  const auto rules = tolerances_of(trace);
+  if (!rules) return {false, to_string(rules.errors())};
+  GoldenResult result = golden_store().settle(test, trace, *rules, *mode);
+  return {result.passed, std::move(result.message)};
+}
+
+TestVerdict replay_golden(const std::string& name) {
+  const GoldenStore store = golden_store();
+  if (!store.has(name)) return {false, fmt::format("there is no golden {}", store.trace_file(name).string())};
+  const auto report = replay(store.trace_file(name));
+  if (!report) return {false, to_string(report.errors())};
+  if (report->failure) return {false, report->failure->message};
+  if (!report->first) return {true, ""};
+  return {
+      false,
+      fmt::format("fed with the inputs of {}, the controller commands something else in {} of {} ticks, first at "
+                  "{}",
+                  store.trace_file(name).string(), report->ticks_different, report->ticks, to_string(*report->first))};
+}
+
+}  // namespace rehearse::internal

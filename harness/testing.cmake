@@ -1,0 +1,14 @@
+# Rehearse::gtest: what tests of controllers link. The library does the work, GoogleTest is in the header and in main() only.
+find_package(GTest 1.12 REQUIRED)
+
+rehearse_add_library(testing src/controller_bench.cpp src/gtest_support.cpp src/test_folders.cpp)
+target_link_libraries(rehearse_testing
+  PUBLIC Rehearse::harness
+  PRIVATE Rehearse::simulation Rehearse::cnoid fmt::fmt)
+
+add_library(rehearse_gtest STATIC src/gtest_main.cpp)
+add_library(Rehearse::gtest ALIAS rehearse_gtest)
+set_target_properties(rehearse_gtest PROPERTIES EXPORT_NAME gtest)
+target_link_libraries(rehearse_gtest
+  PUBLIC Rehearse::testing GTest::gtest
+  PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
