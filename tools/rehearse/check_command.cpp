@@ -189,7 +189,7 @@ std::function<Exit()> declare(CLI::App& options) {
           "what to compare: closed, controller (both); plant is skipped in this version")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->type_name("LEVEL,...");
+      ->type_name("LEVEL");
   add_host_options(options, settings->check.run);
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
