@@ -20,7 +20,7 @@ Link* find(const std::map<std::string, Link*>& links, const std::string& name) {
 
 }  // namespace
 
-Body::Body() : centerOfMass_(Vector3::Zero()) {
+Body::Body() : info_(new Mapping), centerOfMass_(Vector3::Zero()) {
   auto* root = new Link;
   root->setJointType(Link::FreeJoint);
   setRootLink(root);
@@ -38,6 +38,7 @@ Referenced* Body::doClone(CloneMap*) const {
   body->modelName_ = modelName_;
   body->centerOfMass_ = centerOfMass_;
   body->currentTimeFunction_ = currentTimeFunction_;
+  body->info_ = info_->deepClone();
   body->setRootLink(cloneTree(rootLink_));
   for (const auto& device : devices_) body->addDevice(device->clone(), body->link(device->link()->index()));
   return body;

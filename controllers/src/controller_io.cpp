@@ -1,4 +1,5 @@
 #include <cnoid/ControllerIO>
+#include <cnoid/YAMLReader>
 #include <iostream>
 #include <stdexcept>
 
@@ -69,10 +70,25 @@ std::vector<std::string> ControllerIO::splitOptions(const std::string& optionStr
 }
 
 MappingPtr ControllerIO::structuredOptions() const {
-  throw std::logic_error("structuredOptions() is not supported here: read options() instead");
+  YAMLReader reader;
+  if (!reader.parse(optionString())) {
+    os() << controllerName() << ": the options are no YAML: " << reader.errorMessage() << std::endl;
+    return nullptr;
+  }
+  if (reader.numDocuments() == 0) return new Mapping;
+  if (!reader.document()->isMapping()) {
+    os() << controllerName() << ": the options are no YAML mapping (name: value): " << optionString() << std::endl;
+    return nullptr;
+  }
+  return reader.document()->toMapping();
 }
 
 std::ostream& ControllerIO::os() const { return std::cout; }
+
+MessageOut* ControllerIO::mout() const {
+  if (!mout_) mout_ = new MessageOut(os());
+  return mout_;
+}
 
 bool ControllerIO::isSimulationFromInitialState() const { return true; }
 

@@ -5,11 +5,15 @@ namespace cnoid {
 
 DeviceState::~DeviceState() = default;
 
-Device::Device() : T_local_(Isometry3::Identity()) {}
+Device::Device() : T_local_(Isometry3::Identity()), info_(new Mapping) {}
 
 // Signals are not copied: what listens to one device does not listen to its copies.
 Device::Device(const Device& other)
-    : DeviceState(other), id_(other.id_), name_(other.name_), T_local_(other.T_local_) {}
+    : DeviceState(other),
+      id_(other.id_),
+      name_(other.name_),
+      T_local_(other.T_local_),
+      info_(other.info_->deepClone()) {}
 
 Device::~Device() = default;
 

@@ -15,7 +15,8 @@ Link::Link()
       F_ext_(Vector6::Zero()),
       c_(Vector3::Zero()),
       wc_(Vector3::Zero()),
-      I_(Matrix3::Identity()) {
+      I_(Matrix3::Identity()),
+      info_(new Mapping) {
   setUnlimitedJointDisplacementRange();
   setUnlimitedJointVelocityRange();
   setUnlimitedEffortRange();
@@ -54,7 +55,8 @@ Link::Link(const Link& other)
       dq_upper_(other.dq_upper_),
       dq_lower_(other.dq_lower_),
       u_upper_(other.u_upper_),
-      u_lower_(other.u_lower_) {}
+      u_lower_(other.u_lower_),
+      info_(other.info_->deepClone()) {}
 
 Link::~Link() {
   // A child that somebody still holds must not keep pointers to this link or to its former siblings. Taking the

@@ -36,4 +36,24 @@ inline cnoid::BodyPtr make_arm() {
   return body;
 }
 
+/// An arm of six revolute joints on a fixed base: yaw, three pitches, then yaw and pitch of the wrist. About 1.2 m
+/// long. Links L1 to L6, joint ids 0 to 5.
+inline cnoid::BodyPtr make_six_joint_arm() {
+  const cnoid::Vector3 axes[] = {cnoid::Vector3::UnitZ(), cnoid::Vector3::UnitY(), cnoid::Vector3::UnitY(),
+                                 cnoid::Vector3::UnitX(), cnoid::Vector3::UnitY(), cnoid::Vector3::UnitX()};
+  const cnoid::Vector3 offsets[] = {{0, 0, 0.2}, {0, 0, 0.1}, {0, 0, 0.4}, {0.1, 0, 0.05}, {0.3, 0, 0}, {0.1, 0, 0}};
+  cnoid::Link* parent = make_link("BASE", cnoid::Link::FixedJoint);
+  cnoid::BodyPtr body = new cnoid::Body("six_joint_arm");
+  body->setRootLink(parent);
+  for (int i = 0; i < 6; ++i) {
+    cnoid::Link* link = make_link("L" + std::to_string(i + 1), cnoid::Link::RevoluteJoint, i);
+    link->setJointAxis(axes[i]);
+    link->setOffsetTranslation(offsets[i]);
+    parent->appendChild(link);
+    parent = link;
+  }
+  body->updateLinkTree();
+  return body;
+}
+
 }  // namespace rehearse::test

@@ -3,6 +3,7 @@
 #include <cnoid/ControllerIO>
 
 #include <stdexcept>
+#include <string>
 
 #include "bodies.h"
 #include "test_io.h"
@@ -61,9 +62,33 @@ TEST(ControllerIO, SplitsItsOwnOptionString) {
   EXPECT_THAT(io.options(), ElementsAre("torque", "two words"));
 }
 
-TEST(ControllerIO, RefusesStructuredOptionsUnlessItsHostHasThem) {
+TEST(ControllerIO, ReadsItsOptionsAsAMapping) {
   TestIO io(make_arm());
-  EXPECT_THROW(io.structuredOptions(), std::logic_error);
+  EXPECT_TRUE(io.structuredOptions()->empty());
+  io.options_text = "{ speed: 0.5, legs: [ left, right ] }";
+  const cnoid::MappingPtr options = io.structuredOptions();
+  EXPECT_EQ(options->get("speed", 0.0), 0.5);
+  EXPECT_EQ(options->findListing("legs")->size(), 2);
+  EXPECT_EQ(io.messages.str(), "");
+}
+
+TEST(ControllerIO, SaysWhyItsOptionsAreNoMapping) {
+  TestIO io(make_arm());
+  io.options_text = "fast";
+  EXPECT_EQ(io.structuredOptions(), nullptr);
+  EXPECT_EQ(io.messages.str(), "tested: the options are no YAML mapping (name: value): fast\n");
+  io.options_text = "{ speed: 0.5";
+  EXPECT_EQ(io.structuredOptions(), nullptr);
+  EXPECT_THAT(io.messages.str(), HasSubstr("tested: the options are no YAML: line 1, column"));
+}
+
+TEST(ControllerIO, MarksWarningsAndErrorsOnItsStream) {
+  TestIO io(make_arm());
+  io.mout()->putln("ready");
+  io.mout()->putWarningln("the floor is wet");
+  io.mout()->putErrorln("Error: fallen");
+  EXPECT_EQ(io.messages.str(), "ready\nWarning: the floor is wet\nError: fallen\n");
+  EXPECT_TRUE(io.mout()->hasErrors());
 }
 
 TEST(ControllerIO, AcceptsTheLogsOfChoreonoidAndDoesNothing) {

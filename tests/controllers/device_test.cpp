@@ -1,8 +1,11 @@
 // What all devices have in common, asked of each type.
 #include <gtest/gtest.h>
+#include <cnoid/AttachmentDevice>
 #include <cnoid/BasicSensors>
+#include <cnoid/HolderDevice>
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
+#include <cnoid/RotorDevice>
 #include <cnoid/SpotLight>
 
 #include <functional>
@@ -107,7 +110,9 @@ INSTANTIATE_TEST_SUITE_P(
                     kind<cnoid::AccelerationSensor>("AccelerationSensor", 3), kind<cnoid::Imu>("Imu", 6),
                     kind<cnoid::Camera>("Camera", 3 + 5), kind<cnoid::RangeCamera>("RangeCamera", 3 + 5),
                     kind<cnoid::RangeSensor>("RangeSensor", 3 + 8), kind<cnoid::PointLight>("PointLight", 5 + 3),
-                    kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6)),
+                    kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6), kind<cnoid::HolderDevice>("HolderDevice", 1),
+                    kind<cnoid::AttachmentDevice>("AttachmentDevice", 1),
+                    kind<Multicopter::RotorDevice>("RotorDevice", 19)),
     [](const auto& test) { return test.param.type_name; });
 
 TEST(Device, IsAlwaysOnUnlessItCanBeSwitched) {
@@ -121,6 +126,26 @@ TEST(Device, IsAlwaysOnUnlessItCanBeSwitched) {
   EXPECT_TRUE(light->on());
   light->on(false);
   EXPECT_FALSE(light->on());
+}
+
+TEST(Device, HasInformationBesideItsState) {
+  const DevicePtr camera = new cnoid::Camera;
+  EXPECT_TRUE(camera->info()->empty());
+  EXPECT_EQ(camera->info()->get("pepper", 0.25), 0.25);
+  camera->info()->write("pepper", 0.5);
+  const DevicePtr copy = camera->clone();
+  EXPECT_EQ(copy->info()->get("pepper", 0.0), 0.5);
+  copy->info()->write("pepper", 0.75);
+  EXPECT_EQ(camera->info()->get("pepper", 0.0), 0.5) << "a copy's information is its own";
+
+  int notified = 0;
+  camera->sigInfoChanged().connect([&] { ++notified; });
+  camera->notifyStateChange();
+  EXPECT_EQ(notified, 0);
+  camera->notifyInfoChange();
+  EXPECT_EQ(notified, 1);
+  camera->resetInfo(new cnoid::Mapping);
+  EXPECT_TRUE(camera->info()->empty());
 }
 
 TEST(Device, HasAPlaceOnItsLink) {

@@ -143,6 +143,26 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   double currentTime() const { return currentTimeFunction_ ? currentTimeFunction_() : 0.0; }
   void setCurrentTimeFunction(std::function<double()> function) { currentTimeFunction_ = std::move(function); }
 
+  // --- What the model gives beyond all this
+
+  /// Never null.
+  Mapping* info() { return info_; }
+  const Mapping* info() const { return info_; }
+  /// Throws ValueNode::KeyNotFoundException if there is no such value of that type.
+  template <typename T>
+  T info(const std::string& key) const {
+    return info_->get<T>(key);
+  }
+  template <typename T>
+  T info(const std::string& key, const T& defaultValue) const {
+    return info_->get(key, defaultValue);
+  }
+  template <typename T>
+  void setInfo(const std::string& key, const T& value) {
+    info_->write(key, value);
+  }
+  void resetInfo(Mapping* newInfo) { info_ = newInfo; }
+
   // --- Objects kept with the body under a name; the IO object's shared objects live here
 
   template <class T>
@@ -200,6 +220,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   std::map<std::string, Link*> linksByName_;
   std::map<std::string, Link*> linksByJointName_;
   DeviceList<> devices_;
+  MappingPtr info_;
   std::map<std::string, ReferencedPtr> caches_;
   Vector3 centerOfMass_;
   std::function<double()> currentTimeFunction_;

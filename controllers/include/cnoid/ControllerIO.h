@@ -6,6 +6,7 @@
 
 #include "Body.h"
 #include "Config.h"
+#include "MessageOut.h"
 #include "Signal.h"
 #include "ValueTree.h"
 
@@ -38,11 +39,14 @@ class CNOID_GENERAL_EXPORT ControllerIO {
   std::vector<std::string> options() const;
   static std::vector<std::string> splitOptions(const std::string& optionString);
 
-  /// The option string read as YAML. Throws std::logic_error unless the host can do that; options() always works.
+  /// The option string read as a YAML mapping; an empty one gives an empty mapping. If it is something else: null, and
+  /// a message on os().
   virtual MappingPtr structuredOptions() const;
 
   /// For messages to people. Standard output unless the host gives another.
   virtual std::ostream& os() const;
+  /// The same with warnings and errors marked as such: they go to os() with a word before them.
+  virtual MessageOut* mout() const;
 
   /// From one control() to the next [s].
   virtual double timeStep() const = 0;
@@ -75,6 +79,9 @@ class CNOID_GENERAL_EXPORT ControllerIO {
   ControllerIO() = default;
   /// The two with a space between, or the one that is not empty.
   static std::string getIntegratedOptionString(const std::string& first, const std::string& second);
+
+ private:
+  mutable MessageOutPtr mout_;  // made when it is first asked for
 };
 
 }  // namespace cnoid

@@ -8,6 +8,7 @@
 #include "ClonableReferenced.h"
 #include "EigenTypes.h"
 #include "Signal.h"
+#include "ValueTree.h"
 
 #include <string>
 
@@ -106,6 +107,15 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
   /// control().
   void notifyStateChange() { sigStateChanged_(); }
 
+  /// Named values beside the state: what the model gives beyond the device's own properties, and what a controller and
+  /// a simulation agree on. Never null. A device's copy has its own.
+  Mapping* info() { return info_; }
+  const Mapping* info() const { return info_; }
+  void resetInfo(Mapping* info) { info_ = info; }
+  SignalProxy<void()> sigInfoChanged() { return sigInfoChanged_; }
+  /// Says that info() has changed: sends it, as notifyStateChange() sends the state.
+  void notifyInfoChange() { sigInfoChanged_(); }
+
   // For building a body
   void setIndex(int index) { index_ = index; }
   void setId(int id) { id_ = id; }
@@ -123,7 +133,9 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
   Link* link_ = nullptr;
   std::string name_;
   Isometry3 T_local_;
+  MappingPtr info_;
   Signal<void()> sigStateChanged_;
+  Signal<void()> sigInfoChanged_;
 };
 
 using DevicePtr = ref_ptr<Device>;

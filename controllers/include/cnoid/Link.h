@@ -11,6 +11,7 @@
 
 #include "ClonableReferenced.h"
 #include "EigenTypes.h"
+#include "ValueTree.h"
 
 #include <cmath>
 #include <limits>
@@ -315,6 +316,27 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   std::vector<ContactPoint>& contactPoints() { return contactPoints_; }
   const std::vector<ContactPoint>& contactPoints() const { return contactPoints_; }
 
+  // --- What the model gives beyond all this
+
+  /// Never null.
+  Mapping* info() { return info_; }
+  const Mapping* info() const { return info_; }
+  /// Throws ValueNode::KeyNotFoundException if there is no such value of that type.
+  template <typename T>
+  T info(const std::string& key) const {
+    return info_->get<T>(key);
+  }
+  template <typename T>
+  T info(const std::string& key, const T& defaultValue) const {
+    return info_->get(key, defaultValue);
+  }
+  std::string info(const std::string& key, const char* defaultValue) const { return info_->get(key, defaultValue); }
+  template <typename T>
+  void setInfo(const std::string& key, const T& value) {
+    info_->write(key, value);
+  }
+  void resetInfo(Mapping* newInfo) { info_ = newInfo; }
+
   // --- For building a body. After changes to tree, names or joint ids: Body::updateLinkTree().
 
   void setName(const std::string& newName) { name_ = newName; }
@@ -408,6 +430,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   double u_upper_;
   double u_lower_;
   std::vector<ContactPoint> contactPoints_;
+  MappingPtr info_;
 };
 
 }  // namespace cnoid

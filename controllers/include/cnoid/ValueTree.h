@@ -1,49 +1,326 @@
-// Mapping: named values, as structured options give them. Only scalars; what is nested waits for a use.
+// ValueTree: data as YAML has it: scalars, mappings from keys to nodes, listings of nodes.
+//
+// A model's extra information (Link::info, Device::info), structured options and .seq files come in this form. Nodes
+// that were read from a text know their line and column. A missing key gives a node that is not valid, never null, so
+// that questions may be chained: `info->findMapping("a")->findListing("b")->isValid()`. What asks for a value that is
+// not there, or not of that type, throws a ValueNode::Exception that names the place.
 #pragma once
 
+#include "ClonableReferenced.h"
 #include "Config.h"
-#include "Referenced.h"
 
+#include <initializer_list>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace cnoid {
 
-class CNOID_GENERAL_EXPORT Mapping : public Referenced {
+class ScalarNode;
+class Mapping;
+class Listing;
+
+class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
  public:
+  enum NodeType { INVALID_NODE = 0, SCALAR = 1, MAPPING = 2, LISTING = 4 };
+
+  /// A node that stands for "there is none".
+  ValueNode() = default;
+  ValueNode& operator=(const ValueNode&) = delete;
+  ~ValueNode() override;
+
+  /// A new copy. Of a mapping or a listing: with the same children; see deepClone() of those.
+  ValueNode* clone() const { return static_cast<ValueNode*>(doClone(nullptr)); }
+
+  NodeType nodeType() const { return type_; }
+  bool isValid() const { return type_ != INVALID_NODE; }
+  explicit operator bool() const { return isValid(); }
+  bool isScalar() const { return type_ == SCALAR; }
+  bool isString() const { return type_ == SCALAR; }
+  bool isMapping() const { return type_ == MAPPING; }
+  bool isListing() const { return type_ == LISTING; }
+  bool isCollection() const { return isMapping() || isListing(); }
+
+  // These throw NotScalarException, NotMappingException, NotListingException if the node is something else, and
+  // ScalarTypeMismatchException if the text is no such value. Numbers always have '.' as their decimal point, and are
+  // decimal; booleans are true, yes, on and false, no, off.
+
+  int toInt() const;
+  double toDouble() const;
+  float toFloat() const;
+  bool toBool() const;
+  const std::string& toString() const;
+  operator const std::string&() const { return toString(); }
+  template <typename T>
+  T to() const;
+  const Mapping* toMapping() const;
+  Mapping* toMapping();
+  const Listing* toListing() const;
+  Listing* toListing();
+
+  /// The same without exceptions: false, `out` untouched, if it can't be read.
+  bool read(int& out) const;
+  bool read(double& out) const;
+  bool read(float& out) const;
+  bool read(bool& out) const;
+  bool read(std::string& out) const;
+
+  /// Whether the node was read from a text; then line() and column() count from 1.
+  bool hasLineInfo() const { return line_ > 0; }
+  int line() const { return line_; }
+  int column() const { return column_; }
+  void setPosition(int line, int column);
+
+  class CNOID_GENERAL_EXPORT Exception {
+   public:
+    virtual ~Exception();
+    /// What is wrong, and with a position: "line L, column C: " before it.
+    std::string message() const;
+    /// The sentence alone.
+    const std::string& text() const { return message_; }
+    /// From 1; 0 if the place is not known.
+    int line() const { return line_; }
+    int column() const { return column_; }
+    void setPosition(int line, int column);
+    void setMessage(const std::string& message) { message_ = message; }
+
+   private:
+    std::string message_;
+    int line_ = 0;
+    int column_ = 0;
+  };
+  class CNOID_GENERAL_EXPORT NotScalarException : public Exception {};
+  class CNOID_GENERAL_EXPORT NotMappingException : public Exception {};
+  class CNOID_GENERAL_EXPORT NotListingException : public Exception {};
+  class CNOID_GENERAL_EXPORT ScalarTypeMismatchException : public Exception {};
+  class CNOID_GENERAL_EXPORT SyntaxException : public Exception {};
+  class CNOID_GENERAL_EXPORT FileException : public Exception {};
+  class CNOID_GENERAL_EXPORT KeyNotFoundException : public Exception {
+   public:
+    const std::string& key() const { return key_; }
+    void setKey(const std::string& key) { key_ = key; }
+
+   private:
+    std::string key_;
+  };
+
+  /// Throws an Exception with this node's place.
+  [[noreturn]] void throwException(const std::string& message) const;
+
+ protected:
+  explicit ValueNode(NodeType type) : type_(type) {}
+  ValueNode(const ValueNode&) = default;
+  Referenced* doClone(CloneMap* cloneMap) const override;
+
+ private:
+  NodeType type_ = INVALID_NODE;
+  int line_ = 0;
+  int column_ = 0;
+};
+
+template <>
+inline int ValueNode::to<int>() const {
+  return toInt();
+}
+template <>
+inline double ValueNode::to<double>() const {
+  return toDouble();
+}
+template <>
+inline float ValueNode::to<float>() const {
+  return toFloat();
+}
+template <>
+inline bool ValueNode::to<bool>() const {
+  return toBool();
+}
+template <>
+inline std::string ValueNode::to<std::string>() const {
+  return toString();
+}
+
+using ValueNodePtr = ref_ptr<ValueNode>;
+
+class CNOID_GENERAL_EXPORT ScalarNode : public ValueNode {
+ public:
+  explicit ScalarNode(const std::string& value) : ValueNode(SCALAR), value_(value) {}
+  explicit ScalarNode(int value);
+  /// As the shortest text that reads back as the same number.
+  explicit ScalarNode(double value);
+
+  const std::string& stringValue() const { return value_; }
+
+ protected:
+  ScalarNode(const ScalarNode&) = default;
+  Referenced* doClone(CloneMap* cloneMap) const override;
+
+ private:
+  std::string value_;
+};
+
+using ScalarNodePtr = ref_ptr<ScalarNode>;
+
+/// Keys are kept in alphabetical order.
+class CNOID_GENERAL_EXPORT Mapping : public ValueNode {
+  using Container = std::map<std::string, ValueNodePtr>;
+
+ public:
+  using iterator = Container::iterator;
+  using const_iterator = Container::const_iterator;
+
+  Mapping() : ValueNode(MAPPING) {}
   ~Mapping() override;
+
+  Mapping* clone() const { return static_cast<Mapping*>(doClone(nullptr)); }
+  /// A new copy that shares no node with this one.
+  Mapping* deepClone() const;
 
   bool empty() const { return values_.empty(); }
   int size() const { return static_cast<int>(values_.size()); }
   bool contains(const std::string& key) const { return values_.count(key) != 0; }
+  void clear() { values_.clear(); }
+  iterator begin() { return values_.begin(); }
+  iterator end() { return values_.end(); }
+  const_iterator begin() const { return values_.begin(); }
+  const_iterator end() const { return values_.end(); }
+
+  /// A node that is not valid if there is none. Of several keys: what is found first.
+  ValueNode* find(const std::string& key) const;
+  ValueNode* find(std::initializer_list<const char*> keys) const;
+  /// Not valid as well if the value is something else.
+  Mapping* findMapping(const std::string& key) const;
+  Listing* findListing(const std::string& key) const;
+  Listing* findListing(std::initializer_list<const char*> keys) const;
+  /// Throws KeyNotFoundException if there is none.
+  ValueNode& get(const std::string& key) const;
+  ValueNode& operator[](const std::string& key) const { return get(key); }
+
+  /// Replaces what is there. The node is shared with whoever holds it.
+  void insert(const std::string& key, ValueNode* node);
+  /// Of the other mapping what this one has not.
+  void insert(const Mapping* other);
+  bool remove(const std::string& key) { return values_.erase(key) != 0; }
+  /// What is there, or null, and takes it out.
+  ValueNodePtr extract(const std::string& key);
+  /// The mapping, or listing, under the key; open: makes one if there is none, create: makes a new one in any case.
+  Mapping* openMapping(const std::string& key);
+  Mapping* createMapping(const std::string& key);
+  Listing* openListing(const std::string& key);
+  Listing* createListing(const std::string& key);
 
   void write(const std::string& key, const std::string& value);
   void write(const std::string& key, const char* value);
   void write(const std::string& key, bool value);
   void write(const std::string& key, int value);
   void write(const std::string& key, double value);
+  void write(const std::string& key, ValueNode* node) { insert(key, node); }
 
-  /// Reads a value into `out`. False, `out` untouched, if the key is missing or its text is not of that type.
-  /// Numbers always have '.' as their decimal point; booleans are true, yes, on and false, no, off.
-  bool read(const std::string& key, std::string& out) const;
-  bool read(const std::string& key, bool& out) const;
-  bool read(const std::string& key, int& out) const;
-  bool read(const std::string& key, double& out) const;
+  /// Reads a value into `out`. False, `out` untouched, if the key is missing or its value is not of that type.
+  template <typename T>
+  bool read(const std::string& key, T& out) const {
+    return find(key)->read(out);
+  }
+  template <typename T>
+  bool read(std::initializer_list<const char*> keys, T& out) const {
+    return find(keys)->read(out);
+  }
 
+  /// The value; throws KeyNotFoundException if it can't be read.
+  template <typename T>
+  T get(const std::string& key) const {
+    T value{};
+    if (!read(key, value)) throwKeyNotFoundException(key);
+    return value;
+  }
+  template <typename T>
+  T get(std::initializer_list<const char*> keys) const {
+    T value{};
+    if (!read(keys, value)) throwKeyNotFoundException(firstFound(keys));
+    return value;
+  }
   /// The value, or the default if it can't be read.
   template <typename T>
   T get(const std::string& key, const T& defaultValue) const {
     T value = defaultValue;
     return read(key, value) ? value : defaultValue;
   }
+  template <typename T>
+  T get(std::initializer_list<const char*> keys, const T& defaultValue) const {
+    T value = defaultValue;
+    return read(keys, value) ? value : defaultValue;
+  }
   std::string get(const std::string& key, const char* defaultValue) const {
     return get(key, std::string(defaultValue));
   }
 
+ protected:
+  Mapping(const Mapping&) = default;
+  Referenced* doClone(CloneMap* cloneMap) const override;
+
  private:
-  std::map<std::string, std::string> values_;
+  friend class ValueNode;
+  struct NotThere {};
+  explicit Mapping(NotThere) : ValueNode(INVALID_NODE) {}
+  static Mapping* notThere();
+  [[noreturn]] void throwKeyNotFoundException(const std::string& key) const;
+  /// Or the first of all, if none is there.
+  std::string firstFound(std::initializer_list<const char*> keys) const;
+
+  Container values_;
 };
 
 using MappingPtr = ref_ptr<Mapping>;
+
+class CNOID_GENERAL_EXPORT Listing : public ValueNode {
+  using Container = std::vector<ValueNodePtr>;
+
+ public:
+  using iterator = Container::iterator;
+  using const_iterator = Container::const_iterator;
+
+  Listing() : ValueNode(LISTING) {}
+  ~Listing() override;
+
+  Listing* clone() const { return static_cast<Listing*>(doClone(nullptr)); }
+  /// A new copy that shares no node with this one.
+  Listing* deepClone() const;
+
+  bool empty() const { return values_.empty(); }
+  int size() const { return static_cast<int>(values_.size()); }
+  void clear() { values_.clear(); }
+  void reserve(int size) { values_.reserve(static_cast<std::size_t>(size)); }
+  iterator begin() { return values_.begin(); }
+  iterator end() { return values_.end(); }
+  const_iterator begin() const { return values_.begin(); }
+  const_iterator end() const { return values_.end(); }
+
+  /// Throws an Exception if there is no such element (Choreonoid does not check).
+  ValueNode* at(int index) const;
+  ValueNode& get(int index) const { return *at(index); }
+  ValueNode& operator[](int index) const { return *at(index); }
+  ValueNode* front() const { return at(0); }
+  ValueNode* back() const { return at(size() - 1); }
+
+  void append(ValueNode* node) { values_.emplace_back(node); }
+  void append(int value);
+  void append(double value);
+  void append(const std::string& value);
+  /// A new mapping at the end.
+  Mapping* newMapping();
+
+ protected:
+  Listing(const Listing&) = default;
+  Referenced* doClone(CloneMap* cloneMap) const override;
+
+ private:
+  friend class Mapping;
+  struct NotThere {};
+  explicit Listing(NotThere) : ValueNode(INVALID_NODE) {}
+  static Listing* notThere();
+
+  Container values_;
+};
+
+using ListingPtr = ref_ptr<Listing>;
 
 }  // namespace cnoid

@@ -1,0 +1,187 @@
+// JointPath: the joints between two links, with forward and inverse kinematics.
+//
+//   auto arm = cnoid::JointPath::getCustomPath(body->rootLink(), body->link("HAND"));
+//   if (arm->calcInverseKinematics(goal)) command(body->joint(0)->q(), ...);
+//
+// It works on the links themselves: they move. Give it a body of its own (body()->clone()) unless that is wanted. The
+// solution starts from the joints' q and the links' T, which must fit together: call calcForwardKinematics() if q was
+// written since.
+//
+// Inverse kinematics is damped least squares, one pose at a time: the step is
+//   dq = scale * J^T (J J^T + damping² I)^-1 e,   e = (position error [m], rotation vector of the rotation error [rad])
+// until |e| is below the tolerance, until it has not become smaller for some steps in a row, or until the number of
+// steps is reached. Y. Nakamura, H. Hanafusa: Inverse Kinematic Solutions With Singularity Robustness for Robot
+// Manipulator Control, 1986.
+#pragma once
+
+#include "InverseKinematics.h"
+#include "LinkPath.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace cnoid {
+
+class Body;
+class NumericalIK;
+
+class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
+ public:
+  using iterator = std::vector<LinkPtr>::iterator;
+  using const_iterator = std::vector<LinkPtr>::const_iterator;
+
+  /// The path from base to end. Bodies with inverse kinematics of their own don't exist here, so it is never another
+  /// class. Throws std::invalid_argument if a link is null.
+  static std::shared_ptr<JointPath> getCustomPath(Link* baseLink, Link* endLink);
+  [[deprecated("Use the form without a body.")]] static std::shared_ptr<JointPath> getCustomPath(Body* body,
+                                                                                                 Link* baseLink,
+                                                                                                 Link* endLink);
+
+  JointPath();
+  JointPath(Link* base, Link* end);
+  /// From the root.
+  explicit JointPath(Link* end);
+  JointPath(const JointPath&) = delete;
+  JointPath& operator=(const JointPath&) = delete;
+  ~JointPath() override;
+
+  /// False, and an empty path, if there is no way. Settings return to their defaults.
+  bool setPath(Link* base, Link* end);
+
+  // --- The joints: those of the path that turn or slide and have a joint id
+
+  bool empty() const { return joints_.empty(); }
+  int size() const { return static_cast<int>(joints_.size()); }
+  int numJoints() const { return size(); }
+  /// Not checked: 0 to numJoints() - 1.
+  Link* joint(int index) const { return joints_[static_cast<std::size_t>(index)]; }
+  Link* operator[](int index) const { return joint(index); }
+  const std::vector<LinkPtr>& joints() const { return joints_; }
+  iterator begin() { return joints_.begin(); }
+  iterator end() { return joints_.end(); }
+  const_iterator begin() const { return joints_.begin(); }
+  const_iterator end() const { return joints_.end(); }
+  /// -1 if it is none of them.
+  int indexOf(const Link* link) const;
+  /// The path's joints in the order of their ids.
+  int jointIndexAtIdOrder(int index) const;
+  Link* jointAtIdOrder(int index) const { return joint(jointIndexAtIdOrder(index)); }
+  /// Whether the path goes through the joint from its parent link to its child link.
+  bool isJointDownward(int index) const { return index >= numUpwardJoints_; }
+
+  Link* baseLink() const { return linkPath_.baseLink(); }
+  Link* endLink() const { return linkPath_.endLink(); }
+  LinkPath& linkPath() { return linkPath_; }
+  const LinkPath& linkPath() const { return linkPath_; }
+
+  const std::string& name() const { return name_; }
+  void setName(const std::string& name) { name_ = name; }
+
+  // --- Kinematics
+
+  void calcForwardKinematics(bool calcVelocity = false, bool calcAcceleration = false) {
+    linkPath_.calcForwardKinematics(calcVelocity, calcAcceleration);
+  }
+
+  /// Where the base link is to be at the next inverse kinematics. The base link is moved there at once.
+  JointPath& setBaseLinkGoal(const Isometry3& T);
+
+  using InverseKinematics::calcInverseKinematics;
+  /// Moves the path's joints and links so that the end link is at T in the world.
+  ///
+  /// True: joints and links are there, and the end link's pose is exactly T (see
+  /// setNumericalIkExactEndPositionEnabled). False: q and the end link's pose are as they were or, with best effort, as
+  /// near as they came. Of the equal angles of a revolute joint the one nearest to its start is taken, within its
+  /// limits if it has some. Limits are not kept otherwise, unless setIkJointLimitEnabled(true). A path without joints
+  /// solves only base == end: it moves that link.
+  bool calcInverseKinematics(const Isometry3& T) override;
+
+  /// For a path with customizeTarget().
+  bool calcInverseKinematics();
+  /// Another task than the end link's pose. `errorFunc` writes what is missing, numTargetElements numbers, and returns
+  /// its squared norm; `jacobianFunc` writes numTargetElements x numJoints() derivatives.
+  void customizeTarget(int numTargetElements, std::function<double(VectorXd& out_error)> errorFunc,
+                       std::function<void(MatrixXd& out_Jacobian)> jacobianFunc);
+
+  /// 6 x numJoints(): velocity of the end link's origin, then its angular velocity, in world axes, relative to the
+  /// base.
+  void calcJacobian(Eigen::MatrixXd& out_J) const;
+
+  /// Steps of the last inverse kinematics.
+  int numIterations() const;
+
+  bool hasCustomIK() const { return false; }
+  bool isCustomIkDisabled() const { return isCustomIkDisabled_; }
+  /// No effect.
+  void setCustomIkDisabled(bool on) { isCustomIkDisabled_ = on; }
+
+  bool isBestEffortIkAvailable() const override;
+  bool isBestEffortIkEnabled() const override;
+  void setBestEffortIkEnabled(bool on) override;
+  int getDOF() const override;
+
+  // --- Tuning
+
+  bool isIkJointLimitEnabled() const { return isIkJointLimitEnabled_; }
+  /// Every step is cut at the joints' limits.
+  void setIkJointLimitEnabled(bool on) { isIkJointLimitEnabled_ = on; }
+  bool isNumericalIkExactEndPositionEnabled() const { return isExactEndPositionEnabled_; }
+  /// Off: the end link's pose is that of forward kinematics, which differs from the goal by up to the tolerance.
+  void setNumericalIkExactEndPositionEnabled(bool on) { isExactEndPositionEnabled_ = on; }
+  void setNumericalIkMaxIkError(double tolerance);
+  void setNumericalIkDeltaScale(double scale);
+  void setNumericalIkMaxIterations(int number);
+  void setNumericalIkDampingConstant(double damping);
+  void setNumericalIkMaxStagnationCount(int number);
+  static double numericalIkDefaultMaxIkError() { return 1.0e-7; }
+  static double numericalIkDefaultDeltaScale() { return 0.9; }
+  static int numericalIkDefaultMaxIterations() { return 50; }
+  static double numericalIkDefaultDampingConstant() { return 1.0e-6; }
+  static int numericalIkDefaultMaxStagnationCount() { return 3; }
+
+  // Names of earlier releases
+
+  [[deprecated("Use setBaseLinkGoal and calcInverseKinematics(T).")]] bool calcInverseKinematics(const Vector3& base_p,
+                                                                                                 const Matrix3& base_R,
+                                                                                                 const Vector3& end_p,
+                                                                                                 const Matrix3& end_R);
+  [[deprecated("Use setNumericalIkMaxIkError.")]] void setNumericalIKmaxIKerror(double e) {
+    setNumericalIkMaxIkError(e);
+  }
+  [[deprecated("Use setNumericalIkDeltaScale.")]] void setNumericalIKdeltaScale(double s) {
+    setNumericalIkDeltaScale(s);
+  }
+  [[deprecated("Use setNumericalIkMaxIterations.")]] void setNumericalIKmaxIterations(int n) {
+    setNumericalIkMaxIterations(n);
+  }
+  [[deprecated("Use setNumericalIkDampingConstant.")]] void setNumericalIKdampingConstant(double lambda) {
+    setNumericalIkDampingConstant(lambda);
+  }
+  [[deprecated("Use setBestEffortIkEnabled.")]] void setBestEffortIkMode(bool on) { setBestEffortIkEnabled(on); }
+  [[deprecated("Use isBestEffortIkEnabled.")]] bool isBestEffortIkMode() const { return isBestEffortIkEnabled(); }
+
+ private:
+  void reset();
+  void extractJoints();
+  void addJoint(Link* link);
+  bool moveWithoutJoints(const Isometry3& T);
+  bool iterate(const Isometry3* goal);
+  double error(const Isometry3* goal);
+  void step(bool isCustom);
+  void writePoseJacobian();
+  void restore();
+
+  LinkPath linkPath_;
+  std::vector<LinkPtr> joints_;
+  int numUpwardJoints_ = 0;
+  std::string name_;
+  bool needsForwardKinematics_ = false;
+  bool isIkJointLimitEnabled_ = false;
+  bool isExactEndPositionEnabled_ = true;
+  bool isCustomIkDisabled_ = false;
+  std::unique_ptr<NumericalIK> ik_;
+};
+
+}  // namespace cnoid

@@ -1,0 +1,26 @@
+// MultiSE3Seq: several poses a frame, as one for each link.
+#pragma once
+
+#include "EigenTypes.h"
+#include "MultiSeq.h"
+
+namespace cnoid {
+
+class CNOID_GENERAL_EXPORT MultiSE3Seq : public MultiSeq<SE3> {
+ public:
+  MultiSE3Seq();
+  /// All at the origin.
+  explicit MultiSE3Seq(int numFrames, int numParts = 1);
+  MultiSE3Seq(const MultiSE3Seq&) = default;
+  MultiSE3Seq& operator=(const MultiSE3Seq&) = default;
+  ~MultiSE3Seq() override;
+
+  std::shared_ptr<AbstractSeq> cloneSeq() const override;
+
+ protected:
+  SE3 defaultValue() const override;
+  /// SE3Format: XYZQWQXQYQZ, XYZRPY; in format version 1: format: XYZQXQYQZQW, too.
+  bool doReadSeq(const Mapping* archive, std::ostream& os) override;
+};
+
+}  // namespace cnoid

@@ -1,0 +1,19 @@
+# Choreonoid's own sample controllers, unmodified, against our headers: cmake -DREHEARSE_CHOREONOID_SOURCE=DIR, where DIR
+# is a checkout of Choreonoid. Its sources are not part of this repository, so without it the test is skipped.
+set(REHEARSE_CHOREONOID_SOURCE "" CACHE PATH "A checkout of Choreonoid, whose sample controllers are to be compiled")
+
+set(compat_test CnoidCompatibility.ChoreonoidsOwnControllersCompileUnmodified)
+if(REHEARSE_CHOREONOID_SOURCE AND REHEARSE_GXX)
+  add_test(NAME ${compat_test}
+    COMMAND ${CMAKE_COMMAND}
+      -D SOURCE=${REHEARSE_CHOREONOID_SOURCE}
+      -D OUTPUT=${CMAKE_CURRENT_BINARY_DIR}/compat
+      -D "COMPILER=${launcher};${REHEARSE_GXX}"
+      -D "FLAGS=${user_flags}"
+      -P ${CMAKE_CURRENT_SOURCE_DIR}/compile_controllers.cmake)
+else()
+  add_test(NAME ${compat_test} COMMAND ${CMAKE_COMMAND} -E echo
+    "skipped: there is no checkout of Choreonoid (cmake -DREHEARSE_CHOREONOID_SOURCE=DIR), or no g++")
+  set_tests_properties(${compat_test} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped:")
+endif()
+set_tests_properties(${compat_test} PROPERTIES LABELS compat TIMEOUT 1800)
