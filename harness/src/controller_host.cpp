@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cnoid_body.h"
@@ -245,13 +246,16 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     if (hosted.parent < 0 && hosted.io_body)
       hosted.io_body->input_devices(seen.bodies[hosted.body], time_of(tick - 1, scenario_->time_step));
     hosted.io->set_time(now);
-    hosted.result = false;
+    hosted.result = hosted.has_output = false;
+    hosted.device_outputs.clear();
+    hosted.has_input = hosted.running;
     if (hosted.running) hosted.io->input(seen.bodies[hosted.body]);
   }
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;
     if (!call(hosted, "control", [&] { hosted.result = hosted.controller->control(); })) return false;
     hosted.io->output();
+    hosted.has_output = true;
   }
   for (HostedController& hosted : controllers_)
     if (hosted.parent < 0 && hosted.io_body) hosted.device_outputs = hosted.io_body->take_device_outputs();
@@ -273,13 +277,13 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
   const std::vector<double>& values = hosted.io->output_values();
   for (const IoField& field : hosted.io->outputs().fields) {
     const double* value = values.data() + field.offset;
-    bool finite = true;
-    for (int i = 0; i < width_of(field.quantity); ++i) finite &= std::isfinite(value[i]);
-    if (!finite) {
+    const double* end = value + width_of(field.quantity);
+    const double* odd = std::find_if(value, end, [](double number) { return !std::isfinite(number); });
+    if (odd != end) {
       if (!hosted.reported[field.offset])
         event(Severity::error, hosted.label,
               fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
-                          "before it", value[0], name_of(field.quantity),
+                          "before it", *odd, name_of(field.quantity),
                           scenario_->bodies[hosted.body].model->links[field.link].name, tick_));
       hosted.reported[field.offset] = true;
       continue;
@@ -310,7 +314,7 @@ void ControllerHost::stop() {
 std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
   std::uint64_t hash = 0;
   for (const HostedController& hosted : controllers_) {
-    if (!hosted.running) continue;
+    if (!hosted.has_input) continue;
     hash = hash_values(hosted.io->input_values(), hash);
     for (const int device : hosted.io->input_devices()) {
       const DeviceReading& reading = seen.bodies[hosted.body].devices[device];
@@ -329,7 +333,7 @@ std::uint64_t ControllerHost::output_hash() const {
   for (const HostedController& hosted : controllers_) {
     const unsigned char result = hosted.result ? 1 : 0;
     hash = hash_bytes(&result, 1, hash);
-    if (!hosted.running) continue;
+    if (!hosted.has_output) continue;
     hash = hash_values(hosted.io->output_values(), hash);
     for (const DeviceOutput& output : hosted.device_outputs) {
       hash = hash_bytes(&output.device, sizeof output.device, hash);

@@ -35,7 +35,9 @@ struct HostedController {
   std::shared_ptr<IoBody> io_body;
   bool configured = false;
   bool running = false;  // takes part: it initialised and started
-  bool result = false;   // what control() returned
+  bool has_input = false;   // its inputs were handed over in this tick
+  bool has_output = false;  // control() returned in this tick, and its outputs were taken
+  bool result = false;      // what control() returned
   std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };

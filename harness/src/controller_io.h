@@ -5,8 +5,8 @@
 // body keeps the value that was last written to it, and nothing runs forward kinematics on it.
 #pragma once
 
-#include <cnoid/SimpleController>
 #include <rehearse/io.h>
+#include <cnoid/SimpleController>
 
 #include <cstdint>
 #include <sstream>
@@ -25,7 +25,10 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   // What the controller sees.
   std::string controllerName() const override { return name_; }
   cnoid::Body* body() override { return body_; }
-  std::string optionString() const override { return getIntegratedOptionString(run_options_, own_options_); }
+  /// In configure() the controller's own; from initialize() on those of the run come first.
+  std::string optionString() const override {
+    return configuring_ ? own_options_ : getIntegratedOptionString(run_options_, own_options_);
+  }
   std::ostream& os() const override { return messages_; }
   double timeStep() const override { return configuring_ ? 0.0 : time_step_; }
   double currentTime() const override { return time_; }
@@ -46,13 +49,15 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
 
   // What the host does.
   /// The body that configure() sees; ended by attach().
-  void show_body(cnoid::Body& body) { body_ = &body; }
+  void show_body(cnoid::Body& body) {
+    body_ = &body;
+    configuring_ = true;
+  }
   /// The body for the run; initialize() comes next.
   void attach(IoBody& body);
   /// After initialize(): the tables are fixed. Returns what was asked for and can't be had, a sentence each.
   std::vector<std::string> freeze();
   void set_time(double seconds) { time_ = seconds; }
-  const std::string& own_options() const { return own_options_; }
   bool frozen() const { return frozen_; }
   /// The lines written to os() since the last call.
   std::vector<std::string> take_messages();
@@ -79,7 +84,7 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   double time_step_;
   double time_ = 0.0;
   bool no_delay_ = false;
-  bool configuring_ = true;
+  bool configuring_ = false;
   bool frozen_ = false;
   bool enabled_too_late_ = false;
   cnoid::Body* body_ = nullptr;

@@ -368,8 +368,10 @@ Result<void> Recorder::Impl::write_pictures(std::int64_t tick, const std::string
   msg::CompressedImage color;
   color.header = header;
   color.format = reading.image ? "rgb8; png compressed" : "";  // no picture: the camera was switched off
-  if (reading.image) color.data = encode_png(*reading.image);
-  ++size.frames;
+  if (reading.image) {
+    color.data = encode_png(*reading.image);
+    ++size.frames;
+  }
   if (auto done = write(channels.color, tick, color); !done) return done;
   msg::CameraInfo info = camera_info(camera);
   info.header = header;
@@ -413,9 +415,10 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     const HostedController& hosted = host->controllers()[c];
     message.controller_results.push_back(hosted.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (!hosted.running) continue;
-    if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
-    if (auto done = impl.write_side(tick, channels.output, hosted.io->output_values()); !done) return done;
+    if (hosted.has_input)  // of a controller that then failed, too: what it read may be why
+      if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
+    if (hosted.has_output)
+      if (auto done = impl.write_side(tick, channels.output, hosted.io->output_values()); !done) return done;
     for (const DeviceOutput& output : hosted.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];

@@ -43,14 +43,14 @@ class Replayer {
   mcap::Reader& trace_;
   ControllerHost& host_;
   RecordedInputs inputs_;
-  std::vector<RecordedOutputs> outputs_;       // by controller
-  std::vector<RecordedOutputs*> output_of_;    // by channel id; null: none
-  std::vector<bool> is_input_;                 // by channel id
+  std::vector<RecordedOutputs> outputs_;     // by controller
+  std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
+  std::vector<bool> is_input_;               // by channel id
   std::uint16_t tick_channel_ = 0;
   std::vector<std::uint16_t> channels_;
   msg::Tick tick_;
   bool tick_here_ = false;
-  std::uint64_t now_ = 0;                      // log time of the tick being gathered [ns]
+  std::uint64_t now_ = 0;  // log time of the tick being gathered [ns]
   std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
   bool tick_differs_ = false;
   Diagnostics errors_;
@@ -90,15 +90,19 @@ Diagnostics Replayer::unrecorded_inputs() const {
     if (!hosted.running) continue;
     const Model& model = *scenario_.bodies[hosted.body].model;
     const auto report = [&](const std::string& what) {
-      missing.push_back(in_trace(trace_, error(fmt::format("controller '{}' reads {}, which was not recorded",
-                                                           hosted.label, what),
-                                               "record again with this controller")));
+      missing.push_back(
+          in_trace(trace_, error(fmt::format("controller '{}' reads {}, which was not recorded", hosted.label, what),
+                                 "record again with this controller")));
     };
     for (const IoField& field : hosted.io->inputs().fields)
       if (!inputs_.has(hosted.body, field))
         report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
-    for (const int device : hosted.io->input_devices())
-      if (!inputs_.has_device(hosted.body, device)) report(fmt::format("device '{}'", model.devices[device].name));
+    for (const int device : hosted.io->input_devices()) {
+      const bool said_nothing = std::holds_alternative<Camera>(model.devices[device].kind) &&
+                                !scenario_.runs_camera(scenario_.bodies[hosted.body].name, model.devices[device].name);
+      if (!said_nothing && !inputs_.has_device(hosted.body, device))
+        report(fmt::format("device '{}'", model.devices[device].name));
+    }
   }
   return missing;
 }

@@ -40,12 +40,15 @@ Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
   return Vision::create(scenario.time_step, std::move(models), std::move(active));
 }
 
-/// What acts for one step only is taken back.
-void clear_momentary(Command& command) {
-  for (BodyCommand& body : command.bodies) {
-    std::fill(body.external.begin(), body.external.end(), Wrench{});
+/// Wrenches act for one step only.
+void clear_wrenches(Command& command) {
+  for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+}
+
+/// Words to devices are said once.
+void clear_words(Command& command) {
+  for (BodyCommand& body : command.bodies)
     for (DeviceCommand& device : body.devices) device.fresh = false;
-  }
 }
 
 }  // namespace
@@ -75,8 +78,8 @@ std::int64_t Session::tick() const { return impl_->world->tick(); }
 Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const std::filesystem::path& trace,
                                                  const HostOptions& options) {
   auto impl = std::make_unique<Impl>(scenario);
-  auto world = World::create({scenario.time_step, scenario.gravity, scenario.seed, scenario.solver},
-                             world_bodies(scenario));
+  auto world =
+      World::create({scenario.time_step, scenario.gravity, scenario.seed, scenario.solver}, world_bodies(scenario));
   if (!world) return world.errors();
   impl->world = std::move(*world);
   auto vision = make_vision(scenario);
@@ -129,11 +132,14 @@ Result<bool> Session::step() {
   run.world->actuate(run.command);
   run.push();
   if (!run.world->step())
-    run.summary.failure = error(fmt::format("the simulation exploded in the step after tick {}: a position or velocity "
-                                            "is no longer finite", tick));
-  clear_momentary(run.command);
+    run.summary.failure =
+        error(fmt::format("the simulation exploded in the step after tick {}: a position or velocity "
+                          "is no longer finite",
+                          tick));
+  clear_wrenches(run.command);
   run.host->output(ControllerHost::Timing::next_step, run.command);
   if (run.vision) run.vision->switch_cameras(tick, run.command);
+  clear_words(run.command);
   return true;
 }
 
@@ -156,8 +162,7 @@ Result<RunSummary> Session::finish() {
   }
   if (auto done = run.record_events(); !done) return done.errors();
   const RecordingSize& size = run.recorder->size();
-  mcap::StringMap outcome{{"ticks", std::to_string(size.ticks)},
-                          {"complete", run.summary.failure ? "false" : "true"}};
+  mcap::StringMap outcome{{"ticks", std::to_string(size.ticks)}, {"complete", run.summary.failure ? "false" : "true"}};
   if (run.summary.failure) outcome["failure"] = run.summary.failure->message;
   if (auto done = run.recorder->close(outcome); !done) return done.errors();
   run.summary.ticks = size.ticks;

@@ -1,4 +1,3 @@
-find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 rehearse_add_test(world_tests LABEL sim
   SOURCES
     world/contacts_test.cpp

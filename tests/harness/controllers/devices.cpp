@@ -1,0 +1,139 @@
+// Controllers that read sensors and command devices.
+
+#include <cnoid/AccelerationSensor>
+#include <cnoid/ForceSensor>
+#include <cnoid/Imu>
+#include <cnoid/RangeCamera>
+#include <cnoid/RateGyroSensor>
+#include <cstdint>
+#include <cstring>
+
+#include "behaviours.h"
+
+namespace behaviours {
+namespace {
+
+/// Says what the sensors read in its first two ticks.
+class SensorSayer : public cnoid::SimpleController {
+ public:
+  explicit SensorSayer(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io_ = io;
+    for (cnoid::Device* device : io->body()->devices()) io->enableInput(device);
+    return true;
+  }
+  bool control() override {
+    if (tick_ > 1) return true;
+    const cnoid::Body& body = *io_->body();
+    io_->os() << "tick " << tick_ << " accelerometer "
+              << body.findDevice<cnoid::AccelerationSensor>("Accelerometer")->dv().z() << " imu "
+              << body.findDevice<cnoid::Imu>("Imu")->dv().z() << " force "
+              << body.findDevice<cnoid::ForceSensor>("Force")->f().z() << "\n";
+    ++tick_;
+    return true;
+  }
+
+ private:
+  cnoid::SimpleControllerIO* io_ = nullptr;
+  int tick_ = 0;
+};
+const Add<SensorSayer> sensor_sayer("sense");
+
+/// The accelerometer's z as an effort, though its input was never enabled.
+class Blind : public Pusher {
+ public:
+  explicit Blind(const Words&) : Pusher(0.0) {}
+  bool control() override {
+    effort_ = io_->body()->findDevice<cnoid::AccelerationSensor>("Accelerometer")->dv().z();
+    return Pusher::control();
+  }
+};
+const Add<Blind> blind("blind");
+
+/// switch TICK [notify] [nodelay]: turns the camera off in that tick (-1: in initialize), and tells or doesn't.
+class CameraSwitch : public Pusher {
+ public:
+  explicit CameraSwitch(const Words& words) : Pusher(0.0), off_tick_(std::stoi(words.at(0))), words_(words) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io->setNoDelayMode(words_.back() == "nodelay");
+    Pusher::initialize(io);
+    if (off_tick_ < 0) turn_off();
+    return true;
+  }
+  bool control() override {
+    if (tick_ == off_tick_) turn_off();
+    return Pusher::control();
+  }
+
+ private:
+  void turn_off() {
+    auto* camera = io_->body()->findDevice<cnoid::Camera>("Camera");
+    camera->on(false);
+    if (words_.size() > 1 && words_[1] == "notify") camera->notifyStateChange();
+  }
+  int off_tick_;
+  Words words_;
+};
+const Add<CameraSwitch> camera_switch("switch");
+
+/// Commands a number in [0, 1) that depends on every bit of the camera's picture and points.
+class PictureReader : public Pusher {
+ public:
+  explicit PictureReader(const Words&) : Pusher(0.0) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    camera_ = io->body()->findDevice<cnoid::RangeCamera>("Camera");
+    io->enableInput(camera_);
+    return Pusher::initialize(io);
+  }
+  bool control() override {
+    sum_ = 0xcbf29ce484222325u;  // FNV-1a
+    const cnoid::Image& image = camera_->constImage();
+    add(image.pixels(), static_cast<std::size_t>(image.width() * image.height() * image.numComponents()));
+    for (const cnoid::Vector3f& point : camera_->constPoints()) add(point.data(), sizeof point);
+    const double delay = camera_->delay();
+    add(&delay, sizeof delay);
+    effort_ = static_cast<double>(sum_ >> 11) * 0x1p-53;
+    return Pusher::control();
+  }
+
+ private:
+  void add(const void* data, std::size_t size) {
+    unsigned char byte;
+    for (std::size_t i = 0; i < size; ++i) {
+      std::memcpy(&byte, static_cast<const char*>(data) + i, 1);
+      sum_ = (sum_ ^ byte) * 0x100000001b3u;
+    }
+  }
+  cnoid::RangeCamera* camera_ = nullptr;
+  std::uint64_t sum_ = 0;
+};
+const Add<PictureReader> picture_reader("look");
+
+/// The IMU's numbers, folded into one effort.
+class Feeler : public Pusher {
+ public:
+  explicit Feeler(const Words&) : Pusher(0.0) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    for (cnoid::Device* device : io->body()->devices())
+      if (!dynamic_cast<cnoid::Camera*>(device)) io->enableInput(device);
+    Pusher::initialize(io);
+    io->enableInput(shoulder_, cnoid::Link::JointDisplacement | cnoid::Link::JointVelocity |
+                                   cnoid::Link::JointAcceleration | cnoid::Link::LinkPosition | cnoid::Link::LinkTwist |
+                                   cnoid::Link::LinkAcceleration);
+    return true;
+  }
+  bool control() override {
+    const cnoid::Body& body = *io_->body();
+    effort_ = 0.5 - shoulder_->q() - 0.1 * shoulder_->dq() + 1e-3 * shoulder_->ddq() + shoulder_->R()(0, 2) +
+              1e-3 * shoulder_->w().y() + 1e-4 * shoulder_->dw().y() +
+              1e-3 * body.findDevice<cnoid::RateGyroSensor>("Gyro")->w().y() +
+              1e-3 * body.findDevice<cnoid::AccelerationSensor>("Accelerometer")->dv().sum() +
+              1e-3 * body.findDevice<cnoid::Imu>("Imu")->dv().x() +
+              1e-4 * body.findDevice<cnoid::ForceSensor>("Force")->F().sum();
+    return Pusher::control();
+  }
+};
+const Add<Feeler> feeler("feel");
+
+}  // namespace
+}  // namespace behaviours

@@ -1,0 +1,169 @@
+// Controllers that show what is copied to them and from them.
+
+#include "behaviours.h"
+
+namespace behaviours {
+namespace {
+
+using cnoid::Link;
+
+int flag_of(const std::string& word) {
+  if (word == "effort") return Link::JointEffort;
+  if (word == "displacement") return Link::JointDisplacement;
+  if (word == "velocity") return Link::JointVelocity;
+  if (word == "position") return Link::LinkPosition;
+  if (word == "wrench") return Link::LinkExtWrench;
+  return Link::StateNone;
+}
+
+/// defaults MODE: the inputs that enableInput(link) gives in an actuation mode, for link ARM.
+class Defaults : public cnoid::SimpleController {
+ public:
+  explicit Defaults(const Words& words) : mode_(flag_of(words.at(0))) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    Link* arm = io->body()->link("ARM");
+    arm->setActuationMode(static_cast<short>(mode_));
+    io->enableInput(arm);
+    return true;
+  }
+  bool control() override { return true; }
+
+ private:
+  int mode_;
+};
+const Add<Defaults> defaults("defaults");
+
+/// all: every state of link ARM.
+class Everything : public cnoid::SimpleController {
+ public:
+  explicit Everything(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io->enableInput(io->body()->link("ARM"), Link::JointDisplacement | Link::JointVelocity | Link::JointAcceleration |
+                                                 Link::JointEffort | Link::LinkPosition | Link::LinkTwist |
+                                                 Link::LinkAcceleration);
+    return true;
+  }
+  bool control() override { return true; }
+};
+const Add<Everything> everything("all");
+
+/// drive MODE VALUE [JOINT]: enableOutput with flags and nothing else.
+class Driver : public cnoid::SimpleController {
+ public:
+  explicit Driver(const Words& words)
+      : mode_(flag_of(words.at(0))), value_(std::stod(words.at(1))), joint_(words.size() > 2 ? words[2] : "SHOULDER") {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    link_ = io->body()->joint(joint_);
+    io->enableOutput(link_, mode_);
+    io->os() << "mode " << link_->actuationMode() << "\n";
+    return true;
+  }
+  bool control() override {
+    link_->q_target() = link_->dq_target() = link_->u() = value_;
+    return true;
+  }
+
+ private:
+  int mode_;
+  double value_;
+  std::string joint_;
+  Link* link_ = nullptr;
+};
+const Add<Driver> driver("drive");
+
+/// Nothing is input. Commands SHOULDER one more than what it commanded before, and RAIL what it believes its q to be.
+class Stale : public cnoid::SimpleController {
+ public:
+  explicit Stale(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    shoulder_ = io->body()->joint("SHOULDER");
+    rail_ = io->body()->joint("RAIL");
+    for (Link* link : {shoulder_, rail_}) io->enableOutput(link, Link::JointEffort);
+    return true;
+  }
+  bool control() override {
+    shoulder_->u() += 1.0;
+    rail_->u() = rail_->q();
+    return true;
+  }
+
+ private:
+  Link* shoulder_ = nullptr;
+  Link* rail_ = nullptr;
+};
+const Add<Stale> stale("stale");
+
+/// Enables inputs and outputs in start(), too late.
+class LateEnabler : public Pusher {
+ public:
+  explicit LateEnabler(const Words&) : Pusher(1.0) {}
+  bool start() override {
+    io_->enableInput(shoulder_, Link::JointVelocity);
+    io_->enableIO(io_->body()->joint("RAIL"));
+    return true;
+  }
+};
+const Add<LateEnabler> late_enabler("late");
+
+/// wrench FX FY FZ: a force on the root link [N], through its centre.
+class Wrench : public cnoid::SimpleController {
+ public:
+  explicit Wrench(const Words& words)
+      : force_(std::stod(words.at(0)), std::stod(words.at(1)), std::stod(words.at(2))) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    root_ = io->body()->rootLink();
+    root_->setActuationMode(Link::LinkExtWrench);
+    io->enableIO(root_);
+    return true;
+  }
+  bool control() override {
+    root_->F_ext().setZero();
+    root_->addExternalForceAtLocalPosition(force_, cnoid::Vector3::Zero());
+    return true;
+  }
+
+ private:
+  cnoid::Vector3 force_;
+  Link* root_ = nullptr;
+};
+const Add<Wrench> wrench("wrench");
+
+/// mark VALUE: writes a mark into a place of its body that is neither input nor output.
+class Marker : public Pusher {
+ public:
+  explicit Marker(const Words& words) : Pusher(0.0), mark_(std::stod(words.at(0))) {}
+  bool control() override {
+    io_->body()->joint("RAIL")->dq_target() = mark_;
+    return Pusher::control();
+  }
+
+ private:
+  double mark_;
+};
+const Add<Marker> marker("mark");
+
+/// Commands SHOULDER, as its effort, what it finds in that place.
+class MarkReader : public Pusher {
+ public:
+  explicit MarkReader(const Words&) : Pusher(0.0) {}
+  bool control() override {
+    effort_ = io_->body()->joint("RAIL")->dq_target();
+    return Pusher::control();
+  }
+};
+const Add<MarkReader> mark_reader("read_mark");
+
+/// own_position: drives the root link by its position, which a dynamic simulation can't.
+class Teleporter : public cnoid::SimpleController {
+ public:
+  explicit Teleporter(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io->enableOutput(io->body()->rootLink(), Link::LinkPosition);
+    return true;
+  }
+  bool control() override { return true; }
+};
+const Add<Teleporter> teleporter("teleport");
+
+}  // namespace
+}  // namespace behaviours

@@ -1,0 +1,129 @@
+// Controllers that talk about their calls: in what order they come, what they answer, what time it is.
+
+#include <iomanip>
+
+#include "behaviours.h"
+
+namespace behaviours {
+namespace {
+
+/// Says the name of each of its functions as it is called; control() only the first time.
+class Narrator : public cnoid::SimpleController {
+ public:
+  explicit Narrator(const Words&) {}
+  bool configure(cnoid::SimpleControllerConfig* config) override { return config->os() << "configure\n", true; }
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io_ = io;
+    return say("initialize");
+  }
+  bool start() override { return say("start"); }
+  bool control() override {
+    if (!controlled_) say("control");
+    controlled_ = true;
+    return true;
+  }
+  void stop() override { say("stop"); }
+  void unconfigure() override { say("unconfigure"); }
+
+ private:
+  bool say(const char* word) {
+    io_->os() << word << "\n";
+    return true;
+  }
+  cnoid::SimpleControllerIO* io_ = nullptr;
+  bool controlled_ = false;
+};
+const Add<Narrator> narrator("narrate");
+
+/// refuse FUNCTION: that function returns false. Says so if it is called after that, and when it is stopped.
+class Refuser : public Pusher {
+ public:
+  explicit Refuser(const Words& words) : Pusher(1.0), function_(words.at(0)) {}
+  bool configure(cnoid::SimpleControllerConfig*) override { return function_ != "configure"; }
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    return Pusher::initialize(io) && function_ != "initialize";
+  }
+  bool start() override { return function_ != "start"; }
+  bool control() override {
+    io_->os() << "control after all\n";
+    return Pusher::control();
+  }
+  void stop() override { io_->os() << "stop after all\n"; }
+
+ private:
+  std::string function_;
+};
+const Add<Refuser> refuser("refuse");
+
+/// push EFFORT [nodelay] [false]: a constant effort; wants no delay; control() returns false.
+class ConstantPusher : public Pusher {
+ public:
+  explicit ConstantPusher(const Words& words) : Pusher(std::stod(words.at(0))), words_(words) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    if (has("nodelay")) io->setNoDelayMode(true);
+    return Pusher::initialize(io);
+  }
+  bool control() override { return Pusher::control() && !has("false"); }
+
+ private:
+  bool has(const char* word) const {
+    for (const std::string& known : words_)
+      if (known == word) return true;
+    return false;
+  }
+  Words words_;
+};
+const Add<ConstantPusher> constant_pusher("push");
+
+/// Writes an effort in initialize() and start() only.
+class EarlyPusher : public Pusher {
+ public:
+  explicit EarlyPusher(const Words&) : Pusher(0.0) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    Pusher::initialize(io);
+    shoulder_->u() = 5.0;
+    return true;
+  }
+  bool control() override { return true; }
+};
+const Add<EarlyPusher> early_pusher("early");
+
+/// Commands the time [s] as an effort, and says what time it is in the other functions.
+class Clock : public Pusher {
+ public:
+  explicit Clock(const Words&) : Pusher(0.0) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io->os() << "initialize at " << io->currentTime() << " step " << io->timeStep() << "\n";
+    return Pusher::initialize(io);
+  }
+  bool start() override {
+    io_->os() << "start at " << io_->currentTime() << "\n";
+    return true;
+  }
+  bool control() override {
+    effort_ = io_->currentTime();
+    return Pusher::control();
+  }
+};
+const Add<Clock> controller_clock("clock");
+
+/// Says its options, in configure() and in initialize().
+class OptionSayer : public cnoid::SimpleController {
+ public:
+  explicit OptionSayer(const Words&) {}
+  bool configure(cnoid::SimpleControllerConfig* config) override {
+    config->os() << "configure: " << config->optionString() << "\n";
+    return true;
+  }
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io->os() << "initialize: " << io->optionString() << "\n";
+    for (const std::string& option : io->options()) io->os() << "[" << option << "]";
+    io->os() << "\n";
+    return true;
+  }
+  bool control() override { return true; }
+};
+const Add<OptionSayer> option_sayer("options");
+
+}  // namespace
+}  // namespace behaviours

@@ -1,0 +1,162 @@
+// A controller may throw, crash or hang: the run ends, its trace is whole up to there, and a replay fails alike.
+
+#include <cmath>
+#include <limits>
+
+#include "runs.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+struct Failure {
+  const char* name;
+  const char* what;  // in the message
+};
+
+std::string failure_name(const ::testing::TestParamInfo<Failure>& failure) { return failure.param.name; }
+
+constexpr double call_limit = 0.3;  // [s]; a crash takes none of it
+
+class FailureInControl : public RunTest, public ::testing::WithParamInterface<Failure> {};
+INSTANTIATE_TEST_SUITE_P(How, FailureInControl,
+                         ::testing::Values(Failure{"throw", "threw std::runtime_error: no gait for this slope"},
+                                           Failure{"throw_int", "threw something that is no std::exception: int"},
+                                           Failure{"null", "crashed: segmentation fault"},
+                                           Failure{"abort", "crashed: it called abort"},
+                                           Failure{"overflow", "crashed: segmentation fault"},
+                                           Failure{"hang", "did not return within 0.300000 s"}),
+                         failure_name);
+
+TEST_P(FailureInControl, EndsTheRunAndLeavesAWholeTrace) {
+  const std::string bad = behaviour("Bad", std::string("fail ") + GetParam().name + " control 7");
+  const Trace trace = record_run(rig(behaviour("First", "push 0") + ", " + bad + ", " + behaviour("Last", "push 0")),
+                                 "run.mcap", call_limit);
+  ASSERT_TRUE(summary_.failure.has_value());
+  const std::string& message = summary_.failure->message;
+  EXPECT_THAT(message, HasSubstr("controller 'Rig/Bad' "));
+  EXPECT_THAT(message, HasSubstr(GetParam().what));
+  EXPECT_THAT(message, HasSubstr("in control() at tick 7 (0.007 s)"));
+  EXPECT_EQ(summary_.ticks, 8);
+  EXPECT_EQ(trace.ticks(), 8);
+  EXPECT_THAT(said(trace), Contains("Rig/Bad: " + message));
+  EXPECT_EQ(trace.events().back().tick, 7);
+  EXPECT_EQ(trace.find_metadata("rehearse.outcome")->at("complete"), "false");
+  EXPECT_EQ(trace.find_metadata("rehearse.outcome")->at("failure"), message);
+  // What came before it in the fatal tick is there, what it didn't answer isn't, and what comes after it wasn't called.
+  EXPECT_THAT(trace.values("Rig/First/output/SHOULDER/u"), SizeIs(8));
+  EXPECT_THAT(trace.values("Rig/Bad/output/SHOULDER/u"), SizeIs(7));
+  EXPECT_THAT(trace.values("Rig/Last/output/SHOULDER/u"), SizeIs(7));
+}
+
+TEST_P(FailureInControl, IsRepeatedByAReplayAtTheSameTick) {
+  record_run(rig_with(std::string("fail ") + GetParam().name + " control 7"), "run.mcap", call_limit);
+  ReplayOptions options;
+  options.call_limit = call_limit;
+  const auto report = replay_run(options);
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  ASSERT_TRUE(report->failure.has_value());
+  EXPECT_EQ(report->failure->message, summary_.failure->message);
+  EXPECT_FALSE(report->first.has_value());
+  EXPECT_EQ(report->ticks, 7);
+}
+
+class FailureBeforeTheRun : public RunTest, public ::testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Function, FailureBeforeTheRun, ::testing::Values("configure", "initialize", "start"));
+
+TEST_P(FailureBeforeTheRun, LeavesATraceWithoutTicks) {
+  const std::string function = GetParam();
+  const Trace trace = record_run(rig_with("fail throw " + function));
+  ASSERT_TRUE(summary_.failure.has_value());
+  EXPECT_EQ(summary_.failure->message, "controller 'Rig/C' threw std::runtime_error: no gait for this slope in " +
+                                           function + "() at tick 0 (0 s)");
+  EXPECT_EQ(summary_.ticks, 0);
+  EXPECT_EQ(trace.ticks(), 0);
+  EXPECT_THAT(said(trace), Contains("Rig/C: " + summary_.failure->message));
+}
+
+TEST_P(FailureBeforeTheRun, IsRepeatedByAReplay) {
+  record_run(rig_with(std::string("fail throw ") + GetParam()));
+  const auto report = replay_run();
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  ASSERT_TRUE(report->failure.has_value());
+  EXPECT_EQ(report->failure->message, summary_.failure->message);
+}
+
+using Failures = RunTest;
+
+TEST_F(Failures, InStopComesAfterAWholeRun) {
+  record_run(rig_with("fail throw stop"));
+  EXPECT_EQ(summary_.ticks, 20);
+  ASSERT_TRUE(summary_.failure.has_value());
+  EXPECT_THAT(summary_.failure->message, HasSubstr("in stop()"));
+}
+
+TEST_F(Failures, OfOneControllerLetTheOthersStop) {
+  const Trace trace = record_run(rig(behaviour("Bad", "fail null control 3") + ", " + behaviour("Other", "narrate")));
+  EXPECT_THAT(said(trace), Contains("Rig/Other: stop"));
+  EXPECT_THAT(said(trace), Contains("Rig/Other: unconfigure"));
+}
+
+TEST_F(Failures, LeaveTheNextRunInTheProcessUntouched) {
+  record_run(rig_with("push 1"), "before.mcap");
+  for (const char* how : {"null", "overflow", "abort", "throw"})
+    record_run(rig_with(std::string("fail ") + how + " control 3"));
+  record_run(rig_with("push 1"), "after.mcap");
+  EXPECT_EQ(bytes("before.mcap"), bytes("after.mcap"));
+}
+
+class OddNumbers : public RunTest, public ::testing::WithParamInterface<Failure> {};
+INSTANTIATE_TEST_SUITE_P(Which, OddNumbers,
+                         ::testing::Values(Failure{"nan", "wrote nan"}, Failure{"infinity", "wrote -inf"}),
+                         failure_name);
+
+TEST_P(OddNumbers, AreRecordedAndReportedAndNeverReachTheRobot) {
+  const Trace trace = record_run(rig_with(std::string("fail ") + GetParam().name + " control 7"));
+  EXPECT_EQ(summary_.ticks, 20);
+  EXPECT_FALSE(summary_.failure.has_value());
+  const std::vector<double> u = trace.values("Rig/C/output/SHOULDER/u");
+  EXPECT_FALSE(std::isfinite(u[7]));
+  EXPECT_EQ(u[6], 1.0);
+  EXPECT_EQ(u[8], 1.0);
+  EXPECT_THAT(said(trace), Contains("Rig/C: " + std::string(GetParam().what) +
+                                    " into u of link 'ARM' at tick 7; it was recorded, but the robot keeps the command "
+                                    "before it"));
+  // it goes on with 1 N·m as if nothing had been: 18 steps of 2 rad/s² after the first, which had no command
+  EXPECT_NEAR(trace.last("Rig/SHOULDER/dq"), 2.0 * 0.019, 1e-6);
+  EXPECT_EQ(trace.values("Rig/SHOULDER/u")[9], 1.0);
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+}
+
+TEST_P(OddNumbers, AreTheSameBitsInAReplay) {
+  record_run(rig_with(std::string("fail ") + GetParam().name + " control 7"));
+  const auto report = replay_run();
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_TRUE(report->equal()) << to_string(*report->first);
+}
+
+TEST_F(Failures, AnAbsurdEffortExplodesTheSimulationAndSaysWhen) {
+  record_run(rig_with("fail explode control 7"));
+  ASSERT_TRUE(summary_.failure.has_value());
+  EXPECT_THAT(summary_.failure->message, HasSubstr("the simulation exploded in the step after tick 8"));
+  EXPECT_EQ(summary_.ticks, 9);
+}
+
+TEST_F(Failures, AFastMathControllerIsSetRightAndNamed) {
+  const Trace trace =
+      record_run(rig(behaviour("Fast", "fail flush control 3") + ", " + behaviour("Tester", "denormals")));
+  EXPECT_THAT(said(trace),
+              Contains("Rig/Fast: control() left another floating-point mode behind; it was set back (is the "
+                       "controller built with -ffast-math?)"));
+  EXPECT_THAT(trace.values("Rig/Tester/output/SHOULDER/u"), ::testing::Each(1.0));
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,107 @@
+// In what order controllers are called, and what a refusal means.
+
+#include "runs.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+using Lifecycle = RunTest;
+
+TEST_F(Lifecycle, CallsComeInChoreonoidsOrder) {
+  const std::string family = "{name: P, library: Behaviours, options: narrate, children: [" +
+                             behaviour("Child", "narrate") + "]}, " + behaviour("Next", "narrate");
+  EXPECT_THAT(said(record_run(rig(family))),
+              ElementsAre("Rig/P: configure", "Rig/Child: configure", "Rig/Next: configure",     //
+                          "Rig/P: initialize", "Rig/Child: initialize", "Rig/Next: initialize",  //
+                          "Rig/P: start", "Rig/Child: start", "Rig/Next: start",                 //
+                          "Rig/P: control", "Rig/Child: control", "Rig/Next: control",           //
+                          "Rig/Next: stop", "Rig/Child: stop", "Rig/P: stop",                    //
+                          "Rig/P: unconfigure", "Rig/Child: unconfigure", "Rig/Next: unconfigure"));
+}
+
+TEST_F(Lifecycle, MessagesCarryTheTickInWhichTheyWereSaid) {
+  const Trace trace = record_run(rig_with("narrate"));
+  EXPECT_EQ(trace.events().front().tick, 0);
+  EXPECT_EQ(trace.events().back().tick, 19);
+  EXPECT_EQ(trace.events().front().severity, "note");
+  EXPECT_THAT(summary_.remarks, IsEmpty());  // messages are no remarks
+}
+
+class Refusals : public RunTest, public ::testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Function, Refusals, ::testing::Values("configure", "initialize", "start"));
+
+TEST_P(Refusals, DropThatControllerAndTheRunGoesOn) {
+  const std::string function = GetParam();
+  const Trace trace = record_run(rig(behaviour("Bad", "refuse " + function) + ", " + behaviour("Good", "push 1")));
+  EXPECT_EQ(summary_.ticks, 20);
+  EXPECT_TRUE(summary_.controller_refused);
+  EXPECT_FALSE(summary_.failure.has_value());
+  EXPECT_THAT(said(trace),
+              ElementsAre("Rig/Bad: " + function + "() returned false: the run goes on without this controller"));
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_EQ(summary_.remarks[0].severity, Severity::error);
+  EXPECT_GT(trace.last("Rig/SHOULDER/dq"), 0.03);
+  EXPECT_EQ(trace.last("controller_results/0"), 0.0);
+}
+
+TEST_P(Refusals, AreRepeatedByAReplay) {
+  record_run(rig(behaviour("Bad", std::string("refuse ") + GetParam()) + ", " + behaviour("Good", "push 1")));
+  const auto report = replay_run();
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_TRUE(report->equal());
+  EXPECT_TRUE(report->controller_refused);
+  EXPECT_EQ(report->ticks, 20);
+}
+
+TEST_F(Lifecycle, AParentThatRefusesLeavesItsChildrenRunning) {
+  const std::string family =
+      "{name: P, library: Behaviours, options: refuse initialize, children: [" + behaviour("Child", "push 1") + "]}";
+  EXPECT_GT(record_run(rig(family)).last("Rig/SHOULDER/dq"), 0.03);
+}
+
+TEST_F(Lifecycle, ALibraryThatIsNotThereStopsTheRunBeforeItBegins) {
+  const Scenario scenario = load(rig("{name: C, library: NoSuchController}"));
+  const auto summary = record(scenario, path("none.mcap"));
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(summary.errors()[0].message, HasSubstr("controller library 'NoSuchController' not found"));
+  EXPECT_THAT(summary.errors()[0].file, HasSubstr("run.yaml"));
+  EXPECT_GT(summary.errors()[0].line, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("none.mcap")));
+}
+
+TEST_F(Lifecycle, ALibraryThatIsNoLibraryIsRefused) {
+  write("text.so", "this is no shared library, however long the text may be that stands in it\n");
+  const auto summary = record(load(rig("{name: C, library: text.so}")), path("none.mcap"));
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(summary.errors()[0].message, HasSubstr("'text.so' is not a shared library"));
+}
+
+TEST_F(Lifecycle, EveryLibraryThatDoesNotLoadIsNamed) {
+  const auto summary = record(load(rig("{name: A, library: NoA}, {name: B, library: NoB}")), path("none.mcap"));
+  ASSERT_FALSE(summary.ok());
+  EXPECT_EQ(summary.errors().size(), 2u);
+}
+
+TEST_F(Lifecycle, AnOptionForAControllerThatIsNotThereIsRefused) {
+  RecordOptions options;
+  options.libraries["Nobody"] = "Behaviours";
+  const auto summary = record(load(rig_with("push 1")), path("none.mcap"), options);
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(summary.errors()[0].message, HasSubstr("there is no controller 'Nobody'"));
+  EXPECT_THAT(summary.errors()[0].hint, HasSubstr("Rig/C"));
+}
+
+TEST_F(Lifecycle, OptionsThatCannotBeSplitAreRefused) {
+  const auto summary = record(load(rig(behaviour("C", "push \\\\q"))), path("none.mcap"));
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(summary.errors()[0].message, HasSubstr("the options of controller 'Rig/C' can't be split"));
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,153 @@
+// A folder, a robot, and verbs to record and replay small scenarios, for tests of the closed loop.
+#pragma once
+
+#include <rehearse/messages.h>
+#include <rehearse/replay.h>
+#include <rehearse/session.h>
+#include <rehearse/trace.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+/// A wheel on a shaft (joint SHOULDER, about y, 0.5 kg·m², its centre on the axis) and a sled on a rail (joint RAIL,
+/// along x, 2 kg), both on the world and untouched by gravity; one sensor of each kind on the wheel, a camera on the
+/// sled.
+inline constexpr const char* rig_urdf = R"(<?xml version="1.0"?>
+<robot name="Rig">
+  <link name="world"/>
+  <joint name="SHOULDER" type="continuous">
+    <parent link="world"/><child link="ARM"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/>
+  </joint>
+  <link name="ARM">
+    <inertial><mass value="1"/><inertia ixx="0.5" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.5"/></inertial>
+    <visual><geometry><box size="0.4 0.1 0.1"/></geometry></visual>
+  </link>
+  <joint name="RAIL" type="prismatic">
+    <parent link="world"/><child link="SLED"/><origin xyz="0 2 1"/><axis xyz="1 0 0"/>
+    <limit lower="-100" upper="100" effort="1000" velocity="1000"/>
+  </joint>
+  <link name="SLED">
+    <inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+  </link>
+  <gazebo reference="ARM">
+    <sensor name="Accelerometer" type="accelerometer"/>
+    <sensor name="Gyro" type="gyroscope"/>
+    <sensor name="Imu" type="imu"/>
+    <sensor name="Force" type="force_torque"/>
+  </gazebo>
+  <gazebo reference="SLED">
+    <sensor name="Camera" type="depth_camera">
+      <pose>0 0 0 0 0 -1.5707963267948966</pose>
+      <update_rate>200</update_rate>
+      <camera><image><width>16</width><height>12</height></image></camera>
+    </sensor>
+  </gazebo>
+</robot>
+)";
+
+class RunTest : public ::testing::Test {
+ protected:
+  RunTest() : folder_(std::filesystem::path(::testing::TempDir()) / ("rehearse_run_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+    setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1);
+    write("rig.urdf", rig_urdf);
+  }
+  ~RunTest() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name), std::ios::binary) << text;
+  }
+
+  std::string bytes(const std::string& name) const {
+    std::ifstream stream(path(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  }
+
+  /// A controller of Behaviours.so, as an entry of `controllers:`; `more` as ", delay: false".
+  static std::string behaviour(const std::string& name, const std::string& options, const std::string& more = "") {
+    return "{name: " + name + ", library: Behaviours, options: \"" + options + "\"" + more + "}";
+  }
+
+  /// 20 ticks of the rig with these controllers; `more` are further lines of the scenario, which may override the rest.
+  static std::string rig(const std::string& controllers, const std::string& more = "cameras: none\n",
+                         const std::string& duration = "0.02") {
+    return "rehearse: 1\nduration: " + duration + "\n" + more +
+           "bodies:\n  - name: Rig\n    model: rig.urdf\n    joints: {RAIL: 0.25}\n    controllers: [" + controllers +
+           "]\n";
+  }
+
+  static std::string rig_with(const std::string& options) { return rig(behaviour("C", options)); }
+
+  Scenario load(const std::string& text) const {
+    write("run.yaml", text);
+    auto scenario = Scenario::load(path("run.yaml"));
+    if (scenario) return *std::move(scenario);
+    ADD_FAILURE() << to_string(scenario.errors()) << text;
+    return {};
+  }
+
+  /// Records into `file` in the test's folder; the summary is in summary_.
+  Trace record_run(const std::string& text, const std::string& file = "run.mcap", double call_limit = 10.0) {
+    RecordOptions options;
+    options.call_limit = call_limit;
+    auto summary = record(load(text), path(file), options);
+    if (!summary) {
+      ADD_FAILURE() << to_string(summary.errors());
+      return {};
+    }
+    summary_ = *summary;
+    auto trace = Trace::load(path(file));
+    if (trace) return *std::move(trace);
+    ADD_FAILURE() << to_string(trace.errors());
+    return {};
+  }
+
+  /// Replays `file`, with other libraries if given.
+  Result<ReplayReport> replay_run(const ReplayOptions& options = {}, const std::string& file = "run.mcap") const {
+    return replay(path(file), options);
+  }
+
+  std::filesystem::path folder_;
+  RunSummary summary_;
+};
+
+/// "source: text" of each event of the trace, in order.
+inline std::vector<std::string> said(const Trace& trace) {
+  std::vector<std::string> lines;
+  for (const msg::Event& event : trace.events()) lines.push_back(event.source + ": " + event.text);
+  return lines;
+}
+
+/// The names of the trace's topics that begin so.
+inline std::vector<std::string> topics(const Trace& trace, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (const TraceChannel& channel : trace.channels())
+    if (channel.topic.starts_with(prefix)) names.push_back(channel.topic);
+  return names;
+}
+
+/// The elements of a topic's numbers; empty if there is no such topic.
+inline std::vector<std::string> elements(const Trace& trace, const std::string& topic) {
+  std::vector<std::string> names;
+  const TraceChannel* channel = trace.find_channel(topic);
+  if (!channel) return names;
+  for (const TraceColumn& column : channel->columns) names.push_back(column.element);
+  return names;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,30 @@
+include(RehearseControllers)
+
+# Controllers of the tests' own, in a folder of their own. What they do wrong is wanted: no sanitizer has a word in it.
+set(test_controllers ${CMAKE_BINARY_DIR}/tests/controllers)
+function(add_test_controller name)
+  rehearse_add_simple_controller(${name} ${ARGN})
+  set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
+  if(REHEARSE_SANITIZE)
+    target_compile_options(${name} PRIVATE -fno-sanitize=all)
+  endif()
+  add_dependencies(session_tests ${name})
+endfunction()
+
+rehearse_add_test(session_tests LABEL sim
+  SOURCES
+    session/failures_test.cpp
+    session/lifecycle_test.cpp
+    session/recording_test.cpp
+    session/replay_test.cpp
+    session/traps_test.cpp
+  LIBRARIES Rehearse::simulation Rehearse::cnoid)
+target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
+
+add_test_controller(Behaviours
+  controllers/behaviours.cpp controllers/devices.cpp controllers/failures.cpp controllers/inputs.cpp
+  controllers/lifecycle.cpp)
+target_link_libraries(Behaviours PRIVATE rehearse_flags)
+add_test_controller(HingePd controllers/HingePd.cpp)
+add_test_controller(HingePdChanged controllers/HingePd.cpp)
+target_compile_definitions(HingePdChanged PRIVATE CHANGED_FROM_TICK=70)
