@@ -5,6 +5,7 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -270,6 +271,19 @@ std::vector<std::string> remarks_of(const Trace& golden, const Trace& actual) {
   return remarks;
 }
 
+/// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
+std::int64_t compared_ticks(const ComparedTraces& traces) {
+  std::int64_t messages = 0;
+  while (messages < std::ssize(traces.clock.times()) && traces.clock.times()[messages] <= traces.end) ++messages;
+  std::int64_t recorded = messages;
+  if (const mcap::StringMap* outcome = traces.golden.find_metadata("rehearse.outcome")) {
+    const auto ticks = outcome->find("ticks");
+    if (ticks != outcome->end())
+      std::from_chars(ticks->second.data(), ticks->second.data() + ticks->second.size(), recorded);
+  }
+  return std::min(messages, recorded);
+}
+
 /// Sums up what was found in the channels.
 void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   const auto take = [](std::optional<Divergence>& best, const std::optional<Divergence>& other) {
@@ -320,7 +334,7 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
   for (const TraceChannel& channel : actual.channels())
     if (compared.insert(channel.topic).second)
       report_lone_channel(traces, channel, "the channel is extra: the golden hasn't it", result_for(channel.topic));
-  for (std::size_t i = 0; i < traces.clock.size() && traces.clock.time(i) <= traces.end; ++i) ++comparison.ticks;
+  comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));
   comparison.remarks = remarks_of(golden, actual);
   return comparison;

@@ -18,12 +18,11 @@ class TickClock {
   explicit TickClock(const Trace& trace);
   bool empty() const { return times_.empty(); }
   std::uint64_t last_time() const { return times_.back(); }
-  std::size_t size() const { return times_.size(); }
+  const std::vector<std::uint64_t>& times() const { return times_; }  // [ns]
   /// Of the latest tick at or before the time; counts from 0 without ticks.
   std::int64_t tick_at(std::uint64_t time) const;
   /// Whether a tick begins at that time.
   bool has(std::uint64_t time) const;
-  std::uint64_t time(std::size_t index) const { return times_[index]; }
 
  private:
   std::vector<std::uint64_t> times_;  // ascending

@@ -24,7 +24,7 @@ Scenario load_fixture(const std::string& name) {
 TEST(Scenario, LoadsSr1StandingOnTheFloor) {
   const Scenario scenario = load_fixture("sr1_minimum.yaml");
   EXPECT_EQ(scenario.golden, "SR1.StandsUnderItsMinimumController");
-  EXPECT_EQ(scenario.ticks(), 2000);
+  EXPECT_EQ(scenario.ticks(), 1000);
   ASSERT_EQ(scenario.bodies.size(), 2u);
   const ScenarioBody& floor = scenario.bodies[0];
   EXPECT_TRUE(floor.fixed);

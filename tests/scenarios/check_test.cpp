@@ -1,0 +1,107 @@
+#include <rehearse/check.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "small_traces.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// SR1 for 50 ms with its cameras off, and its golden.
+class Check : public ::testing::Test {
+ protected:
+  Check() : store_(folder_ / "golden", folder_ / "pending") {
+    fs::create_directories(folder_ / "golden");
+    auto scenario = Scenario::load(FIXTURES_DIR "/scenarios/sr1_standing.yaml");
+    EXPECT_TRUE(scenario) << to_string(scenario.errors());
+    scenario_ = std::move(*scenario);
+    scenario_.duration = 0.05;
+    scenario_.golden = "Robot.Stands";
+  }
+
+  void make_golden() {
+    const auto report = check(GoldenMode::create);
+    ASSERT_TRUE(report.golden_written) << report.verdict;
+  }
+  CheckReport check(GoldenMode mode = GoldenMode::check, const CheckOptions& options = {}) {
+    auto report = check_golden(scenario_, store_, mode, options, rehearse::record);
+    EXPECT_TRUE(report) << to_string(report.errors());
+    return *report;
+  }
+
+  testing::TemporaryFolder folder_;
+  GoldenStore store_;
+  Scenario scenario_;
+};
+
+TEST_F(Check, FindsAnUnchangedProgramEqualOnBothLevels) {
+  make_golden();
+  const CheckReport report = check();
+  EXPECT_EQ(report.controller, LevelState::equal) << report.verdict;
+  EXPECT_EQ(report.closed, LevelState::equal) << report.verdict;
+  EXPECT_EQ(report.plant, LevelState::skipped);
+  EXPECT_TRUE(report.equal());
+  EXPECT_THAT(report.verdict, HasSubstr("equal bit for bit: 50 ticks"));
+  EXPECT_FALSE(fs::exists(store_.pending_file("Robot.Stands")));
+}
+
+TEST_F(Check, BlamesPhysicsIfTheControllerRepeatsItself) {
+  make_golden();
+  scenario_.gravity.z() = -9.9;
+  const CheckReport report = check();
+  EXPECT_EQ(report.controller, LevelState::equal);
+  EXPECT_EQ(report.closed, LevelState::differs);
+  EXPECT_FALSE(report.within());
+  EXPECT_THAT(report.verdict,
+              HasSubstr("physics changed, the controller did not: the run differs at tick 1 (0.001 s)"));
+  EXPECT_THAT(report.message, HasSubstr("rehearse golden accept Robot.Stands"));
+  EXPECT_TRUE(fs::exists(store_.pending_file("Robot.Stands")));
+}
+
+TEST_F(Check, ComparesOnlyTheLevelThatIsAskedFor) {
+  make_golden();
+  CheckOptions options;
+  options.closed = false;
+  const CheckReport report = check(GoldenMode::check, options);
+  EXPECT_EQ(report.controller, LevelState::equal);
+  EXPECT_EQ(report.closed, LevelState::skipped);
+  EXPECT_EQ(report.verdict, "the controller repeats 50 recorded ticks bit for bit");
+}
+
+TEST_F(Check, WithoutAGoldenDiffersAndSaysHowToGetOne) {
+  const CheckReport report = check();
+  EXPECT_FALSE(report.within());
+  EXPECT_THAT(report.verdict, HasSubstr("there is no golden"));
+  EXPECT_THAT(report.message, HasSubstr("rehearse golden accept Robot.Stands"));
+}
+
+TEST_F(Check, ReplacesTheGoldenIfToldSo) {
+  make_golden();
+  scenario_.gravity.z() = -9.9;
+  EXPECT_TRUE(check(GoldenMode::accept).golden_written);
+  EXPECT_TRUE(check().comparison->equal);
+}
+
+TEST_F(Check, NeedsAScenarioThatNamesItsGolden) {
+  scenario_.golden = "";
+  const auto report = check_golden(scenario_, store_, GoldenMode::check, {}, rehearse::record);
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.errors()[0].message, HasSubstr("names no golden"));
+}
+
+TEST_F(Check, ReportsEachLevelAsJson) {
+  make_golden();
+  EXPECT_THAT(to_json(check()), HasSubstr(R"("levels": {
+    "controller": "equal",
+    "plant": "skipped",
+    "closed": "equal"
+  },
+  "first": null)"));
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,79 @@
+#include <rehearse/gtest.h>
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "small_traces.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Folders of the test's own.
+class TestSupport : public ::testing::Test {
+ protected:
+  TestSupport() {
+    unsetenv("REHEARSE_GOLDEN");
+    unsetenv("REHEARSE_PENDING");
+    set_test_folders({FIXTURES_DIR, (folder_ / "golden").string(), folder_.path().string(), ""});
+    std::filesystem::create_directories(folder_ / "golden");
+  }
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(TestSupport, RecordsIntoAFileNamedByTheTest) {
+  const Trace first = record("scenarios/drop_box.yaml");
+  const Trace second = record("scenarios/drop_box.yaml");
+  EXPECT_EQ(first.file(), folder_ / "traces/TestSupport.RecordsIntoAFileNamedByTheTest.mcap");
+  EXPECT_EQ(second.file(), folder_ / "traces/TestSupport.RecordsIntoAFileNamedByTheTest-2.mcap");
+  EXPECT_EQ(first.values("Box/Box/position/z"), second.values("Box/Box/position/z"));
+}
+
+TEST_F(TestSupport, ThrowsWhatIsWrongWithAScenario) {
+  try {
+    record("broken/scenario_unknown_joint.yaml");
+    FAIL() << "it ran";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("scenario_unknown_joint.yaml:"));
+  }
+}
+
+TEST_F(TestSupport, FailsAMissingGoldenAndKeepsTheRun) {
+  const auto verdict = internal::match_golden(record("scenarios/drop_box.yaml"), "Box.Falls");
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_THAT(verdict.message, HasSubstr("there is no golden"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "goldens/pending/Box.Falls.mcap"));
+}
+
+TEST_F(TestSupport, WritesAGoldenOnDemandAndThenFindsARunEqualToIt) {
+  const Trace trace = record("scenarios/drop_box.yaml");
+  const char* ci = std::getenv("CI");
+  const std::string was = ci ? ci : "";
+  setenv("CI", "", 1);
+  setenv("REHEARSE_GOLDEN", "new", 1);
+  const auto written = internal::match_golden(trace, "Box.FallsAgain");
+  unsetenv("REHEARSE_GOLDEN");
+  setenv("CI", was.c_str(), 1);
+  EXPECT_TRUE(written.passed) << written.message;
+  EXPECT_TRUE(internal::match_golden(record("scenarios/drop_box.yaml"), "Box.FallsAgain").passed);
+}
+
+TEST_F(TestSupport, SaysThatThereIsNothingToReplay) {
+  const auto verdict = internal::replay_golden("Box.Nowhere");
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_THAT(verdict.message, HasSubstr("there is no golden"));
+}
+
+TEST_F(TestSupport, LetsTheEnvironmentNameTheFixtures) {
+  setenv("REHEARSE_FIXTURES", "/elsewhere", 1);
+  EXPECT_EQ(fixture_path("models/a.urdf"), "/elsewhere/models/a.urdf");
+  EXPECT_EQ(fixture_path("/models/a.urdf"), "/models/a.urdf");
+  unsetenv("REHEARSE_FIXTURES");
+}
+
+}  // namespace
+}  // namespace rehearse

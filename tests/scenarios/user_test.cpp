@@ -1,0 +1,19 @@
+// A user's test, to be compiled only: every name of <rehearse/gtest.h> once.
+#include <rehearse/gtest.h>
+
+TEST(Walker, StopsBeforeTheEdge) {
+  const rehearse::Trace trace = rehearse::record("scenarios/walk_to_edge.yaml");
+  EXPECT_LT(trace.last("Walker/BASE/position/x"), 0.95);  // [m], the table ends at 1.00
+  EXPECT_MATCHES_GOLDEN(trace);
+}
+
+TEST(Walker, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("Walker.StopsBeforeTheEdge"); }
+
+TEST(Walker, LeansIntoASlope) {
+  rehearse::ControllerBench bench("MyWalker", "models/walker.urdf");
+  bench.joint("ANKLE").q = 0.1;  // [rad]
+  bench.device("GYRO").values = {0.0, 0.0, 0.1};
+  bench.link("BASE").position.z() = 0.7;
+  bench.tick();
+  EXPECT_NEAR(bench.joint("ANKLE").u, 12.0, 1e-9);  // [N·m]
+}
