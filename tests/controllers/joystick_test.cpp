@@ -1,11 +1,10 @@
 #include <gtest/gtest.h>
-#include <cnoid/ExtJoystick>
 #include <cnoid/SharedJoystick>
 
-#include <array>
 #include <memory>
 
 #include "bodies.h"
+#include "scripted_joystick.h"
 #include "test_io.h"
 
 namespace {
@@ -14,28 +13,7 @@ using cnoid::ExtJoystick;
 using cnoid::Joystick;
 using cnoid::SharedJoystick;
 using cnoid::SharedJoystickPtr;
-
-/// As a host would script one.
-class ScriptedJoystick : public ExtJoystick {
- public:
-  int numAxes() const override { return static_cast<int>(axes.size()); }
-  int numButtons() const override { return static_cast<int>(buttons.size()); }
-  bool readCurrentState() override {
-    ++reads;
-    return true;
-  }
-  double getPosition(int axis) const override { return axes.at(static_cast<std::size_t>(axis)); }
-  bool getButtonState(int button) const override { return buttons.at(static_cast<std::size_t>(button)); }
-  bool isActive() const override { return true; }
-  cnoid::SignalProxy<void(int, double)> sigAxis() override { return axis_moved; }
-  cnoid::SignalProxy<void(int, bool)> sigButton() override { return button_pressed; }
-
-  std::array<double, 4> axes{};
-  std::array<bool, 11> buttons{};
-  int reads = 0;
-  cnoid::Signal<void(int, double)> axis_moved;
-  cnoid::Signal<void(int, bool)> button_pressed;
-};
+using rehearse::test::ScriptedJoystick;
 
 TEST(Joystick, WithoutADeviceReadsZeroAndIsNoError) {
   Joystick joystick;

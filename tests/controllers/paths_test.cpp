@@ -2,34 +2,17 @@
 #include <cnoid/ExecutablePath>
 #include <cnoid/FileUtil>
 
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
+
+#include "share_variable.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Sets the variable, or unsets it, and puts back what was there.
-class ShareVariable {
- public:
-  explicit ShareVariable(const char* value) {
-    if (const char* old = std::getenv(name)) {
-      had_one_ = true;
-      old_ = old;
-    }
-    value ? setenv(name, value, 1) : unsetenv(name);
-  }
-  ~ShareVariable() { had_one_ ? setenv(name, old_.c_str(), 1) : unsetenv(name); }
-  ShareVariable(const ShareVariable&) = delete;
-  ShareVariable& operator=(const ShareVariable&) = delete;
-
- private:
-  static constexpr const char* name = "REHEARSE_CHOREONOID_SHARE";
-  bool had_one_ = false;
-  std::string old_;
-};
+using rehearse::test::ShareVariable;
 
 TEST(ExecutablePath, FindsTheShareFolderThatTheEnvironmentNames) {
   const ShareVariable variable("/opt/choreonoid/share");
