@@ -1,0 +1,108 @@
+// What a recorded camera frame costs over drawing it.
+
+#include <rehearse/vision.h>
+
+#include "controller_host.h"
+#include "pairs.h"
+#include "recorder.h"
+#include "sr1_run.h"
+
+namespace rehearse {
+namespace {
+
+Eigen::Isometry3d pose_of_link(const LinkReading& link) {
+  Eigen::Isometry3d pose(link.rotation);
+  pose.pretranslate(link.position);
+  return pose;
+}
+
+/// SR1's two cameras, drawn and recorded as in a session, or only drawn.
+class Cameras {
+ public:
+  Cameras() : world_(Sr1Run::instance().make_world()), renderer_(must(Renderer::create())) {
+    const Scenario& scenario = Sr1Run::instance().scenario();
+    recorded_ = scenario;
+    recorded_.cameras.reset();  // all
+    world_->step();
+    seen_ = world_->sense();
+    host_ = must(ControllerHost::create(recorded_, {}));
+    std::vector<std::shared_ptr<const Model>> models;
+    std::vector<std::vector<bool>> active;
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+      models.push_back(scenario.bodies[b].model);
+      active.emplace_back(models[b]->devices.size(), true);
+      add_shapes(*models[b], seen_.bodies[b]);
+      add_cameras(*models[b], seen_.bodies[b]);
+    }
+    vision_ = must(Vision::create(scenario.time_step, std::move(models), std::move(active)));
+    vision_->look(0, seen_);
+    begin_file();
+  }
+
+  std::size_t count() const { return cameras_.size(); }
+
+  void draw_only() {
+    for (const auto& [camera, pose] : cameras_) renderer_->draw_only(camera, pose);
+  }
+
+  /// One picture of each camera: drawn, read back, encoded, written.
+  void record() {
+    constexpr std::int64_t period = 34;  // ticks: each call captures, and the captures of the one before arrive
+    tick_ += period;
+    vision_->look(tick_, seen_);
+    must_succeed(recorder_->record_state(tick_, seen_));
+  }
+
+  /// A new file now and then, so that measuring for long fills no disk.
+  void begin_file() {
+    if (recorder_ && ++since_file_ < 200) return;
+    since_file_ = 0;
+    if (recorder_) must_succeed(recorder_->close({}));
+    recorder_ = must(Recorder::create(Sr1Run::instance().folder() / "frames.mcap", recorded_, {}));
+    recorder_->declare(*host_);
+  }
+
+ private:
+  static void must_succeed(const Result<void>& result) {
+    if (!result) must(Result<int>(result.errors()));
+  }
+
+  void add_shapes(const Model& model, const BodyObservation& seen) {
+    for (std::size_t i = 0; i < model.links.size(); ++i)
+      for (const Shape& shape : model.links[i].visuals)
+        renderer_->set_link_pose(renderer_->add(shape, Color(0.72f, 0.72f, 0.74f, 1.0f)), pose_of_link(seen.links[i]));
+  }
+
+  void add_cameras(const Model& model, const BodyObservation& seen) {
+    for (const Device& device : model.devices)
+      if (const auto* camera = std::get_if<Camera>(&device.kind))
+        cameras_.emplace_back(*camera, pose_of_link(seen.links[device.link]) * device.pose);
+  }
+
+  std::unique_ptr<World> world_;
+  std::unique_ptr<Renderer> renderer_;
+  Scenario recorded_;
+  Observation seen_;
+  std::unique_ptr<ControllerHost> host_;
+  std::unique_ptr<Vision> vision_;
+  std::unique_ptr<Recorder> recorder_;
+  std::vector<std::pair<Camera, Eigen::Isometry3d>> cameras_;
+  std::int64_t tick_ = 0;
+  int since_file_ = 0;
+};
+
+/// Work: Vision::look() and Recorder::record_state(). Base: Renderer::draw_only() of the same cameras in the same
+/// scene.
+void recorded_frame_over_bare_draw(benchmark::State& state) {
+  Cameras cameras;
+  Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);  // OSMesa draws in a thread of its own
+  for (auto _ : state) {
+    cameras.begin_file();
+    state.SetIterationTime(pairs.measure([&] { cameras.record(); }, [&] { cameras.draw_only(); }));
+  }
+  pairs.report(state, static_cast<double>(cameras.count()), static_cast<double>(cameras.count()));
+}
+BENCHMARK(recorded_frame_over_bare_draw)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,76 @@
+// Two pieces of work measured in turns, so that whatever slows the machine down slows both: their ratio is what counts.
+#pragma once
+
+#include <benchmark/benchmark.h>
+#include <time.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+class Pairs {
+ public:
+  /// `busy`: the clock of processor time that counts beside wall time.
+  explicit Pairs(clockid_t busy = CLOCK_THREAD_CPUTIME_ID) : busy_(busy) {}
+
+  /// Measures both once, whichever came second last time first. Returns the seconds of wall time that `work` took.
+  template <class Work, class Base>
+  double measure(Work&& work, Base&& base) {
+    const bool base_first = works_.size() % 2 == 0;
+    if (base_first) bases_.push_back(timed(base));
+    works_.push_back(timed(work));
+    if (!base_first) bases_.push_back(timed(base));
+    return works_.back().wall;
+  }
+
+  /// The medians of the pairs' ratios and of both sides [µs], per unit: a tick, a frame. Once of wall time, which the
+  /// budgets are about, and once of the calling thread's own, which means more on a machine that is busy with other
+  /// things.
+  void report(benchmark::State& state, double work_units, double base_units) const {
+    const auto put = [&](const std::string& suffix, double Times::*clock) {
+      std::vector<double> ratios, works, bases;
+      for (std::size_t i = 0; i < works_.size(); ++i) {
+        works.push_back(works_[i].*clock / work_units);
+        bases.push_back(bases_[i].*clock / base_units);
+        ratios.push_back(works.back() / bases.back());
+      }
+      state.counters["ratio" + suffix] = median(ratios);
+      state.counters["work_us" + suffix] = 1e6 * median(works);
+      state.counters["base_us" + suffix] = 1e6 * median(bases);
+    };
+    put("", &Times::wall);
+    put("_busy", &Times::busy);
+  }
+
+ private:
+  struct Times {
+    double wall = 0.0;  // [s]
+    double busy = 0.0;  // [s]
+  };
+
+  static double now(clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+  template <class Work>
+  Times timed(Work&& work) const {
+    const Times begin{now(CLOCK_MONOTONIC), now(busy_)};
+    work();
+    return {now(CLOCK_MONOTONIC) - begin.wall, now(busy_) - begin.busy};
+  }
+
+  static double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+  clockid_t busy_;
+  std::vector<Times> works_, bases_;
+};
+
+}  // namespace rehearse
