@@ -7,6 +7,7 @@
 #include <png.h>
 
 #include <array>
+#include <cstring>
 #include <memory>
 #include <string_view>
 
@@ -37,14 +38,97 @@ void append_chunk(Bytes& file, std::string_view type, std::span<const std::uint8
   append_u32(file, libdeflate_crc32(0, file.data() + checked_from, file.size() - checked_from));
 }
 
-Bytes header_of(const Image& image) {
+enum class PixelKind : std::uint8_t { rgb = 2, palette = 3 };
+
+Bytes header_of(const Image& image, PixelKind kind, int bits_per_sample) {
   Bytes header;
   append_u32(header, static_cast<std::uint32_t>(image.width));
   append_u32(header, static_cast<std::uint32_t>(image.height));
-  constexpr std::uint8_t bits_per_sample = 8, rgb = 2, deflate = 0, adaptive_filters = 0, not_interlaced = 0;
-  header.insert(header.end(), {bits_per_sample, rgb, deflate, adaptive_filters, not_interlaced});
+  constexpr std::uint8_t deflate = 0, adaptive_filters = 0, not_interlaced = 0;
+  header.insert(header.end(), {static_cast<std::uint8_t>(bits_per_sample), static_cast<std::uint8_t>(kind), deflate,
+                               adaptive_filters, not_interlaced});
   return header;
 }
+
+/// Numbers colours in the order in which they come, as long as there are at most 256.
+class Palette {
+ public:
+  /// The colour's number, or -1 if it is one too many.
+  int number_of(const std::uint8_t* color) {
+    const std::uint32_t key = (std::uint32_t{color[0]} << 16 | std::uint32_t{color[1]} << 8 | color[2]) + 1;
+    std::size_t slot = (key * 0x9e3779b1u) >> 23;
+    while (keys_[slot] != 0 && keys_[slot] != key) slot = (slot + 1) % keys_.size();
+    if (keys_[slot] == key) return numbers_[slot];
+    if (colors_.size() == max_colors * 3) return -1;
+    keys_[slot] = key;
+    numbers_[slot] = static_cast<std::uint8_t>(colors_.size() / 3);
+    colors_.insert(colors_.end(), color, color + 3);
+    return numbers_[slot];
+  }
+  /// Three bytes a colour.
+  const Bytes& colors() const { return colors_; }
+
+ private:
+  static constexpr std::size_t max_colors = 256;
+  std::array<std::uint32_t, 512> keys_{};  // a colour and 1, or 0: free
+  std::array<std::uint8_t, 512> numbers_{};
+  Bytes colors_;
+};
+
+/// A picture in numbers of a palette. A camera's pictures are mostly the same pixel again, or the same row.
+struct IndexedImage {
+  Palette palette;
+  Bytes distinct;                   // a byte a pixel; rows that differ from the one above them
+  std::vector<std::size_t> offset;  // of each row of the picture in `distinct`
+
+  /// False if there are too many colours.
+  bool read(const Image& image) {
+    const auto row_size = static_cast<std::size_t>(image.width) * 3;
+    for (std::size_t at = 0; at < image.pixels.size(); at += row_size) {
+      const std::uint8_t* row = &image.pixels[at];
+      if (at > 0 && std::memcmp(row, row - row_size, row_size) == 0) {
+        offset.push_back(offset.back());
+        continue;
+      }
+      offset.push_back(distinct.size());
+      int number = -1;
+      for (const std::uint8_t* pixel = row; pixel != row + row_size; pixel += 3) {
+        if (pixel == row || std::memcmp(pixel, pixel - 3, 3) != 0) number = palette.number_of(pixel);
+        if (number < 0) return false;
+        distinct.push_back(static_cast<std::uint8_t>(number));
+      }
+    }
+    return true;
+  }
+
+  /// As few as hold every number, of those that PNG knows.
+  int bits_per_pixel() const {
+    const std::size_t colors = palette.colors().size() / 3;
+    return colors <= 2 ? 1 : colors <= 4 ? 2 : colors <= 16 ? 4 : 8;
+  }
+
+  /// The rows as PNG has them: each behind its filter, the first pixel of a byte in its highest bits.
+  Bytes rows(std::size_t width) const {
+    const auto bits = static_cast<std::size_t>(bits_per_pixel());
+    const std::size_t row_size = 1 + (width * bits + 7) / 8;
+    Bytes rows;
+    rows.reserve(row_size * offset.size());
+    for (std::size_t y = 0; y < offset.size(); ++y) {
+      const std::size_t at = rows.size();
+      rows.resize(at + row_size, 0);
+      if (y > 0 && offset[y] == offset[y - 1]) {
+        std::memcpy(&rows[at], &rows[at - row_size], row_size);
+        continue;
+      }
+      rows[at] = unfiltered;
+      for (std::size_t x = 0; x < width; ++x) {
+        const std::size_t bit = x * bits;
+        rows[at + 1 + bit / 8] |= static_cast<std::uint8_t>(distinct[offset[y] + x] << (8 - bits - bit % 8));
+      }
+    }
+    return rows;
+  }
+};
 
 /// The rows as PNG has them: each behind a byte that names its filter.
 Bytes rows_of(const Image& image) {
@@ -89,8 +173,14 @@ std::vector<std::uint8_t> encode_png(const Image& image) {
       image.pixels.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3,
       "an image has three bytes a pixel");
   Bytes file{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  append_chunk(file, "IHDR", header_of(image));
-  append_chunk(file, "IDAT", compressed(rows_of(image)));
+  if (IndexedImage indexed; indexed.read(image)) {
+    append_chunk(file, "IHDR", header_of(image, PixelKind::palette, indexed.bits_per_pixel()));
+    append_chunk(file, "PLTE", indexed.palette.colors());
+    append_chunk(file, "IDAT", compressed(indexed.rows(static_cast<std::size_t>(image.width))));
+  } else {
+    append_chunk(file, "IHDR", header_of(image, PixelKind::rgb, 8));
+    append_chunk(file, "IDAT", compressed(rows_of(image)));
+  }
   append_chunk(file, "IEND", {});
   return file;
 }

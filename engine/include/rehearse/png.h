@@ -13,7 +13,8 @@
 
 namespace rehearse {
 
-/// The image, of at least one pixel, as a PNG file of 8-bit RGB. Fast rather than smallest: about 1 ms for 640x480.
+/// The image, of at least one pixel, as a PNG file: with a palette if it has at most 256 colours, else 8-bit RGB. Fast
+/// rather than smallest: at most about 1 ms for 640x480.
 std::vector<std::uint8_t> encode_png(const Image& image);
 
 /// Any PNG of up to 8 bits a sample (grey, RGB, palette, with or without alpha) as RGB; alpha is dropped.

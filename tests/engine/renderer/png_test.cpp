@@ -68,6 +68,23 @@ INSTANTIATE_TEST_SUITE_P(Sizes, PngRoundTrip,
                            return std::to_string(instance.param.first) + "x" + std::to_string(instance.param.second);
                          });
 
+TEST(Png, GivesEveryPixelBackForAnyNumberOfColours) {
+  for (const int colors : {1, 2, 3, 4, 5, 16, 17, 255, 256, 257, 600}) {
+    for (const int width : {1, 3, 8, 37}) {  // rows that fill their last byte, and rows that don't
+      Image image{width, 80, {}};
+      for (int i = 0; i < width * 80; ++i) {
+        const int color = (i / 2) % colors;  // pairs of equal pixels; now and then a row equals the one above it
+        image.pixels.insert(image.pixels.end(),
+                            {static_cast<std::uint8_t>(color), static_cast<std::uint8_t>(color / 256),
+                             static_cast<std::uint8_t>(255 - color % 7)});
+      }
+      const Result<Image> back = decode_png(encode_png(image));
+      ASSERT_TRUE(back.ok()) << to_string(back.errors());
+      ASSERT_EQ(back->pixels, image.pixels) << colors << " colours, width " << width;
+    }
+  }
+}
+
 TEST(Png, IsTheSameForTheSamePixels) { EXPECT_EQ(encode_png(noise(64, 48)), encode_png(noise(64, 48))); }
 
 TEST(Png, OfAnEvenPictureIsSmall) {
