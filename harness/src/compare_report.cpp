@@ -22,7 +22,7 @@ std::string place_text(const Divergence& d) {
 }
 
 std::string worst_text(const ChannelComparison& channel) {
-  if (!channel.worst) return channel.missing + channel.extra > 0 ? "not the same messages" : "";
+  if (!channel.worst) return channel.first_bit->note;
   const Divergence& worst = *channel.worst;
   const double times = times_tolerance(worst.difference, worst.tolerance);
   const std::string unit = worst.unit.empty() || worst.unit == "pixels" ? "" : " " + worst.unit;
@@ -72,10 +72,9 @@ std::string verdict(const Comparison& comparison) {
 
 std::string table(const Comparison& comparison) {
   constexpr std::size_t channels_shown = 7, remarks_shown = 2;
-  std::string text;
-  if (!comparison.channels.empty())
-    text += fmt::format("  {:<11}{:>9}{:>9}{:>9}  {:<44} {}\n", "stage", "values", "differ", "beyond",
-                        "channel, by first difference", "worst");
+  if (comparison.equal) return {};
+  std::string text = fmt::format("  {:<11}{:>9}{:>9}{:>9}  {:<44} {}\n", "stage", "values", "differ", "beyond",
+                                 "channel, by first difference", "worst");
   std::size_t shown = 0;
   for (const ChannelComparison& channel : comparison.channels) {
     if (shown++ == channels_shown) break;

@@ -69,7 +69,7 @@ Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace);
 std::string verdict(const Comparison& comparison);
 
 /// The channels that differ, worst and first of each, and the remarks: at most twelve lines, each with its newline;
-/// empty if there is nothing to say.
+/// empty if the traces are equal.
 std::string table(const Comparison& comparison);
 
 /// An object with verdict, equal, within and first: null, or an object with tick, time, channel, element, expected,
