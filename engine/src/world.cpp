@@ -15,7 +15,7 @@ namespace rehearse {
 struct World::Impl {
   WorldSettings settings;
   dWorldID world = nullptr;
-  std::unique_ptr<OwnJobs> jobs;
+  std::unique_ptr<OwnJobs> jobs;  // destroyed after the world
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<OdeBody>> bodies;
   std::uint64_t random = 0;
@@ -30,15 +30,10 @@ struct World::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
-    if (exploded) {  // ODE was left in the middle of a step: what it holds can't be taken apart
-      for (auto& body : bodies) static_cast<void>(body.release());
-      static_cast<void>(jobs.release());
-      return;
-    }
     bodies.clear();  // shapes, before the bodies they sit on
     if (contacts) dJointGroupDestroy(contacts);
     if (world) dWorldDestroy(world);
-  }  // its jobs after it
+  }
 
   void create_world();
   void apply_command();
@@ -61,7 +56,12 @@ struct World::Impl {
 };
 
 World::World() : impl_(std::make_unique<Impl>()) {}
-World::~World() = default;
+World::~World() {
+  if (!impl_->exploded) return;
+  // ODE was left in the middle of a step: what it holds can't be taken apart any more, only be kept for good
+  static std::vector<Impl*>& abandoned = *new std::vector<Impl*>;
+  abandoned.push_back(impl_.release());
+}
 
 void World::Impl::create_world() {
   const SolverSettings& solver = settings.solver;

@@ -162,7 +162,8 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   if (outcome.end != CallEnd::threw) {
     // its code was interrupted somewhere: nothing of it may run again, not even its destructor
     hosted.library->keep_loaded();
-    static_cast<void>(hosted.controller.release());
+    static std::vector<cnoid::SimpleController*>& abandoned = *new std::vector<cnoid::SimpleController*>;
+    abandoned.push_back(hosted.controller.release());
   }
   return false;
 }
