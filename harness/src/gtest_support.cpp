@@ -51,6 +51,7 @@ TestVerdict match_golden(const Trace& trace, const std::string& test) {
   const auto rules = tolerances_of(trace);
   if (!rules) return {false, to_string(rules.errors())};
   GoldenResult result = golden_store().settle(test, trace, *rules, *mode);
+  if (result.written) fmt::print("{}\n", result.message);
   return {result.passed, std::move(result.message)};
 }
 
