@@ -1,4 +1,4 @@
-# Comparing runs, and the golden ones' life. Part of the harness library: it runs controllers again, but simulates nothing.
+# Comparing runs, and the golden ones' life. Part of the harness library: it replays controllers, but simulates nothing.
 find_package(nlohmann_json 3.10 REQUIRED)
 
 target_sources(rehearse_harness PRIVATE

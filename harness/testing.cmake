@@ -1,4 +1,4 @@
-# Rehearse::gtest: what tests of controllers link. The library does the work, GoogleTest is in the header and in main() only.
+# Rehearse::gtest: what tests of controllers link. The library does the work, GoogleTest is in the header and in main().
 find_package(GTest 1.12 REQUIRED)
 
 rehearse_add_library(testing src/controller_bench.cpp src/gtest_support.cpp src/test_folders.cpp)

@@ -36,8 +36,8 @@ endfunction()
 function(rehearse_add_controller_test name)
   cmake_parse_arguments(arg "" "FIXTURES;GOLDEN;LABEL;TIMEOUT" "SOURCES;CONTROLLERS" ${ARGN})
   if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "rehearse_add_controller_test(${name}): SOURCES are missing, or these words mean nothing here: "
-                        "'${arg_UNPARSED_ARGUMENTS}'")
+    message(FATAL_ERROR "rehearse_add_controller_test(${name}): SOURCES are missing, or these words mean nothing "
+                        "here: '${arg_UNPARSED_ARGUMENTS}'")
   endif()
   foreach(default "FIXTURES=fixtures" "GOLDEN=golden" "LABEL=golden" "TIMEOUT=300")
     string(REGEX MATCH "^([A-Z]+)=(.*)$" matched ${default})
