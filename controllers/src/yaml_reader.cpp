@@ -31,7 +31,10 @@ class TreeBuilder : public YAML::EventHandler {
     return std::move(document_);
   }
 
-  void OnDocumentStart(const YAML::Mark&) override {
+  /// yaml-cpp does not get past some stray characters: it finds an empty document before them again and again.
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (mark.pos == start_) throw problemAt(mark, "this can't stand here");
+    start_ = mark.pos;
     document_.reset();
     anchors_.clear();
   }
@@ -109,6 +112,7 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<Level> open_;
   std::map<YAML::anchor_t, ValueNodePtr> anchors_;
   ValueNodePtr document_;
+  int start_ = -1;  // of the document, in the text
   std::vector<ValueNode::SyntaxException> problems_;
 };
 

@@ -90,6 +90,12 @@ TEST(YAMLReader, LoadsAFile) {
   std::filesystem::remove(path);
 }
 
+TEST(YAMLReader, ComesToAnEndOnAStrayComma) {
+  YAMLReader reader;
+  EXPECT_FALSE(reader.parse("# a motion\n, 2.5 type: CompositeSeq\n"));
+  EXPECT_EQ(reader.errorMessage(), "line 2, column 1: this can't stand here");
+}
+
 TEST(YAMLReader, RefusesNestingWithoutEnd) {
   YAMLReader reader;
   EXPECT_FALSE(reader.parse(std::string(100000, '[')));
