@@ -328,8 +328,7 @@ Vector3d OdeBody::link_point(int link, const Vector3d& point_in_link) const {
   const RigidGroup& group = groups_[links_[link].group];
   const Vector3d in_group = links_[link].in_group * point_in_link;
   if (!group.body) return group.fixed_pose * in_group;
-  return vector(dBodyGetPosition(group.body)) +
-         rotation(dBodyGetRotation(group.body)) * (in_group - group.center);
+  return vector(dBodyGetPosition(group.body)) + rotation(dBodyGetRotation(group.body)) * (in_group - group.center);
 }
 
 void OdeBody::before_step() {
@@ -362,8 +361,8 @@ double OdeBody::motor_effort(const OdeJoint& joint) const {
   const Vector3d force = vector(joint.feedback->f1);
   if (!joint.revolute) return world_axis(joint).dot(force);
   // about the hinge, where the forces that only guide the link have no share along the axis
-  const Vector3d lever = vector(dBodyGetPosition(groups_[links_[joint.link].group].body)) -
-                         link_point(joint.link, Vector3d::Zero());
+  const Vector3d lever =
+      vector(dBodyGetPosition(groups_[links_[joint.link].group].body)) - link_point(joint.link, Vector3d::Zero());
   return world_axis(joint).dot(vector(joint.feedback->t1) + lever.cross(force));
 }
 
@@ -372,7 +371,8 @@ void OdeBody::after_step() {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;
     group.acceleration = (vector(dBodyGetLinearVel(group.body)) - group.previous_velocity) / time_step_;
-    group.angular_acceleration = (vector(dBodyGetAngularVel(group.body)) - group.previous_angular_velocity) / time_step_;
+    group.angular_acceleration =
+        (vector(dBodyGetAngularVel(group.body)) - group.previous_angular_velocity) / time_step_;
   }
   for (std::size_t id = 0; id < joints_.size(); ++id) {
     OdeJoint& joint = joints_[id];

@@ -14,13 +14,13 @@ namespace rehearse {
 /// Links that fixed joints hold together: one rigid body. Its frame is that of its first link; ODE's body frame has the
 /// same axes and its origin at the centre of mass.
 struct RigidGroup {
-  dBodyID body = nullptr;                                              // null: fixed to the world
+  dBodyID body = nullptr;  // null: fixed to the world
   int first_link = 0;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();                    // of mass, in the group's frame [m]
-  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();        // of the group's frame, when it never moves
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();              // of the centre, over the last step [m/s²]
-  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();      // over the last step [rad/s²]
-  Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();         // before the last step; scratch, not state
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, in the group's frame [m]
+  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // of the centre, over the last step [m/s²]
+  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
+  Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
   Eigen::Vector3d previous_angular_velocity = Eigen::Vector3d::Zero();
 };
 
@@ -37,11 +37,11 @@ struct OdeJoint {
   dJointID joint = nullptr;
   int link = 0;  // the child
   bool revolute = true;
-  int turns = 0;             // whole turns on top of ODE's angle, which lies in [-pi, pi]
-  double wrapped = 0.0;      // ODE's angle after the last step [rad]
-  double previous_dq = 0.0;  // before the last step; scratch, not state
-  double applied = 0.0;      // effort added in the coming step, damping included [N·m] or [N]; scratch, not state
-  bool motor_on = false;     // ODE's joint motor has a force limit above zero
+  int turns = 0;              // whole turns on top of ODE's angle, which lies in [-pi, pi]
+  double wrapped = 0.0;       // ODE's angle after the last step [rad]
+  double previous_dq = 0.0;   // before the last step; scratch, not state
+  double applied = 0.0;       // effort added in the coming step, damping included [N·m] or [N]; scratch, not state
+  bool motor_on = false;      // ODE's joint motor has a force limit above zero
   bool motor_drives = false;  // and it is the actuator, not dry friction
   std::unique_ptr<dJointFeedback> feedback;  // null unless somebody reads the joint's wrench
 };
@@ -99,10 +99,10 @@ class OdeBody {
   double time_step_;
   std::vector<RigidGroup> groups_;
   std::vector<GroupedLink> links_;
-  std::vector<OdeJoint> joints_;                     // by joint id
-  std::vector<dGeomID> geoms_;                       // in link order, shapes in their link's order
-  std::vector<double> efforts_;                      // by joint id, applied in the last step [N·m] or [N]
-  std::vector<double> joint_accelerations_;          // by joint id, over the last step
+  std::vector<OdeJoint> joints_;                       // by joint id
+  std::vector<dGeomID> geoms_;                         // in link order, shapes in their link's order
+  std::vector<double> efforts_;                        // by joint id, applied in the last step [N·m] or [N]
+  std::vector<double> joint_accelerations_;            // by joint id, over the last step
   std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step
 };
 

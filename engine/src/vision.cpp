@@ -45,7 +45,7 @@ struct Picture {
 struct ActiveCamera {
   int body = 0;
   int device = 0;
-  double period = 0.0;          // [s]
+  double period = 0.0;  // [s]
   bool on = true;
   std::int64_t first_tick = 0;  // of its current series of captures
   std::int64_t captures = 0;    // done in this series

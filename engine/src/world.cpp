@@ -145,8 +145,8 @@ bool World::step() {
   add_contacts(impl.world, impl.contacts, impl.bodies, impl.settings.solver);
   {
     OwnRandom random(impl.random);
-    impl.exploded = !step_ode(impl.world, impl.settings.time_step,
-                              impl.settings.solver.method == SolverSettings::Method::quick);
+    impl.exploded =
+        !step_ode(impl.world, impl.settings.time_step, impl.settings.solver.method == SolverSettings::Method::quick);
   }
   ++impl.tick;
   impl.observed = false;

@@ -1,9 +1,9 @@
 // A cnoid::Body from a Model, and its devices fed from readings: where the engine's types become the controllers'.
 #pragma once
 
-#include <cnoid/Body>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
+#include <cnoid/Body>
 
 #include <string>
 

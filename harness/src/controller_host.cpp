@@ -148,7 +148,8 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   if (outcome.changed_float_mode)
     event(Severity::warning, hosted.label,
           fmt::format("{}() left another floating-point mode behind; it was set back (is the controller built with "
-                      "-ffast-math?)", function));
+                      "-ffast-math?)",
+                      function));
   if (outcome.end == CallEnd::returned) {
     collect_messages(hosted);
     return true;
@@ -193,9 +194,9 @@ void ControllerHost::configure(HostedController& hosted) {
 
 void ControllerHost::initialize(HostedController& hosted, const Observation& initial) {
   const ScenarioBody& body = scenario_->bodies[hosted.body];
-  hosted.io_body = hosted.parent >= 0 ? controllers_[hosted.parent].io_body
-                                      : std::make_shared<IoBody>(body.model, body.name, body.fixed,
-                                                                 initial.bodies[hosted.body]);
+  hosted.io_body = hosted.parent >= 0
+                       ? controllers_[hosted.parent].io_body
+                       : std::make_shared<IoBody>(body.model, body.name, body.fixed, initial.bodies[hosted.body]);
   hosted.io->attach(*hosted.io_body);
   if (!hosted.configured) return;
   bool accepted = false;
@@ -284,8 +285,9 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
       if (!hosted.reported[field.offset])
         event(Severity::error, hosted.label,
               fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
-                          "before it", *odd, name_of(field.quantity),
-                          scenario_->bodies[hosted.body].model->links[field.link].name, tick_));
+                          "before it",
+                          *odd, name_of(field.quantity), scenario_->bodies[hosted.body].model->links[field.link].name,
+                          tick_));
       hosted.reported[field.offset] = true;
       continue;
     }

@@ -1,7 +1,7 @@
 // ControllerHost: the controllers of a scenario, loaded, initialised and called in Choreonoid's order.
 //
-// It knows nothing of physics: an Observation goes in at each tick, a Command comes out. Recording and replaying drive it
-// alike. Whatever a controller does (it throws, crashes, never returns, refuses) ends up in failure() or an event.
+// It knows nothing of physics: an Observation goes in at each tick, a Command comes out. Recording and replaying drive
+// it alike. Whatever a controller does (it throws, crashes, never returns, refuses) ends up in failure() or an event.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -25,19 +25,19 @@ namespace rehearse {
 
 /// One controller of a run and what it read and wrote in the current tick.
 struct HostedController {
-  std::string label;   // "SR1/SR1Minimum"
-  int body = 0;        // index into Scenario::bodies
-  int parent = -1;     // index of the controller whose body it shares; -1: none
+  std::string label;  // "SR1/SR1Minimum"
+  int body = 0;       // index into Scenario::bodies
+  int parent = -1;    // index of the controller whose body it shares; -1: none
   std::shared_ptr<ControllerLibrary> library;
   std::unique_ptr<cnoid::SimpleController> controller;
   std::unique_ptr<ControllerIo> io;
   std::unique_ptr<cnoid::SimpleControllerConfig> config;
   std::shared_ptr<IoBody> io_body;
   bool configured = false;
-  bool running = false;  // takes part: it initialised and started
-  bool has_input = false;   // its inputs were handed over in this tick
-  bool has_output = false;  // control() returned in this tick, and its outputs were taken
-  bool result = false;      // what control() returned
+  bool running = false;                      // takes part: it initialised and started
+  bool has_input = false;                    // its inputs were handed over in this tick
+  bool has_output = false;                   // control() returned in this tick, and its outputs were taken
+  bool result = false;                       // what control() returned
   std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };
@@ -59,8 +59,9 @@ class ControllerHost {
   /// Inputs, control(), outputs of all. False if one failed: the run ends here.
   bool control(std::int64_t tick, const Observation& seen);
   enum class Timing { same_step, next_step };
-  /// Writes the outputs of the controllers without (or with) delay into the command, in order; the last one wins, external
-  /// wrenches add up. A number that isn't finite is reported once and never passed on: what was commanded before stays.
+  /// Writes the outputs of the controllers without (or with) delay into the command, in order; the last one wins,
+  /// external wrenches add up. A number that isn't finite is reported once and never passed on: what was commanded
+  /// before stays.
   void output(Timing timing, Command& command);
   /// stop() of all, children first, and unconfigure().
   void stop();

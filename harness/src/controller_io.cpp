@@ -21,17 +21,22 @@ struct FlagQuantity {
   Quantity quantity;
 };
 constexpr FlagQuantity flag_quantities[] = {
-    {CnoidLink::JointDisplacement, Quantity::q},          {CnoidLink::JointVelocity, Quantity::dq},
-    {CnoidLink::JointAcceleration, Quantity::ddq},        {CnoidLink::JointEffort, Quantity::u},
-    {CnoidLink::LinkPosition, Quantity::pose},            {CnoidLink::LinkTwist, Quantity::twist},
-    {CnoidLink::LinkAcceleration, Quantity::acceleration}, {CnoidLink::LinkExtWrench, Quantity::wrench},
+    {CnoidLink::JointDisplacement, Quantity::q},
+    {CnoidLink::JointVelocity, Quantity::dq},
+    {CnoidLink::JointAcceleration, Quantity::ddq},
+    {CnoidLink::JointEffort, Quantity::u},
+    {CnoidLink::LinkPosition, Quantity::pose},
+    {CnoidLink::LinkTwist, Quantity::twist},
+    {CnoidLink::LinkAcceleration, Quantity::acceleration},
+    {CnoidLink::LinkExtWrench, Quantity::wrench},
 };
 
 /// What enableInput(link) means in an actuation mode; Choreonoid since 2.1.
 int default_input(const CnoidLink& link) {
   const int mode = link.actuationMode();
   int flags = CnoidLink::StateNone;
-  if ((mode & joint_modes) && link.jointType() != CnoidLink::PseudoContinuousTrackJoint) flags |= CnoidLink::JointDisplacement;
+  if ((mode & joint_modes) && link.jointType() != CnoidLink::PseudoContinuousTrackJoint)
+    flags |= CnoidLink::JointDisplacement;
   if (mode & CnoidLink::LinkExtWrench) flags |= CnoidLink::LinkPosition;
   return flags;
 }
@@ -225,7 +230,8 @@ std::vector<std::string> ControllerIo::freeze() {
       findings.push_back(fmt::format("the contact points of link '{}' are not provided; they stay empty", link.name()));
     constexpr int moves_link = CnoidLink::LinkPosition | CnoidLink::LinkTwist | CnoidLink::LinkAcceleration;
     if (output_modes_[i] & moves_link)
-      findings.push_back(fmt::format("link '{}' can't be moved by command: it is simulated by its dynamics", link.name()));
+      findings.push_back(
+          fmt::format("link '{}' can't be moved by command: it is simulated by its dynamics", link.name()));
   }
   input_values_.assign(inputs_.size, 0.0);
   output_values_.assign(outputs_.size, 0.0);

@@ -21,8 +21,8 @@ Result<std::filesystem::path> find_controller_library(const std::string& name, c
 
 class ControllerLibrary {
  public:
-  /// Loads the file. Fails if it can't be loaded (naming an undefined symbol as its author wrote it) or is no controller.
-  /// The code that runs while it loads may take `call_limit` seconds.
+  /// Loads the file. Fails if it can't be loaded (naming an undefined symbol as its author wrote it) or is no
+  /// controller. The code that runs while it loads may take `call_limit` seconds.
   static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, double call_limit);
   ~ControllerLibrary();
   ControllerLibrary(const ControllerLibrary&) = delete;

@@ -39,15 +39,15 @@ std::uint64_t ulps_between(double a, double b) {
 }
 
 std::string to_string(const Divergence& d) {
-  const std::string place = fmt::format("tick {} ({} s): {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ",
-                                        d.element);
+  const std::string place =
+      fmt::format("tick {} ({} s): {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
   if (!d.note.empty()) return fmt::format("{}: {} (stage: {})", place, d.note, to_string(d.stage));
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
   const std::string bound = d.tolerance > 0.0 ? fmt::format(", {:.3g} times the tolerance of {:g}{}",
                                                             d.difference / d.tolerance, d.tolerance, unit)
                                               : "";
-  const std::string ulps = d.ulps == std::numeric_limits<std::uint64_t>::max() ? "not comparable"
-                                                                               : fmt::format("{} ULPs", d.ulps);
+  const std::string ulps =
+      d.ulps == std::numeric_limits<std::uint64_t>::max() ? "not comparable" : fmt::format("{} ULPs", d.ulps);
   return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}; stage: {})", place, d.actual, unit, d.expected,
                      unit, d.difference, unit, ulps, bound, to_string(d.stage));
 }

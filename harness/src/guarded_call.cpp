@@ -123,7 +123,8 @@ void install_handlers() {
 
 std::string describe_signal(int signal_number) {
   switch (signal_number) {
-    case SIGSEGV: return "crashed: segmentation fault (an access to memory that isn't there, as through a null pointer)";
+    case SIGSEGV:
+      return "crashed: segmentation fault (an access to memory that isn't there, as through a null pointer)";
     case SIGBUS: return "crashed: bus error";
     case SIGFPE: return "crashed: arithmetic fault (as a division of an integer by zero)";
     case SIGILL: return "crashed: illegal instruction";

@@ -1,9 +1,9 @@
 // IoBody: the copy of a robot that a controller and its children share, with its devices wired up.
 #pragma once
 
-#include <cnoid/Body>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
+#include <cnoid/Body>
 
 #include <cstdint>
 #include <memory>

@@ -1,7 +1,7 @@
 // JointArrays: the numbers of a stream of sensor_msgs/JointState messages, read fast.
 //
-// The names in such messages are the same from tick to tick. They are decoded once; a later message whose bytes agree up
-// to the numbers is read without looking at them again.
+// The names in such messages are the same from tick to tick. They are decoded once; a later message whose bytes agree
+// up to the numbers is read without looking at them again.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -31,8 +31,8 @@ class JointArrays {
 
   std::vector<std::string> names_;
   std::array<std::vector<double>, 3> arrays_;
-  std::array<std::size_t, 3> offsets_{};   // of each array's first number
-  std::vector<std::byte> frame_;           // all bytes of the last message that was read in full
+  std::array<std::size_t, 3> offsets_{};  // of each array's first number
+  std::vector<std::byte> frame_;          // all bytes of the last message that was read in full
   bool names_changed_ = false;
 };
 

@@ -86,7 +86,8 @@ void RecordedInputs::add_joints(int body, const mcap::Channel& channel) {
   feed.body = body;
 }
 
-void RecordedInputs::add_link(int body, const std::string& link, const std::string& kind, const mcap::Channel& channel) {
+void RecordedInputs::add_link(int body, const std::string& link, const std::string& kind,
+                              const mcap::Channel& channel) {
   const int index = scenario_.bodies[body].model->find_link(link);
   if (index < 0) return;
   const std::pair<const char*, Feed::Kind> kinds[] = {

@@ -18,10 +18,12 @@ struct LinkKind {
 
 const std::vector<LinkKind>& link_kinds() {
   static const std::vector<LinkKind> kinds{
-      {"pose", Quantity::pose,
+      {"pose",
+       Quantity::pose,
        {"position/x", "position/y", "position/z", "orientation/x", "orientation/y", "orientation/z", "orientation/w"}},
       {"twist", Quantity::twist, {"linear/x", "linear/y", "linear/z", "angular/x", "angular/y", "angular/z"}},
-      {"accel", Quantity::acceleration,
+      {"accel",
+       Quantity::acceleration,
        {"linear_acceleration/x", "linear_acceleration/y", "linear_acceleration/z", "angular_acceleration/x",
         "angular_acceleration/y", "angular_acceleration/z"}},
       {"wrench", Quantity::wrench, {"force/x", "force/y", "force/z", "torque/x", "torque/y", "torque/z"}},
@@ -211,7 +213,8 @@ std::int64_t RecordedOutputs::compare_device(const Channel& channel, const OnDif
   if (!channel.here && !now) return 0;
   if (channel.here != (now != nullptr)) {
     Divergence found = divergence(channel.topic, "");
-    found.note = now ? "the device is commanded now, and was not in the recording" : "the device is no longer commanded";
+    found.note =
+        now ? "the device is commanded now, and was not in the recording" : "the device is no longer commanded";
     differs(std::move(found));
     return 1;
   }

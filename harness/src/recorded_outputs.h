@@ -1,4 +1,5 @@
-// RecordedOutputs: what one controller commanded in a recording, tick by tick, to be compared with what it commands now.
+// RecordedOutputs: what one controller commanded in a recording, tick by tick, to be compared with what it commands
+// now.
 #pragma once
 
 #include <rehearse/divergence.h>
@@ -27,8 +28,8 @@ class RecordedOutputs {
   Result<void> accept(const mcap::Message& message);
 
   using OnDifference = std::function<void(Divergence&&)>;
-  /// Calls `differs` for each number that isn't the same bits now: joints, then links, then devices. Tick and time are the
-  /// caller's to fill in. Returns how many numbers were compared.
+  /// Calls `differs` for each number that isn't the same bits now: joints, then links, then devices. Tick and time are
+  /// the caller's to fill in. Returns how many numbers were compared.
   std::int64_t compare(const OnDifference& differs) const;
 
  private:
@@ -44,9 +45,9 @@ class RecordedOutputs {
     mcap::StringMap metadata;
     int link = -1;
     int device = -1;
-    bool here = false;              // had a message in this tick
+    bool here = false;  // had a message in this tick
     JointArrays joints;
-    std::vector<double> values;     // of a link or a device
+    std::vector<double> values;  // of a link or a device
     std::vector<Pair> pairs;
   };
 

@@ -50,9 +50,9 @@ struct JointChannel {
   std::uint16_t channel = 0;
   msg::JointState message;
   struct Slot {
-    int offset;                     // in the controller's array
+    int offset;  // in the controller's array
     std::vector<double> msg::JointState::*array;
-    std::size_t index;              // in the message's array
+    std::size_t index;  // in the message's array
   };
   std::vector<Slot> slots;
 };
@@ -90,9 +90,7 @@ struct BodyChannels {
   std::vector<DeviceChannels> devices;
 };
 
-bool root_moves(const ScenarioBody& body) {
-  return !body.fixed && body.model->links[0].joint.type == JointType::free;
-}
+bool root_moves(const ScenarioBody& body) { return !body.fixed && body.model->links[0].joint.type == JointType::free; }
 
 /// ROS' matrices of a pinhole camera without distortion.
 msg::CameraInfo camera_info(const Camera& camera) {
@@ -128,7 +126,8 @@ struct Recorder::Impl {
   explicit Impl(const Scenario& of) : scenario(of) {}
 
   template <class T>
-  std::uint16_t channel(const std::string& topic, mcap::StringMap metadata = {}, mcap::ChunkGroup group = mcap::numbers) {
+  std::uint16_t channel(const std::string& topic, mcap::StringMap metadata = {},
+                        mcap::ChunkGroup group = mcap::numbers) {
     const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
     ++size.channels;
     return writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
@@ -181,7 +180,8 @@ Result<void> Recorder::Impl::attach_sources() {
   std::set<std::string> attached;
   for (const ScenarioBody& body : scenario.bodies) {
     if (body.model_file.empty() || !attached.insert(body.model_file).second) continue;
-    if (auto done = writer->add_attachment(body.model_file, "application/xml", bytes_of(body.model->source_text)); !done)
+    if (auto done = writer->add_attachment(body.model_file, "application/xml", bytes_of(body.model->source_text));
+        !done)
       return done;
     Diagnostics report = body.model->report;
     for (Diagnostic& finding : report) finding.file = body.model_file;
@@ -202,7 +202,8 @@ void Recorder::declare(const ControllerHost& host) {
     impl.declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
     channels.devices.assign(body.model->devices.size(), 0);
   }
-  impl.transform_channel = impl.channel<msg::TFMessage>("/tf", {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
+  impl.transform_channel =
+      impl.channel<msg::TFMessage>("/tf", {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
   impl.checkpoint_channel = impl.channel<msg::Checkpoint>("/checkpoint");
   impl.event_channel = impl.channel<msg::Event>("/events");
   impl.tick_channel = impl.channel<msg::Tick>("/tick");
@@ -269,7 +270,12 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
     side.acceleration_message.name = message.name;
     side.acceleration_message.acceleration.assign(joints.size(), not_enabled);
     side.acceleration_offsets.assign(joints.size(), -1);
-    side.accelerations = channel<msg::JointAccelerations>(prefix + "joint_accelerations");
+    mcap::StringMap units;
+    for (const int joint : joints) {
+      const Joint& named = model.links[model.joints[joint]].joint;
+      units["unit:" + named.name + "/ddq"] = std::string(length_unit(named)) + "/s²";
+    }
+    side.accelerations = channel<msg::JointAccelerations>(prefix + "joint_accelerations", std::move(units));
   }
   if (used.count(Quantity::q) || used.count(Quantity::dq) || used.count(Quantity::u))
     side.joints.channel = channel<msg::JointState>(prefix + "joints", joint_metadata(model, joints));
@@ -426,7 +432,8 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
         channel = impl.channel<msg::DeviceState>("/" + hosted.label + "/output/" + model.devices[output.device].name +
                                                  "/state");
       msg::DeviceState state;
-      state.header = {impl.stamp(tick), impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};
+      state.header = {impl.stamp(tick),
+                      impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};
       state.values = output.values;
       if (auto done = impl.write(channel, tick, state); !done) return done;
     }

@@ -1,7 +1,8 @@
 // Recorder: writes a run into a trace, tick by tick. harness/TRACE_FORMAT.md says what stands where.
 //
-// A tick's messages carry the state at its beginning, what the controllers read of it and what they commanded; the message
-// on /tick comes last and so closes the tick. Nothing here depends on the machine, the process or the time of day.
+// A tick's messages carry the state at its beginning, what the controllers read of it and what they commanded; the
+// message on /tick comes last and so closes the tick. Nothing here depends on the machine, the process or the time of
+// day.
 #pragma once
 
 #include <rehearse/cdr.h>
@@ -33,7 +34,7 @@ struct TickHashes {
 struct RecordingSize {
   std::int64_t ticks = 0;
   int channels = 0;
-  std::int64_t frames = 0;    // colour pictures
+  std::int64_t frames = 0;  // colour pictures
   std::int64_t messages = 0;
 };
 

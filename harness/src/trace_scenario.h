@@ -6,8 +6,8 @@
 
 namespace rehearse {
 
-/// Seed and duration are those of the recording, which the command line may have set. Fails if the trace is no recording
-/// of ours, is of a version that isn't known here, or lacks an attachment.
+/// Seed and duration are those of the recording, which the command line may have set. Fails if the trace is no
+/// recording of ours, is of a version that isn't known here, or lacks an attachment.
 Result<Scenario> scenario_of(const mcap::Reader& trace);
 
 }  // namespace rehearse

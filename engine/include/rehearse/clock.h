@@ -6,7 +6,8 @@
 
 namespace rehearse {
 
-/// Time of a tick [s]: tick / (1 / time_step), the expression Choreonoid uses; tick * time_step differs in the last bit.
+/// Time of a tick [s]: tick / (1 / time_step), the expression Choreonoid uses; tick * time_step differs in the last
+/// bit.
 inline double time_of(std::int64_t tick, double time_step) { return static_cast<double>(tick) / (1.0 / time_step); }
 
 /// The same, rounded to whole nanoseconds: the log time of the tick's messages.

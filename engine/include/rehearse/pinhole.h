@@ -9,14 +9,14 @@
 
 namespace rehearse {
 
-/// Vertical opening angle [rad]. Camera::field_of_view itself in a picture at least as wide as high, else derived from it
-/// as the horizontal one: 2 atan(tan(fov / 2) * height / width).
+/// Vertical opening angle [rad]. Camera::field_of_view itself in a picture at least as wide as high, else derived from
+/// it as the horizontal one: 2 atan(tan(fov / 2) * height / width).
 double vertical_field_of_view(const Camera& camera);
 
-/// The point behind each pixel, row by row from the top left, in the camera's device frame [m]: it looks along -z, +y is up.
-/// Taken on the ray through the pixel's centre, where depth is drawn (Choreonoid takes the corner, half a pixel aside).
-/// Where nothing was hit, as in Choreonoid: z is +inf, x and y are +inf or -inf by the pixel's side of the centre, 0 on it.
-/// `points` is resized to width * height.
+/// The point behind each pixel, row by row from the top left, in the camera's device frame [m]: it looks along -z, +y
+/// is up. Taken on the ray through the pixel's centre, where depth is drawn (Choreonoid takes the corner, half a pixel
+/// aside). Where nothing was hit, as in Choreonoid: z is +inf, x and y are +inf or -inf by the pixel's side of the
+/// centre, 0 on it. `points` is resized to width * height.
 void points_from_depth(const Camera& camera, const DepthImage& depth, std::vector<Eigen::Vector3f>& points);
 
 }  // namespace rehearse

@@ -1,9 +1,9 @@
 // Vision: the cameras of a world's bodies, when they look and when their pictures arrive.
 //
 // A camera that is on captures at tick 0 and then at the first tick at or after each multiple of its period; a picture
-// arrives one period later, at the first tick at or after it (Choreonoid's vision cycle, in its form that always waits).
-// Example: 30 Hz at 1 ms: captured at tick 0, seen by controllers at tick 34, captured again at tick 34.
-// All of it follows from the tick number alone. Drawing is done here too; needs OSMesa.
+// arrives one period later, at the first tick at or after it (Choreonoid's vision cycle, in its form that always
+// waits). Example: 30 Hz at 1 ms: captured at tick 0, seen by controllers at tick 34, captured again at tick 34. All of
+// it follows from the tick number alone. Drawing is done here too; needs OSMesa.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -20,16 +20,16 @@ namespace rehearse {
 
 class Vision {
  public:
-  /// `models`: one a body, in the order of Observation::bodies. `active`: for each body, for each device, whether it is a
-  /// camera that runs. Fails if no picture can be drawn on this machine.
+  /// `models`: one a body, in the order of Observation::bodies. `active`: for each body, for each device, whether it is
+  /// a camera that runs. Fails if no picture can be drawn on this machine.
   static Result<std::unique_ptr<Vision>> create(double time_step, std::vector<std::shared_ptr<const Model>> models,
                                                 std::vector<std::vector<bool>> active);
   ~Vision();
   Vision(const Vision&) = delete;
   Vision& operator=(const Vision&) = delete;
 
-  /// Puts the pictures that arrive at this tick into the observation, then captures those that are due, from the poses in
-  /// it. To be called once for each tick, in order.
+  /// Puts the pictures that arrive at this tick into the observation, then captures those that are due, from the poses
+  /// in it. To be called once for each tick, in order.
   void look(std::int64_t tick, Observation& observation);
   /// Controllers switch cameras on and off. Off: its picture is taken away. On again: it captures at the next tick.
   void switch_cameras(std::int64_t tick, const Command& command);

@@ -1,9 +1,9 @@
 // World: the simulated bodies, their joints and contacts, in ODE.
 //
 // A World is made of Models, each with a pose, and goes forward in steps of a fixed length. In: a Command (what the
-// controllers want of the joints) and pushes. Out: an Observation (what the sensors and the state say). It owns all that
-// the next step depends on, its random generator included: two worlds in one process never influence each other, and the
-// same calls give the same bits. One thread at a time. Cameras are not here: see vision.h.
+// controllers want of the joints) and pushes. Out: an Observation (what the sensors and the state say). It owns all
+// that the next step depends on, its random generator included: two worlds in one process never influence each other,
+// and the same calls give the same bits. One thread at a time. Cameras are not here: see vision.h.
 //
 // Links joined by fixed joints are one rigid body for the physics; each keeps its own frame in the Observation.
 // Links of one body don't collide with each other. Contacts are found pair by pair in the order of the bodies and their
@@ -44,17 +44,17 @@ struct WorldBody {
 
 class World {
  public:
-  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a joint or sensor that
-  /// it has no counterpart for, a count of joints that doesn't fit.
+  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a joint or sensor
+  /// that it has no counterpart for, a count of joints that doesn't fit.
   static Result<std::unique_ptr<World>> create(const WorldSettings& settings, std::vector<WorldBody> bodies);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// The state at the beginning of the coming step. Joint sensors and inertial sensors are `fresh` after the first step;
-  /// before it they read zero, as in Choreonoid. Accelerations are the change of velocity over the last step divided by
-  /// its length, which for ODE's semi-implicit Euler step is the acceleration the step used (ODE reports none).
-  /// Valid until the next call of step() or restore(). Its cameras are empty.
+  /// The state at the beginning of the coming step. Joint sensors and inertial sensors are `fresh` after the first
+  /// step; before it they read zero, as in Choreonoid. Accelerations are the change of velocity over the last step
+  /// divided by its length, which for ODE's semi-implicit Euler step is the acceleration the step used (ODE reports
+  /// none). Valid until the next call of step() or restore(). Its cameras are empty.
   const Observation& sense() const;
 
   /// What drives the joints from the coming step on, until another command comes, and the external wrenches that act on

@@ -21,24 +21,24 @@ std::string_view to_string(Stage stage);
 
 struct Divergence {
   std::int64_t tick = 0;
-  double time = 0.0;         // of the tick [s]
-  std::string channel;       // topic
-  std::string element;       // within the channel's messages: RLEG_KNEE/u; empty: the message as a whole
-  double expected = 0.0;     // in the recording or golden
+  double time = 0.0;      // of the tick [s]
+  std::string channel;    // topic
+  std::string element;    // within the channel's messages: RLEG_KNEE/u; empty: the message as a whole
+  double expected = 0.0;  // in the recording or golden
   double actual = 0.0;
-  double difference = 0.0;   // |actual - expected|, by angle where it is one; NaN if either is
-  std::uint64_t ulps = 0;    // representable numbers between them; the largest value if either is NaN
-  double tolerance = 0.0;    // that it should have kept; 0: bit for bit
-  std::string unit;          // may be empty
-  std::string note;          // if it isn't a matter of two numbers: "missing", "120 pixels differ, ..."
+  double difference = 0.0;  // |actual - expected|, by angle where it is one; NaN if either is
+  std::uint64_t ulps = 0;   // representable numbers between them; the largest value if either is NaN
+  double tolerance = 0.0;   // that it should have kept; 0: bit for bit
+  std::string unit;         // may be empty
+  std::string note;         // if it isn't a matter of two numbers: "missing", "120 pixels differ, ..."
   Stage stage = Stage::controller;
 };
 
 /// One sentence: tick, time, channel, element, expected, actual, difference, ULPs and stage.
 std::string to_string(const Divergence& divergence);
 
-/// How many steps from one double to the next lead from a to b; 0 for equal bits and for 0 and -0. NaN with anything but
-/// the same bits: the largest value.
+/// How many steps from one double to the next lead from a to b; 0 for equal bits and for 0 and -0. NaN with anything
+/// but the same bits: the largest value.
 std::uint64_t ulps_between(double a, double b);
 
 /// Same bits.

@@ -1,8 +1,8 @@
 // Pinning: a process whose arithmetic doesn't depend on the processor it runs on.
 //
-// The C library chooses its sin, exp and so on by what the processor can do, and the renderer compiles its shaders for it;
-// both then round differently from machine to machine. Both take their orders from the environment, before a program
-// starts. So a program that wants the same bits everywhere starts itself once more with that environment.
+// The C library chooses its sin, exp and so on by what the processor can do, and the renderer compiles its shaders for
+// it; both then round differently from machine to machine. Both take their orders from the environment, before a
+// program starts. So a program that wants the same bits everywhere starts itself once more with that environment.
 #pragma once
 
 #include <string>

@@ -1,8 +1,8 @@
-// Replay: recorded inputs into the controllers, without physics and without a renderer; their commands compared with the
-// recorded ones, bit for bit.
+// Replay: recorded inputs into the controllers, without physics and without a renderer; their commands compared with
+// the recorded ones, bit for bit.
 //
-// The controllers run from the beginning of the recording: their own memory is part of what is replayed. The libraries may
-// be others than those recorded. Links neither ODE nor OSMesa.
+// The controllers run from the beginning of the recording: their own memory is part of what is replayed. The libraries
+// may be others than those recorded. Links neither ODE nor OSMesa.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -25,9 +25,9 @@ struct ReplayOptions : HostOptions {
 };
 
 struct ReplayReport {
-  std::int64_t ticks = 0;             // replayed
-  std::int64_t ticks_different = 0;   // in which any command differed
-  std::int64_t values = 0;            // numbers compared
+  std::int64_t ticks = 0;            // replayed
+  std::int64_t ticks_different = 0;  // in which any command differed
+  std::int64_t values = 0;           // numbers compared
   std::int64_t values_different = 0;
   std::optional<Divergence> first;    // in the order of ticks, controllers, links
   std::optional<Divergence> worst;    // by absolute difference

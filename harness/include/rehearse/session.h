@@ -25,15 +25,16 @@ struct RecordOptions : HostOptions {
 struct RunSummary {
   std::int64_t ticks = 0;
   int channels = 0;
-  std::int64_t frames = 0;             // colour pictures
-  std::uintmax_t bytes = 0;            // of the trace file
-  std::optional<Diagnostic> failure;   // a controller threw, crashed or hung, or the simulation exploded: it ended there
-  bool controller_refused = false;     // a controller returned false from configure, initialize or start
-  Diagnostics remarks;                 // what controllers did that they should not have; severities warning and error
+  std::int64_t frames = 0;            // colour pictures
+  std::uintmax_t bytes = 0;           // of the trace file
+  std::optional<Diagnostic> failure;  // a controller threw, crashed or hung, or the simulation exploded: it ended there
+  bool controller_refused = false;    // a controller returned false from configure, initialize or start
+  Diagnostics remarks;                // what controllers did that they should not have; severities warning and error
 };
 
-/// Runs the scenario and writes the trace. Fails, with nothing written, if it can't begin: a library that doesn't load, a
-/// body that can't be simulated, a file that can't be created. A controller that fails later ends the run, not the trace.
+/// Runs the scenario and writes the trace. Fails, with nothing written, if it can't begin: a library that doesn't load,
+/// a body that can't be simulated, a file that can't be created. A controller that fails later ends the run, not the
+/// trace.
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace,
                           const RecordOptions& options = {});
 
