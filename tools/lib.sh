@@ -36,6 +36,8 @@ configure_and_build() {
   folder=$(build_folder "$preset")
   if command -v ccache > /dev/null; then
     launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    # In CI every run is a new checkout: let what one compiled serve the next, wherever it lies.
+    if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
   fi
   quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}"
   if [[ -t 1 ]]; then
