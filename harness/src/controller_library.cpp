@@ -1,5 +1,7 @@
 #include "controller_library.h"
 
+#include <cnoid/SimpleController>
+
 #include <cxxabi.h>
 #include <dlfcn.h>
 
@@ -18,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* factory_name = "createSimpleController";
+constexpr const char* abi_name = "rehearseCnoidAbi";
 
 /// The folder that holds the shared library with this code.
 fs::path own_library_folder() {
@@ -114,6 +117,13 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   if (!library->factory_)
     return error(name + " is not a controller: it defines no " + factory_name,
                  "end its source with CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(YourClass)");
+  const auto abi = reinterpret_cast<int (*)()>(dlsym(library->handle_, abi_name));
+  if (!abi || abi() != REHEARSE_CNOID_ABI)
+    return error(name +
+                     (abi ? " was compiled with the <cnoid/...> headers of another version of Rehearse"
+                          : " was not compiled with Rehearse's <cnoid/...> headers") +
+                     ", whose classes have another memory layout",
+                 "compile it again with the headers of this version");
   return library;
 }
 

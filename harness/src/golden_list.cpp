@@ -77,7 +77,7 @@ Owners find_owners(const std::vector<fs::path>& sources) {
       if (entry->is_directory(ignored)) {
         if (name.starts_with('.') || name.starts_with("build")) entry.disable_recursion_pending();
       } else {
-        files.insert(entry->path());
+        files.insert(entry->path().lexically_normal());
       }
     }
   }

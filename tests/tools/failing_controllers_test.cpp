@@ -35,6 +35,12 @@ TEST_F(Library, ThatIsNoControllerIsRefused) {
               HasSubstr("is not a controller: it defines no createSimpleController (end its source with "));
 }
 
+TEST_F(Library, OfAnotherMemoryLayoutIsRefused) {
+  EXPECT_THAT(refusal(OTHER_LAYOUT),
+              HasSubstr("was compiled with the <cnoid/...> headers of another version of Rehearse"));
+  EXPECT_THAT(refusal(FOREIGN_LAYOUT), HasSubstr("was not compiled with Rehearse's <cnoid/...> headers"));
+}
+
 TEST_F(Library, ThatLacksASymbolIsRefusedWithItsName) {
   EXPECT_THAT(refusal(UNDEFINED_SYMBOL), HasSubstr("it needs the symbol 'gait_phase(double)'"));
 }

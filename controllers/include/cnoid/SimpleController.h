@@ -84,11 +84,17 @@ class CNOID_GENERAL_EXPORT SimpleController {
 
 #define CNOID_SIMPLE_CONTROLLER_EXPORT CNOID_GENERAL_EXPORT
 
-/// What a controller's library exports.
-extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController();
+/// Changes with the memory layout of these classes. A library that was compiled with another number, or with the
+/// headers of Choreonoid itself, reads and writes at wrong places; it is refused instead.
+#define REHEARSE_CNOID_ABI 1
 
-/// Defines it. Written once in a library, without a semicolon.
-#define CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(ControllerClass)                              \
-  extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController() { \
-    return new ControllerClass();                                                               \
+/// What a controller's library exports: its factory, and the number it was compiled with.
+extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController();
+extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT int rehearseCnoidAbi();
+
+/// Defines both. Written once in a library, without a semicolon.
+#define CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(ControllerClass)                                \
+  extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT int rehearseCnoidAbi() { return REHEARSE_CNOID_ABI; } \
+  extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController() {   \
+    return new ControllerClass();                                                                 \
   }
