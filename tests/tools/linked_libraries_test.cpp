@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include <regex>
 #include <set>
 
 namespace rehearse::test {
@@ -18,7 +17,7 @@ class LinkedLibraries : public Command {
   std::set<std::string> needed_by(const fs::path& file) const {
     const Outcome section = run("readelf", {"--dynamic", "--wide", file.string()});
     EXPECT_EQ(section.status, 0) << section.err;
-    return matches(section.out, std::regex("\\(NEEDED\\).*\\[(.*)\\]"));
+    return found_between("Shared library: [", "]", section.out);
   }
   /// The files that the dynamic linker would load, libraries of libraries included.
   std::set<std::string> loaded_for(const fs::path& file) const {
@@ -26,7 +25,7 @@ class LinkedLibraries : public Command {
     EXPECT_EQ(list.status, 0) << list.err;
     EXPECT_THAT(list.out, HasSubstr("libc.so"));
     EXPECT_THAT(list.out, Not(HasSubstr("not found")));
-    return matches(list.out, std::regex("=> (/\\S+)"));
+    return found_between("=> ", " (", list.out);
   }
   /// All of both: every name in the dynamic section of the program and of each library it loads.
   std::string everything(const fs::path& program) const {
@@ -40,9 +39,13 @@ class LinkedLibraries : public Command {
   }
 
  private:
-  static std::set<std::string> matches(const std::string& text, const std::regex& pattern) {
+  static std::set<std::string> found_between(const std::string& before, const std::string& after,
+                                             const std::string& text) {
     std::set<std::string> found;
-    for (std::sregex_iterator it(text.begin(), text.end(), pattern), end; it != end; ++it) found.insert((*it)[1]);
+    for (std::size_t at = 0; (at = text.find(before, at)) != std::string::npos;) {
+      at += before.size();
+      found.insert(text.substr(at, text.find(after, at) - at));
+    }
     return found;
   }
 };
