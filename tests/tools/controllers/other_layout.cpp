@@ -1,6 +1,8 @@
 // A controller of another memory layout. Compiled with OTHER_ABI it says which; without, as with headers that aren't ours,
 // it says nothing.
-extern "C" void* createSimpleController() { return nullptr; }
+#define EXPORT extern "C" __attribute__((visibility("default")))
+
+EXPORT void* createSimpleController() { return nullptr; }
 #ifdef OTHER_ABI
-extern "C" int rehearseCnoidAbi() { return OTHER_ABI; }
+EXPORT int rehearseCnoidAbi() { return OTHER_ABI; }
 #endif
