@@ -3,6 +3,7 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_package(Threads REQUIRED)
 
 rehearse_add_library(harness
+  src/camera_info.cpp
   src/cnoid_body.cpp
   src/controller_host.cpp
   src/controller_io.cpp
