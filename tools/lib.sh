@@ -30,9 +30,12 @@ build_folder() {
   esac
 }
 
-# configure_and_build PRESET: a few seconds if nothing changed. On a terminal Ninja shows its progress.
+# configure_and_build PRESET [TARGET...]: everything, or only the targets; a few seconds if nothing changed. On a terminal
+# Ninja shows its progress.
 configure_and_build() {
-  local preset=$1 folder launcher=()
+  local preset=$1 folder launcher=() targets=()
+  shift
+  if (($# > 0)); then targets=(--target "$@"); fi
   folder=$(build_folder "$preset")
   if command -v ccache > /dev/null; then
     launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
@@ -41,8 +44,8 @@ configure_and_build() {
   fi
   quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}"
   if [[ -t 1 ]]; then
-    cmake --build "$folder" --parallel "$(nproc)"
+    cmake --build "$folder" --parallel "$(nproc)" "${targets[@]}"
   else
-    quietly "$folder/build.log" cmake --build "$folder" --parallel "$(nproc)"
+    quietly "$folder/build.log" cmake --build "$folder" --parallel "$(nproc)" "${targets[@]}"
   fi
 }
