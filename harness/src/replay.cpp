@@ -201,6 +201,7 @@ void Replayer::take_events() { append_remarks(host_.take_events(), report_.remar
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
   auto reader = mcap::Reader::open(trace);
   if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return (*reader)->damage();
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
   auto host = ControllerHost::create(*scenario, options);

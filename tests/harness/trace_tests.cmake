@@ -1,5 +1,6 @@
 rehearse_add_test(trace_test LABEL unit
   SOURCES
+    trace/broken_traces_test.cpp
     trace/cdr_test.cpp
     trace/mcap_damage_test.cpp
     trace/mcap_order_test.cpp

@@ -1,0 +1,56 @@
+// fixtures/broken/trace_*: one small file per way in which a trace is no use, and what is said of it.
+#include <rehearse/trace.h>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+struct BrokenTrace {
+  std::string file;
+  std::string message;
+};
+void PrintTo(const BrokenTrace& broken, std::ostream* stream) { *stream << broken.file; }
+
+const std::vector<BrokenTrace>& broken_traces() {
+  static const std::vector<BrokenTrace> table{
+      {"trace_empty.mcap", "error: not an MCAP file: it is empty"},
+      {"trace_of_text.mcap", "error: not an MCAP file: it doesn't begin with the magic bytes"},
+      {"trace_truncated.mcap", "error: truncated at byte 2500"},
+      {"trace_flipped_bit.mcap", "error: damaged: the chunk at byte 5087 can't be decompressed"},
+  };
+  return table;
+}
+
+class BrokenTraces : public testing::TestWithParam<BrokenTrace> {};
+
+TEST_P(BrokenTraces, AreRefusedWithTheirFileAndTheReason) {
+  const fs::path file = fs::path(FIXTURES_DIR) / "broken" / GetParam().file;
+  const Result<Trace> trace = Trace::load(file);
+  ASSERT_FALSE(trace.ok());
+  EXPECT_THAT(to_string(trace.errors()), HasSubstr(file.string() + ": " + GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, BrokenTraces, testing::ValuesIn(broken_traces()),
+                         [](const auto& entry) { return fs::path(entry.param.file).stem().string(); });
+
+TEST(BrokenTraceFiles, EachStandsInTheTable) {
+  for (const auto& entry : fs::directory_iterator(fs::path(FIXTURES_DIR) / "broken")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("trace_")) continue;
+    EXPECT_TRUE(std::any_of(broken_traces().begin(), broken_traces().end(),
+                            [&](const BrokenTrace& broken) { return broken.file == name; }))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace rehearse
