@@ -32,10 +32,13 @@ Result<void> sync(const fs::path& path) {
   return {};
 }
 
-/// Removes what was begun, unless it was finished.
+/// A new version of a file beside it; its folder is made if there is none. Removes what was begun, unless it was finished.
 class Draft {
  public:
-  explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {}
+  explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {
+    std::error_code ignored;  // writing the draft says what is wrong
+    fs::create_directories(target.parent_path(), ignored);
+  }
   ~Draft() {
     std::error_code ignored;
     fs::remove(file_, ignored);

@@ -205,6 +205,13 @@ TEST_F(Golden, ThatIsCutShortIsNoGoldenAndSaysSo) {
   EXPECT_THAT(result.message, HasSubstr("truncated"));
 }
 
+TEST_F(Golden, TheFirstOfAProjectMakesTheirFolder) {
+  fs::remove(folder_ / "golden");
+  ASSERT_TRUE(settle(SmallTrace(), GoldenMode::create).passed);
+  EXPECT_TRUE(fs::exists(store_.trace_file(name_)));
+  EXPECT_TRUE(fs::exists(store_.digest_file(name_)));
+}
+
 TEST_F(Golden, SurvivesADiskThatIsFull) {
   place_golden(SmallTrace());
   const std::string trace = bytes_of(store_.trace_file(name_)), digest = bytes_of(store_.digest_file(name_));
@@ -224,6 +231,7 @@ TEST_F(Golden, SurvivesADiskThatIsFull) {
 }
 
 TEST_F(Golden, InAFolderThatIsNoneSaysSo) {
+  std::ofstream(folder_ / "nowhere") << "a file";
   GoldenStore nowhere(folder_ / "nowhere", folder_ / "pending");
   const GoldenResult result = nowhere.settle(name_, SmallTrace().load(folder_ / "run.mcap"), {}, GoldenMode::create);
   EXPECT_FALSE(result.passed);

@@ -1,0 +1,19 @@
+#include <rehearse/gtest.h>
+
+#include <cmath>
+
+TEST(Swing, StaysBelowTheHorizontal) {
+  const rehearse::Trace trace = rehearse::record("scenarios/swing.yaml");
+  EXPECT_LT(trace.max("Pendulum/HINGE/q"), 1.5707);  // [rad]
+  EXPECT_GT(trace.max("Pendulum/HINGE/q"), 0.0);
+  EXPECT_MATCHES_GOLDEN(trace);
+}
+
+TEST(Swing, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("Swing.StaysBelowTheHorizontal"); }
+
+TEST(Swing, PushesAgainstTheAngle) {
+  rehearse::ControllerBench bench("Swing", "models/pendulum.urdf");
+  bench.joint("HINGE").q = 0.2;  // [rad]
+  bench.tick();
+  EXPECT_NEAR(bench.joint("HINGE").u, -0.02, 1e-12);  // [N·m], at time 0
+}

@@ -1,0 +1,23 @@
+# Installs into a fresh folder, copies the consumer beside it, builds it, makes its golden, and checks it against that.
+
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ARGN}\nended in ${status}:\n${output}")
+  endif()
+endfunction()
+
+set(prefix ${WORK}/prefix)
+set(project ${WORK}/project)
+file(REMOVE_RECURSE ${prefix} ${project})
+run(${CMAKE_COMMAND} --install ${BUILD} --config ${CONFIG} --prefix ${prefix})
+file(COPY ${SOURCE}/ DESTINATION ${project})
+run(${CMAKE_COMMAND} -S ${project} -B ${project}/build -G ${GENERATOR}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
+run(${CMAKE_COMMAND} --build ${project}/build)
+run(${CMAKE_COMMAND} -E env --unset=CI REHEARSE_GOLDEN=new ${project}/build/swing_test)
+run(${CMAKE_COMMAND} -E env CI=true --unset=REHEARSE_GOLDEN ${project}/build/swing_test)
+run(${prefix}/bin/rehearse record ${project}/scenarios/swing.yaml -o ${project}/swing.mcap
+    --controller Swing=${project}/build/lib/rehearse/controllers/Swing.so)
+run(${prefix}/bin/rehearse replay ${project}/swing.mcap
+    --controller Swing=${project}/build/lib/rehearse/controllers/Swing.so)
