@@ -1,6 +1,7 @@
 #include "guarded_call.h"
 
 #include <cxxabi.h>
+#include <fmt/format.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
@@ -179,7 +180,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   outcome.changed_float_mode = (_mm_getcsr() & ~exception_flags) != (float_mode & ~exception_flags);
   if (outcome.changed_float_mode) _mm_setcsr(float_mode);
   if (outcome.end == CallEnd::hung)
-    outcome.what = "did not return within " + std::to_string(limit) + " s";
+    outcome.what = fmt::format("did not return within {} s", limit);
   else if (outcome.end == CallEnd::crashed)
     outcome.what = describe_signal(signal_number);
   return outcome;

@@ -96,6 +96,8 @@ struct Mistake {
   std::string message;  // after "file:"
 };
 
+void PrintTo(const Mistake& mistake, std::ostream* stream) { *stream << mistake.file; }
+
 class BrokenMotion : public testing::TestWithParam<Mistake> {};
 
 TEST_P(BrokenMotion, IsRefusedWithItsPlace) {

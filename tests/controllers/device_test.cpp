@@ -26,6 +26,8 @@ struct Kind {
   int state_size;
 };
 
+void PrintTo(const Kind& kind, std::ostream* stream) { *stream << kind.type_name; }
+
 class EveryDevice : public testing::TestWithParam<Kind> {
  protected:
   /// A state that differs in each number, and is possible for each type: whole numbers from 1 on.

@@ -78,6 +78,8 @@ struct PngForm {
   png_uint_32 format;
 };
 
+void PrintTo(const PngForm& form, std::ostream* stream) { *stream << form.components << " components"; }
+
 class SavedImage : public testing::TestWithParam<PngForm> {};
 
 TEST_P(SavedImage, IsAPngWithTheSamePixels) {

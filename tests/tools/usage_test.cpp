@@ -17,7 +17,7 @@ class Usage : public Command {};
 
 /// Refused with one line of that text; nothing on stdout and nothing written.
 class RefusedUsage : public Command,
-                     public ::testing::WithParamInterface<std::pair<std::vector<std::string>, const char*>> {};
+                     public ::testing::WithParamInterface<std::pair<std::vector<std::string>, std::string>> {};
 
 TEST_F(Usage, HelpListsEachVerbWithALine) {
   const Outcome outcome = done({"--help"});

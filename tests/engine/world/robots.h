@@ -167,6 +167,10 @@ void expect_near(const A& actual, const B& expected, double tolerance) {
   for (Eigen::Index i = 0; i < expected.size(); ++i) EXPECT_NEAR(actual[i], expected[i], tolerance) << "element " << i;
 }
 
+inline void PrintTo(SolverSettings::Method method, std::ostream* stream) {
+  *stream << (method == SolverSettings::Method::quick ? "quick" : "exact");
+}
+
 /// Tests that hold for both solvers.
 class EachSolver : public ::testing::TestWithParam<SolverSettings::Method> {
  protected:
