@@ -7,6 +7,7 @@ rehearse_add_library(model
   src/diagnostic.cpp
   src/model.cpp
   src/pinhole.cpp
+  src/rigid_groups.cpp
   src/urdf.cpp
   src/urdf_devices.cpp
   src/urdf_dynamics.cpp
@@ -14,9 +15,11 @@ rehearse_add_library(model
   src/urdf_joints.cpp
   src/urdf_links.cpp
   src/urdf_materials.cpp
+  src/urdf_mimics.cpp
   src/urdf_referee.cpp
   src/urdf_schema.cpp
   src/urdf_text.cpp
+  src/urdf_tracks.cpp
   src/urdf_tree.cpp
   src/urdf_values.cpp)
 target_include_directories(rehearse_model PUBLIC

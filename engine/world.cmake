@@ -2,6 +2,7 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(ODE REQUIRED IMPORTED_TARGET ode)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 
-rehearse_add_library(world src/world.cpp src/ode_body.cpp src/contacts.cpp src/ode_runtime.cpp)
+rehearse_add_library(world src/world.cpp src/simulated_body.cpp src/ode_body.cpp src/ode_joint.cpp
+  src/kinematic_body.cpp src/contacts.cpp src/ode_runtime.cpp)
 target_link_libraries(rehearse_world PUBLIC Rehearse::model PRIVATE PkgConfig::ODE)
 target_include_directories(rehearse_world PRIVATE ${XXHASH_INCLUDE_DIR})

@@ -7,6 +7,7 @@ rehearse_add_library(harness
   src/cnoid_body.cpp
   src/controller_host.cpp
   src/controller_io.cpp
+  src/usable_outputs.cpp
   src/controller_library.cpp
   src/divergence.cpp
   src/guarded_call.cpp

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ode_math.h"
+
 namespace rehearse {
 namespace {
 
@@ -21,11 +23,11 @@ struct BodyBounds {
   Bounds all{{dInfinity, -dInfinity, dInfinity, -dInfinity, dInfinity, -dInfinity}};
 };
 
-BodyBounds bounds_of(const OdeBody& body) {
+BodyBounds bounds_of(const SimulatedBody& body) {
   BodyBounds bounds;
-  bounds.shapes.resize(body.geoms().size());
+  bounds.shapes.resize(body.shapes().size());
   for (std::size_t i = 0; i < bounds.shapes.size(); ++i) {
-    dGeomGetAABB(body.geoms()[i], bounds.shapes[i].box);
+    dGeomGetAABB(body.shapes()[i].geom, bounds.shapes[i].box);
     for (int axis = 0; axis < 6; axis += 2) {
       bounds.all.box[axis] = std::min(bounds.all.box[axis], bounds.shapes[i].box[axis]);
       bounds.all.box[axis + 1] = std::max(bounds.all.box[axis + 1], bounds.shapes[i].box[axis + 1]);
@@ -34,24 +36,59 @@ BodyBounds bounds_of(const OdeBody& body) {
   return bounds;
 }
 
-void collide(dWorldID world, dJointGroupID group, dGeomID a, dGeomID b, const SolverSettings& settings,
+/// A shape and the body it is of.
+struct Side {
+  const SimulatedBody& body;
+  const BodyShape& shape;
+  dBodyID ode = dGeomGetBody(shape.geom);
+
+  /// Whether forces move it.
+  bool yields() const { return ode && !dBodyIsKinematic(ode); }
+  bool has_belt() const { return shape.belt >= 0; }
+};
+
+/// The contact's friction works along the belt, and towards the belt's speed. ODE's normal points into the first shape;
+/// a surface runs with the speed of a wheel about its axis: axis x outward normal.
+void run_belts(const Side& a, const Side& b, dContact& contact) {
+  const Eigen::Vector3d normal = vector(contact.geom.normal);
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  Eigen::Vector3d wanted = Eigen::Vector3d::Zero();  // velocity of a relative to b
+  for (const Side* side : {&b, &a}) {
+    if (!side->has_belt()) continue;
+    const Belt belt = side->body.belt(side->shape.belt);
+    const Eigen::Vector3d direction = belt.axis.cross(normal);
+    constexpr double least_sine = 1e-3;  // a belt's flank has no direction
+    if (direction.norm() < least_sine) continue;
+    along = direction.normalized();
+    // -(axis x outward) of a, whose outward normal is -normal, and axis x outward of b: the same direction
+    wanted += belt.speed * along;
+  }
+  if (along.isZero(0.0)) return;
+  contact.surface.mode |= dContactFDir1 | dContactMotion1 | dContactMotion2;
+  std::copy(along.data(), along.data() + 3, contact.fdir1);
+  // without a first body ODE takes the second for the first, turns the normal and with it the second direction, not
+  // fdir1
+  contact.surface.motion1 = a.ode ? wanted.dot(along) : -wanted.dot(along);
+  contact.surface.motion2 = wanted.dot(normal.cross(along));
+}
+
+void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const SolverSettings& settings,
              std::vector<dContactGeom>& found) {
-  const dBodyID body_a = dGeomGetBody(a);
-  const dBodyID body_b = dGeomGetBody(b);
-  if (!body_a && !body_b) return;
-  const int count = dCollide(a, b, settings.max_contacts, found.data(), sizeof(dContactGeom));
+  if (!a.yields() && !b.yields()) return;
+  const int count = dCollide(a.shape.geom, b.shape.geom, settings.max_contacts, found.data(), sizeof(dContactGeom));
   for (int i = 0; i < count; ++i) {
     dContact contact{};
     contact.surface.mode = dContactApprox1;
     contact.surface.mu = settings.friction;
     contact.geom = found[i];
-    dJointAttach(dJointCreateContact(world, group, &contact), body_a, body_b);
+    if (a.has_belt() || b.has_belt()) run_belts(a, b, contact);
+    dJointAttach(dJointCreateContact(world, group, &contact), a.ode, b.ode);
   }
 }
 
 }  // namespace
 
-void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<OdeBody>>& bodies,
+void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
                   const SolverSettings& settings) {
   std::vector<BodyBounds> bounds;
   bounds.reserve(bodies.size());
@@ -64,7 +101,8 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
         if (!overlap(bounds[i].shapes[a], bounds[j].all)) continue;
         for (std::size_t b = 0; b < bounds[j].shapes.size(); ++b)
           if (overlap(bounds[i].shapes[a], bounds[j].shapes[b]))
-            collide(world, group, bodies[i]->geoms()[a], bodies[j]->geoms()[b], settings, found);
+            collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[j], bodies[j]->shapes()[b]}, settings,
+                    found);
       }
     }
   }

@@ -7,14 +7,14 @@
 #include <memory>
 #include <vector>
 
-#include "ode_body.h"
+#include "simulated_body.h"
 
 namespace rehearse {
 
 /// Finds the contacts of the bodies where they are now and adds a contact joint for each to `group`.
 /// Pairs are visited body by body and shape by shape in the order they were made; ODE's spaces would visit them in the
 /// order in which shapes last moved, and the solver's result depends on the order of its rows.
-void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<OdeBody>>& bodies,
+void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
                   const SolverSettings& settings);
 
 }  // namespace rehearse

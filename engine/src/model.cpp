@@ -56,6 +56,10 @@ bool is_movable(JointType type) {
   return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
 }
 
+bool has_id(JointType type) { return is_movable(type) || type == JointType::track; }
+
+bool is_linear(JointType type) { return type == JointType::prismatic || type == JointType::track; }
+
 std::string_view type_name(JointType type) {
   switch (type) {
     case JointType::free: return "free";
@@ -63,6 +67,7 @@ std::string_view type_name(JointType type) {
     case JointType::revolute: return "revolute";
     case JointType::continuous: return "continuous";
     case JointType::prismatic: return "prismatic";
+    case JointType::track: return "track";
   }
   REHEARSE_ASSERT(false, "a JointType outside its enumeration");
 }

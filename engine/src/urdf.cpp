@@ -29,6 +29,7 @@ urdf::Draft read_draft(XMLElement& robot, Findings& findings) {
   draft.name = urdf::read_name(robot, "name", findings).value_or("");
   urdf::prune_to_schema(robot, findings);
   draft.devices = urdf::read_devices(robot, findings);
+  draft.tracks = urdf::read_tracks(robot, findings);
   const urdf::Materials materials(robot, findings);
   for (auto* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
     auto read = urdf::read_link(*link, materials, findings);

@@ -194,7 +194,7 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
   std::vector<DeviceDraft> devices;
   for (const auto* block = robot.FirstChildElement("gazebo"); block != nullptr;
        block = block->NextSiblingElement("gazebo")) {
-    report_ignored(*block, {"sensor"}, findings);
+    report_ignored(*block, {"sensor", "pseudo_continuous_track"}, findings);
     for (const auto* sensor = block->FirstChildElement("sensor"); sensor != nullptr;
          sensor = sensor->NextSiblingElement("sensor")) {
       if (auto draft = read_sensor(*sensor, block->Attribute("reference"), findings))

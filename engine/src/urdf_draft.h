@@ -22,10 +22,19 @@ struct LinkDraft {
   bool has_broken_inertial = false;  // it has one, but it couldn't be read
 };
 
+/// What <mimic> says, with the leader's name as written.
+struct MimicDraft {
+  std::string leader;
+  double multiplier = 1.0;
+  double offset = 0.0;  // [rad] or [m]
+  int line = 0;
+};
+
 struct JointDraft {
-  Joint joint;  // all but the id; a floating one is free
+  Joint joint;  // all but the id and the mimic; a floating one is free, a track still continuous
   std::string parent;
   std::string child;
+  std::optional<MimicDraft> mimic;
 };
 
 struct DeviceDraft {
@@ -34,11 +43,18 @@ struct DeviceDraft {
   bool prefers_joint = false;
 };
 
+/// A <pseudo_continuous_track> of a <gazebo> block.
+struct TrackDraft {
+  std::string reference;  // a joint, or a link, which stands for the joint above it
+  int line = 0;
+};
+
 struct Draft {
   std::string name;
   std::vector<LinkDraft> links;      // in document order
   std::vector<JointDraft> joints;    // in document order
   std::vector<DeviceDraft> devices;  // in document order
+  std::vector<TrackDraft> tracks;    // in document order
   bool is_complete = true;           // no link or joint had to be left out
 };
 
@@ -56,12 +72,19 @@ std::optional<JointDraft> read_joint(tinyxml2::XMLElement& element, Findings& fi
 /// The sensors of all <gazebo> blocks.
 std::vector<DeviceDraft> read_devices(const tinyxml2::XMLElement& robot, Findings& findings);
 
+/// The tracks of all <gazebo> blocks.
+std::vector<TrackDraft> read_tracks(const tinyxml2::XMLElement& robot, Findings& findings);
+
 /// An undeclared "world" as parent is added to the draft and to the document: a repair.
 void declare_world(tinyxml2::XMLElement& robot, Draft& draft, Findings& findings);
 
 /// Joins links, joints and devices into a tree: depth-first links, joint ids, the root's joint. Null, with an error for
 /// each reason, if they don't form one.
 std::optional<Model> join(const Draft& draft, Findings& findings);
+
+/// Sets Joint::mimic of the joints that follow another one, chains resolved. An error for a leader that isn't there or
+/// doesn't move, and for joints that follow each other in a circle.
+void resolve_mimics(const Draft& draft, Model& model, Findings& findings);
 
 /// What physics can't take: a moving link without mass or with an inertia that isn't positive definite, and warnings
 /// about the improbable.

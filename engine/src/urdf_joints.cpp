@@ -140,13 +140,24 @@ void read_dynamics(XMLElement& element, Joint& joint, Findings& findings) {
   if (dynamics->FirstAttribute() == nullptr) element.DeleteChild(dynamics);
 }
 
-void read_mimic(XMLElement& element, const Joint& joint, Findings& findings) {
+std::optional<MimicDraft> read_mimic(XMLElement& element, const Joint& joint, Findings& findings) {
   XMLElement* mimic = element.FirstChildElement("mimic");
-  if (mimic == nullptr) return;
-  findings.warning(mimic->GetLineNum(), fmt::format("joint {} doesn't follow the joint it should mimic: this version "
-                                                    "lets it move on its own",
-                                                    in_quotes(joint.name)));
-  element.DeleteChild(mimic);
+  if (mimic == nullptr) return std::nullopt;
+  if (!is_movable(joint.type)) {
+    findings.ignored(mimic->GetLineNum(), "the <mimic> of a joint that doesn't move");
+    element.DeleteChild(mimic);
+    return std::nullopt;
+  }
+  MimicDraft draft;
+  draft.line = mimic->GetLineNum();
+  const auto leader = read_name(*mimic, "joint", findings);
+  const auto multiplier = read_number_or(*mimic, "multiplier", 1.0, findings);
+  const auto offset = read_number_or(*mimic, "offset", 0.0, findings);
+  if (!leader || !multiplier || !offset) return std::nullopt;
+  draft.leader = *leader;
+  draft.multiplier = *multiplier;
+  draft.offset = *offset;
+  return draft;
 }
 
 }  // namespace
@@ -166,7 +177,7 @@ std::optional<JointDraft> read_joint(XMLElement& element, Findings& findings) {
     read_axis(element, joint, findings);
     read_limit(element, joint, findings);
     read_dynamics(element, joint, findings);
-    read_mimic(element, joint, findings);
+    draft.mimic = read_mimic(element, joint, findings);
   }
   if (!name || !type || !parent || !child) return std::nullopt;
   draft.parent = *parent;

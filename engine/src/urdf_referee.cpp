@@ -134,6 +134,7 @@ int type_code(JointType type) {
     case JointType::free: return ::urdf::Joint::FLOATING;
     case JointType::fixed: return ::urdf::Joint::FIXED;
     case JointType::revolute: return ::urdf::Joint::REVOLUTE;
+    case JointType::track:
     case JointType::continuous: return ::urdf::Joint::CONTINUOUS;
     case JointType::prismatic: return ::urdf::Joint::PRISMATIC;
   }
@@ -152,6 +153,11 @@ bool same_limits(const Joint& ours, const ::urdf::Joint& theirs) {
   if (ours.type == JointType::continuous) return true;  // each has its own idea of a range that means nothing
   return theirs.limits != nullptr && std::max(ours.lower, -greatest) == theirs.limits->lower &&
          std::min(ours.upper, greatest) == theirs.limits->upper;
+}
+
+bool same_mimic(const std::optional<MimicDraft>& ours, const ::urdf::JointMimicSharedPtr& theirs) {
+  if (!ours || theirs == nullptr) return !ours && theirs == nullptr;
+  return ours->leader == theirs->joint_name && ours->multiplier == theirs->multiplier && ours->offset == theirs->offset;
 }
 
 void compare_joints(const Draft& draft, const ::urdf::ModelInterface& robot, Findings& findings) {
@@ -174,6 +180,8 @@ void compare_joints(const Draft& draft, const ::urdf::ModelInterface& robot, Fin
       what = "its axis";
     } else if (is_movable(ours.type) && !same_limits(ours, *theirs)) {
       what = "its limits";
+    } else if (!same_mimic(draft_joint.mimic, theirs->mimic)) {
+      what = "its <mimic>";
     } else {
       continue;
     }

@@ -136,11 +136,11 @@ int skip_floating(const Draft& draft, const Graph& graph, int root, Findings& fi
   return base;
 }
 
-/// By joint of the draft: its id, -1 for those that don't move.
+/// By joint of the draft: its id, -1 for those that have none.
 std::vector<int> number_joints(const Draft& draft) {
   std::vector<int> ids;
   int next = 0;
-  for (const JointDraft& joint : draft.joints) ids.push_back(is_movable(joint.joint.type) ? next++ : -1);
+  for (const JointDraft& joint : draft.joints) ids.push_back(has_id(joint.joint.type) ? next++ : -1);
   return ids;
 }
 
@@ -207,6 +207,25 @@ void add_devices(const Draft& draft, Model& model, Findings& findings) {
                    [](const Device& a, const Device& b) { return a.link < b.link; });
 }
 
+void set_tracks(const Draft& draft, Model& model, Findings& findings) {
+  for (const TrackDraft& track : draft.tracks) {
+    const int link = model.find_joint(track.reference);
+    if (link < 1) {
+      findings.error(track.line, fmt::format("a track on {}, which is neither a joint nor a link below one",
+                                             in_quotes(track.reference)));
+      continue;
+    }
+    Joint& joint = model.links[index(link)].joint;
+    if (joint.type != JointType::continuous) {
+      findings.error(track.line,
+                     fmt::format("joint {} can't be a track: it is {}", in_quotes(joint.name), type_name(joint.type)),
+                     "a continuous joint, whose axis is that of the track's wheels");
+      continue;
+    }
+    joint.type = JointType::track;
+  }
+}
+
 }  // namespace
 
 std::optional<Model> join(const Draft& draft, Findings& findings) {
@@ -228,6 +247,8 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
   model.name = draft.name;
   add_links(draft, graph, skip_floating(draft, graph, root, findings), model);
   add_devices(draft, model, findings);
+  set_tracks(draft, model, findings);
+  resolve_mimics(draft, model, findings);
   return model;
 }
 

@@ -8,16 +8,48 @@
 #include <xxhash.h>
 
 #include "contacts.h"
+#include "kinematic_body.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
 
 namespace rehearse {
+namespace {
+
+class Saver final : public StateVisitor {
+ public:
+  explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) {}
+  using StateVisitor::visit;
+  void visit(void* data, std::size_t size) override {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + size);
+    if (size > 0) std::memcpy(bytes_.data() + at, data, size);
+  }
+
+ private:
+  std::vector<std::byte>& bytes_;
+};
+
+class Restorer final : public StateVisitor {
+ public:
+  explicit Restorer(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  using StateVisitor::visit;
+  void visit(void* data, std::size_t size) override {
+    if (size > 0) std::memcpy(data, bytes_.data(), size);
+    bytes_ = bytes_.subspan(size);
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+}  // namespace
+
 struct World::Impl {
   WorldSettings settings;
   dWorldID world = nullptr;
   std::unique_ptr<OwnJobs> jobs;  // destroyed after the world
   dJointGroupID contacts = nullptr;
-  std::vector<std::unique_ptr<OdeBody>> bodies;
+  std::vector<std::unique_ptr<SimulatedBody>> bodies;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
   bool exploded = false;  // ODE broke off a step
@@ -38,20 +70,15 @@ struct World::Impl {
   void create_world();
   void apply_command();
 
-  template <class Visit>
-  void visit_state(Visit&& visit) {
-    visit(&tick, sizeof tick);
-    visit(&random, sizeof random);
-    for (auto& body : bodies) body->visit_state(visit);
+  void visit_state(StateVisitor& visitor) {
+    visitor.visit(&tick, sizeof tick);
+    visitor.visit(&random, sizeof random);
+    for (auto& body : bodies) body->visit_state(visitor);
   }
   void save_to(std::vector<std::byte>& bytes) {
     bytes.clear();
-    visit_state([&bytes](const void* data, std::size_t size) {
-      if (size == 0) return;
-      const std::size_t at = bytes.size();
-      bytes.resize(at + size);
-      std::memcpy(bytes.data() + at, data, size);
-    });
+    Saver saver(bytes);
+    visit_state(saver);
   }
 };
 
@@ -81,7 +108,7 @@ void World::Impl::create_world() {
 Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std::vector<WorldBody> bodies) {
   Diagnostics findings;
   for (const WorldBody& body : bodies) {
-    const Diagnostics of_body = OdeBody::check(body);
+    const Diagnostics of_body = check_dynamics(body);
     findings.insert(findings.end(), of_body.begin(), of_body.end());
   }
   if (!findings.empty()) return findings;
@@ -98,7 +125,10 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
     none.external.resize(body.model->links.size());
     none.devices.resize(body.model->devices.size());
     impl.command.bodies.push_back(std::move(none));
-    impl.bodies.push_back(std::make_unique<OdeBody>(impl.world, std::move(body), settings.time_step));
+    if (body.kinematic)
+      impl.bodies.push_back(std::make_unique<KinematicBody>(impl.world, std::move(body), settings.time_step));
+    else
+      impl.bodies.push_back(std::make_unique<OdeBody>(impl.world, std::move(body), settings.time_step));
   }
   return world;
 }
@@ -122,7 +152,7 @@ void World::actuate(const Command& command) {
 
 void World::push(int body, int link, const Eigen::Vector3d& force, const Eigen::Vector3d& point,
                  const Eigen::Vector3d& torque) {
-  OdeBody& pushed = *impl_->bodies.at(body);
+  SimulatedBody& pushed = *impl_->bodies.at(body);
   pushed.add_wrench(link, force, torque + pushed.link_point(link, point).cross(force));
 }
 
@@ -173,16 +203,12 @@ std::vector<std::byte> World::save() const {
 }
 
 Result<void> World::restore(std::span<const std::byte> state) {
-  std::size_t size = 0;
-  impl_->visit_state([&size](const void*, std::size_t piece) { size += piece; });
-  if (state.size() != size)
+  impl_->save_to(impl_->scratch);
+  if (state.size() != impl_->scratch.size())
     return error("the state has " + std::to_string(state.size()) + " bytes, but this world's has " +
-                 std::to_string(size) + ": it is of another robot or version");
-  std::size_t at = 0;
-  impl_->visit_state([&](void* data, std::size_t piece) {
-    if (piece > 0) std::memcpy(data, state.data() + at, piece);
-    at += piece;
-  });
+                 std::to_string(impl_->scratch.size()) + ": it is of another robot or version");
+  Restorer restorer(state);
+  impl_->visit_state(restorer);
   for (auto& body : impl_->bodies) body->after_restore();
   impl_->observed = false;
   return {};

@@ -26,6 +26,7 @@ cnoid::Link::JointType joint_type(const Joint& joint, bool fixed_root) {
     case JointType::revolute:
     case JointType::continuous: return cnoid::Link::RevoluteJoint;
     case JointType::prismatic: return cnoid::Link::PrismaticJoint;
+    case JointType::track: return cnoid::Link::PseudoContinuousTrackJoint;
   }
   return cnoid::Link::FixedJoint;
 }

@@ -9,6 +9,7 @@
 #include "cnoid_body.h"
 #include "guarded_call.h"
 #include "hashing.h"
+#include "usable_outputs.h"
 
 namespace rehearse {
 namespace {
@@ -26,7 +27,7 @@ std::uint8_t drive_of(int mode) {
   std::uint8_t drive = drive_none;
   if (mode & CnoidLink::JointEffort) drive |= drive_effort;
   if (mode & CnoidLink::JointDisplacement) drive |= drive_displacement;
-  if (mode & CnoidLink::JointVelocity) drive |= drive_velocity;
+  if (mode & (CnoidLink::JointVelocity | CnoidLink::DeprecatedJointSurfaceVelocity)) drive |= drive_velocity;
   return drive;
 }
 
@@ -194,9 +195,8 @@ void ControllerHost::configure(HostedController& hosted) {
 
 void ControllerHost::initialize(HostedController& hosted, const Observation& initial) {
   const ScenarioBody& body = scenario_->bodies[hosted.body];
-  hosted.io_body = hosted.parent >= 0
-                       ? controllers_[hosted.parent].io_body
-                       : std::make_shared<IoBody>(body.model, body.name, body.fixed, initial.bodies[hosted.body]);
+  hosted.io_body = hosted.parent >= 0 ? controllers_[hosted.parent].io_body
+                                      : std::make_shared<IoBody>(body, initial.bodies[hosted.body]);
   hosted.io->attach(*hosted.io_body);
   if (!hosted.configured) return;
   bool accepted = false;
@@ -222,15 +222,29 @@ Command ControllerHost::initialize(const Observation& initial) {
     if (!hosted.running) continue;
     for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
     hosted.reported.assign(hosted.io->outputs().size, false);
-    set_drives(hosted, command);
   }
+  for (std::size_t i = 0; i < controllers_.size(); ++i)
+    if (controllers_[i].running) set_drives(i, command);
   return command;
 }
 
-void ControllerHost::set_drives(const HostedController& hosted, Command& command) {
-  for (const IoField& field : hosted.io->outputs().fields)
-    if (field.quantity <= Quantity::u)
-      command.bodies[hosted.body].joints[field.joint].drive = drive_of(hosted.io->mode_of(field.link));
+/// A joint is driven as the last controller that commands it says.
+void ControllerHost::set_drives(std::size_t index, Command& command) {
+  const HostedController& hosted = controllers_[index];
+  for (const IoField& field : hosted.io->outputs().fields) {
+    if (field.quantity > Quantity::u) continue;
+    const int mode = hosted.io->mode_of(field.link);
+    command.bodies[hosted.body].joints[field.joint].drive = drive_of(mode);
+    for (std::size_t other = 0; other < index; ++other) {
+      const HostedController& before = controllers_[other];
+      if (!before.running || before.body != hosted.body || before.io->mode_of(field.link) == mode) continue;
+      if (!before.io->commands_joint(field.joint)) continue;
+      event(Severity::warning, hosted.label,
+            fmt::format("commands joint '{}' by {}, which '{}' commands by {}: it is driven as '{}' says",
+                        scenario_->bodies[hosted.body].model->links[field.link].joint.name, joint_mode_names(mode),
+                        before.label, joint_mode_names(before.io->mode_of(field.link)), hosted.label));
+    }
+  }
 }
 
 void ControllerHost::start() {
@@ -295,6 +309,10 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
       case Quantity::q: body.joints[field.joint].q = *value; break;
       case Quantity::dq: body.joints[field.joint].dq = *value; break;
       case Quantity::u: body.joints[field.joint].u = *value; break;
+      case Quantity::pose:
+        if (field.link == 0)
+          body.root = LinkPlace{{value[0], value[1], value[2]}, {value[6], value[3], value[4], value[5]}};
+        break;
       case Quantity::wrench:
         body.external[field.link].force += Eigen::Vector3d(value[0], value[1], value[2]);
         body.external[field.link].torque += Eigen::Vector3d(value[3], value[4], value[5]);

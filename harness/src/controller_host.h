@@ -87,7 +87,7 @@ class ControllerHost {
   void collect_messages(HostedController& hosted);
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);
-  void set_drives(const HostedController& hosted, Command& command);
+  void set_drives(std::size_t index, Command& command);
   void apply(HostedController& hosted, Command& command);
 
   const Scenario* scenario_ = nullptr;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "cnoid_body.h"
+#include "usable_outputs.h"
 
 namespace rehearse {
 namespace {
@@ -17,12 +18,13 @@ constexpr int joint_modes = CnoidLink::JointDisplacement | CnoidLink::JointVeloc
 /// The quantities that a link's state flags stand for, in the order of Quantity. A link without a joint id has no joint
 /// quantities.
 struct FlagQuantity {
-  int flag;
+  int input_flag;
   Quantity quantity;
+  int output_flags = input_flag;
 };
 constexpr FlagQuantity flag_quantities[] = {
     {CnoidLink::JointDisplacement, Quantity::q},
-    {CnoidLink::JointVelocity, Quantity::dq},
+    {CnoidLink::JointVelocity, Quantity::dq, CnoidLink::JointVelocity | CnoidLink::DeprecatedJointSurfaceVelocity},
     {CnoidLink::JointAcceleration, Quantity::ddq},
     {CnoidLink::JointEffort, Quantity::u},
     {CnoidLink::LinkPosition, Quantity::pose},
@@ -209,33 +211,33 @@ std::vector<std::string> ControllerIo::freeze() {
   frozen_ = true;
   for (int i = 0; i < body_->numLinks(); ++i) {
     const CnoidLink& link = *body_->link(i);
-    if (output_on_[i]) output_modes_[i] = link.actuationMode();
+    if (output_on_[i]) {
+      output_modes_[i] = link.actuationMode();
+      for (std::string& finding : useless_outputs(io_body_->description(), i, output_modes_[i]))
+        findings.push_back(std::move(finding));
+    }
     for (const FlagQuantity& known : flag_quantities) {
       const bool of_joint = known.quantity <= Quantity::u;
       const int joint = link.jointId();
-      if (input_flags_[i] & known.flag) {
+      if (input_flags_[i] & known.input_flag) {
         if (of_joint && joint < 0)
           findings.push_back(fmt::format("link '{}' has no joint to read", link.name()));
         else
           inputs_.add(i, joint, known.quantity);
       }
-      if (output_modes_[i] & known.flag) {
-        if (of_joint && joint < 0)
-          findings.push_back(fmt::format("link '{}' has no joint to command", link.name()));
-        else
-          outputs_.add(i, joint, known.quantity);
-      }
+      if ((output_modes_[i] & known.output_flags) && !(of_joint && joint < 0)) outputs_.add(i, joint, known.quantity);
     }
     if (input_flags_[i] & CnoidLink::LinkContactState)
       findings.push_back(fmt::format("the contact points of link '{}' are not provided; they stay empty", link.name()));
-    constexpr int moves_link = CnoidLink::LinkPosition | CnoidLink::LinkTwist | CnoidLink::LinkAcceleration;
-    if (output_modes_[i] & moves_link)
-      findings.push_back(
-          fmt::format("link '{}' can't be moved by command: it is simulated by its dynamics", link.name()));
   }
   input_values_.assign(inputs_.size, 0.0);
   output_values_.assign(outputs_.size, 0.0);
   return findings;
+}
+
+bool ControllerIo::commands_joint(int joint) const {
+  return std::any_of(outputs_.fields.begin(), outputs_.fields.end(),
+                     [joint](const IoField& field) { return field.quantity <= Quantity::u && field.joint == joint; });
 }
 
 void ControllerIo::input(const BodyObservation& seen) {

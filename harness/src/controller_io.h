@@ -66,6 +66,8 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   const IoLayout& outputs() const { return outputs_; }
   /// The link's actuation mode at the end of initialize(), StateFlags, for a field of outputs().
   int mode_of(int link) const { return output_modes_[link]; }
+  /// Whether outputs() has a field of that joint.
+  bool commands_joint(int joint) const;
   const std::vector<int>& input_devices() const { return input_devices_; }
 
   /// Observation -> input_values() -> the controller's body.

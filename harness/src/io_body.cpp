@@ -4,11 +4,11 @@
 
 namespace rehearse {
 
-IoBody::IoBody(std::shared_ptr<const Model> model, const std::string& name, bool fixed, const BodyObservation& initial)
-    : model_(std::move(model)),
-      body_(make_cnoid_body(*model_, name, fixed)),
-      enabled_(model_->devices.size(), false),
-      notified_(model_->devices.size(), false) {
+IoBody::IoBody(const ScenarioBody& description, const BodyObservation& initial)
+    : description_(description),
+      body_(make_cnoid_body(model(), description.name, description.fixed)),
+      enabled_(model().devices.size(), false),
+      notified_(model().devices.size(), false) {
   set_initial_state(*body_, initial);
   for (int i = 0; i < body_->numDevices(); ++i) {
     connections_.emplace_back(body_->device(i)->sigStateChanged().connect([this, i] {
@@ -22,7 +22,7 @@ void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
   for (std::size_t i = 0; i < enabled_.size(); ++i) {
     if (!enabled_[i] || !seen.devices[i].fresh) continue;
     cnoid::Device& device = *body_->device(static_cast<int>(i));
-    feed_device(device, model_->devices[i], seen.devices[i], delivered_at);
+    feed_device(device, model().devices[i], seen.devices[i], delivered_at);
     connections_[i].block();  // what comes in is not sent out again
     device.notifyStateChange();
     connections_[i].unblock();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/io.h>
-#include <rehearse/model.h>
+#include <rehearse/scenario.h>
 #include <cnoid/Body>
 
 #include <cstdint>
@@ -22,12 +22,13 @@ struct DeviceOutput {
 class IoBody {
  public:
   /// At rest in the state of `initial`.
-  IoBody(std::shared_ptr<const Model> model, const std::string& name, bool fixed, const BodyObservation& initial);
+  IoBody(const ScenarioBody& description, const BodyObservation& initial);
   IoBody(const IoBody&) = delete;
   IoBody& operator=(const IoBody&) = delete;
 
   cnoid::Body& body() { return *body_; }
-  const Model& model() const { return *model_; }
+  const ScenarioBody& description() const { return description_; }
+  const Model& model() const { return *description_.model; }
 
   /// From now on readings of the device reach the body's copy.
   void enable(const cnoid::Device& device) { enabled_[device.index()] = true; }
@@ -38,7 +39,7 @@ class IoBody {
   std::vector<DeviceOutput> take_device_outputs();
 
  private:
-  std::shared_ptr<const Model> model_;
+  const ScenarioBody& description_;  // the scenario outlives the run
   cnoid::BodyPtr body_;
   std::vector<bool> enabled_;   // by device index
   std::vector<bool> notified_;  // by device index

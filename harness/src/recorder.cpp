@@ -24,8 +24,8 @@ msg::Quaternion quaternion(const double* xyzw) { return {xyzw[0], xyzw[1], xyzw[
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-const char* length_unit(const Joint& joint) { return joint.type == JointType::prismatic ? "m" : "rad"; }
-const char* effort_unit(const Joint& joint) { return joint.type == JointType::prismatic ? "N" : "N·m"; }
+const char* length_unit(const Joint& joint) { return is_linear(joint.type) ? "m" : "rad"; }
+const char* effort_unit(const Joint& joint) { return is_linear(joint.type) ? "N" : "N·m"; }
 
 /// Units of a JointState's elements, and which of them wrap around.
 mcap::StringMap joint_metadata(const Model& model, const std::vector<int>& joints) {

@@ -29,6 +29,7 @@ class BodyReader {
   };
 
   void read_name(const Keys& keys, ScenarioBody& body);
+  void read_dynamics(const YamlNode& node, ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
   void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
   std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file);
@@ -44,14 +45,20 @@ class BodyReader {
 };
 
 void BodyReader::read(const YamlNode& node) {
-  const Keys keys(
-      findings_, node, "a body",
-      {"name", "model", "box", "sphere", "cylinder", "mass", "fixed", "position", "rotation", "joints", "controllers"});
+  const Keys keys(findings_, node, "a body",
+                  {"name", "model", "box", "sphere", "cylinder", "mass", "fixed", "dynamics", "joint_limits",
+                   "effort_limits", "position", "rotation", "joints", "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
   read_name(keys, body);
   keys.flag("fixed", body.fixed);
+  if (const YamlNode* dynamics = keys.find("dynamics")) read_dynamics(*dynamics, body);
+  keys.flag("joint_limits", body.joint_limits);
+  keys.flag("effort_limits", body.effort_limits);
+  if (const YamlNode* limits = keys.find("effort_limits"); limits != nullptr && body.effort_limits && body.kinematic)
+    findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
+                      "a kinematic body takes no efforts");
   read_model(keys, body);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
@@ -77,6 +84,15 @@ void BodyReader::read_name(const Keys& keys, ScenarioBody& body) {
   if (same != scenario_.bodies.end())
     findings_.error(*node, fmt::format("a second body is named '{}'", *name),
                     fmt::format("the first is in line {}; expected a name of its own", same->place.line));
+}
+
+void BodyReader::read_dynamics(const YamlNode& node, ScenarioBody& body) {
+  const bool is_word = node.kind == YamlNode::Kind::scalar;
+  if (is_word && node.text == "kinematic") {
+    body.kinematic = true;
+  } else if (!is_word || node.text != "forward") {
+    expected(findings_, node, "dynamics", "forward (it moves by its dynamics) or kinematic (as it is commanded)");
+  }
 }
 
 void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
@@ -163,13 +179,14 @@ BodyReader::InlineShape BodyReader::read_shape(std::string_view kind, const Yaml
 
 void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlNode& node, ScenarioBody& body) {
   const InlineShape shape = read_shape(kind, node);
-  const YamlNode* mass_node = body.fixed ? keys.find("mass") : keys.require("mass", "its mass [kg], or fixed: true");
+  const bool needs_mass = !body.fixed && !body.kinematic;
+  const YamlNode* mass_node = needs_mass ? keys.require("mass", "its mass [kg], or fixed: true") : keys.find("mass");
   double mass = 0.0;
   if (mass_node != nullptr) {
     const auto read = read_number(findings_, *mass_node, "mass", any_mass);
     if (!read) return;
     mass = *read;
-  } else if (!body.fixed) {
+  } else if (needs_mass) {
     return;
   }
   if (!shape.geometry) return;

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <utility>
+
 namespace rehearse {
 namespace {
 
@@ -14,6 +17,7 @@ class JointReader {
   }
 
   void read(const YamlNode& node);
+  void place_followers();
   void check_limits(const YamlNode& body_node);
 
  private:
@@ -59,6 +63,9 @@ void JointReader::read_by_name(const NamedEntry& entry) {
   } else if (found.id < 0) {
     findings_.error(*entry.key, fmt::format("joint '{}' of {} is fixed", entry.name, body_.name),
                     "only movable joints have a displacement");
+  } else if (found.type == JointType::track) {
+    findings_.error(*entry.key, fmt::format("joint '{}' of {} is a track", entry.name, body_.name),
+                    "a track has a speed, but no displacement");
   } else {
     read_displacement(static_cast<std::size_t>(found.id), *entry.value);
   }
@@ -83,6 +90,21 @@ void JointReader::read_displacement(std::size_t id, const YamlNode& node) {
   if (value) places_[id] = &node;
 }
 
+void JointReader::place_followers() {
+  constexpr double slack = 1e-6;  // [rad] or [m]
+  for (std::size_t id = 0; id < body_.joints.size(); ++id) {
+    const std::optional<Mimic>& mimic = joint(id).mimic;
+    if (!mimic) continue;
+    const double followed = mimic->multiplier * body_.joints[static_cast<std::size_t>(mimic->leader)] + mimic->offset;
+    const double given = std::exchange(body_.joints[id], followed);
+    if (places_[id] == nullptr || std::abs(given - followed) <= slack) continue;
+    findings_.error(*places_[id],
+                    fmt::format("{} can't start at {:.6g}: it follows {}", joint(id).name, given,
+                                joint(static_cast<std::size_t>(mimic->leader)).name),
+                    fmt::format("leave it out, or give it {:.6g}", followed));
+  }
+}
+
 void JointReader::check_limits(const YamlNode& body_node) {
   constexpr double slack = 1e-6;  // [rad] or [m]: -90 deg is not beyond a limit that is written -1.5708
   for (std::size_t id = 0; id < body_.joints.size(); ++id) {
@@ -99,6 +121,7 @@ void JointReader::check_limits(const YamlNode& body_node) {
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body) {
   JointReader reader(findings, body);
   if (node != nullptr) reader.read(*node);
+  reader.place_followers();
   reader.check_limits(body_node);
 }
 

@@ -6,8 +6,12 @@ rehearse_add_test(world_tests LABEL sim
     world/force_sensor_test.cpp
     world/inertial_sensors_test.cpp
     world/joints_test.cpp
+    world/kinematic_test.cpp
+    world/limits_test.cpp
+    world/mimic_test.cpp
     world/rigid_groups_test.cpp
     world/state_test.cpp
+    world/tracks_test.cpp
     world/wrenches_test.cpp
   LIBRARIES Rehearse::world)
 

@@ -13,6 +13,7 @@ endfunction()
 
 rehearse_add_test(session_tests LABEL sim
   SOURCES
+    session/actuation_test.cpp
     session/failures_test.cpp
     session/lifecycle_test.cpp
     session/recording_test.cpp

@@ -25,6 +25,18 @@ struct Settings {
 
 Json limit_json(double limit) { return std::abs(limit) == unlimited ? Json(nullptr) : json_of(limit); }
 
+/// The joint that a joint with a mimic follows.
+const std::string& leader_name(const Model& model, const Mimic& mimic) {
+  return model.links[model.joints[mimic.leader]].joint.name;
+}
+
+Json mimic_json(const Model& model, const Joint& joint) {
+  if (!joint.mimic) return nullptr;
+  return {{"joint", leader_name(model, *joint.mimic)},
+          {"multiplier", joint.mimic->multiplier},
+          {"offset", joint.mimic->offset}};
+}
+
 Json joint_json(const Model& model, const Link& link) {
   const Joint& joint = link.joint;
   return {{"name", joint.name},
@@ -38,6 +50,7 @@ Json joint_json(const Model& model, const Link& link) {
             {"upper", limit_json(joint.upper)},
             {"effort", limit_json(joint.effort)},
             {"velocity", limit_json(joint.velocity)}}},
+          {"mimic", mimic_json(model, joint)},
           {"line", joint.line}};
 }
 
@@ -90,14 +103,19 @@ std::string joint_counts(const Model& model) {
   return text.empty() ? "" : " (" + text + ")";
 }
 
+std::string type_text(const Model& model, const Joint& joint) {
+  if (!joint.mimic) return std::string(type_name(joint.type));
+  return fmt::format("{}, follows {}", type_name(joint.type), leader_name(model, *joint.mimic));
+}
+
 std::string range_text(const Joint& joint) {
   if (joint.lower == -unlimited && joint.upper == unlimited) return "any";
-  return fmt::format("{:.4g} to {:.4g} {}", joint.lower, joint.upper, joint.type == JointType::prismatic ? "m" : "rad");
+  return fmt::format("{:.4g} to {:.4g} {}", joint.lower, joint.upper, is_linear(joint.type) ? "m" : "rad");
 }
 
 std::string effort_text(const Joint& joint) {
   if (joint.effort == unlimited) return "any";
-  return fmt::format("{:.4g} {}", joint.effort, joint.type == JointType::prismatic ? "N" : "N·m");
+  return fmt::format("{:.4g} {}", joint.effort, is_linear(joint.type) ? "N" : "N·m");
 }
 
 void tell(const Model& model) {
@@ -111,7 +129,7 @@ void tell(const Model& model) {
     std::vector<TableRow> rows{{"id", "joint", "type", "moves", "range", "effort"}};
     for (const Link* link : links_by_joint(model))
       rows.push_back({link->joint.id < 0 ? "-" : std::to_string(link->joint.id), link->joint.name,
-                      std::string(type_name(link->joint.type)), link->name,
+                      type_text(model, link->joint), link->name,
                       is_movable(link->joint.type) ? range_text(link->joint) : "-",
                       is_movable(link->joint.type) ? effort_text(link->joint) : "-"});
     print_table(rows);

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace rehearse {
@@ -82,8 +83,15 @@ struct DeviceCommand {
   bool on = true;
 };
 
+/// Where a link's frame is to be, in the world.
+struct LinkPlace {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+
 struct BodyCommand {
   std::vector<JointCommand> joints;    // by joint id
+  std::optional<LinkPlace> root;       // of a kinematic body's root link; none: it stays
   std::vector<Wrench> external;        // by link index
   std::vector<DeviceCommand> devices;  // by device index
 };

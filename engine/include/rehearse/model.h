@@ -51,15 +51,24 @@ struct Inertial {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the link's axes [kg·m²]
 };
 
-enum class JointType { free, fixed, revolute, continuous, prismatic };
+/// A track is a belt around its link (Choreonoid's pseudo continuous track): the link is as firm on its parent as
+/// behind a fixed joint, and its surface runs about the axis, in the sense in which a wheel with that axis would turn.
+enum class JointType { free, fixed, revolute, continuous, prismatic, track };
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+/// Says that a joint follows another one: displacement = multiplier * (the leader's displacement) + offset.
+struct Mimic {
+  int leader = -1;  // id of a joint that follows no other
+  double multiplier = 1.0;
+  double offset = 0.0;  // [rad] or [m]
+};
 
 /// What joins a link to its parent; the root link has one too, free or fixed to the world.
 struct Joint {
   std::string name;  // empty for the root
   JointType type = JointType::free;
-  int id = -1;  // document order among the movable joints of the file; -1 for free and fixed
+  int id = -1;  // document order among the movable joints and tracks of the file; -1 for free and fixed
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // joint frame in the parent link's frame
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit vector in the joint frame
   double lower = -unlimited;                                 // [rad] or [m]
@@ -68,7 +77,8 @@ struct Joint {
   double velocity = unlimited;                               // [rad/s] or [m/s], magnitude
   double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
   double friction = 0.0;                                     // [N·m] or [N]
-  int line = 0;                                              // where the file states it; 0: it doesn't
+  std::optional<Mimic> mimic;
+  int line = 0;  // where the file states it; 0: it doesn't
 };
 
 struct Link {
@@ -109,10 +119,16 @@ struct Device {
   int line = 0;  // where the file states it; 0: it doesn't
 };
 
-/// True if a joint of this type has a displacement, and with it an id.
+/// True if a joint of this type has a displacement.
 bool is_movable(JointType type);
 
-/// "free", "fixed", "revolute", "continuous" or "prismatic".
+/// True if it has an id: it is movable or a track.
+bool has_id(JointType type);
+
+/// True if its displacement, or a track's speed, is in [m] and [m/s] and not in radians.
+bool is_linear(JointType type);
+
+/// "free", "fixed", "revolute", "continuous", "prismatic" or "track".
 std::string_view type_name(JointType type);
 
 /// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera" or "RangeCamera".

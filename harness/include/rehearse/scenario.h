@@ -42,6 +42,9 @@ struct ScenarioBody {
   bool fixed = false;                       // the root link is fixed to the world, by the scenario or by the model
   Eigen::Vector3d position = Eigen::Vector3d::Zero();                // of the root link [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();      // of the root link, unit
+  bool kinematic = false;                   // it moves as it is commanded, without dynamics
+  bool joint_limits = false;                // its joints stop at their limits
+  bool effort_limits = false;               // commanded efforts are clamped to their limits
   std::vector<double> joints;               // initial displacement by joint id [rad] or [m]
   std::vector<ScenarioController> controllers;
   Place place;                              // of its name

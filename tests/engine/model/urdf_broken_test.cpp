@@ -65,6 +65,11 @@ const std::vector<Mistake> errors = {
     {"mass_zero", 9, "link 'arm' moves but has no mass"},
     {"merge_conflict", 4, "a merge conflict is left in the file"},
     {"mesh", 5, "the mesh 'package://arm/meshes/arm.stl' can't be used: this version doesn't read meshes"},
+    {"mimic_of_a_fixed", 12, "joint 'right' mimics 'left', which doesn't move"},
+    {"mimic_of_a_track", 12, "joint 'right' mimics 'left', but 'left' is a track"},
+    {"mimic_of_an_unknown", 12, "joint 'right' mimics 'middle', which is not a joint"},
+    {"mimic_of_itself", 7, "joint 'hinge' mimics itself"},
+    {"mimic_without_joint", 12, "<mimic> has no joint"},
     {"moving_without_mass", 9, "link 'arm' moves but has no mass"},
     {"no_links", 0, "the robot has no links"},
     {"not_xml", 1, "this is not XML: it begins with"},
@@ -92,6 +97,10 @@ const std::vector<Mistake> errors = {
     {"two_parents", 14, "link 'hand' has two parents: joint 'hand_weld' in line 10 and joint 'second_weld'"},
     {"two_robots", 4, "something follows after </robot>"},
     {"two_roots", 4, "3 root links: 'world', 'arm', 'leg'"},
+    {"track_of_a_fixed_joint", 20, "joint 'right' can't be a track: it is fixed"},
+    {"track_of_text", 20, "<pseudo_continuous_track> is 'perhaps'"},
+    {"track_on_nothing", 20, "a track on 'middle', which is neither a joint nor a link below one"},
+    {"track_without_reference", 20, "a track on no joint"},
     {"two_sensors_of_one_id", 6, "sensor 'right' has the id 0 of sensor 'left' in line 5"},
     {"two_sensors_of_one_name", 6, "a second sensor with the name 'gyro', after the one in line 5"},
     {"undefined_link", 4, "joint 'weld' has the child 'arm', which is not a link"},
@@ -99,6 +108,12 @@ const std::vector<Mistake> errors = {
     {"web_page", 1, "a document type isn't allowed here"},
     {"xacro", 3, "this is a xacro file that hasn't been expanded"},
     {"zero_byte", 3, "a zero byte: this is not a text file"},
+};
+
+/// Two errors of one mistake: joints that follow each other.
+const std::vector<Mistake> mimic_circle = {
+    {"mimic_in_a_circle", 7, "joint 'left' mimics itself, by way of 'right'"},
+    {"mimic_in_a_circle", 12, "joint 'right' mimics itself, by way of 'left'"},
 };
 
 /// Loaded with this one repair; refused when strict.
@@ -121,7 +136,6 @@ const std::vector<Mistake> warnings = {
     {"limit_without_range", 7, "joint 'hinge' can't move: its lower and upper limits are both 0"},
     {"mass_of_a_feather", 19, "link 'feather' has 0.0001 kg and another has 1 kg"},
     {"material_unknown", 6, "material 'gold' has no colour anywhere in the file"},
-    {"mimic", 7, "joint 'hinge' doesn't follow the joint it should mimic"},
     {"sphere_of_no_size", 4, "<collision> has a shape of size 0; it is left out"},
 };
 
@@ -154,6 +168,13 @@ TEST(BrokenUrdf, IsRefusedWithTheLineAndTheReason) {
   }
 }
 
+TEST(BrokenUrdf, ACircleOfMimicsIsToldAtEachOfItsJoints) {
+  const Result<Model> result = load_urdf(path_of(mimic_circle[0]));
+  ASSERT_FALSE(result);
+  ASSERT_EQ(result.errors().size(), 2u) << to_string(result.errors());
+  for (std::size_t i = 0; i < 2; ++i) expect_only({result.errors()[i]}, mimic_circle[i]);
+}
+
 TEST(BrokenUrdf, IsRepairedByNameWhereThatIsSafe) {
   for (const Mistake& mistake : repairs) {
     const Result<Model> result = load_urdf(path_of(mistake));
@@ -180,7 +201,7 @@ TEST(BrokenUrdf, IsWarnedOfWhereItCanBeMeant) {
 
 TEST(BrokenUrdf, EveryFileIsInATable) {
   std::set<std::string> known;
-  for (const auto* table : {&errors, &repairs, &warnings}) {
+  for (const auto* table : {&errors, &mimic_circle, &repairs, &warnings}) {
     for (const Mistake& mistake : *table) known.insert(path_of(mistake));
   }
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -114,6 +114,52 @@ TEST(UrdfLoader, AnEffortOrVelocityOfZeroMeansNotGiven) {
   EXPECT_THAT(to_string(model.report), HasSubstr("note: the velocity limit of joint 'hinge' is 0"));
 }
 
+TEST(UrdfLoader, AJointMimicsAnotherWhereverThatStands) {
+  const Model model =
+      load(robot(link("base") + link("right") + link("left") +
+                 joint("R", "prismatic", "base", "right", "<mimic joint='L' multiplier='-2' offset='0.1'/>") +
+                 joint("L", "continuous", "base", "left")));
+  const auto& mimic = model.links[1].joint.mimic;
+  ASSERT_TRUE(mimic.has_value());
+  EXPECT_EQ(mimic->leader, 1);
+  EXPECT_EQ(mimic->multiplier, -2.0);
+  EXPECT_EQ(mimic->offset, 0.1);
+  EXPECT_FALSE(model.links[2].joint.mimic.has_value());
+}
+
+TEST(UrdfLoader, AChainOfMimicsIsResolvedToItsHead) {
+  const Model model = load(robot(link("base") + link("a") + link("b") + link("c") +
+                                 joint("C", "continuous", "base", "c", "<mimic joint='B' multiplier='3' offset='5'/>") +
+                                 joint("B", "continuous", "base", "b", "<mimic joint='A' multiplier='2' offset='7'/>") +
+                                 joint("A", "continuous", "base", "a")));
+  const auto& mimic = model.links[1].joint.mimic;
+  ASSERT_TRUE(mimic.has_value());
+  EXPECT_EQ(mimic->leader, 2);
+  EXPECT_EQ(mimic->multiplier, 6.0);
+  EXPECT_EQ(mimic->offset, 3.0 * 7.0 + 5.0);
+}
+
+TEST(UrdfLoader, AMimicOfAJointThatDoesntMoveIsPassedOver) {
+  const Model model = load(robot(link("base") + link("a") + link("b") + joint("A", "continuous", "base", "a") +
+                                 joint("B", "fixed", "base", "b", "<mimic joint='A'/>")));
+  EXPECT_FALSE(model.links[2].joint.mimic.has_value());
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: the <mimic> of a joint that doesn't move is ignored"));
+}
+
+TEST(UrdfLoader, AContinuousJointCanBeATrack) {
+  for (const char* name : {"belt", "T"}) {  // the link, or its joint
+    const std::string by_name = "<gazebo reference='" + std::string(name) +
+                                "'><pseudo_continuous_track>true</pseudo_continuous_track></gazebo>";
+    const Model model =
+        load(robot(link("base") + link("wheel") + link("belt") + joint("T", "continuous", "base", "belt") +
+                   joint("W", "continuous", "base", "wheel") + by_name));
+    EXPECT_EQ(model.links[1].joint.type, JointType::track);
+    EXPECT_EQ(model.links[1].joint.id, 0);  // it has a number among the joints
+    EXPECT_EQ(model.links[2].joint.id, 1);
+    EXPECT_EQ(model.report.size(), 0u) << to_string(model.report);
+  }
+}
+
 TEST(UrdfLoader, TurnsATensorIntoTheLinksAxes) {
   const Model model =
       load(still("<inertial><origin xyz='1 2 3' rpy='0 0 1.5707963267948966'/><mass value='4'/>"

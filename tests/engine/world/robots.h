@@ -40,7 +40,7 @@ class RobotBuilder {
     Joint& joint = add_link(name, parent, type, inertial);
     joint.origin = origin;
     joint.axis = axis;
-    if (is_movable(type)) {
+    if (has_id(type)) {
       joint.id = static_cast<int>(model_.joints.size());
       model_.joints.push_back(static_cast<int>(model_.links.size()) - 1);
     }

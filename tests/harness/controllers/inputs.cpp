@@ -13,6 +13,9 @@ int flag_of(const std::string& word) {
   if (word == "velocity") return Link::JointVelocity;
   if (word == "position") return Link::LinkPosition;
   if (word == "wrench") return Link::LinkExtWrench;
+  if (word == "twist") return Link::LinkTwist;
+  if (word == "acceleration") return Link::JointAcceleration;
+  if (word == "surface") return Link::DeprecatedJointSurfaceVelocity;
   return Link::StateNone;
 }
 
@@ -153,15 +156,23 @@ class MarkReader : public Pusher {
 };
 const Add<MarkReader> mark_reader("read_mark");
 
-/// own_position: drives the root link by its position, which a dynamic simulation can't.
+/// teleport [LINK]: drives the link, or the root link, by its position: 1 mm further along x in each step.
 class Teleporter : public cnoid::SimpleController {
  public:
-  explicit Teleporter(const Words&) {}
+  explicit Teleporter(const Words& words) : name_(words.empty() ? "" : words[0]) {}
   bool initialize(cnoid::SimpleControllerIO* io) override {
-    io->enableOutput(io->body()->rootLink(), Link::LinkPosition);
+    link_ = name_.empty() ? io->body()->rootLink() : io->body()->link(name_);
+    io->enableOutput(link_, Link::LinkPosition);
     return true;
   }
-  bool control() override { return true; }
+  bool control() override {
+    link_->p().x() += 0.001;
+    return true;
+  }
+
+ private:
+  std::string name_;
+  Link* link_ = nullptr;
 };
 const Add<Teleporter> teleporter("teleport");
 

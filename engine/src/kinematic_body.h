@@ -1,0 +1,47 @@
+// KinematicBody: a body that moves as it is told, without dynamics. Private to the world library.
+//
+// Joint commands (displacement over velocity) and the root's pose say where it is at the end of the coming step; link
+// poses follow by forward kinematics. It pushes others with the velocity that takes it there, and nothing pushes it.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <vector>
+
+#include "simulated_body.h"
+
+namespace rehearse {
+
+class KinematicBody final : public SimulatedBody {
+ public:
+  KinematicBody(dWorldID world, WorldBody description, double time_step);
+
+  void before_step() override {}
+  void drive(const BodyCommand& command) override;
+  void add_wrench(int, const Eigen::Vector3d&, const Eigen::Vector3d&) override {}
+  Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
+  Belt belt(int index) const override;
+  void after_step() override;
+  void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const override;
+  bool finite() const override;
+  void visit_state(StateVisitor& visitor) override;
+  void after_restore() override { place(); }
+
+ private:
+  void create_shapes(dWorldID world);
+  std::vector<Eigen::Isometry3d> poses() const;
+  void place();
+  double wanted_displacement(std::size_t id, const JointCommand& command) const;
+  double kept(const Joint& joint, double displacement) const;
+
+  double time_step_;
+  std::vector<dBodyID> bodies_;  // by link index; null: it has no shapes
+  // state
+  std::vector<JointReading> joints_;  // by joint id
+  std::vector<LinkReading> links_;    // by link index
+  // scratch within a step
+  std::vector<JointReading> next_joints_;
+  std::vector<LinkReading> next_links_;
+};
+
+}  // namespace rehearse

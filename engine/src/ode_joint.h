@@ -1,0 +1,88 @@
+// OdeJoint: one movable joint as ODE simulates it, a hinge or a slider, with its drive, its stops and its losses.
+// Private to the world library.
+#pragma once
+
+#include <ode/ode.h>
+#include <rehearse/io.h>
+#include <rehearse/model.h>
+
+#include <Eigen/Geometry>
+#include <memory>
+
+#include "simulated_body.h"
+
+namespace rehearse {
+
+/// One end of a joint; body null: the world.
+struct JointEnd {
+  dBodyID body = nullptr;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of mass, in the link's frame [m]
+};
+
+/// Which of its limits a joint keeps.
+struct KeptLimits {
+  bool displacement = false;  // stops at lower and upper
+  bool effort = false;        // commanded efforts are clamped
+};
+
+class OdeJoint {
+ public:
+  /// `joint` must outlive this. `frame`: the child link's pose at displacement 0, where the two bodies are now.
+  OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dBodyID parent, const Eigen::Isometry3d& frame,
+           KeptLimits kept);
+  OdeJoint(OdeJoint&&) = default;
+
+  const Joint& joint() const { return joint_; }
+  double displacement() const;  // [rad] or [m]; unwrapped
+  double rate() const;          // [rad/s] or [m/s]
+  JointReading reading() const { return {displacement(), rate(), acceleration_, effort_}; }
+
+  /// ODE's angle is wrapped: `displacement`, where the bodies have just been put, says how often.
+  void count_turns(double displacement);
+  void before_step() { previous_rate_ = rate(); }
+  /// Sets motor and force for the coming step.
+  void drive(const JointCommand& command, double time_step);
+  /// The same for a joint that follows `leader`: it is driven to where the leader's motion takes it in the step.
+  void follow(const OdeJoint& leader, double time_step);
+  void after_step(double time_step);
+
+  /// From now on child_wrench() tells.
+  void measure_wrench();
+  /// What the joint did to its child in the last step; the torque is about the child's centre of mass. World axes.
+  Wrench child_wrench() const;
+
+  // The parts of the state, in groups, because a body saves all of its joints' turns, then all efforts...
+  void visit_turns(StateVisitor& visitor);
+  void visit_effort(StateVisitor& visitor) { visitor.visit(effort_); }
+  void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
+
+ private:
+  void set(int parameter, double value);
+  void set_stops();
+  void set_motor(double velocity, double limit);
+  void drive_to(double displacement, double rate, double time_step);
+  void apply_effort();
+  double damping_effort() const;
+  double motor_effort() const;
+  Eigen::Vector3d world_axis() const;
+
+  const Joint& joint_;
+  JointEnd child_;
+  KeptLimits kept_;
+  bool revolute_;
+  bool far_stops_ = false;  // beyond half a turn, so that they move with the turns
+  dJointID ode_ = nullptr;  // destroyed with its world
+  std::unique_ptr<dJointFeedback> feedback_;
+  // state
+  int turns_ = 0;              // whole turns on top of ODE's angle, which lies in [-pi, pi]
+  double wrapped_ = 0.0;       // ODE's angle after the last step [rad]
+  double effort_ = 0.0;        // of the actuator in the last step [N·m] or [N]
+  double acceleration_ = 0.0;  // over the last step
+  // scratch within a step
+  double previous_rate_ = 0.0;
+  double applied_ = 0.0;       // effort added as an external force, damping included
+  bool motor_on_ = false;      // ODE's joint motor has a force limit above zero
+  bool motor_drives_ = false;  // and it is the actuator, not dry friction
+};
+
+}  // namespace rehearse

@@ -1,0 +1,29 @@
+// Between ODE's numbers and Eigen's. Private to the world library.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <Eigen/Geometry>
+
+namespace rehearse {
+
+inline Eigen::Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+inline Eigen::Quaterniond quaternion(const dReal* q) { return {q[0], q[1], q[2], q[3]}; }
+inline Eigen::Matrix3d rotation(const dReal* r) {
+  Eigen::Matrix3d matrix;
+  matrix << r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10];
+  return matrix;
+}
+
+/// ODE's 3 x 4 row-major rotation.
+struct OdeRotation {
+  dMatrix3 r;
+  explicit OdeRotation(const Eigen::Matrix3d& m) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) r[4 * row + column] = m(row, column);
+      r[4 * row + 3] = 0.0;
+    }
+  }
+};
+
+}  // namespace rehearse

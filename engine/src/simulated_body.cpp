@@ -1,0 +1,71 @@
+#include "simulated_body.h"
+
+#include <cmath>
+
+#include "rigid_groups.h"
+
+namespace rehearse {
+
+SimulatedBody::~SimulatedBody() {
+  for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // ODE's bodies and joints go with its world
+}
+
+dGeomID SimulatedBody::add_shape(const Geometry& geometry, int belt) {
+  struct Maker {
+    dGeomID operator()(const Box& box) const { return dCreateBox(nullptr, box.size.x(), box.size.y(), box.size.z()); }
+    dGeomID operator()(const Sphere& sphere) const { return dCreateSphere(nullptr, sphere.radius); }
+    dGeomID operator()(const Cylinder& c) const { return dCreateCylinder(nullptr, c.radius, c.length); }
+    dGeomID operator()(const Capsule& c) const { return dCreateCapsule(nullptr, c.radius, c.length); }
+  };
+  shapes_.push_back({std::visit(Maker{}, geometry), belt});
+  return shapes_.back().geom;
+}
+
+Diagnostics check_dynamics(const WorldBody& description) {
+  const Model& model = *description.model;
+  const std::string body = "body '" + description.name + "': ";
+  Diagnostics findings;
+  if (description.joints.size() != model.joints.size()) {
+    findings.push_back(error(body + "the model has " + std::to_string(model.joints.size()) + " joints, but " +
+                             std::to_string(description.joints.size()) + " initial displacements were given"));
+    return findings;
+  }
+  if (description.kinematic) return findings;
+  const RigidGroups groups = group_links(model);
+  for (std::size_t i = 0; i < groups.first_links.size(); ++i) {
+    if (i == 0 && root_is_fixed(description)) continue;
+    const Inertial& inertial = groups.inertials[i];
+    const std::string& name = model.links[groups.first_links[i]].name;
+    if (!(inertial.mass > 0.0) || !std::isfinite(inertial.mass))
+      findings.push_back(error(body + "link '" + name + "' moves but has no mass"));
+    else if (!is_positive_definite(inertial.inertia))
+      findings.push_back(error(body + "the inertia of link '" + name + "' is not positive definite"));
+  }
+  for (const Device& device : model.devices) {
+    if (!std::holds_alternative<ForceSensor>(device.kind)) continue;
+    const Joint& joint = model.links[device.link].joint;
+    if (device.link != 0 && !is_movable(joint.type))
+      findings.push_back(error(body + "force sensor '" + device.name + "' sits behind the " +
+                                   std::string(type_name(joint.type)) + " joint '" + joint.name +
+                                   "', where no force can be measured",
+                               "put it on a link that a revolute or prismatic joint holds"));
+  }
+  return findings;
+}
+
+bool root_is_fixed(const WorldBody& description) {
+  return description.fixed || description.model->links[0].joint.type == JointType::fixed;
+}
+
+std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
+  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
+  const Eigen::Vector3d w = to_sensor * link.angular_velocity;
+  const Eigen::Vector3d specific_force = to_sensor * (link.acceleration - gravity);
+  std::vector<double> values;
+  if (!std::holds_alternative<Accelerometer>(device.kind)) values.insert(values.end(), w.data(), w.data() + 3);
+  if (!std::holds_alternative<Gyro>(device.kind))
+    values.insert(values.end(), specific_force.data(), specific_force.data() + 3);
+  return values;
+}
+
+}  // namespace rehearse

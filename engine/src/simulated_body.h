@@ -1,0 +1,90 @@
+// SimulatedBody: one WorldBody in the world's loop, whatever moves it. Private to the world library.
+//
+// A step is before_step(), drive(), add_wrench() as often as wanted, contacts, ODE's step, after_step(). OdeBody moves
+// by its dynamics, KinematicBody as it is told.
+#pragma once
+
+#include <ode/ode.h>
+#include <rehearse/io.h>
+#include <rehearse/world.h>
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace rehearse {
+
+/// Reads or writes pieces of state.
+class StateVisitor {
+ public:
+  virtual ~StateVisitor() = default;
+  virtual void visit(void* data, std::size_t size) = 0;
+
+  void visit(double& number) { visit(&number, sizeof number); }
+  void visit(Eigen::Vector3d& numbers) { visit(numbers.data(), 3 * sizeof(double)); }
+  void visit(Eigen::Quaterniond& numbers) { visit(numbers.coeffs().data(), 4 * sizeof(double)); }
+};
+
+/// How the surface of a track runs in the coming step.
+struct Belt {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, world
+  double speed = 0.0;                               // of the surface [m/s], about the axis as that of a wheel
+};
+
+/// A collision shape. Its geom belongs to the body.
+struct BodyShape {
+  dGeomID geom = nullptr;
+  int belt = -1;  // index for SimulatedBody::belt(); -1: its surface doesn't run
+};
+
+class SimulatedBody {
+ public:
+  explicit SimulatedBody(WorldBody description) : description_(std::move(description)) {}
+  virtual ~SimulatedBody();
+  SimulatedBody(const SimulatedBody&) = delete;
+  SimulatedBody& operator=(const SimulatedBody&) = delete;
+
+  /// Keeps the velocities of now, to take the difference after the step.
+  virtual void before_step() = 0;
+  /// Adds forces and sets motors for the coming step, or motions.
+  virtual void drive(const BodyCommand& command) = 0;
+  virtual void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) = 0;
+  virtual Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const = 0;
+  virtual Belt belt(int index) const = 0;
+  /// Takes what the step did.
+  virtual void after_step() = 0;
+  /// Fills the readings from the state.
+  virtual void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const = 0;
+  virtual bool finite() const = 0;
+
+  /// Hands every piece of state to the visitor, in a fixed order; the one place that says what state is. The visitor
+  /// may read or write. After writing, call after_restore().
+  virtual void visit_state(StateVisitor& visitor) = 0;
+  virtual void after_restore() = 0;
+
+  const WorldBody& description() const { return description_; }
+  /// In link order, shapes in their link's order.
+  const std::vector<BodyShape>& shapes() const { return shapes_; }
+
+ protected:
+  const Model& model() const { return *description_.model; }
+  /// Makes a geom, to be placed by the caller.
+  dGeomID add_shape(const Geometry& geometry, int belt = -1);
+
+ private:
+  WorldBody description_;
+  std::vector<BodyShape> shapes_;
+};
+
+/// Checks all that ODE would abort on. The messages begin with "body 'SR1': ".
+Diagnostics check_dynamics(const WorldBody& description);
+
+/// True if the root link never moves: the scenario or the model says so.
+bool root_is_fixed(const WorldBody& description);
+
+/// What a gyro, an accelerometer or an Imu reads in the link's motion, in the device's frame. The lever arm of the
+/// sensor in its link is ignored, as Choreonoid does.
+std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity);
+
+}  // namespace rehearse

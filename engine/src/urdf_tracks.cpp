@@ -1,0 +1,40 @@
+#include "urdf_draft.h"
+#include "urdf_values.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+namespace rehearse::urdf {
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// <pseudo_continuous_track/> or with true, 1, false or 0 in it.
+bool is_on(const XMLElement& element, Findings& findings) {
+  const char* text = element.GetText();
+  const std::string_view word = text == nullptr ? "true" : text;
+  if (word == "true" || word == "1") return true;
+  if (word == "false" || word == "0") return false;
+  findings.error(element.GetLineNum(), fmt::format("<pseudo_continuous_track> is {}", in_quotes(word)),
+                 "true, false, or nothing");
+  return false;
+}
+
+}  // namespace
+
+std::vector<TrackDraft> read_tracks(const XMLElement& robot, Findings& findings) {
+  std::vector<TrackDraft> tracks;
+  for (const auto* block = robot.FirstChildElement("gazebo"); block != nullptr;
+       block = block->NextSiblingElement("gazebo")) {
+    const XMLElement* track = block->FirstChildElement("pseudo_continuous_track");
+    if (track == nullptr || !is_on(*track, findings)) continue;
+    if (const char* reference = block->Attribute("reference"))
+      tracks.push_back({reference, track->GetLineNum()});
+    else
+      findings.error(track->GetLineNum(), "a track on no joint",
+                     "its <gazebo> names the joint: <gazebo reference=\"JOINT\">");
+  }
+  return tracks;
+}
+
+}  // namespace rehearse::urdf
