@@ -60,12 +60,10 @@ bool root_is_fixed(const WorldBody& description) {
 std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
   const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
   const Eigen::Vector3d w = to_sensor * link.angular_velocity;
-  const Eigen::Vector3d specific_force = to_sensor * (link.acceleration - gravity);
-  std::vector<double> values;
-  if (!std::holds_alternative<Accelerometer>(device.kind)) values.insert(values.end(), w.data(), w.data() + 3);
-  if (!std::holds_alternative<Gyro>(device.kind))
-    values.insert(values.end(), specific_force.data(), specific_force.data() + 3);
-  return values;
+  const Eigen::Vector3d f = to_sensor * (link.acceleration - gravity);  // specific force
+  if (std::holds_alternative<Gyro>(device.kind)) return {w.x(), w.y(), w.z()};
+  if (std::holds_alternative<Accelerometer>(device.kind)) return {f.x(), f.y(), f.z()};
+  return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
 }
 
 }  // namespace rehearse

@@ -19,8 +19,8 @@ constexpr double checkpoint_period = 0.1;  // [s] of simulated time
 std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario.bodies)
-    bodies.push_back({body.name, body.model, body.fixed, body.kinematic, body.joint_limits, body.effort_limits,
-                      body.position, body.rotation, body.joints});
+    bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
+                      body.joint_limits, body.effort_limits});
   return bodies;
 }
 

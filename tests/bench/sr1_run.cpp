@@ -44,7 +44,8 @@ Sr1Run::~Sr1Run() {
 std::unique_ptr<World> Sr1Run::make_world() const {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario_.bodies)
-    bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints});
+    bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
+                      body.joint_limits, body.effort_limits});
   return must(
       World::create({scenario_.time_step, scenario_.gravity, scenario_.seed, scenario_.solver}, std::move(bodies)));
 }

@@ -16,11 +16,16 @@ int main(int argc, char** argv) {
 
   WorldSettings settings;
   if (std::string_view(argv[2]) == "exact") settings.solver.method = SolverSettings::Method::exact;
-  WorldBody robot{
-      "SR1", std::make_shared<const Model>(*std::move(model)), false, {0, 0, 0.71}, Eigen::Quaterniond::Identity(), {}};
+  WorldBody robot;
+  robot.name = "SR1";
+  robot.model = std::make_shared<const Model>(*std::move(model));
+  robot.position.z() = 0.71;
   robot.joints.assign(robot.model->joints.size(), 0.01);
-  const auto floor_model = std::make_shared<const Model>(single_shape_model("Floor", Box{{10, 10, 0.2}}, 0.0, {}));
-  const WorldBody floor{"Floor", floor_model, true, {0, 0, -0.1}, Eigen::Quaterniond::Identity(), {}};
+  WorldBody floor;
+  floor.name = "Floor";
+  floor.model = std::make_shared<const Model>(single_shape_model("Floor", Box{{10, 10, 0.2}}, 0.0, {}));
+  floor.fixed = true;
+  floor.position.z() = -0.1;
   auto world = World::create(settings, {floor, robot});
   if (!world) return std::fputs(to_string(world.errors()).c_str(), stderr), 2;
 

@@ -37,12 +37,12 @@ struct WorldBody {
   std::string name;
   std::shared_ptr<const Model> model;
   bool fixed = false;                                            // the root link never moves
-  bool kinematic = false;                                        // it moves as it is commanded, without dynamics
-  bool joint_limits = false;                                     // joints stop at their limits
-  bool effort_limits = false;                                    // commanded efforts are clamped to their limits
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            // of the root link [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of the root link, unit
   std::vector<double> joints;                                    // displacement by joint id [rad] or [m]
+  bool kinematic = false;                                        // it moves as it is commanded, without dynamics
+  bool joint_limits = false;                                     // joints stop at their limits
+  bool effort_limits = false;                                    // commanded efforts are clamped to their limits
 };
 
 class World {
