@@ -1,4 +1,5 @@
 # Installs into a fresh folder, copies the consumer beside it, builds it, makes its golden, and checks it against that.
+# Then the same for a project that `rehearse new` writes, with ctest, as its README says.
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -9,7 +10,8 @@ endfunction()
 
 set(prefix ${WORK}/prefix)
 set(project ${WORK}/project)
-file(REMOVE_RECURSE ${prefix} ${project})
+set(new_project ${WORK}/my-arm)
+file(REMOVE_RECURSE ${prefix} ${project} ${new_project})
 run(${CMAKE_COMMAND} --install ${BUILD} --config ${CONFIG} --prefix ${prefix})
 file(COPY ${SOURCE}/ DESTINATION ${project})
 run(${CMAKE_COMMAND} -S ${project} -B ${project}/build -G ${GENERATOR}
@@ -21,3 +23,12 @@ run(${prefix}/bin/rehearse record ${project}/scenarios/swing.yaml -o ${project}/
     --controller Swing=${project}/build/lib/rehearse/controllers/Swing.so)
 run(${prefix}/bin/rehearse replay ${project}/swing.mcap
     --controller Swing=${project}/build/lib/rehearse/controllers/Swing.so)
+
+run(${prefix}/bin/rehearse new ${new_project})
+run(${CMAKE_COMMAND} -S ${new_project} -B ${new_project}/build -G ${GENERATOR}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
+run(${CMAKE_COMMAND} --build ${new_project}/build)
+run(${CMAKE_COMMAND} -E env --unset=CI REHEARSE_GOLDEN=new ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
+    --output-on-failure)
+run(${CMAKE_COMMAND} -E env CI=true --unset=REHEARSE_GOLDEN ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
+    --output-on-failure)

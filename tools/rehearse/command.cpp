@@ -22,6 +22,7 @@ constexpr VerbSummary verbs[] = {
     {"info", "what stands in a trace", false},
     {"inspect", "load a robot model and report what was understood of it", false},
     {"render", "draw a picture of a scenario or a model", true},
+    {"new", "begin a repository of your own: a controller, its scenario, its tests", false},
 };
 
 Exit usage_error(const std::string& verb, const std::string& what) {

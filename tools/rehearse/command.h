@@ -37,6 +37,7 @@ extern const Verb diff_verb;
 extern const Verb golden_verb;
 extern const Verb info_verb;
 extern const Verb inspect_verb;
+extern const Verb new_verb;
 extern const Verb record_verb;
 extern const Verb render_verb;
 extern const Verb replay_verb;

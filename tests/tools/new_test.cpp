@@ -1,0 +1,53 @@
+// rehearse new. That what it writes builds and passes is tested by tests/install.
+#include <gmock/gmock.h>
+
+#include "command.h"
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class New : public Command {};
+
+TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
+  const Outcome outcome = run(command, {"new", "my walker"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("cmake -S . -B build"));
+  const fs::path project = folder() / "my walker";
+  EXPECT_THAT(read_file(project / "CMakeLists.txt"), HasSubstr("project(my_walker CXX)"));
+  EXPECT_THAT(read_file(project / "README.md"), HasSubstr("# my_walker"));
+  for (const char* file : {".gitignore", "hold.cpp", "hold_test.cpp", "models/arm.urdf", "scenarios/hold.yaml"})
+    EXPECT_GT(fs::file_size(project / file), 10u) << file;
+}
+
+TEST_F(New, ItsModelAndScenarioAreSound) {
+  ASSERT_EQ(run(command, {"new", "."}).status, 0);  // an empty folder will do
+  const Outcome inspected = run(command, {"inspect", "models/arm.urdf"});
+  EXPECT_EQ(inspected.status, 0);
+  EXPECT_THAT(inspected.out, HasSubstr("nothing was repaired, ignored or doubted"));
+  const Outcome drawn = run(command, {"render", "scenarios/hold.yaml", "-o", "hold.png"});
+  EXPECT_EQ(drawn.status, 0) << drawn.err;
+  EXPECT_EQ(drawn.err, "");
+}
+
+TEST_F(New, OverwritesNothing) {
+  fs::create_directory(folder() / "mine");
+  std::ofstream(folder() / "mine" / "notes.txt") << "keep";
+  const Outcome outcome = run(command, {"new", "mine"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "error: mine is not empty (name a new folder, or an empty one)\n");
+  EXPECT_FALSE(fs::exists(folder() / "mine" / "CMakeLists.txt"));
+  EXPECT_EQ(read_file(folder() / "mine" / "notes.txt"), "keep");
+}
+
+TEST_F(New, NeedsAFolder) {
+  std::ofstream(folder() / "file") << "x";
+  EXPECT_EQ(run(command, {"new", "file"}).err, "error: file is not a folder\n");
+  EXPECT_EQ(run(command, {"new"}).status, 2);
+  EXPECT_THAT(run(command, {"new", "file/below"}).err, HasSubstr("can't make the folder file/below"));
+}
+
+}  // namespace
+}  // namespace rehearse::test
