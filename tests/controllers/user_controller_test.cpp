@@ -102,7 +102,8 @@ TEST_P(UserController, MayLeaveASharedObjectBehind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(CompiledBy, UserController,
-                         testing::Values("user_controller_gcc", "user_controller_avx2", "user_controller_clang"),
+                         testing::Values("user_controller_gcc", "user_controller_O0", "user_controller_avx2",
+                                         "user_controller_clang"),
                          [](const auto& test) { return std::string(test.param).substr(sizeof "user_controller"); });
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST_P(UserMotionController, SaysWhichMotionIsMissing) {
   EXPECT_EQ(io_.messages.str(), "/no/such/folder/version2.seq: error: the file can't be read\n\n");
 }
 
-INSTANTIATE_TEST_SUITE_P(CompiledBy, UserMotionController, testing::Values("gcc", "avx2", "clang"),
+INSTANTIATE_TEST_SUITE_P(CompiledBy, UserMotionController, testing::Values("gcc", "O0", "avx2", "clang"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace
