@@ -23,7 +23,13 @@ ExtJoystick::~ExtJoystick() {
   }
 }
 
-void ExtJoystick::registerJoystick(const std::string& name, ExtJoystick* joystick) { registered()[name] = joystick; }
+void ExtJoystick::registerJoystick(const std::string& name, ExtJoystick* joystick) {
+  if (joystick) {
+    registered()[name] = joystick;
+  } else {
+    registered().erase(name);
+  }
+}
 
 ExtJoystick* ExtJoystick::findJoystick(const std::string& name) {
   const Register& joysticks = registered();

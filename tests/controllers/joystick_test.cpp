@@ -84,6 +84,17 @@ TEST(Joystick, LetsGoOfADeviceThatIsGone) {
   EXPECT_EQ(ExtJoystick::findJoystick("script"), nullptr);
 }
 
+TEST(Joystick, KeepsADeviceThatIsTakenOutOfTheRegisterWhichNobodyElseFinds) {
+  ScriptedJoystick scripted;
+  ExtJoystick::registerJoystick("script", &scripted);
+  const Joystick early;
+  ExtJoystick::registerJoystick("script", nullptr);
+  EXPECT_TRUE(early.isReady());
+  EXPECT_FALSE(Joystick().isReady());
+  EXPECT_EQ(ExtJoystick::findJoystick("script"), nullptr);
+  EXPECT_EQ(ExtJoystick::findJoystick("*"), nullptr);
+}
+
 TEST(Joystick, PrefersTheDeviceOfItsNameAndElseTakesTheFirst) {
   ScriptedJoystick left, right;
   ExtJoystick::registerJoystick("right", &right);

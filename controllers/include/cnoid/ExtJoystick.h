@@ -20,7 +20,7 @@ class CNOID_GENERAL_EXPORT ExtJoystick {
   virtual ~ExtJoystick();
 
   /// Borrows the joystick until it is destroyed. Of two with one name the later counts; a Joystick that has found the
-  /// earlier keeps it.
+  /// earlier keeps it. Null: the name is free again.
   static void registerJoystick(const std::string& name, ExtJoystick* joystick);
   /// Null if there is none. "*" finds the first in the order of names.
   static ExtJoystick* findJoystick(const std::string& name);
