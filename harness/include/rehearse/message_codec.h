@@ -157,6 +157,7 @@ class SchemaComposer {
     if constexpr (MessageStruct<T>) return short_name(T::type_name);
     if constexpr (std::is_same_v<T, bool>) return "bool";
     if constexpr (std::is_same_v<T, double>) return "float64";
+    if constexpr (std::is_same_v<T, float>) return "float32";
     if constexpr (std::is_same_v<T, std::string>) return "string";
     if constexpr (std::is_integral_v<T>) {
       return (std::is_signed_v<T> ? "int" : "uint") + std::to_string(8 * sizeof(T));

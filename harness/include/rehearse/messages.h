@@ -351,6 +351,21 @@ struct CameraInfo {
   }
 };
 
+/// What ROS calls a joystick: which axis and which button is which is its driver's matter.
+struct Joy {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/Joy";
+  Header header;
+  std::vector<float> axes;
+  std::vector<std::int32_t> buttons;  // 1 while pressed
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("axes", self.axes);
+    visit("buttons", self.buttons);
+  }
+};
+
 /// One per tick: what makes two runs comparable at a glance.
 struct Tick {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";

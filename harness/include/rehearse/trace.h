@@ -13,6 +13,7 @@
 //   /SR1/LeftForce/wrench     WrenchStamped       SR1/LeftForce/force/z, .../torque/x
 //   /SR1/WaistIMU/imu         Imu                 SR1/WaistIMU/angular_velocity/x, .../linear_acceleration/x
 //   /tf                       TFMessage           WAIST/position/x (the child frame), .../orientation/w
+//   /joy                      Joy                 axes/L_STICK_V, buttons/A (by the channel's metadata, else by number)
 //   /tick                     Tick                tick, state_hash, input_hash, output_hash, controller_results/0
 //   any other with a ros2msg schema               the path of each numeric field, but for header and stamp
 //

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <iterator>
+#include <sstream>
 
 namespace rehearse {
 
@@ -93,6 +95,45 @@ class NamedArraysReader : public RowReader {
   std::vector<std::byte> name_bytes_;
   std::size_t names_alignment_ = 0;
   bool columns_are_arrays_ = false;
+};
+
+/// The rows of Joy. The channel's metadata may say what its axes and buttons are called: names with blanks between them
+/// under `axes` and `buttons`. Without, they have their numbers.
+class JoyReader : public RowReader {
+ public:
+  explicit JoyReader(TraceChannel& channel)
+      : row_(channel), axes_(names(channel, "axes")), buttons_(names(channel, "buttons")) {}
+
+  bool read(Bytes payload) override {
+    CdrReader reader(payload);
+    row_.begin_row();
+    if (!msg::decode(reader, message_)) return false;
+    for (std::size_t i = 0; i < message_.axes.size(); ++i) row_.put(element(axes_, "axes", i), message_.axes[i]);
+    for (std::size_t i = 0; i < message_.buttons.size(); ++i)
+      row_.put(element(buttons_, "buttons", i), CellKind::signed_integer,
+               static_cast<std::uint64_t>(std::int64_t{message_.buttons[i]}));
+    return true;
+  }
+
+ private:
+  static std::vector<std::string> names(const TraceChannel& channel, const std::string& array) {
+    const auto stated = channel.metadata.find(array);
+    if (stated == channel.metadata.end()) return {};
+    std::istringstream words(stated->second);
+    return {std::istream_iterator<std::string>(words), {}};
+  }
+
+  const std::string& element(const std::vector<std::string>& names, const char* array, std::size_t index) {
+    element_ = array;
+    element_ += '/';
+    element_ += index < names.size() ? names[index] : std::to_string(index);
+    return element_;
+  }
+
+  RowWriter row_;
+  const std::vector<std::string> axes_, buttons_;
+  msg::Joy message_;
+  std::string element_;
 };
 
 // What a row of each type holds.
@@ -214,6 +255,7 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
   if (channel.type == msg::JointAccelerations::type_name) {
     return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/ddq"});
   }
+  if (channel.type == msg::Joy::type_name) return std::make_unique<JoyReader>(channel);
   return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu, msg::Tick,
                     msg::TFMessage>(channel);
 }

@@ -14,7 +14,7 @@ namespace {
 
 using AllMessages =
     testing::Types<msg::JointState, msg::Imu, msg::Image, msg::CompressedImage, msg::CameraInfo, msg::PoseStamped,
-                   msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::TFMessage, msg::Tick,
+                   msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::TFMessage, msg::Joy, msg::Tick,
                    msg::DeviceState, msg::JointAccelerations, msg::Event, msg::Checkpoint>;
 
 /// Gives every field another value, and writes down each with its path as ros2msg::Decoder should find it.
@@ -32,7 +32,7 @@ class Filler {
     } else if constexpr (std::integral<T>) {
       value = static_cast<T>(0x0123456789abcdefull * ++count_);
     } else {
-      value = 0.1 * ++count_;
+      value = static_cast<T>(0.1) * static_cast<T>(++count_);
     }
     expected[path] = print(value);
   }
@@ -57,7 +57,7 @@ class Filler {
 
   template <class T>
   static std::string print(T value) {
-    if constexpr (std::same_as<T, double>) return std::to_string(std::bit_cast<std::uint64_t>(value));
+    if constexpr (std::floating_point<T>) return std::to_string(std::bit_cast<std::uint64_t>(double{value}));
     return std::to_string(value);
   }
 

@@ -24,11 +24,12 @@ class Recording {
   Recording() : writer_(std::move(*mcap::Writer::create(file_.path()))) {}
 
   template <class Message>
-  Recording& add(std::string_view topic, std::uint64_t time, const Message& message) {
+  Recording& add(std::string_view topic, std::uint64_t time, const Message& message,
+                 const mcap::StringMap& metadata = {{"unit", "rad"}}) {
     auto [channel, is_new] = channels_.try_emplace(std::string(topic), 0);
     if (is_new) {
       const auto schema = writer_->add_schema(Message::type_name, "ros2msg", msg::schema_text<Message>());
-      channel->second = writer_->add_channel(schema, topic, "cdr", {{"unit", "rad"}});
+      channel->second = writer_->add_channel(schema, topic, "cdr", metadata);
     }
     cdr_.reset();
     msg::encode(message, cdr_);
@@ -126,6 +127,24 @@ TEST(Trace, NamesTheElementsOfEveryStandardType) {
   EXPECT_EQ(trace.last("B/Imu/linear_acceleration/y"), 5);
   EXPECT_EQ(trace.last("B/J/ddq"), 9);
   EXPECT_EQ(trace.last("B/Dev/values/1"), 8);
+}
+
+TEST(Trace, NamesAJoysticksControlsAsItsChannelDoes) {
+  Recording recording;
+  recording.add("/joy", 0, msg::Joy{{}, {-0.3f, 1.0f}, {0, 1}}, {{"axes", "L_STICK_H L_STICK_V"}, {"buttons", "A B"}});
+  recording.add("/joy", 1, msg::Joy{{}, {0.5f, 0.0f}, {1, -1}}, {{"axes", "L_STICK_H L_STICK_V"}, {"buttons", "A B"}});
+  const Trace trace = recording.load();
+  EXPECT_THAT(names_of(trace), ElementsAre("axes/L_STICK_H", "axes/L_STICK_V", "buttons/A", "buttons/B"));
+  EXPECT_THAT(trace.values("axes/L_STICK_H"), ElementsAre(static_cast<double>(-0.3f), 0.5));
+  EXPECT_THAT(trace.values("buttons/B"), ElementsAre(1.0, -1.0));
+}
+
+TEST(Trace, NumbersTheControlsOfAJoystickThatHasNoNames) {
+  Recording recording;
+  recording.add("/operator/joy", 0, msg::Joy{{}, {0.25f, 0.5f}, {1}}, {{"axes", "L_STICK_H"}});
+  const Trace trace = recording.load();
+  EXPECT_THAT(names_of(trace), ElementsAre("operator/axes/1", "operator/axes/L_STICK_H", "operator/buttons/0"));
+  EXPECT_EQ(trace.last("operator/axes/1"), 0.5);
 }
 
 TEST(Trace, NamesTransformsByTheirChildFrame) {
