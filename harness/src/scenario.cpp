@@ -141,7 +141,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
                   {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
-                   "bodies", "pushes", "cameras", "record", "tolerances"});
+                   "bodies", "pushes", "joystick", "cameras", "record", "tolerances"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -152,6 +152,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))
     read_bodies(findings, *node, models, scenario);
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("joystick")) read_joystick(findings, *node, scenario);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
 }

@@ -22,6 +22,9 @@ void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* 
 /// The `pushes` list. After the bodies.
 void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario);
 
+/// The `joystick` list. After the duration.
+void read_joystick(Findings& findings, const YamlNode& node, Scenario& scenario);
+
 /// all, none, or a list of Body/Camera. After the bodies.
 void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario);
 

@@ -63,6 +63,7 @@ TEST(Scenario, LoadsTheExampleOfTheManual) {
   const Scenario scenario = loaded(example);
   EXPECT_THAT(to_string(scenario.warnings), IsEmpty());
   EXPECT_EQ(scenario.pushes.size(), 1u);
+  EXPECT_EQ(scenario.joystick.value().at(1.0).axes[1], -1.0f);
 }
 
 TEST(Scenario, HasTheDefaultsOfChoreonoid) {

@@ -5,6 +5,7 @@
 // then.
 #pragma once
 
+#include <rehearse/joystick_script.h>
 #include <rehearse/model.h>
 #include <rehearse/solver_settings.h>
 
@@ -88,6 +89,7 @@ struct Scenario {
   std::string options;                  // simulator-wide option string, before each controller's own
   std::vector<ScenarioBody> bodies;
   std::vector<Push> pushes;
+  std::optional<JoystickScript> joystick;  // nullopt: there is none
   /// Cameras that run, as "Body/Camera"; nullopt: all.
   std::optional<std::vector<std::string>> cameras;
   bool record_frames = true;            // pictures go into the trace

@@ -1,0 +1,170 @@
+// The `joystick` of a scenario: who moves what when.
+#include "scenario_parts.h"
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rehearse {
+namespace {
+
+/// What axes have in common, or buttons.
+struct ControlKind {
+  std::string_view one;
+  std::string_view many;
+  std::vector<std::string> names;
+};
+
+template <class Names>
+ControlKind kind_of(std::string_view one, std::string_view many, const Names& names) {
+  return {one, many, {names.begin(), names.end()}};
+}
+
+/// Choreonoid's enumerators end so; `axes:` and `buttons:` say it already.
+std::string_view without_suffix(std::string_view name) {
+  for (const std::string_view suffix : {"_AXIS", "_BUTTON"})
+    if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
+  return name;
+}
+
+class JoystickReader {
+ public:
+  JoystickReader(Findings& findings, double duration, JoystickScript& script)
+      : findings_(findings), duration_(duration), script_(script) {}
+
+  void read_entry(const YamlNode& node);
+
+ private:
+  /// What an entry has come to so far.
+  struct Entry {
+    std::optional<double> at;  // [s]; none: not to be used
+    double over = 0.0;         // [s]
+    bool says = false;         // names an axis or a button
+    bool changes = false;      // and one of them isn't so already
+  };
+
+  void read_times(const Keys& keys, Entry& entry);
+  void check_use(const Keys& keys, const YamlNode& node) const;
+  std::vector<NamedEntry> controls(const Keys& keys, std::string_view key, std::string_view what) const;
+  void read_axis(const NamedEntry& named, Entry& entry);
+  void read_button(const NamedEntry& named, Entry& entry);
+  void unknown(const NamedEntry& named, const ControlKind& wanted, const ControlKind& other) const;
+  void told_twice(const NamedEntry& named, double at) const;
+
+  Findings& findings_;
+  double duration_;  // [s]; 0: not known
+  JoystickScript& script_;
+  double last_at_ = 0.0;  // [s]
+  const ControlKind axes_ = kind_of("an axis", "axes", joystick_axes);
+  const ControlKind buttons_ = kind_of("a button", "buttons", joystick_buttons);
+};
+
+void JoystickReader::read_entry(const YamlNode& node) {
+  const Keys keys(findings_, node, "a joystick entry", {"at", "axes", "buttons", "over"});
+  if (!keys.is_map()) return;
+  Entry entry;
+  read_times(keys, entry);
+  for (const NamedEntry& named : controls(keys, "axes", "a map of AXIS: POSITION")) read_axis(named, entry);
+  for (const NamedEntry& named : controls(keys, "buttons", "a map of BUTTON: true or false")) read_button(named, entry);
+  check_use(keys, node);
+  if (entry.at && entry.says && !entry.changes)
+    findings_.warning(node, fmt::format("nothing changes at {} s: all that is named is so already", *entry.at),
+                      "a position is held, and a button stays pressed, until another entry names it");
+}
+
+/// An entry has to name something, and an axis if it takes time; a misspelt key may have been meant to.
+void JoystickReader::check_use(const Keys& keys, const YamlNode& node) const {
+  bool names_something = false, names_axes = false;
+  for (const NamedEntry& key : keys.entries()) {
+    if (key.name == "at" || key.name == "over") continue;
+    const bool empty = key.value->kind == YamlNode::Kind::map && key.value->keys.empty();
+    names_something |= !empty;
+    names_axes |= !empty && key.name != "buttons";
+  }
+  if (!names_something) {
+    findings_.error(node, "a joystick entry names no axis and no button",
+                    "expected axes: {L_STICK_V: -1} or buttons: {A: true}");
+  } else if (const YamlNode* over = keys.find("over"); over != nullptr && !names_axes) {
+    findings_.error(*over, "'over' without 'axes'", "it says how long axes take; a button changes at once");
+  }
+}
+
+void JoystickReader::read_times(const Keys& keys, Entry& entry) {
+  const Range times{0.0, Scenario::max_duration, "[s]"};
+  keys.number("over", times, entry.over);
+  const YamlNode* node = keys.require("at", "when it begins [s]");
+  if (node == nullptr) return;
+  const auto at = read_number(findings_, *node, "at", times);
+  if (!at) return;
+  if (*at < last_at_) {
+    findings_.error(*node, fmt::format("at is {}, which is before the entry above it", *at),
+                    fmt::format("expected entries in order of time, here from {} [s] on", last_at_));
+    return;
+  }
+  if (duration_ > 0.0 && *at >= duration_)
+    findings_.warning(*node, fmt::format("the joystick entry begins at {} s, after the end of the run", *at),
+                      fmt::format("the duration is {} s", duration_));
+  entry.at = last_at_ = *at;
+}
+
+std::vector<NamedEntry> JoystickReader::controls(const Keys& keys, std::string_view key, std::string_view what) const {
+  const YamlNode* node = keys.find(key);
+  if (node == nullptr) return {};
+  if (node->kind == YamlNode::Kind::map) return read_entries(findings_, *node);
+  expected(findings_, *node, key, what);
+  return {};
+}
+
+void JoystickReader::read_axis(const NamedEntry& named, Entry& entry) {
+  const auto axis = find_control(joystick_axes, named.name);
+  if (!axis) return unknown(named, axes_, buttons_);
+  const auto to = read_number(findings_, *named.value, joystick_axes[*axis], Range{lowest_position(*axis), 1.0});
+  if (!to || !entry.at) return;
+  if (script_.last_move(*axis) >= *entry.at) return told_twice(named, *entry.at);
+  entry.says = true;
+  entry.changes |= !script_.rests(*axis, *entry.at, *to);
+  script_.move(*axis, *entry.at, entry.over, *to);
+}
+
+void JoystickReader::read_button(const NamedEntry& named, Entry& entry) {
+  const auto button = find_control(joystick_buttons, named.name);
+  if (!button) return unknown(named, buttons_, axes_);
+  const auto pressed = read_flag(findings_, *named.value, joystick_buttons[*button]);
+  if (!pressed || !entry.at) return;
+  if (script_.last_press(*button) >= *entry.at) return told_twice(named, *entry.at);
+  entry.says = true;
+  entry.changes |= script_.is_pressed(*button, *entry.at) != *pressed;
+  script_.press(*button, *entry.at, *pressed);
+}
+
+void JoystickReader::unknown(const NamedEntry& named, const ControlKind& wanted, const ControlKind& other) const {
+  const std::string_view meant = without_suffix(named.name);
+  const std::string there_is_no =
+      fmt::format("there is no {} '{}'", wanted.one.substr(wanted.one.find(' ') + 1), shortened(named.name));
+  if (std::find(other.names.begin(), other.names.end(), meant) != other.names.end()) {
+    findings_.error(*named.key, fmt::format("'{}' is {}", named.name, other.one),
+                    fmt::format("write it under {}", other.many));
+  } else if (named.name.find_first_not_of("0123456789") == std::string::npos) {
+    findings_.error(*named.key, there_is_no, fmt::format("they are 0 to {}", wanted.names.size() - 1));
+  } else {
+    findings_.error(*named.key, there_is_no, name_hint(meant, wanted.names, wanted.many));
+  }
+}
+
+void JoystickReader::told_twice(const NamedEntry& named, double at) const {
+  findings_.error(*named.key, fmt::format("'{}' is named twice at {} s", named.name, at), "once is enough");
+}
+
+}  // namespace
+
+void read_joystick(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  JoystickScript& script = scenario.joystick.emplace();
+  const auto* list =
+      read_list(findings, node, "joystick", "a list of what happens when; [] is one that nobody touches");
+  if (list == nullptr) return;
+  JoystickReader reader(findings, scenario.duration, script);
+  for (const YamlNodePtr& entry : *list) reader.read_entry(*entry);
+}
+
+}  // namespace rehearse
