@@ -12,6 +12,7 @@ rehearse_add_library(harness
   src/divergence.cpp
   src/guarded_call.cpp
   src/hashing.cpp
+  src/host_joystick.cpp
   src/io_body.cpp
   src/joint_arrays.cpp
   src/pin.cpp

@@ -94,7 +94,7 @@ bool comes_before(const Divergence& a, const Divergence& b) {
 
 Stage stage_of(std::string_view topic) {
   const std::string_view kind = topic.substr(topic.rfind('/') + 1);
-  if (topic.find("/input/") != std::string_view::npos) return Stage::inputs;
+  if (topic.find("/input/") != std::string_view::npos || topic == "/joy") return Stage::inputs;
   if (topic.find("/output/") != std::string_view::npos || topic == "/tick" || topic == "/events")
     return Stage::controller;
   if (kind == "image" || kind == "depth" || kind == "camera_info") return Stage::renderer;

@@ -35,6 +35,11 @@ std::uint64_t hash_values(const std::vector<double>& values, std::uint64_t seed)
   return hash_bytes(values.data(), values.size() * sizeof(double), seed);
 }
 
+std::uint64_t hash_joystick(const JoystickReading& reading, std::uint64_t seed) {
+  const std::uint64_t axes = hash_bytes(reading.axes.data(), sizeof reading.axes, seed);
+  return hash_bytes(reading.buttons.data(), sizeof reading.buttons, axes);
+}
+
 }  // namespace
 
 Observation initial_observation(const Scenario& scenario) {
@@ -52,6 +57,7 @@ Observation initial_observation(const Scenario& scenario) {
     }
     seen.devices.resize(body.model->devices.size());
   }
+  if (scenario.joystick) observation.joystick = scenario.joystick->at(0.0);
   return observation;
 }
 
@@ -103,6 +109,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   hosted.io = std::make_unique<ControllerIo>(specification.name, scenario_->options, specification.options,
                                              scenario_->time_step);
   hosted.io->setNoDelayMode(!specification.delay);
+  if (scenario_->joystick) hosted.joystick = std::make_unique<HostJoystick>();
 
   std::filesystem::path directory = std::filesystem::path(scenario_->file).parent_path();
   std::string library = specification.library;
@@ -145,6 +152,7 @@ void ControllerHost::collect_messages(HostedController& hosted) {
 }
 
 bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code) {
+  const PluggedIn plugged_in(hosted.joystick.get());
   const CallOutcome outcome = guarded_call(code, options_.call_limit);
   if (outcome.changed_float_mode)
     event(Severity::warning, hosted.label,
@@ -164,8 +172,8 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   if (outcome.end != CallEnd::threw) {
     // its code was interrupted somewhere: nothing of it may run again, not even its destructor
     hosted.library->keep_loaded();
-    static std::vector<cnoid::SimpleController*>& abandoned = *new std::vector<cnoid::SimpleController*>;
-    abandoned.push_back(hosted.controller.release());
+    static auto& abandoned = *new std::vector<std::pair<cnoid::SimpleController*, HostJoystick*>>;
+    abandoned.emplace_back(hosted.controller.release(), hosted.joystick.release());
   }
   return false;
 }
@@ -175,6 +183,13 @@ void ControllerHost::refuse(HostedController& hosted, const char* function) {
         fmt::format("{}() returned false: the run goes on without this controller", function));
   hosted.running = false;
   refused_ = true;
+}
+
+void ControllerHost::show_joystick(const Observation& seen) {
+  if (!scenario_->joystick) return;
+  REHEARSE_ASSERT(seen.joystick.has_value(), "a run with a joystick observes it");
+  for (HostedController& hosted : controllers_)
+    if (hosted.joystick) hosted.joystick->show(*seen.joystick);
 }
 
 void ControllerHost::configure(HostedController& hosted) {
@@ -206,6 +221,7 @@ void ControllerHost::initialize(HostedController& hosted, const Observation& ini
 }
 
 Command ControllerHost::initialize(const Observation& initial) {
+  show_joystick(initial);
   for (HostedController& hosted : controllers_)
     if (!failure_) configure(hosted);
   for (HostedController& hosted : controllers_)
@@ -258,6 +274,7 @@ void ControllerHost::start() {
 bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   tick_ = tick;
   const double now = time_of(tick, scenario_->time_step);
+  show_joystick(seen);
   for (HostedController& hosted : controllers_) {
     if (hosted.parent < 0 && hosted.io_body)
       hosted.io_body->input_devices(seen.bodies[hosted.body], time_of(tick - 1, scenario_->time_step));
@@ -333,7 +350,7 @@ void ControllerHost::stop() {
 }
 
 std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
-  std::uint64_t hash = 0;
+  std::uint64_t hash = seen.joystick ? hash_joystick(*seen.joystick, 0) : 0;
   for (const HostedController& hosted : controllers_) {
     if (!hosted.has_input) continue;
     hash = hash_values(hosted.io->input_values(), hash);

@@ -20,6 +20,7 @@
 
 #include "controller_io.h"
 #include "controller_library.h"
+#include "host_joystick.h"
 
 namespace rehearse {
 
@@ -29,6 +30,7 @@ struct HostedController {
   int body = 0;       // index into Scenario::bodies
   int parent = -1;    // index of the controller whose body it shares; -1: none
   std::shared_ptr<ControllerLibrary> library;
+  std::unique_ptr<HostJoystick> joystick;  // null: the run has none; holds slots whose code is in the library
   std::unique_ptr<cnoid::SimpleController> controller;
   std::unique_ptr<ControllerIo> io;
   std::unique_ptr<cnoid::SimpleControllerConfig> config;
@@ -83,6 +85,7 @@ class ControllerHost {
   Result<void> add(const ScenarioController& specification, int body, int parent);
   bool call(HostedController& hosted, const char* function, const std::function<void()>& code);
   void refuse(HostedController& hosted, const char* function);
+  void show_joystick(const Observation& seen);
   void event(Severity severity, const std::string& source, std::string text);
   void collect_messages(HostedController& hosted);
   void configure(HostedController& hosted);

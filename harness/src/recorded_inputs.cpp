@@ -34,8 +34,8 @@ std::vector<std::string> segments(std::string_view topic) {
 
 /// Where the messages of one channel go.
 struct RecordedInputs::Feed {
-  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, device } kind = Kind::joints;
-  int body = 0;
+  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, device, joystick } kind = Kind::joints;
+  int body = 0;    // -1: of none
   int target = 0;  // link or device index
   JointArrays joints;
   std::vector<int> joint_ids;  // by index in the message; -1: no such joint
@@ -49,7 +49,13 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& rea
     seen.links.resize(body.model->links.size());
     seen.devices.resize(body.model->devices.size());
   }
+  if (scenario.joystick) observation_.joystick.emplace();
   for (const auto& [id, channel] : reader.channels()) {
+    if (scenario.joystick && channel.topic == "/joy") {
+      Feed& feed = add(channel);
+      feed.kind = Feed::Kind::joystick;
+      feed.body = -1;
+    }
     const std::vector<std::string> parts = segments(channel.topic);
     for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
       const ScenarioBody& body = scenario.bodies[b];
@@ -137,10 +143,15 @@ bool RecordedInputs::has_device(int body, int device) const {
   });
 }
 
+bool RecordedInputs::has_joystick() const {
+  return std::any_of(feeds_.begin(), feeds_.end(),
+                     [](const auto& entry) { return entry.second->kind == Feed::Kind::joystick; });
+}
+
 std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host) const {
   std::vector<std::uint16_t> channels;
   for (const auto& [id, feed] : feeds_) {
-    bool read = false;
+    bool read = feed->kind == Feed::Kind::joystick;
     for (const HostedController& hosted : host.controllers()) {
       if (!hosted.running || hosted.body != feed->body) continue;
       for (const IoField& field : hosted.io->inputs().fields) read |= feeds(*feed, hosted.body, field);
@@ -159,6 +170,7 @@ void RecordedInputs::begin_tick() {
 
 Result<void> RecordedInputs::accept(const mcap::Message& message) {
   Feed& feed = *feeds_.at(message.channel->id);
+  if (feed.kind == Feed::Kind::joystick) return accept_joystick(message);
   BodyObservation& body = observation_.bodies[feed.body];
   CdrReader reader(message.data);
   bool fits = true;
@@ -188,6 +200,7 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
       break;
     }
     case Feed::Kind::device: return accept_device(feed, message);
+    case Feed::Kind::joystick: break;  // it has no body
   }
   if (fits) return {};
   return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));
@@ -224,6 +237,20 @@ bool RecordedInputs::accept_accelerations(const Feed& feed, mcap::Bytes payload)
       observation_.bodies[feed.body].joints[model.links[link].joint.id].ddq = message.acceleration[i];
   }
   return true;
+}
+
+Result<void> RecordedInputs::accept_joystick(const mcap::Message& message) {
+  CdrReader reader(message.data);
+  msg::Joy joy;
+  JoystickReading& reading = *observation_.joystick;
+  if (!msg::decode(reader, joy) || joy.axes.size() != reading.axes.size() ||
+      joy.buttons.size() != reading.buttons.size())
+    return error(fmt::format("a message on /joy at {} ns is not of a joystick with {} axes and {} buttons",
+                             message.log_time, reading.axes.size(), reading.buttons.size()));
+  std::copy(joy.axes.begin(), joy.axes.end(), reading.axes.begin());
+  std::transform(joy.buttons.begin(), joy.buttons.end(), reading.buttons.begin(),
+                 [](std::int32_t button) { return button != 0; });
+  return {};
 }
 
 Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message& message) {

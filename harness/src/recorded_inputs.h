@@ -27,6 +27,7 @@ class RecordedInputs {
   /// Whether the trace holds a quantity of a link, or what a device measured.
   bool has(int body, const IoField& field) const;
   bool has_device(int body, int device) const;
+  bool has_joystick() const;
 
   /// A new tick begins: nothing is fresh.
   void begin_tick();
@@ -43,6 +44,7 @@ class RecordedInputs {
   Feed& add(const mcap::Channel& channel);
   bool accept_joints(Feed& feed, mcap::Bytes payload);
   bool accept_accelerations(const Feed& feed, mcap::Bytes payload);
+  Result<void> accept_joystick(const mcap::Message& message);
   Result<void> accept_device(const Feed& feed, const mcap::Message& message);
 
   const Scenario& scenario_;

@@ -1,6 +1,7 @@
 #include "recorder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/clock.h>
 #include <rehearse/png.h>
 
@@ -104,9 +105,11 @@ struct Recorder::Impl {
   std::vector<BodyChannels> bodies;
   std::vector<ControllerChannels> controllers;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
+  std::uint16_t joystick_channel = 0;   // 0: none
   std::int64_t transform_interval = 1;  // [ticks]
   msg::Tick tick_message;
   msg::TFMessage transforms;
+  msg::Joy joystick_message;
 
   explicit Impl(const Scenario& of) : scenario(of) {}
 
@@ -139,6 +142,7 @@ struct Recorder::Impl {
   Result<void> write_pictures(std::int64_t tick, const std::string& frame, const Camera& camera,
                               const DeviceReading& reading, const DeviceChannels& channels);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
+  Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
   Result<void> write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values);
   Result<void> write_link(std::int64_t tick, const SideChannels::LinkChannel& to, const double* values);
 };
@@ -180,6 +184,10 @@ Result<void> Recorder::Impl::attach_sources() {
 void Recorder::declare(const ControllerHost& host) {
   Impl& impl = *impl_;
   for (const ScenarioBody& body : impl.scenario.bodies) impl.declare_body(body);
+  if (impl.scenario.joystick)
+    impl.joystick_channel =
+        impl.channel<msg::Joy>("/joy", {{"axes", fmt::format("{}", fmt::join(joystick_axes, " "))},
+                                        {"buttons", fmt::format("{}", fmt::join(joystick_buttons, " "))}});
   for (const HostedController& hosted : host.controllers()) {
     ControllerChannels& channels = impl.controllers.emplace_back();
     const ScenarioBody& body = impl.scenario.bodies[hosted.body];
@@ -289,6 +297,8 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
 Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen) {
   for (std::size_t i = 0; i < seen.bodies.size(); ++i)
     if (auto done = impl_->write_body(tick, i, seen.bodies[i]); !done) return done;
+  if (seen.joystick)
+    if (auto done = impl_->write_joystick(tick, *seen.joystick); !done) return done;
   if (tick % impl_->transform_interval != 0) return {};
   return impl_->write_transforms(tick, seen);
 }
@@ -396,6 +406,13 @@ Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observati
     }
   }
   return write(transform_channel, tick, transforms);
+}
+
+Result<void> Recorder::Impl::write_joystick(std::int64_t tick, const JoystickReading& reading) {
+  joystick_message.header.stamp = stamp(tick);
+  joystick_message.axes.assign(reading.axes.begin(), reading.axes.end());
+  joystick_message.buttons.assign(reading.buttons.begin(), reading.buttons.end());
+  return write(joystick_channel, tick, joystick_message);
 }
 
 Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes) {

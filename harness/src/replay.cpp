@@ -86,6 +86,10 @@ Result<void> Replayer::begin() {
 
 Diagnostics Replayer::unrecorded_inputs() const {
   Diagnostics missing;
+  if (scenario_.joystick && !inputs_.has_joystick())
+    missing.push_back(
+        in_trace(trace_, error("the run has a joystick, but what it did was not recorded: there is no /joy",
+                               "record the scenario again")));
   for (const HostedController& hosted : host_.controllers()) {
     if (!hosted.running) continue;
     const Model& model = *scenario_.bodies[hosted.body].model;

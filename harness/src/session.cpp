@@ -105,6 +105,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
 
 void Session::Impl::sense(std::int64_t tick) {
   seen = world->sense();
+  if (scenario.joystick) seen.joystick = scenario.joystick->at(time_of(tick, scenario.time_step));
   if (vision) vision->look(tick, seen);
 }
 

@@ -15,6 +15,7 @@ rehearse_add_test(session_tests LABEL sim
   SOURCES
     session/actuation_test.cpp
     session/failures_test.cpp
+    session/joystick_test.cpp
     session/lifecycle_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
@@ -24,7 +25,7 @@ target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_contro
 
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/devices.cpp controllers/failures.cpp controllers/inputs.cpp
-  controllers/lifecycle.cpp)
+  controllers/joysticks.cpp controllers/lifecycle.cpp)
 target_link_libraries(Behaviours PRIVATE rehearse_flags)
 add_test_controller(HingePd controllers/HingePd.cpp)
 add_test_controller(HingePdChanged controllers/HingePd.cpp)

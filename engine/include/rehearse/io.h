@@ -1,11 +1,12 @@
 // Observation and Command: all that goes from a robot to its controllers in one tick, and all that comes back.
 //
 // This is the one boundary. World produces an Observation and takes a Command; a recording is made of both; a replay
-// feeds recorded Observations to the same code and compares Commands. Whatever a controller can read of a robot is in here.
-// World frame unless said otherwise; SI units.
+// feeds recorded Observations to the same code and compares Commands. Whatever a controller can read of a robot, and of
+// the person at its joystick, is in here. World frame unless said otherwise; SI units.
 #pragma once
 
 #include <rehearse/image.h>
+#include <rehearse/joystick.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -53,7 +54,8 @@ struct BodyObservation {
 
 /// The state at the beginning of a tick.
 struct Observation {
-  std::vector<BodyObservation> bodies;  // in scenario order
+  std::vector<BodyObservation> bodies;      // in scenario order
+  std::optional<JoystickReading> joystick;  // one for all controllers; nullopt: there is none
 };
 
 /// What drives a joint: bits, so that a later step may combine them.
