@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/clock.h>
 #include <rehearse/controller_bench.h>
 #include <rehearse/test_support.h>
@@ -25,11 +26,10 @@ std::size_t numbers_of(const Device& device) {
 }
 
 /// Names are few here: all of them are told.
-[[noreturn]] void unknown(std::string_view what, std::string_view name, const std::vector<std::string>& names) {
-  std::string known;
-  for (const std::string& other : names) known += (known.empty() ? "" : ", ") + other;
-  throw std::out_of_range(
-      fmt::format("the model has no {} \"{}\"; it has {}", what, name, known.empty() ? "none" : known));
+template <class Names>
+[[noreturn]] void unknown(std::string_view owner, std::string_view what, std::string_view name, const Names& names) {
+  throw std::out_of_range(fmt::format("the {} has no {} \"{}\"; it has {}", owner, what, name,
+                                      names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 }  // namespace
@@ -42,6 +42,8 @@ struct ControllerBench::Impl {
   std::vector<BenchLink> links;                         // by link index
   std::vector<BenchDevice> devices;                     // by device index
   std::vector<std::shared_ptr<const Image>> delivered;  // by device index: the last picture that was handed over
+  std::array<double, joystick_axes.size()> axes{};
+  std::array<bool, joystick_buttons.size()> buttons{};
   std::vector<std::string> messages;
   std::int64_t ticks = 0;
 
@@ -49,6 +51,8 @@ struct ControllerBench::Impl {
   void set_up(const std::string& library, const std::string& model_file, const BenchOptions& options);
   void observe();
   void observe_device(std::size_t index);
+  void observe_joystick();
+  void require_joystick(std::string_view what) const;
   void read_outputs();
   void check();
 };
@@ -85,6 +89,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   controller.name = controller.library = library;
   controller.options = options.options;
   controller.place.file = "ControllerBench";
+  if (options.joystick) scenario.joystick.emplace();
 
   seen = initial_observation(scenario);
   for (const JointReading& joint : seen.bodies[0].joints) joints.push_back({joint.q, 0.0, 0.0, 0.0, joint.q, 0.0});
@@ -122,6 +127,22 @@ void ControllerBench::Impl::observe() {
                      link.acceleration, link.angular_acceleration};
   }
   for (std::size_t i = 0; i < devices.size(); ++i) observe_device(i);
+  if (seen.joystick) observe_joystick();
+}
+
+void ControllerBench::Impl::observe_joystick() {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!(axes[i] >= lowest_position(i) && axes[i] <= 1.0))
+      throw std::invalid_argument(
+          fmt::format("axis \"{}\" is at {}, but it goes from {} to 1", joystick_axes[i], axes[i], lowest_position(i)));
+    seen.joystick->axes[i] = static_cast<float>(axes[i]);
+  }
+  seen.joystick->buttons = buttons;
+}
+
+void ControllerBench::Impl::require_joystick(std::string_view what) const {
+  if (!seen.joystick)
+    throw std::logic_error(fmt::format("there is no {}: the options of the bench say that there is no joystick", what));
 }
 
 void ControllerBench::Impl::observe_device(std::size_t index) {
@@ -175,7 +196,7 @@ BenchJoint& ControllerBench::joint(std::string_view name) {
   if (link >= 0 && model.links[link].joint.id >= 0) return impl_->joints[model.links[link].joint.id];
   std::vector<std::string> names;
   for (const int moved : model.joints) names.push_back(model.links[moved].joint.name);
-  unknown("joint", name, names);
+  unknown("model", "joint", name, names);
 }
 
 BenchLink& ControllerBench::link(std::string_view name) {
@@ -184,7 +205,7 @@ BenchLink& ControllerBench::link(std::string_view name) {
   if (link >= 0) return impl_->links[link];
   std::vector<std::string> names;
   for (const Link& other : model.links) names.push_back(other.name);
-  unknown("link", name, names);
+  unknown("model", "link", name, names);
 }
 
 BenchDevice& ControllerBench::device(std::string_view name) {
@@ -193,7 +214,19 @@ BenchDevice& ControllerBench::device(std::string_view name) {
   if (device >= 0) return impl_->devices[device];
   std::vector<std::string> names;
   for (const Device& other : model.devices) names.push_back(other.name);
-  unknown("device", name, names);
+  unknown("model", "device", name, names);
+}
+
+double& ControllerBench::axis(std::string_view name) {
+  impl_->require_joystick("axis");
+  if (const auto axis = find_control(joystick_axes, name)) return impl_->axes[*axis];
+  unknown("joystick", "axis", name, joystick_axes);
+}
+
+bool& ControllerBench::button(std::string_view name) {
+  impl_->require_joystick("button");
+  if (const auto button = find_control(joystick_buttons, name)) return impl_->buttons[*button];
+  unknown("joystick", "button", name, joystick_buttons);
 }
 
 void ControllerBench::update_links() {

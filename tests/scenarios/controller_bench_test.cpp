@@ -2,11 +2,16 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+#include <memory>
 #include <stdexcept>
+
+#include "session/runs.h"
 
 namespace {
 
 using rehearse::ControllerBench;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 std::string sr1() { return std::string(FIXTURES_DIR) + "/models/sr1.urdf"; }
@@ -67,6 +72,82 @@ TEST(ControllerBench, MovesLinksByTheJointsIfAsked) {
   const Eigen::Vector3d knee = bench.link("RLEG_KNEE").position;
   // the shank, 0.3 m long, points backwards now
   EXPECT_LT((bench.link("RLEG_ANKLE_P").position - (knee + Eigen::Vector3d(-0.3, 0.0, 0.0))).norm(), 1e-12);
+}
+
+class SteeredBench : public rehearse::RunTest {
+ protected:
+  /// A controller that commands SHOULDER the position of L_STICK_V, 10 for button A, 100 times that of R_TRIGGER.
+  std::unique_ptr<ControllerBench> steered(bool joystick = true) const {
+    rehearse::BenchOptions options;
+    options.options = "steer";
+    options.joystick = joystick;
+    return std::make_unique<ControllerBench>("Behaviours", path("rig.urdf").string(), options);
+  }
+};
+
+TEST_F(SteeredBench, HasAJoystickThatNobodyTouches) {
+  const auto bench = steered();
+  EXPECT_THAT(bench->messages(), Contains("ready, 8 axes, 11 buttons"));
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, 0.0);
+}
+
+TEST_F(SteeredBench, HoldsWhatATestDoesWithTheJoystick) {
+  const auto bench = steered();
+  bench->axis("L_STICK_V") = -0.5;
+  bench->button("A") = true;
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, 9.5);
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, 9.5);
+  bench->button("A") = false;
+  bench->axis("7") = 1.0;  // R_TRIGGER
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, 99.5);
+}
+
+TEST_F(SteeredBench, RoundsPositionsAsARecordingDoes) {
+  const auto bench = steered();
+  bench->axis("L_STICK_V") = 0.3;
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, static_cast<double>(0.3f));
+}
+
+TEST_F(SteeredBench, RefusesAnAxisWhereItCannotBe) {
+  const auto bench = steered();
+  bench->axis("L_STICK_V") = -1.5;
+  EXPECT_THAT(thrown_by([&] { bench->tick(); }), HasSubstr("axis \"L_STICK_V\" is at -1.5, but it goes from -1 to 1"));
+  bench->axis("L_STICK_V") = 0.0;
+  bench->axis("L_TRIGGER") = -0.5;
+  EXPECT_THAT(thrown_by([&] { bench->tick(); }), HasSubstr("axis \"L_TRIGGER\" is at -0.5, but it goes from 0 to 1"));
+  bench->axis("L_TRIGGER") = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(bench->tick(), std::invalid_argument);
+}
+
+TEST_F(SteeredBench, NamesTheControlsThereAreToWhoeverAsksForAnother) {
+  const auto bench = steered();
+  EXPECT_THAT(thrown_by([&] { bench->axis("A"); }),
+              HasSubstr("the joystick has no axis \"A\"; it has L_STICK_H, L_STI"));
+  EXPECT_THAT(thrown_by([&] { bench->button("FIRE"); }),
+              HasSubstr("the joystick has no button \"FIRE\"; it has A, B, X"));
+}
+
+TEST_F(SteeredBench, HasNoJoystickIfTheTestSaysSo) {
+  const auto bench = steered(false);
+  EXPECT_THAT(bench->messages(), Contains("not ready, 0 axes, 0 buttons"));
+  EXPECT_THROW(bench->axis("L_STICK_V"), std::logic_error);
+  EXPECT_THAT(thrown_by([&] { bench->button("A"); }), HasSubstr("the bench say that there is no joystick"));
+}
+
+TEST_F(SteeredBench, KeepsItsJoystickToItselfBesideAnother) {
+  const auto left = steered(), right = steered(), none = steered(false);
+  left->axis("L_STICK_V") = -1.0;
+  right->axis("L_STICK_V") = 1.0;
+  for (int i = 0; i < 2; ++i)
+    for (const auto* bench : {&left, &right, &none}) (*bench)->tick();
+  EXPECT_EQ(left->joint("SHOULDER").u, -1.0);
+  EXPECT_EQ(right->joint("SHOULDER").u, 1.0);
+  EXPECT_EQ(none->joint("SHOULDER").u, 0.0);
 }
 
 }  // namespace

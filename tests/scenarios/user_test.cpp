@@ -14,6 +14,8 @@ TEST(Walker, LeansIntoASlope) {
   bench.joint("ANKLE").q = 0.1;  // [rad]
   bench.device("GYRO").values = {0.0, 0.0, 0.1};
   bench.link("BASE").position.z() = 0.7;
+  bench.axis("L_STICK_V") = -1.0;
+  bench.button("A") = true;
   bench.tick();
   EXPECT_NEAR(bench.joint("ANKLE").u, 12.0, 1e-9);  // [N·m]
 }

@@ -5,6 +5,7 @@
 //   bench.joint("ANKLE").q = 0.1;                    // [rad]
 //   bench.tick();
 //   EXPECT_NEAR(bench.joint("ANKLE").u, 12.0, 1e-9);  // [N·m]
+//   bench.axis("L_STICK_V") = -1.0;                   // a person pushes the stick forward
 //
 // What a test doesn't set stays: joints, links and sensors are at rest where the options put them, and nothing moves by
 // itself, whatever is commanded. The controller sees only what it enabled in initialize(), which runs in the
@@ -60,6 +61,7 @@ struct BenchOptions {
   std::string options;                   // the controller's option string
   std::map<std::string, double> joints;  // displacement at the beginning, by name [rad] or [m]; 0 for all others
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the root link at the beginning [m]
+  bool joystick = true;                                // there is one; nobody touches it until the test does
 };
 
 class ControllerBench {
@@ -76,12 +78,17 @@ class ControllerBench {
   BenchLink& link(std::string_view name);
   BenchDevice& device(std::string_view name);
 
+  // The joystick, by the names (or the numbers) that a scenario uses. What is set is held. std::logic_error if the
+  // options say that there is none.
+  double& axis(std::string_view name);  // -1 to 1, up and left negative; triggers 0 to 1; rounded to single precision
+  bool& button(std::string_view name);  // pressed
+
   /// Puts all links where the root link's pose and the joints' q say; at rest.
   void update_links();
 
   /// Inputs, control(), outputs; then time advances by one step. Returns what control() returned. Throws
   /// std::runtime_error if the controller throws, crashes or hangs, std::invalid_argument if a sensor has a wrong
-  /// number of values.
+  /// number of values, or an axis is where it can't be.
   bool tick();
 
   /// Time that the controller sees in the next tick [s].
