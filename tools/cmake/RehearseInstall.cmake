@@ -14,7 +14,7 @@ install(TARGETS ${libraries} EXPORT RehearseTargets
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS SR1MinimumController LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers)
+install(TARGETS ${REHEARSE_SAMPLES} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers)
 
 install(EXPORT RehearseTargets NAMESPACE Rehearse:: DESTINATION ${package_folder})
 configure_package_config_file(tools/cmake/RehearseConfig.cmake.in ${CMAKE_BINARY_DIR}/RehearseConfig.cmake
