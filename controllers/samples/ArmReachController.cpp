@@ -1,0 +1,117 @@
+// Brings the tool of an arm to one pose after another: inverse kinematics says where the joints have to be, a smooth
+// trajectory brings them there, and the pose that the tool then has is compared with the one that was asked for.
+//
+// Inverse kinematics moves the body that it works on, so it has a copy. Of a target that can't be reached a message is
+// written, and the arm stays for as long as it would have travelled.
+//
+// Options: the targets, each "X Y Z ROLL PITCH YAW" in quotes, [m] and [deg], in the world frame.
+
+#include <algorithm>
+#include <cnoid/EigenUtil>
+#include <cnoid/JointPath>
+#include <cnoid/SimpleController>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+constexpr double travel_time = 0.8;  // [s]
+constexpr double leg_time = 1.0;     // until the tool is measured, and the next leg begins [s]
+
+/// From 0 to 1, with neither speed nor acceleration at the ends.
+double smooth(double s) { return s * s * s * (10.0 + s * (-15.0 + s * 6.0)); }
+
+class ArmReachController : public cnoid::SimpleController {
+ public:
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io_ = io;
+    body_ = io->body();
+    tool_ = body_->link("TOOL");
+    if (!tool_ || !read_targets()) {
+      io->os() << io->controllerName() << " needs a link TOOL, and targets \"X Y Z ROLL PITCH YAW\" as options\n";
+      return false;
+    }
+    for (cnoid::Link* joint : body_->joints()) {
+      joint->setActuationMode(JointDisplacement);
+      io->enableIO(joint);
+      to_.push_back(joint->q());
+    }
+    io->enableInput(tool_, LinkPosition);
+    thought_ = body_->clone();
+    path_ = cnoid::JointPath::getCustomPath(thought_->rootLink(), thought_->link("TOOL"));
+    path_->setIkJointLimitEnabled(true);
+    return true;
+  }
+
+  bool start() override {
+    begin_leg();
+    return true;
+  }
+
+  bool control() override {
+    if (io_->currentTime() >= leg_began_ + leg_time && leg_ < targets_.size()) {
+      if (is_on_its_way_) tell_deviation();
+      ++leg_;
+      leg_began_ = io_->currentTime();
+      begin_leg();
+    }
+    const double share = smooth(std::min((io_->currentTime() - leg_began_) / travel_time, 1.0));
+    for (cnoid::Link* joint : body_->joints()) {
+      const auto id = static_cast<std::size_t>(joint->jointId());
+      joint->q_target() = from_[id] + share * (to_[id] - from_[id]);
+    }
+    return leg_ < targets_.size();
+  }
+
+ private:
+  bool read_targets() {
+    for (const std::string& option : io_->options()) {
+      cnoid::Vector6 numbers;
+      if (!cnoid::toVector6(option, numbers)) return false;
+      cnoid::Isometry3 target = cnoid::Isometry3::Identity();
+      target.translation() = numbers.head<3>();
+      target.linear() = cnoid::rotFromRpy(cnoid::radian(cnoid::Vector3(numbers.tail<3>())));
+      targets_.push_back(target);
+    }
+    return !targets_.empty();
+  }
+
+  /// From where the last leg ended.
+  void begin_leg() {
+    from_ = to_;
+    if (leg_ == targets_.size()) return;
+    for (std::size_t id = 0; id < from_.size(); ++id) thought_->joint(static_cast<int>(id))->q() = from_[id];
+    path_->calcForwardKinematics();
+    is_on_its_way_ = path_->calcInverseKinematics(targets_[leg_]);
+    if (!is_on_its_way_) {
+      const cnoid::Vector3 place = targets_[leg_].translation();
+      io_->os() << "target " << leg_ + 1 << " at " << cnoid::str(place) << " m is out of reach: the arm stays\n";
+      return;
+    }
+    for (cnoid::Link* joint : path_->joints()) to_[static_cast<std::size_t>(joint->jointId())] = joint->q();
+  }
+
+  void tell_deviation() {
+    const cnoid::Isometry3 deviation = targets_[leg_].inverse() * tool_->T();
+    io_->os() << "target " << leg_ + 1 << " reached within " << 1000.0 * deviation.translation().norm() << " mm and "
+              << cnoid::degree(cnoid::omegaFromRot(deviation.linear()).norm()) << " deg\n";
+  }
+
+  cnoid::SimpleControllerIO* io_ = nullptr;
+  cnoid::BodyPtr body_;
+  cnoid::Link* tool_ = nullptr;
+  cnoid::BodyPtr thought_;  // where the arm would be
+  std::shared_ptr<cnoid::JointPath> path_;
+  std::vector<cnoid::Isometry3> targets_;
+  std::size_t leg_ = 0;  // the target that it goes to
+  bool is_on_its_way_ = false;
+  double leg_began_ = 0.0;    // [s]
+  std::vector<double> from_;  // joint displacements at the ends of the leg [rad]
+  std::vector<double> to_;
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(ArmReachController)
