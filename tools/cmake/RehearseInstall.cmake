@@ -15,7 +15,7 @@ install(TARGETS ${libraries} EXPORT RehearseTargets
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS ${REHEARSE_SAMPLES} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers)
-install(FILES fixtures/motions/sr1_squat.seq DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion)
+install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion)
 
 install(EXPORT RehearseTargets NAMESPACE Rehearse:: DESTINATION ${package_folder})
 configure_package_config_file(tools/cmake/RehearseConfig.cmake.in ${CMAKE_BINARY_DIR}/RehearseConfig.cmake
