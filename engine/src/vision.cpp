@@ -1,10 +1,9 @@
-#include <rehearse/clock.h>
 #include <rehearse/vision.h>
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <deque>
+
+#include "capture_cycle.h"
 
 namespace rehearse {
 namespace {
@@ -16,11 +15,6 @@ Isometry3d pose_of(const LinkReading& link) {
   pose.linear() = link.rotation.toRotationMatrix();
   pose.translation() = link.position;
   return pose;
-}
-
-/// First tick at or after `time`, which may be off by the rounding of its own computation.
-std::int64_t tick_at_or_after(double time, double time_step) {
-  return static_cast<std::int64_t>(std::ceil(time / time_step - 1e-9));
 }
 
 /// A depth camera's resolution: 13 significant bits, an error of at most 1/16384 of the distance (at 1 m: 0.06 mm). The
@@ -35,29 +29,19 @@ void round_to_resolution(DepthImage& depth) {
 }
 
 struct Picture {
-  std::int64_t captured = 0;  // tick
-  std::int64_t arrives = 0;   // tick
   std::shared_ptr<const Image> color;
   std::shared_ptr<const DepthImage> depth;
 };
 
-/// One camera and its pictures on the way.
 struct ActiveCamera {
   int body = 0;
   int device = 0;
-  double period = 0.0;  // [s]
-  bool on = true;
-  std::int64_t first_tick = 0;  // of its current series of captures
-  std::int64_t captures = 0;    // done in this series
-  std::deque<Picture> under_way;
-  Picture current;
-  bool cleared = false;  // it was just switched off
+  CaptureCycle<Picture> cycle;
 };
 
 }  // namespace
 
 struct Vision::Impl {
-  double time_step = 0.0;
   std::vector<std::shared_ptr<const Model>> models;
   std::vector<ActiveCamera> cameras;
   std::unique_ptr<Renderer> renderer;
@@ -68,7 +52,7 @@ struct Vision::Impl {
 
   void add_shapes();
   void place(const Observation& observation);
-  void capture(ActiveCamera& camera, std::int64_t tick, const Observation& observation);
+  Picture capture(const ActiveCamera& camera, const Observation& observation);
 };
 
 Vision::Vision() : impl_(std::make_unique<Impl>()) {}
@@ -80,7 +64,6 @@ Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std
   if (!renderer) return renderer.errors();
   std::unique_ptr<Vision> vision(new Vision);
   Impl& impl = *vision->impl_;
-  impl.time_step = time_step;
   impl.models = std::move(models);
   impl.renderer = std::move(*renderer);
   impl.add_shapes();
@@ -88,10 +71,7 @@ Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std
     for (std::size_t device = 0; device < impl.models[body]->devices.size(); ++device) {
       const auto* camera = std::get_if<Camera>(&impl.models[body]->devices[device].kind);
       if (!camera || !active[body][device]) continue;
-      ActiveCamera& added = impl.cameras.emplace_back();
-      added.body = static_cast<int>(body);
-      added.device = static_cast<int>(device);
-      added.period = 1.0 / std::max(0.1, camera->frame_rate);  // Choreonoid's longest period is 10 s
+      impl.cameras.push_back({static_cast<int>(body), static_cast<int>(device), {camera->frame_rate, time_step}});
     }
   }
   return vision;
@@ -110,52 +90,36 @@ void Vision::Impl::place(const Observation& observation) {
     renderer->set_link_pose(shape.number, pose_of(observation.bodies[shape.body].links[shape.link]));
 }
 
-void Vision::Impl::capture(ActiveCamera& camera, std::int64_t tick, const Observation& observation) {
+Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& observation) {
   const Device& device = models[camera.body]->devices[camera.device];
   const Isometry3d pose = pose_of(observation.bodies[camera.body].links[device.link]) * device.pose;
   Frame frame = renderer->draw(std::get<Camera>(device.kind), pose);
   Picture picture;
-  picture.captured = tick;
-  picture.arrives = tick + std::max<std::int64_t>(1, tick_at_or_after(std::min(camera.period, 1.0), time_step));
   picture.color = std::make_shared<const Image>(std::move(frame.color));
   round_to_resolution(frame.depth);
   if (!frame.depth.meters.empty()) picture.depth = std::make_shared<const DepthImage>(std::move(frame.depth));
-  camera.under_way.push_back(std::move(picture));
-  ++camera.captures;
+  return picture;
 }
 
 void Vision::look(std::int64_t tick, Observation& observation) {
   bool placed = false;
   for (ActiveCamera& camera : impl_->cameras) {
     DeviceReading& reading = observation.bodies[camera.body].devices[camera.device];
-    reading.fresh = camera.cleared;
-    camera.cleared = false;
-    if (!camera.under_way.empty() && camera.under_way.front().arrives <= tick) {
-      camera.current = std::move(camera.under_way.front());
-      camera.under_way.pop_front();
-      reading.fresh = true;
-    }
-    reading.measured_at = time_of(camera.current.captured, impl_->time_step);
-    reading.image = camera.current.color;
-    reading.depth = camera.current.depth;
-    const double due = static_cast<double>(camera.captures) * camera.period;
-    if (!camera.on || tick - camera.first_tick < tick_at_or_after(due, impl_->time_step)) continue;
+    reading.fresh = camera.cycle.deliver(tick);
+    reading.measured_at = camera.cycle.captured_at();
+    reading.image = camera.cycle.current().color;
+    reading.depth = camera.cycle.current().depth;
+    if (!camera.cycle.is_due(tick)) continue;
     if (!placed) impl_->place(observation);
     placed = true;
-    impl_->capture(camera, tick, observation);
+    camera.cycle.capture(tick, impl_->capture(camera, observation));
   }
 }
 
 void Vision::switch_cameras(std::int64_t tick, const Command& command) {
   for (ActiveCamera& camera : impl_->cameras) {
     const DeviceCommand& wanted = command.bodies[camera.body].devices[camera.device];
-    if (!wanted.fresh || wanted.on == camera.on) continue;
-    camera.on = wanted.on;
-    camera.under_way.clear();
-    camera.current = {};
-    camera.cleared = !wanted.on;
-    camera.first_tick = tick + 1;
-    camera.captures = 0;
+    if (wanted.fresh) camera.cycle.switch_to(wanted.on, tick);
   }
 }
 

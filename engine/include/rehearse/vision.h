@@ -1,9 +1,9 @@
 // Vision: the cameras of a world's bodies, when they look and when their pictures arrive.
 //
 // A camera that is on captures at tick 0 and then at the first tick at or after each multiple of its period; a picture
-// arrives one period later, at the first tick at or after it (Choreonoid's vision cycle, in its form that always
-// waits). Example: 30 Hz at 1 ms: captured at tick 0, seen by controllers at tick 34, captured again at tick 34. All of
-// it follows from the tick number alone. Drawing is done here too; needs OSMesa.
+// arrives one period later, but no more than a second, at the first tick at or after it (Choreonoid's vision cycle, in
+// its form that always waits). Example: 30 Hz at 1 ms: captured at tick 0, seen by controllers at tick 34, captured
+// again at tick 34. All of it follows from the tick number alone. Drawing is done here too; needs OSMesa.
 #pragma once
 
 #include <rehearse/diagnostic.h>

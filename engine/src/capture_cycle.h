@@ -1,0 +1,83 @@
+// CaptureCycle: when a vision sensor captures, and when what it captured arrives. Private to the engine.
+//
+// A sensor that is on captures at tick 0 and then at the first tick at or after each multiple of its period; a capture
+// arrives one period later, but no more than a second, at the first tick at or after it (Choreonoid's vision cycle, in
+// its form that always waits). All of it follows from the tick number alone.
+#pragma once
+
+#include <rehearse/clock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <utility>
+
+namespace rehearse {
+
+/// `Capture` is what one capture gives; a default one is nothing.
+template <class Capture>
+class CaptureCycle {
+ public:
+  /// `rate` [Hz], `time_step` [s]
+  CaptureCycle(double rate, double time_step)
+      : period_(1.0 / std::max(0.1, rate)),  // Choreonoid's longest period is 10 s
+        time_step_(time_step) {}
+
+  /// What arrives at this tick becomes current(). True if that is news: a capture has arrived, or was taken away.
+  bool deliver(std::int64_t tick) {
+    bool news = std::exchange(cleared_, false);
+    if (!under_way_.empty() && under_way_.front().arrives <= tick) {
+      current_ = std::move(under_way_.front());
+      under_way_.pop_front();
+      news = true;
+    }
+    return news;
+  }
+  const Capture& current() const { return current_.what; }
+  double captured_at() const { return time_of(current_.captured, time_step_); }  // [s]
+
+  /// Whether the sensor captures at this tick. Then capture() takes what it sees.
+  bool is_due(std::int64_t tick) const {
+    return on_ && tick - first_tick_ >= tick_at_or_after(static_cast<double>(captures_) * period_);
+  }
+  void capture(std::int64_t tick, Capture what) {
+    const std::int64_t latency = std::max<std::int64_t>(1, tick_at_or_after(std::min(period_, 1.0)));
+    under_way_.push_back({tick, tick + latency, std::move(what)});
+    ++captures_;
+  }
+
+  /// In this tick. Off: what it captured is taken away. On again: it captures at the next tick.
+  void switch_to(bool on, std::int64_t tick) {
+    if (on == on_) return;
+    on_ = on;
+    under_way_.clear();
+    current_ = {};
+    cleared_ = !on;
+    first_tick_ = tick + 1;
+    captures_ = 0;
+  }
+
+ private:
+  struct Arrival {
+    std::int64_t captured = 0;  // tick
+    std::int64_t arrives = 0;   // tick
+    Capture what{};
+  };
+
+  /// First tick at or after `time`, which may be off by the rounding of its own computation.
+  std::int64_t tick_at_or_after(double time) const {
+    return static_cast<std::int64_t>(std::ceil(time / time_step_ - 1e-9));
+  }
+
+  double period_;     // [s]
+  double time_step_;  // [s]
+  bool on_ = true;
+  bool cleared_ = false;         // it was just switched off
+  std::int64_t first_tick_ = 0;  // of its current series of captures
+  std::int64_t captures_ = 0;    // done in this series
+  std::deque<Arrival> under_way_;
+  Arrival current_;
+};
+
+}  // namespace rehearse
