@@ -9,6 +9,7 @@ rehearse_add_library(model
   src/pinhole.cpp
   src/rigid_groups.cpp
   src/urdf.cpp
+  src/urdf_cameras.cpp
   src/urdf_devices.cpp
   src/urdf_dynamics.cpp
   src/urdf_findings.cpp
@@ -16,6 +17,7 @@ rehearse_add_library(model
   src/urdf_links.cpp
   src/urdf_materials.cpp
   src/urdf_mimics.cpp
+  src/urdf_range_sensors.cpp
   src/urdf_referee.cpp
   src/urdf_schema.cpp
   src/urdf_text.cpp

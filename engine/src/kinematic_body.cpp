@@ -55,7 +55,7 @@ void KinematicBody::create_shapes(dWorldID world) {
         bodies_[i] = dBodyCreate(world);
         dBodySetKinematic(bodies_[i]);
       }
-      const dGeomID geom = add_shape(shape.geometry, belt);
+      const dGeomID geom = add_shape(static_cast<int>(i), shape.geometry, belt);
       dGeomSetBody(geom, bodies_[i]);
       dGeomSetOffsetPosition(geom, shape.pose.translation().x(), shape.pose.translation().y(),
                              shape.pose.translation().z());
@@ -142,7 +142,7 @@ void KinematicBody::observe(BodyObservation& observation, const Vector3d& gravit
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
     const Device& device = model().devices[i];
     DeviceReading& reading = observation.devices[i];
-    if (std::holds_alternative<Camera>(device.kind)) continue;
+    if (value_count(device) == 0) continue;
     reading.fresh = stepped;
     if (std::holds_alternative<ForceSensor>(device.kind))
       reading.values.assign(6, 0.0);  // nothing acts on it

@@ -1,5 +1,6 @@
 #include <rehearse/model.h>
 
+#include <cmath>
 #include <utility>
 
 namespace rehearse {
@@ -79,8 +80,38 @@ std::string_view type_name(const Device& device) {
     std::string_view operator()(const Accelerometer&) const { return "AccelerationSensor"; }
     std::string_view operator()(const Imu&) const { return "Imu"; }
     std::string_view operator()(const Camera& camera) const { return camera.depth ? "RangeCamera" : "Camera"; }
+    std::string_view operator()(const RangeSensor&) const { return "RangeSensor"; }
   };
   return std::visit(Namer{}, device.kind);
+}
+
+int value_count(const Device& device) {
+  struct Counter {
+    int operator()(const ForceSensor&) const { return 6; }
+    int operator()(const Gyro&) const { return 3; }
+    int operator()(const Accelerometer&) const { return 3; }
+    int operator()(const Imu&) const { return 6; }
+    int operator()(const Camera&) const { return 0; }
+    int operator()(const RangeSensor&) const { return 0; }
+  };
+  return std::visit(Counter{}, device.kind);
+}
+
+std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor) {
+  std::vector<Eigen::Vector3d> ahead;  // of each yaw, level
+  for (int i = 0; i < sensor.yaw.samples; ++i) {
+    const double yaw = sensor.yaw.angle(i);
+    ahead.emplace_back(-std::sin(yaw), 0.0, -std::cos(yaw));
+  }
+  std::vector<Eigen::Vector3d> directions;
+  directions.reserve(static_cast<std::size_t>(sensor.beams()));
+  for (int i = 0; i < sensor.pitch.samples; ++i) {
+    const double pitch = sensor.pitch.angle(i);
+    const double level = std::cos(pitch), up = std::sin(pitch);
+    for (const Eigen::Vector3d& direction : ahead)
+      directions.emplace_back(level * direction.x(), up, level * direction.z());
+  }
+  return directions;
 }
 
 int Model::find_link(std::string_view link_name) const { return find_by_name(links, link_name); }

@@ -71,7 +71,7 @@ void OdeBody::create_shapes() {
     const Joint& joint = model().links[i].joint;
     const int belt = joint.type == JointType::track ? slots_[joint.id].index : -1;
     for (const Shape& shape : model().links[i].collisions) {
-      const dGeomID geom = add_shape(shape.geometry, belt);
+      const dGeomID geom = add_shape(static_cast<int>(i), shape.geometry, belt);
       const Isometry3d in_group = links_[i].in_group * shape.pose;
       if (group.body) {
         const Vector3d offset = in_group.translation() - group.center;
@@ -203,7 +203,7 @@ void OdeBody::observe(BodyObservation& observation, const Vector3d& gravity, boo
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
     const Device& device = model().devices[i];
     DeviceReading& reading = observation.devices[i];
-    if (std::holds_alternative<Camera>(device.kind)) continue;
+    if (value_count(device) == 0) continue;
     reading.fresh = stepped;
     if (std::holds_alternative<ForceSensor>(device.kind))
       reading.values.assign(wrenches_[i].data(), wrenches_[i].data() + 6);

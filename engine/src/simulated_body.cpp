@@ -1,23 +1,28 @@
 #include "simulated_body.h"
 
 #include <cmath>
+#include <utility>
 
 #include "rigid_groups.h"
 
 namespace rehearse {
 
+SimulatedBody::SimulatedBody(WorldBody description) : description_(std::move(description)) {
+  for (const GroupedLink& link : group_links(*description_.model).links) groups_.push_back(link.group);
+}
+
 SimulatedBody::~SimulatedBody() {
   for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // ODE's bodies and joints go with its world
 }
 
-dGeomID SimulatedBody::add_shape(const Geometry& geometry, int belt) {
+dGeomID SimulatedBody::add_shape(int link, const Geometry& geometry, int belt) {
   struct Maker {
     dGeomID operator()(const Box& box) const { return dCreateBox(nullptr, box.size.x(), box.size.y(), box.size.z()); }
     dGeomID operator()(const Sphere& sphere) const { return dCreateSphere(nullptr, sphere.radius); }
     dGeomID operator()(const Cylinder& c) const { return dCreateCylinder(nullptr, c.radius, c.length); }
     dGeomID operator()(const Capsule& c) const { return dCreateCapsule(nullptr, c.radius, c.length); }
   };
-  shapes_.push_back({std::visit(Maker{}, geometry), belt});
+  shapes_.push_back({std::visit(Maker{}, geometry), link, belt});
   return shapes_.back().geom;
 }
 

@@ -10,7 +10,6 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -35,12 +34,13 @@ struct Belt {
 /// A collision shape. Its geom belongs to the body.
 struct BodyShape {
   dGeomID geom = nullptr;
+  int link = 0;   // index into the model's links
   int belt = -1;  // index for SimulatedBody::belt(); -1: its surface doesn't run
 };
 
 class SimulatedBody {
  public:
-  explicit SimulatedBody(WorldBody description) : description_(std::move(description)) {}
+  explicit SimulatedBody(WorldBody description);
   virtual ~SimulatedBody();
   SimulatedBody(const SimulatedBody&) = delete;
   SimulatedBody& operator=(const SimulatedBody&) = delete;
@@ -66,14 +66,17 @@ class SimulatedBody {
   const WorldBody& description() const { return description_; }
   /// In link order, shapes in their link's order.
   const std::vector<BodyShape>& shapes() const { return shapes_; }
+  /// True if the links never move against each other.
+  bool move_together(int link, int other) const { return groups_[link] == groups_[other]; }
 
  protected:
   const Model& model() const { return *description_.model; }
   /// Makes a geom, to be placed by the caller.
-  dGeomID add_shape(const Geometry& geometry, int belt = -1);
+  dGeomID add_shape(int link, const Geometry& geometry, int belt = -1);
 
  private:
   WorldBody description_;
+  std::vector<int> groups_;  // by link index: its rigid group
   std::vector<BodyShape> shapes_;
 };
 

@@ -7,6 +7,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "beams.h"
 #include "contacts.h"
 #include "kinematic_body.h"
 #include "ode_body.h"
@@ -143,6 +144,15 @@ const Observation& World::sense() const {
     impl_->observed = true;
   }
   return impl_->observation;
+}
+
+std::vector<float> World::measure_ranges(int body, int device) const {
+  const Device& of = impl_->bodies.at(body)->description().model->devices.at(device);
+  const LinkReading& link = sense().bodies[body].links[of.link];
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = link.rotation.toRotationMatrix();
+  pose.translation() = link.position;
+  return measure_beams(std::get<RangeSensor>(of.kind), pose * of.pose, impl_->bodies, body, of.link);
 }
 
 void World::actuate(const Command& command) {

@@ -7,6 +7,7 @@
 #include <cnoid/ForceSensor>
 #include <cnoid/Imu>
 #include <cnoid/RangeCamera>
+#include <cnoid/RangeSensor>
 #include <cnoid/RateGyroSensor>
 #include <limits>
 
@@ -60,6 +61,18 @@ cnoid::DevicePtr make_camera(const Camera& camera) {
   return made;
 }
 
+cnoid::DevicePtr make_range_sensor(const RangeSensor& sensor) {
+  cnoid::RangeSensorPtr made = new cnoid::RangeSensor;
+  made->setYawRange(sensor.yaw.lower, sensor.yaw.upper);
+  made->setNumYawSamples(sensor.yaw.samples);
+  made->setPitchRange(sensor.pitch.lower, sensor.pitch.upper);
+  made->setNumPitchSamples(sensor.pitch.samples);
+  made->setMinDistance(sensor.min_distance);
+  made->setMaxDistance(sensor.max_distance);
+  made->setScanRate(sensor.scan_rate);
+  return made;
+}
+
 cnoid::DevicePtr make_device(const Device& device) {
   struct Maker {
     cnoid::DevicePtr operator()(const ForceSensor&) const { return new cnoid::ForceSensor; }
@@ -67,6 +80,7 @@ cnoid::DevicePtr make_device(const Device& device) {
     cnoid::DevicePtr operator()(const Accelerometer&) const { return new cnoid::AccelerationSensor; }
     cnoid::DevicePtr operator()(const Imu&) const { return new cnoid::Imu; }
     cnoid::DevicePtr operator()(const Camera& camera) const { return make_camera(camera); }
+    cnoid::DevicePtr operator()(const RangeSensor& sensor) const { return make_range_sensor(sensor); }
   };
   cnoid::DevicePtr made = std::visit(Maker{}, device.kind);
   made->setName(device.name);
@@ -91,6 +105,16 @@ void feed_camera(cnoid::Camera& target, const Camera& camera, const DeviceReadin
   auto points = std::make_shared<cnoid::RangeCamera::PointData>();
   points_from_depth(camera, *reading.depth, *points);
   range_camera->setPoints(points);
+}
+
+void feed_range_sensor(cnoid::RangeSensor& target, const DeviceReading& reading, double delivered_at) {
+  if (!reading.ranges) {
+    target.clearState();
+    return;
+  }
+  auto ranges = std::make_shared<cnoid::RangeSensor::RangeData>(reading.ranges->begin(), reading.ranges->end());
+  target.setRangeData(ranges);
+  target.setDelay(delivered_at - reading.measured_at);
 }
 
 }  // namespace
@@ -130,6 +154,8 @@ void set_initial_state(cnoid::Body& body, const BodyObservation& observation) {
 void feed_device(cnoid::Device& target, const Device& device, const DeviceReading& reading, double delivered_at) {
   if (const auto* camera = std::get_if<Camera>(&device.kind))
     feed_camera(static_cast<cnoid::Camera&>(target), *camera, reading, delivered_at);
+  else if (std::holds_alternative<RangeSensor>(device.kind))
+    feed_range_sensor(static_cast<cnoid::RangeSensor&>(target), reading, delivered_at);
   else
     target.readState(reading.values.data(), static_cast<int>(reading.values.size()));
 }

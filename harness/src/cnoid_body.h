@@ -19,8 +19,8 @@ void set_initial_state(cnoid::Body& body, const BodyObservation& observation);
 /// The link's pose, with the rotation matrix made from the quaternion.
 cnoid::Isometry3 pose_of(const LinkReading& link);
 
-/// Copies a reading into the controller's device: values, or picture and points. Doesn't notify.
-/// `delivered_at`: when a picture was handed over [s].
+/// Copies a reading into the controller's device: values, picture and points, or ranges. Doesn't notify.
+/// `delivered_at`: when a picture or scan was handed over [s].
 void feed_device(cnoid::Device& target, const Device& device, const DeviceReading& reading, double delivered_at);
 
 }  // namespace rehearse

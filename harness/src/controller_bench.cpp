@@ -20,9 +20,10 @@ T value_or_throw(Result<T> result) {
   return std::move(*result);
 }
 
+/// How many numbers a test may set: values, or a range sensor's distances.
 std::size_t numbers_of(const Device& device) {
-  if (std::holds_alternative<Camera>(device.kind)) return 0;
-  return std::holds_alternative<ForceSensor>(device.kind) || std::holds_alternative<Imu>(device.kind) ? 6 : 3;
+  const auto* laser = std::get_if<RangeSensor>(&device.kind);
+  return static_cast<std::size_t>(laser ? laser->beams() : value_count(device));
 }
 
 /// Names are few here: all of them are told.
@@ -153,7 +154,12 @@ void ControllerBench::Impl::observe_device(std::size_t index) {
   if (!device.values.empty() && device.values.size() != wanted)
     throw std::invalid_argument(fmt::format("device \"{}\" has {} values, but a {} has {}", described.name,
                                             device.values.size(), type_name(described), wanted));
-  reading.values = device.values;
+  reading.values.clear();
+  reading.ranges = nullptr;
+  if (!std::holds_alternative<RangeSensor>(described.kind))
+    reading.values = device.values;
+  else if (!device.values.empty())
+    reading.ranges = std::make_shared<const std::vector<float>>(device.values.begin(), device.values.end());
   reading.measured_at = time_of(ticks, scenario.time_step);
   reading.image = device.image;
   reading.depth = device.depth;

@@ -9,7 +9,9 @@ rehearse_add_test(world_tests LABEL sim
     world/kinematic_test.cpp
     world/limits_test.cpp
     world/mimic_test.cpp
+    world/range_sensor_test.cpp
     world/rigid_groups_test.cpp
+    world/scanner_test.cpp
     world/state_test.cpp
     world/tracks_test.cpp
     world/wrenches_test.cpp

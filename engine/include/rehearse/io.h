@@ -37,13 +37,14 @@ struct LinkReading {
 /// What a device says, if it said anything since the last tick.
 /// `values` by kind: ForceSensor force [N] then torque about the sensor's origin [N·m]; Gyro angular velocity [rad/s];
 /// Accelerometer specific force [m/s²]; Imu angular velocity then specific force; all in the device frame.
-/// A camera has no values but pictures.
+/// A camera has no values but pictures, a range sensor none but ranges.
 struct DeviceReading {
-  bool fresh = false;                         // new since the last tick
-  double measured_at = 0.0;                   // time of the measurement [s]; a camera's is when it captured
+  bool fresh = false;        // new since the last tick
+  double measured_at = 0.0;  // time of the measurement [s]; of a camera or range sensor: of its capture
   std::vector<double> values;
-  std::shared_ptr<const Image> image;         // null until the first frame
-  std::shared_ptr<const DepthImage> depth;    // null unless the camera measures depth
+  std::shared_ptr<const Image> image;                // null until the first frame
+  std::shared_ptr<const DepthImage> depth;           // null unless the camera measures depth
+  std::shared_ptr<const std::vector<float>> ranges;  // by beam [m], +inf for none; null until the first scan
 };
 
 struct BodyObservation {

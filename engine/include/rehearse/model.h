@@ -107,9 +107,33 @@ struct Camera {
   bool depth = false;               // also measures depth (a RangeCamera)
 };
 
-using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera>;
+/// One direction of a range sensor's grid: beams from the lower to the upper angle, both included, evenly apart. A
+/// single beam has both angles alike.
+struct Sweep {
+  double lower = 0.0;  // [rad]
+  double upper = 0.0;  // [rad]
+  int samples = 1;
 
-/// A sensor (later issues: a light, ...) fixed to a link. Models list them in document order, stably sorted by link.
+  double step() const { return samples > 1 ? (upper - lower) / (samples - 1) : 0.0; }  // [rad]
+  double angle(int sample) const { return lower + sample * step(); }                   // [rad]
+};
+
+/// A laser scanner: a grid of beams from its origin. Straight ahead is its device frame's -z, with +y up; yaw turns
+/// about +y, left is positive; then pitch about +x, up is positive (the convention of Choreonoid). Beams are numbered
+/// row by row from the lowest pitch, within a row from the lowest yaw: the right-most comes first.
+struct RangeSensor {
+  Sweep yaw;
+  Sweep pitch;
+  double min_distance = 0.1;   // what is nearer is looked through [m]
+  double max_distance = 10.0;  // what is beyond isn't seen [m]
+  double scan_rate = 10.0;     // [Hz] of simulated time
+
+  int beams() const { return yaw.samples * pitch.samples; }
+};
+
+using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor>;
+
+/// A sensor fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
   std::string name;
   int id = -1;                                             // as in the file; -1 if it gives none
@@ -131,8 +155,14 @@ bool is_linear(JointType type);
 /// "free", "fixed", "revolute", "continuous", "prismatic" or "track".
 std::string_view type_name(JointType type);
 
-/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera" or "RangeCamera".
+/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera" or "RangeSensor".
 std::string_view type_name(const Device& device);
+
+/// How many values a device measures in each step (see DeviceReading); 0 for those that measure at times of their own.
+int value_count(const Device& device);
+
+/// Unit vectors along the beams, in the sensor's device frame and in the order of their numbers.
+std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor);
 
 struct Model {
   std::string name;

@@ -3,7 +3,8 @@
 // A World is made of Models, each with a pose, and goes forward in steps of a fixed length. In: a Command (what the
 // controllers want of the joints) and pushes. Out: an Observation (what the sensors and the state say). It owns all
 // that the next step depends on, its random generator included: two worlds in one process never influence each other,
-// and the same calls give the same bits. One thread at a time. Cameras are not here: see vision.h.
+// and the same calls give the same bits. One thread at a time. Cameras are not here: see vision.h. When range sensors
+// scan is decided by scanner.h.
 //
 // Links joined by fixed joints are one rigid body for the physics; each keeps its own frame in the Observation.
 // Links of one body don't collide with each other. Contacts are found pair by pair in the order of the bodies and their
@@ -57,8 +58,13 @@ class World {
   /// The state at the beginning of the coming step. Joint sensors and inertial sensors are `fresh` after the first
   /// step; before it they read zero, as in Choreonoid. Accelerations are the change of velocity over the last step
   /// divided by its length, which for ODE's semi-implicit Euler step is the acceleration the step used (ODE reports
-  /// none). Valid until the next call of step() or restore(). Its cameras are empty.
+  /// none). Valid until the next call of step() or restore(). Its cameras and range sensors are empty.
   const Observation& sense() const;
+
+  /// What a range sensor measures now: for each beam the distance of the nearest collision shape [m], rounded to float;
+  /// +inf if there is none up to the maximum distance. Nearer than the minimum distance nothing is seen, nor a shape
+  /// that holds that point of the beam. The sensor's link, and links that fixed joints hold to it, aren't seen.
+  std::vector<float> measure_ranges(int body, int device) const;
 
   /// What drives the joints from the coming step on, until another command comes, and the external wrenches that act on
   /// the links during the coming step only. Every number in it must be finite.

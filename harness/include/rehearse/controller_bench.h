@@ -49,7 +49,8 @@ struct BenchLink {
 /// A sensor with values measures afresh in every tick; a camera delivers a picture in the tick after it was set.
 struct BenchDevice {
   /// In the device frame. Force sensor: force [N], torque [N·m] (6 numbers); gyro: angular velocity [rad/s] (3);
-  /// accelerometer: specific force [m/s²] (3); IMU: angular velocity, specific force (6). Empty: it measures nothing.
+  /// accelerometer: specific force [m/s²] (3); IMU: angular velocity, specific force (6); range sensor: distances [m],
+  /// one a beam, which the controller gets rounded to float. Empty: it measures nothing.
   std::vector<double> values;
   std::shared_ptr<const Image> image;
   std::shared_ptr<const DepthImage> depth;

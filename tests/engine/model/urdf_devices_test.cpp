@@ -52,10 +52,10 @@ TEST(UrdfSensors, CameraTypesWithDepthMeasureIt) {
 }
 
 TEST(UrdfSensors, OtherTypesAreNotedAndPassedOver) {
-  const Model model = with_sensors("<sensor name='a' type='ray'/><sensor name='b' type='ray'/>");
+  const Model model = with_sensors("<sensor name='a' type='sonar'/><sensor name='b' type='sonar'/>");
   EXPECT_TRUE(model.devices.empty());
   EXPECT_THAT(to_string(model.report),
-              HasSubstr("note: a sensor of type 'ray' is ignored, here and in 1 other places"));
+              HasSubstr("note: a sensor of type 'sonar' is ignored, here and in 1 other places"));
 }
 
 TEST(UrdfSensors, HaveAPoseInTheirLinkAndAnId) {
@@ -144,6 +144,83 @@ TEST(UrdfCamera, TurnsAnUprightAngleInPortrait) {
   const Camera eye = only_camera(with_sensors(
       camera("<vertical_fov>1.5707963267948966</vertical_fov><image><width>100</width><height>200</height></image>")));
   EXPECT_NEAR(std::tan(eye.field_of_view / 2), 0.5, 1e-15);
+}
+
+std::string laser(const std::string& horizontal, const std::string& vertical = "", const std::string& more = "",
+                  const std::string& type = "ray") {
+  const std::string element = type.ends_with("ray") ? "ray" : "lidar";
+  return "<sensor name='laser' type='" + type + "'>" + more + "<" + element + "><scan><horizontal>" + horizontal +
+         "</horizontal>" + (vertical.empty() ? "" : "<vertical>" + vertical + "</vertical>") +
+         "</scan><range><min>0.2</min><max>30</max><resolution>0.01</resolution></range></" + element + "></sensor>";
+}
+
+std::string sweep(int samples, double lower, double upper) {
+  return "<samples>" + std::to_string(samples) + "</samples><min_angle>" + std::to_string(lower) +
+         "</min_angle><max_angle>" + std::to_string(upper) + "</max_angle>";
+}
+
+const RangeSensor& only_laser(const Model& model) {
+  static const RangeSensor none;
+  if (model.devices.size() == 1) {
+    if (const auto* found = std::get_if<RangeSensor>(&model.devices[0].kind)) return *found;
+  }
+  ADD_FAILURE() << "not one range sensor";
+  return none;
+}
+
+TEST(UrdfRangeSensor, ReadsItsFigures) {
+  const Model model =
+      with_sensors(laser(sweep(181, -0.5, 1.5), sweep(3, -0.25, 0.25), "<update_rate>12.5</update_rate>"));
+  const RangeSensor& sensor = only_laser(model);
+  EXPECT_EQ(sensor.yaw.samples, 181);
+  EXPECT_EQ(sensor.yaw.lower, -0.5);
+  EXPECT_EQ(sensor.yaw.upper, 1.5);
+  EXPECT_EQ(sensor.pitch.samples, 3);
+  EXPECT_EQ(sensor.pitch.lower, -0.25);
+  EXPECT_EQ(sensor.pitch.upper, 0.25);
+  EXPECT_EQ(sensor.min_distance, 0.2);
+  EXPECT_EQ(sensor.max_distance, 30.0);
+  EXPECT_EQ(sensor.scan_rate, 12.5);
+  EXPECT_EQ(type_name(model.devices[0]), "RangeSensor");
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: <range><resolution> is ignored"));
+}
+
+TEST(UrdfRangeSensor, IsEachOfFourTypes) {
+  for (const char* type : {"ray", "gpu_ray", "lidar", "gpu_lidar"})
+    EXPECT_EQ(only_laser(with_sensors(laser(sweep(7, -1, 1), "", "", type))).yaw.samples, 7) << type;
+}
+
+TEST(UrdfRangeSensor, LooksAlongTheLinksXWithZUpToTheLastBit) {
+  const Model model = with_sensors(laser(sweep(3, -1, 1), "", "<pose>1 2 3 0 0 0</pose>"));
+  const Eigen::Matrix3d axes = model.devices.at(0).pose.linear();
+  EXPECT_EQ(axes * -Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX());  // forward
+  EXPECT_EQ(axes * Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ());   // up
+  EXPECT_EQ(model.devices[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(UrdfRangeSensor, WithoutVerticalHasOneLevelRow) {
+  const RangeSensor sensor = only_laser(with_sensors(laser(sweep(3, -1, 1))));
+  EXPECT_EQ(sensor.pitch.samples, 1);
+  EXPECT_EQ(sensor.pitch.lower, 0.0);
+  EXPECT_EQ(sensor.pitch.upper, 0.0);
+}
+
+TEST(UrdfRangeSensor, ASingleBeamLooksAlongTheMiddle) {
+  const RangeSensor sensor = only_laser(with_sensors(laser(sweep(1, -0.5, 1.0))));
+  EXPECT_EQ(sensor.yaw.lower, 0.25);
+  EXPECT_EQ(sensor.yaw.upper, 0.25);
+}
+
+TEST(UrdfRangeSensor, ResolutionMultipliesItsSamples) {
+  EXPECT_EQ(only_laser(with_sensors(laser(sweep(100, -1, 1) + "<resolution>0.5</resolution>"))).yaw.samples, 50);
+  EXPECT_EQ(only_laser(with_sensors(laser(sweep(100, -1, 1) + "<resolution>2</resolution>"))).yaw.samples, 200);
+}
+
+TEST(UrdfRangeSensor, HasNoNoiseAndSaysSo) {
+  const Model model = with_sensors(
+      "<sensor name='laser' type='ray'><ray><scan><horizontal>" + sweep(3, -1, 1) +
+      "</horizontal></scan><range><min>0</min><max>1</max></range><noise><type>gaussian</type></noise></ray></sensor>");
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: <ray><noise> is ignored"));
 }
 
 }  // namespace

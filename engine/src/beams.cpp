@@ -1,0 +1,105 @@
+#include "beams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rehearse {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A shape that beams may meet, and a sphere around it, a little larger than needed, for quick answers.
+struct Target {
+  dGeomID geom;
+  Vector3d center;  // relative to the sensor [m]
+  double radius;    // [m]
+};
+
+/// All shapes in the order of the bodies, without the sensor's own and those out of its reach.
+std::vector<Target> targets_of(const std::vector<std::unique_ptr<SimulatedBody>>& bodies, int owner, int link,
+                               const Vector3d& origin, double reach) {
+  std::vector<Target> targets;
+  for (std::size_t body = 0; body < bodies.size(); ++body) {
+    for (const BodyShape& shape : bodies[body]->shapes()) {
+      if (static_cast<int>(body) == owner && bodies[body]->move_together(shape.link, link)) continue;
+      dReal box[6];  // min x, max x, min y, max y, min z, max z
+      dGeomGetAABB(shape.geom, box);
+      const Vector3d low(box[0], box[2], box[4]), high(box[1], box[3], box[5]);
+      const Target target{shape.geom, 0.5 * (low + high) - origin, 0.5001 * (high - low).norm() + 1e-6};
+      if (target.center.norm() - target.radius <= reach) targets.push_back(target);
+    }
+  }
+  return targets;
+}
+
+/// False only if a beam from the sensor in this direction doesn't meet the shape.
+bool may_meet(const Target& target, const Vector3d& direction) {
+  const double along = target.center.dot(direction);
+  if (along < -target.radius) return false;
+  return (target.center - along * direction).squaredNorm() <= target.radius * target.radius;
+}
+
+/// Whether the point [m, world] is inside of the shape.
+bool holds(dGeomID geom, const Vector3d& point) {
+  switch (dGeomGetClass(geom)) {
+    case dSphereClass: return dGeomSpherePointDepth(geom, point.x(), point.y(), point.z()) > 0.0;
+    case dBoxClass: return dGeomBoxPointDepth(geom, point.x(), point.y(), point.z()) > 0.0;
+    case dCapsuleClass: return dGeomCapsulePointDepth(geom, point.x(), point.y(), point.z()) > 0.0;
+    case dCylinderClass: {
+      dReal radius, length;
+      dGeomCylinderGetParams(geom, &radius, &length);
+      dVector3 local;
+      dGeomGetPosRelPoint(geom, point.x(), point.y(), point.z(), local);
+      return std::hypot(local[0], local[1]) < radius && std::abs(local[2]) < 0.5 * length;
+    }
+    default: return false;
+  }
+}
+
+/// ODE's ray, as long as it is needed.
+class Ray {
+ public:
+  explicit Ray(double length) : ray_(dCreateRay(nullptr, length)) {}
+  ~Ray() { dGeomDestroy(ray_); }
+  Ray(const Ray&) = delete;
+  Ray& operator=(const Ray&) = delete;
+
+  void aim(const Vector3d& from, const Vector3d& direction) {
+    dGeomRaySet(ray_, from.x(), from.y(), from.z(), direction.x(), direction.y(), direction.z());
+  }
+  /// From the ray's beginning to the shape [m]; +inf if it doesn't meet it.
+  double distance_to(dGeomID geom) const {
+    dContactGeom hit;
+    return dCollide(ray_, geom, 1, &hit, sizeof hit) > 0 ? hit.depth : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  dGeomID ray_;
+};
+
+}  // namespace
+
+std::vector<float> measure_beams(const RangeSensor& sensor, const Eigen::Isometry3d& pose,
+                                 const std::vector<std::unique_ptr<SimulatedBody>>& bodies, int owner, int link) {
+  const Vector3d origin = pose.translation();
+  const std::vector<Target> targets = targets_of(bodies, owner, link, origin, sensor.max_distance);
+  Ray ray(sensor.max_distance - sensor.min_distance);
+  std::vector<float> distances;
+  distances.reserve(static_cast<std::size_t>(sensor.beams()));
+  for (const Vector3d& beam : beam_directions(sensor)) {
+    const Vector3d direction = pose.linear() * beam;
+    const Vector3d from = origin + sensor.min_distance * direction;
+    ray.aim(from, direction);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Target& target : targets) {
+      if (!may_meet(target, direction)) continue;
+      const double distance = sensor.min_distance + ray.distance_to(target.geom);
+      if (distance < nearest && !holds(target.geom, from)) nearest = distance;
+    }
+    distances.push_back(static_cast<float>(nearest));
+  }
+  return distances;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,70 @@
+#include "urdf_devices.h"
+
+#include <rehearse/urdf.h>
+
+#include "urdf_values.h"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <cmath>
+#include <limits>
+
+namespace rehearse::urdf {
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr double sdf_horizontal_fov = 1.047;  // [rad], SDF's default
+
+/// The same angle, seen along the other side of the picture.
+double other_field_of_view(double angle, int from, int to) {
+  return 2.0 * std::atan(std::tan(angle / 2.0) * to / from);
+}
+
+/// Camera::field_of_view from SDF's angle across or from our own upright one.
+double read_field_of_view(const XMLElement& element, const Camera& camera, Findings& findings) {
+  constexpr double most = 3.1;  // beyond it the picture's plane is all edge
+  const bool is_landscape = camera.width >= camera.height;
+  const XMLElement* upright = element.FirstChildElement("vertical_fov");
+  if (upright != nullptr && element.FirstChildElement("horizontal_fov") != nullptr) {
+    findings.error(upright->GetLineNum(), "<vertical_fov> beside <horizontal_fov>", "give one of them");
+  }
+  if (upright != nullptr) {
+    const double angle = read_positive_or(&element, "vertical_fov", 1.0, most, findings);
+    return is_landscape ? angle : other_field_of_view(angle, camera.height, camera.width);
+  }
+  const double angle = read_positive_or(&element, "horizontal_fov", sdf_horizontal_fov, most, findings);
+  return is_landscape ? other_field_of_view(angle, camera.width, camera.height) : angle;
+}
+
+}  // namespace
+
+void read_camera(const XMLElement& sensor, Camera& camera, Eigen::Isometry3d& pose, Findings& findings) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  camera.frame_rate = read_positive_or(&sensor, "update_rate", 30.0, any, findings);
+  const XMLElement* element = sensor.FirstChildElement("camera");
+  if (element == nullptr) {
+    findings.error(sensor.GetLineNum(), fmt::format("camera {} has no <camera>", in_quotes(sensor.Attribute("name"))),
+                   "<camera> holds the picture's size, the field of view and the clip distances");
+    return;
+  }
+  report_ignored(*element, {"pose", "horizontal_fov", "vertical_fov", "image", "clip"}, findings);
+  if (const XMLElement* inner = element->FirstChildElement("pose")) pose = pose * read_text_pose(*inner, findings);
+  pose.linear() = pose.linear() * device_axes();
+
+  const XMLElement* image = element->FirstChildElement("image");
+  camera.width = read_count_or(image, "width", 320, max_image_side, findings);
+  camera.height = read_count_or(image, "height", 240, max_image_side, findings);
+  camera.field_of_view = read_field_of_view(*element, camera, findings);
+
+  const XMLElement* clip = element->FirstChildElement("clip");
+  camera.near_clip = read_positive_or(clip, "near", 0.1, any, findings);
+  camera.far_clip = read_positive_or(clip, "far", 100.0, any, findings);
+  if (camera.near_clip >= camera.far_clip) {
+    findings.error((clip == nullptr ? element : clip)->GetLineNum(),
+                   fmt::format("<near> is {}, not below <far>, which is {}", camera.near_clip, camera.far_clip));
+  }
+}
+
+}  // namespace rehearse::urdf
