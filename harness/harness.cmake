@@ -9,6 +9,7 @@ rehearse_add_library(harness
   src/controller_io.cpp
   src/usable_outputs.cpp
   src/controller_library.cpp
+  src/device_recorder.cpp
   src/divergence.cpp
   src/guarded_call.cpp
   src/hashing.cpp

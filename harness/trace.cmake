@@ -14,6 +14,7 @@ rehearse_add_library(trace
   src/trace/mcap_reader.cpp
   src/trace/mcap_scan.cpp
   src/trace/mcap_order.cpp
+  src/trace/range_messages.cpp
   src/trace/ros2msg_parse.cpp
   src/trace/ros2msg_decode.cpp
   src/trace/trace_rows.cpp

@@ -361,6 +361,7 @@ std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
       if (reading.image) hash = hash_bytes(reading.image->pixels.data(), reading.image->pixels.size(), hash);
       if (reading.depth)
         hash = hash_bytes(reading.depth->meters.data(), reading.depth->meters.size() * sizeof(float), hash);
+      if (reading.ranges) hash = hash_bytes(reading.ranges->data(), reading.ranges->size() * sizeof(float), hash);
     }
   }
   return hash;

@@ -4,9 +4,11 @@
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "compare_parts.h"
 #include "hashing.h"
@@ -47,6 +49,28 @@ void describe_series(const TraceChannel& channel, std::size_t column, std::strin
   text += '\n';
 }
 
+bool is_range(const TraceColumn& column) { return column.element.starts_with("ranges/"); }
+
+/// One line for all beams of a range sensor: how near and how far they met something, and how often nothing.
+void describe_ranges(const TraceChannel& channel, std::string& text) {
+  std::size_t beams = 0, nothing = 0;
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
+  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+    if (!is_range(channel.columns[column])) continue;
+    ++beams;
+    for (std::size_t row = 0; row < channel.rows(); ++row) {
+      const double range = channel.number(row, column);
+      nothing += std::isinf(range) ? 1 : 0;
+      if (!std::isfinite(range)) continue;  // not a number: there was no scan
+      nearest = std::min(nearest, range);
+      farthest = std::max(farthest, range);
+    }
+  }
+  if (beams > 0)
+    fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams, nearest, farthest,
+                   nothing);
+}
+
 bool is_hash(const TraceColumn& column) { return column.element.ends_with("_hash"); }
 
 std::uint64_t hash_of_table(const TraceChannel& channel) {
@@ -76,7 +100,8 @@ Result<void> describe_channel(const Trace& trace, const TraceChannel& channel, s
   fmt::format_to(Out(text), "\n{} {}: {} {}, hash {}\n", channel.topic, channel.type, channel.messages(),
                  is_picture(channel) ? "pictures" : "messages", hash_text(hash));
   for (std::size_t column = 0; column < channel.columns.size(); ++column)
-    if (!is_hash(channel.columns[column])) describe_series(channel, column, text);
+    if (!is_hash(channel.columns[column]) && !is_range(channel.columns[column])) describe_series(channel, column, text);
+  describe_ranges(channel, text);
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "joint_arrays.h"
+#include "trace/range_messages.h"
 
 namespace rehearse {
 namespace {
@@ -28,6 +29,21 @@ std::vector<std::string> segments(std::string_view topic) {
     topic = slash == std::string_view::npos ? std::string_view() : topic.substr(slash);
   }
   return parts;
+}
+
+/// The distances in a LaserScan or PointCloud2; none if the sensor was switched off.
+bool decode_ranges(const std::string& topic, CdrReader& reader, msg::Header& header, std::vector<float>& ranges) {
+  if (topic.ends_with("/scan")) {
+    msg::LaserScan scan;
+    if (!msg::decode(reader, scan)) return false;
+    header = scan.header;
+    ranges = std::move(scan.ranges);
+    return true;
+  }
+  msg::PointCloud2 cloud;
+  if (!msg::decode(reader, cloud)) return false;
+  header = cloud.header;
+  return read_ranges(cloud, ranges);
 }
 
 }  // namespace
@@ -108,7 +124,8 @@ void RecordedInputs::add_link(int body, const std::string& link, const std::stri
 }
 
 void RecordedInputs::add_device(int body, int device, const std::string& kind, const mcap::Channel& channel) {
-  if (kind != "wrench" && kind != "imu" && kind != "image" && kind != "depth") return;
+  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points"};
+  if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) return;
   Feed& feed = add(channel);
   feed.kind = Feed::Kind::device;
   feed.body = body;
@@ -273,6 +290,13 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
     const msg::Wrench& w = wrench.wrench;
     reading.values = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
     reading.measured_at = measured_at(wrench.header.stamp);
+  } else if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
+    std::vector<float> ranges;
+    msg::Header header;
+    if (!decode_ranges(feed.topic, reader, header, ranges)) return mismatch();
+    if (!ranges.empty() && ranges.size() != static_cast<std::size_t>(laser->beams())) return mismatch();
+    reading.measured_at = measured_at(header.stamp);
+    reading.ranges = ranges.empty() ? nullptr : std::make_shared<const std::vector<float>>(std::move(ranges));
   } else if (!std::holds_alternative<Camera>(device.kind)) {
     msg::Imu imu;
     if (!msg::decode(reader, imu)) return mismatch();

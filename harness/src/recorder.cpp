@@ -2,21 +2,19 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/clock.h>
-#include <rehearse/png.h>
 
 #include <cmath>
 #include <cstring>
 #include <set>
 
-#include "camera_info.h"
+#include "device_recorder.h"
+#include "trace/range_messages.h"
+#include "trace_output.h"
 
 namespace rehearse {
 namespace {
 
-constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};  // large, and not compressed by themselves
 constexpr double transforms_per_second = 30.0;  // for viewers: the exact state stands in other channels
-constexpr double no_covariance = -1.0;          // ROS: "this quantity is not measured"
 
 msg::Vector3 vector(const double* v) { return {v[0], v[1], v[2]}; }
 msg::Vector3 vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -41,11 +39,9 @@ mcap::StringMap joint_metadata(const Model& model, const std::vector<int>& joint
   return metadata;
 }
 
-const mcap::StringMap wrench_units{{"unit:force", "N"}, {"unit:torque", "N·m"}};
 const mcap::StringMap pose_units{{"unit:position", "m"}, {"unit:orientation", "quaternion"}};
 const mcap::StringMap twist_units{{"unit:linear", "m/s"}, {"unit:angular", "rad/s"}};
 const mcap::StringMap acceleration_units{{"unit:linear_acceleration", "m/s²"}, {"unit:angular_acceleration", "rad/s²"}};
-const mcap::StringMap imu_units{{"unit:angular_velocity", "rad/s"}, {"unit:linear_acceleration", "m/s²"}};
 
 /// A joint message of one controller: which array holds which of its numbers.
 struct JointChannel {
@@ -77,31 +73,20 @@ struct ControllerChannels {
   std::vector<std::uint16_t> devices;  // by device index; 0: none
 };
 
-struct DeviceChannels {
-  std::uint16_t numbers = 0;
-  std::uint16_t color = 0;
-  std::uint16_t depth = 0;
-  std::uint16_t info = 0;
-};
-
 struct BodyChannels {
   std::uint16_t joints = 0, pose = 0, twist = 0;  // 0: none
   msg::JointState joint_message;
   msg::PoseStamped pose_message;
   msg::TwistStamped twist_message;
-  std::vector<DeviceChannels> devices;
+  std::vector<DeviceRecorder> devices;
 };
 
 bool root_moves(const ScenarioBody& body) { return !body.fixed && body.model->links[0].joint.type == JointType::free; }
 
 }  // namespace
 
-struct Recorder::Impl {
+struct Recorder::Impl : TraceOutput {
   const Scenario& scenario;
-  std::unique_ptr<mcap::Writer> writer;
-  RecordingSize size;
-  CdrWriter cdr;
-  std::set<std::uint16_t> known_channels;
   std::vector<BodyChannels> bodies;
   std::vector<ControllerChannels> controllers;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
@@ -111,36 +96,12 @@ struct Recorder::Impl {
   msg::TFMessage transforms;
   msg::Joy joystick_message;
 
-  explicit Impl(const Scenario& of) : scenario(of) {}
-
-  template <class T>
-  std::uint16_t channel(const std::string& topic, mcap::StringMap metadata = {},
-                        mcap::ChunkGroup group = mcap::numbers) {
-    const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
-    ++size.channels;
-    return writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
-  }
-
-  template <class T>
-  Result<void> write(std::uint16_t to, std::int64_t tick, const T& message) {
-    cdr.reset();
-    msg::encode(message, cdr);
-    ++size.messages;
-    const std::uint64_t now = nanoseconds_of(tick, scenario.time_step);
-    return writer->write(to, now, now, cdr.bytes());
-  }
-
-  msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, scenario.time_step)); }
+  explicit Impl(const Scenario& of) : TraceOutput(of.time_step), scenario(of) {}
 
   Result<void> attach_sources();
   void declare_body(const ScenarioBody& body);
-  void declare_device(const ScenarioBody& body, const Device& device, DeviceChannels& channels);
   void declare_side(const std::string& prefix, const Model& model, const IoLayout& layout, SideChannels& side);
   Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen);
-  Result<void> write_device(std::int64_t tick, const ScenarioBody& body, const Device& device,
-                            const DeviceReading& reading, const DeviceChannels& channels);
-  Result<void> write_pictures(std::int64_t tick, const std::string& frame, const Camera& camera,
-                              const DeviceReading& reading, const DeviceChannels& channels);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
   Result<void> write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values);
@@ -223,22 +184,7 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
     channels.pose_message.header.frame_id = "world";
     channels.twist_message.header.frame_id = "world";
   }
-  for (const Device& device : model.devices) declare_device(body, device, channels.devices.emplace_back());
-}
-
-void Recorder::Impl::declare_device(const ScenarioBody& body, const Device& device, DeviceChannels& channels) {
-  const std::string topic = "/" + body.name + "/" + device.name + "/";
-  const auto* camera = std::get_if<Camera>(&device.kind);
-  if (!camera) {
-    channels.numbers = std::holds_alternative<ForceSensor>(device.kind)
-                           ? channel<msg::WrenchStamped>(topic + "wrench", wrench_units)
-                           : channel<msg::Imu>(topic + "imu", imu_units);
-    return;
-  }
-  if (!scenario.record_frames || !scenario.runs_camera(body.name, device.name)) return;
-  channels.color = channel<msg::CompressedImage>(topic + "image", {{"unit", "pixels"}}, mcap::pictures);
-  channels.info = channel<msg::CameraInfo>(topic + "camera_info");
-  if (camera->depth) channels.depth = channel<msg::Image>(topic + "depth", {{"unit", "m"}}, depth_pictures);
+  for (const Device& device : model.devices) channels.devices.emplace_back(*this, scenario, body, device);
 }
 
 void Recorder::Impl::declare_side(const std::string& prefix, const Model& model, const IoLayout& layout,
@@ -305,7 +251,6 @@ Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen) 
 
 Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen) {
   BodyChannels& channels = bodies[index];
-  const ScenarioBody& body = scenario.bodies[index];
   if (channels.joints) {
     msg::JointState& message = channels.joint_message;
     const std::size_t count = seen.joints.size();
@@ -330,79 +275,35 @@ Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, co
   }
   for (std::size_t i = 0; i < seen.devices.size(); ++i) {
     if (!seen.devices[i].fresh) continue;
-    if (auto done = write_device(tick, body, body.model->devices[i], seen.devices[i], channels.devices[i]); !done)
-      return done;
+    if (auto done = channels.devices[i].write(*this, tick, seen.devices[i]); !done) return done;
   }
   return {};
 }
 
-Result<void> Recorder::Impl::write_device(std::int64_t tick, const ScenarioBody& body, const Device& device,
-                                          const DeviceReading& reading, const DeviceChannels& channels) {
-  const std::string frame = body.name + "/" + device.name;
-  if (const auto* camera = std::get_if<Camera>(&device.kind))
-    return channels.color ? write_pictures(tick, frame, *camera, reading, channels) : Result<void>();
-  const double* values = reading.values.data();
-  if (std::holds_alternative<ForceSensor>(device.kind)) {
-    msg::WrenchStamped message;
-    message.header = {stamp(tick), frame};
-    message.wrench = {vector(values), vector(values + 3)};
-    return write(channels.numbers, tick, message);
-  }
-  msg::Imu message;
-  message.header = {stamp(tick), frame};
-  message.orientation_covariance[0] = no_covariance;
-  message.angular_velocity_covariance[0] = std::holds_alternative<Accelerometer>(device.kind) ? no_covariance : 0.0;
-  message.linear_acceleration_covariance[0] = std::holds_alternative<Gyro>(device.kind) ? no_covariance : 0.0;
-  if (std::holds_alternative<Accelerometer>(device.kind)) {
-    message.linear_acceleration = vector(values);
-  } else {
-    message.angular_velocity = vector(values);
-    if (std::holds_alternative<Imu>(device.kind)) message.linear_acceleration = vector(values + 3);
-  }
-  return write(channels.numbers, tick, message);
-}
-
-Result<void> Recorder::Impl::write_pictures(std::int64_t tick, const std::string& frame, const Camera& camera,
-                                            const DeviceReading& reading, const DeviceChannels& channels) {
-  const msg::Header header{msg::Time::from_ns(static_cast<std::uint64_t>(std::llround(reading.measured_at * 1e9))),
-                           frame};
-  msg::CompressedImage color;
-  color.header = header;
-  color.format = reading.image ? "rgb8; png compressed" : "";  // no picture: the camera was switched off
-  if (reading.image) {
-    color.data = encode_png(*reading.image);
-    ++size.frames;
-  }
-  if (auto done = write(channels.color, tick, color); !done) return done;
-  msg::CameraInfo info = camera_info(camera);
-  info.header = header;
-  if (auto done = write(channels.info, tick, info); !done) return done;
-  if (!channels.depth || !reading.depth) return {};
-  msg::Image depth;
-  depth.header = header;
-  depth.width = info.width;
-  depth.height = info.height;
-  depth.encoding = "32FC1";
-  depth.step = info.width * static_cast<std::uint32_t>(sizeof(float));
-  depth.data.resize(reading.depth->meters.size() * sizeof(float));
-  std::memcpy(depth.data.data(), reading.depth->meters.data(), depth.data.size());
-  return write(channels.depth, tick, depth);
-}
-
 Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observation& seen) {
   std::size_t count = 0;
+  const auto next = [&](const std::string& frame) -> msg::Transform& {
+    if (count == transforms.transforms.size()) {
+      msg::TransformStamped& added = transforms.transforms.emplace_back();
+      added.header.frame_id = "world";
+      added.child_frame_id = frame;
+    }
+    transforms.transforms[count].header.stamp = stamp(tick);
+    return transforms.transforms[count++].transform;
+  };
   for (std::size_t b = 0; b < seen.bodies.size(); ++b) {
     const ScenarioBody& body = scenario.bodies[b];
-    for (std::size_t i = 0; i < seen.bodies[b].links.size(); ++i) {
-      if (count == transforms.transforms.size()) {
-        msg::TransformStamped& added = transforms.transforms.emplace_back();
-        added.header.frame_id = "world";
-        added.child_frame_id = body.name + "/" + body.model->links[i].name;
-      }
-      msg::TransformStamped& transform = transforms.transforms[count++];
-      const LinkReading& link = seen.bodies[b].links[i];
-      transform.header.stamp = stamp(tick);
-      transform.transform = {vector(link.position), quaternion(link.rotation.coeffs().data())};
+    const std::vector<LinkReading>& links = seen.bodies[b].links;
+    for (std::size_t i = 0; i < links.size(); ++i)
+      next(body.name + "/" + body.model->links[i].name) = {vector(links[i].position),
+                                                           quaternion(links[i].rotation.coeffs().data())};
+    for (const Device& device : body.model->devices) {
+      if (!std::holds_alternative<RangeSensor>(device.kind)) continue;
+      const LinkReading& link = links[device.link];
+      const Eigen::Vector3d place = link.position + link.rotation * device.pose.translation();
+      const Eigen::Quaterniond turn =
+          link.rotation * Eigen::Quaterniond(Eigen::Matrix3d(device.pose.linear() * scan_axes()));
+      next(scan_frame(body.name, device)) = {vector(place), quaternion(turn.coeffs().data())};
     }
   }
   return write(transform_channel, tick, transforms);

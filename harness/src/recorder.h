@@ -5,7 +5,6 @@
 // day.
 #pragma once
 
-#include <rehearse/cdr.h>
 #include <rehearse/io.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -20,6 +19,7 @@
 #include <vector>
 
 #include "controller_host.h"
+#include "trace_output.h"
 
 namespace rehearse {
 
@@ -28,14 +28,6 @@ struct TickHashes {
   std::uint64_t state = 0;
   std::uint64_t input = 0;
   std::uint64_t output = 0;
-};
-
-/// What a recording has come to.
-struct RecordingSize {
-  std::int64_t ticks = 0;
-  int channels = 0;
-  std::int64_t frames = 0;  // colour pictures
-  std::int64_t messages = 0;
 };
 
 class Recorder {
@@ -50,7 +42,7 @@ class Recorder {
 
   /// Makes the channels; the controllers' tables are fixed by now.
   void declare(const ControllerHost& host);
-  /// The state at the beginning of a tick. Cameras: pictures that arrived at this tick.
+  /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick.
   Result<void> record_state(std::int64_t tick, const Observation& seen);
   /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <rehearse/scanner.h>
 #include <rehearse/session.h>
 #include <rehearse/vision.h>
 #include <rehearse/world.h>
@@ -24,13 +25,17 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   return bodies;
 }
 
+std::vector<std::shared_ptr<const Model>> models_of(const Scenario& scenario) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const ScenarioBody& body : scenario.bodies) models.push_back(body.model);
+  return models;
+}
+
 /// Null if no camera runs: then nothing needs a renderer.
 Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
-  std::vector<std::shared_ptr<const Model>> models;
   std::vector<std::vector<bool>> active;
   bool any = false;
   for (const ScenarioBody& body : scenario.bodies) {
-    models.push_back(body.model);
     std::vector<bool>& of_body = active.emplace_back();
     for (const Device& device : body.model->devices) {
       of_body.push_back(std::holds_alternative<Camera>(device.kind) && scenario.runs_camera(body.name, device.name));
@@ -38,7 +43,7 @@ Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
     }
   }
   if (!any) return std::unique_ptr<Vision>();
-  return Vision::create(scenario.time_step, std::move(models), std::move(active));
+  return Vision::create(scenario.time_step, models_of(scenario), std::move(active));
 }
 
 /// Wrenches act for one step only.
@@ -58,6 +63,7 @@ struct Session::Impl {
   const Scenario& scenario;
   std::unique_ptr<World> world;
   std::unique_ptr<Vision> vision;  // null: no camera runs
+  std::unique_ptr<Scanner> scanner;
   std::unique_ptr<ControllerHost> host;
   std::unique_ptr<Recorder> recorder;
   std::filesystem::path file;
@@ -83,6 +89,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
       World::create({scenario.time_step, scenario.gravity, scenario.seed, scenario.solver}, world_bodies(scenario));
   if (!world) return world.errors();
   impl->world = std::move(*world);
+  impl->scanner = std::make_unique<Scanner>(*impl->world, scenario.time_step, models_of(scenario));
   auto vision = make_vision(scenario);
   if (!vision) return vision.errors();
   impl->vision = std::move(*vision);
@@ -107,6 +114,7 @@ void Session::Impl::sense(std::int64_t tick) {
   seen = world->sense();
   if (scenario.joystick) seen.joystick = scenario.joystick->at(time_of(tick, scenario.time_step));
   if (vision) vision->look(tick, seen);
+  scanner->look(tick, seen);
 }
 
 void Session::Impl::push() {
@@ -141,6 +149,7 @@ Result<bool> Session::step() {
   clear_wrenches(run.command);
   run.host->output(ControllerHost::Timing::next_step, run.command);
   if (run.vision) run.vision->switch_cameras(tick, run.command);
+  run.scanner->switch_sensors(tick, run.command);
   clear_words(run.command);
   return true;
 }

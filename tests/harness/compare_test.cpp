@@ -334,6 +334,20 @@ TEST_F(Compare, CallsNothingHitAgainstSomethingHitBeyondAnyTolerance) {
   EXPECT_FALSE(compared({depth}).within);
 }
 
+TEST_F(Compare, JudgesDistancesInMetresAndNothingByBeingNothing) {
+  actual_.ticks[1].ranges[2] = 2.001F;
+  const Comparison comparison = compared();
+  ASSERT_TRUE(comparison.first);
+  EXPECT_EQ(comparison.first->element, "ranges/2");
+  EXPECT_EQ(comparison.first->unit, "m");
+  EXPECT_EQ(comparison.first->stage, Stage::sensors);
+  ToleranceRule centimetres = rule("Robot/Laser/ranges/*");
+  centimetres.atol = 0.01;
+  EXPECT_TRUE(compared({centimetres}).within);  // the beam that met nothing met nothing again
+  actual_.ticks[1].ranges[1] = 9.0F;
+  EXPECT_FALSE(compared({centimetres}).within);
+}
+
 TEST_F(Compare, RemarksOnAnotherScenarioAndOtherLibraries) {
   actual_.scenario = "rehearse: 1\nseed: 2\n";
   actual_.provenance["rehearse"] = "0.2.0";

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::SmallTrace;
 using testing::TemporaryFolder;
 
@@ -248,6 +249,15 @@ TEST_F(Golden, DigestStatesEachSeriesForAReader) {
   EXPECT_THAT(*digest, HasSubstr("  KNEE/q [rad] first 0.5 last 0.5 min 0.5 max 0.5\n"));
   EXPECT_THAT(*digest, HasSubstr("/Robot/Eye/image sensor_msgs/msg/CompressedImage: 3 pictures, hash "));
   EXPECT_THAT(*digest, HasSubstr("  rehearse: 0.1.0\n"));
+}
+
+TEST_F(Golden, DigestTellsAllBeamsOfAScanInOneLine) {
+  SmallTrace run;
+  run.ticks[1].ranges = {0.25F, 2.0F, 2.0F};
+  const auto digest = digest_of(run.load(folder_ / "run.mcap"));
+  ASSERT_TRUE(digest);
+  EXPECT_THAT(*digest, HasSubstr("  ranges of 3 beams [m] min 0.25 max 2, nothing 2 times\n"));
+  EXPECT_THAT(*digest, Not(HasSubstr("ranges/")));
 }
 
 TEST_F(Golden, DigestChangesWithASinglePixel) {

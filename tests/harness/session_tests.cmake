@@ -17,6 +17,7 @@ rehearse_add_test(session_tests LABEL sim
     session/failures_test.cpp
     session/joystick_test.cpp
     session/lifecycle_test.cpp
+    session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
     session/traps_test.cpp

@@ -1,4 +1,4 @@
-// Recordings of three ticks, made by hand: a joint, a link, a sensor, a controller, pictures; any value can be changed.
+// Recordings of three ticks, made by hand: a joint, a link, sensors, a controller, pictures; any value can be changed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,7 @@ struct SmallTick {
   double u = 12.0;                                     // [N·m]
   Image image{4, 2, std::vector<std::uint8_t>(24, 100)};
   std::vector<float> depth{1.0F, 2.0F, 3.0F, 4.0F};
+  std::vector<float> ranges{1.0F, std::numeric_limits<float>::infinity(), 2.0F};  // [m]
 };
 
 struct SmallTrace {
@@ -111,6 +113,9 @@ inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick
            {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
   to.write("/Robot/Foot/wrench", time, msg::WrenchStamped{header, {{0.0, 0.0, tick.force}, {}}},
            {{"unit:force", "N"}, {"unit:torque", "N·m"}});
+  msg::LaserScan scan;
+  scan.ranges = tick.ranges;
+  to.write("/Robot/Laser/scan", time, scan, {{"unit:ranges", "m"}});
   msg::CompressedImage image{header, "png", encode_png(tick.image)};
   to.write("/Robot/Eye/image", time, image, {{"unit", "pixels"}});
   msg::Image depth{header, 2, 2, "32FC1", 0, 8, std::vector<std::uint8_t>(16)};

@@ -95,6 +95,13 @@ void write_all_types(const fs::path& file) {
   write_one(*writer, "/tick", 12, msg::Tick{{0, 12}, -1, ~std::uint64_t{0}, 1, 2, {true, false}});
   write_one(*writer, "/SR1/Device/state", 13, msg::DeviceState{header, {1, 2}});
   write_one(*writer, "/SR1/accelerations", 14, msg::JointAccelerations{header, {"KNEE"}, {7}});
+  msg::LaserScan scan;
+  scan.angle_min = -1.0f / 3.0f;
+  scan.ranges = {0.1f, std::numeric_limits<float>::infinity(), -0.0f};
+  write_one(*writer, "/SR1/Laser/scan", 14, scan);
+  write_one(
+      *writer, "/SR1/Laser/points", 14,
+      msg::PointCloud2{header, 1, 1, {{"range", 0, msg::PointField::float32, 1}}, false, 4, 4, {1, 2, 3, 4}, true});
   write_one(*writer, "/events", 15, msg::Event{{0, 15}, 15, "note", "SR1", "höher"});
   write_one(*writer, "/checkpoint", 16, msg::Checkpoint{{0, 16}, 16, "ode/1", {9, 8, 7}});
   write_one(*writer, "/joy", 17, msg::Joy{header, {-0.3F, 1.0F, -0.0F}, {1, 0, -7}});
@@ -148,7 +155,7 @@ TEST_F(Interop, OthersReadOurTracesBitForBit) {
   EXPECT_EQ(output.text, print_messages(file_) +
                              "attachment scenario.yaml application/yaml rehearse: 1\n"
                              "metadata provenance {\"seed\":\"0\"}\n"
-                             "statistics 17 messages, 5 chunks\n");
+                             "statistics 19 messages, 5 chunks\n");
 }
 
 TEST_F(Interop, OthersRefuseOurTracesWhenOneBitIsFlipped) {

@@ -366,6 +366,79 @@ struct Joy {
   }
 };
 
+/// Distances in one plane; angles grow to the left, about the frame's +z from its +x.
+struct LaserScan {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/LaserScan";
+  Header header;                 // stamped with the time of the scan
+  float angle_min = 0.0f;        // [rad]
+  float angle_max = 0.0f;        // [rad]
+  float angle_increment = 0.0f;  // [rad]
+  float time_increment = 0.0f;   // between beams [s]
+  float scan_time = 0.0f;        // between scans [s]
+  float range_min = 0.0f;        // [m]
+  float range_max = 0.0f;        // [m]
+  std::vector<float> ranges;     // [m]; +inf: nothing there
+  std::vector<float> intensities;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("angle_min", self.angle_min);
+    visit("angle_max", self.angle_max);
+    visit("angle_increment", self.angle_increment);
+    visit("time_increment", self.time_increment);
+    visit("scan_time", self.scan_time);
+    visit("range_min", self.range_min);
+    visit("range_max", self.range_max);
+    visit("ranges", self.ranges);
+    visit("intensities", self.intensities);
+  }
+};
+
+/// One quantity of each point of a PointCloud2.
+struct PointField {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/PointField";
+  static constexpr std::uint8_t float32 = 7;
+  std::string name;
+  std::uint32_t offset = 0;   // in the point [bytes]
+  std::uint8_t datatype = 0;  // float32 is what we write
+  std::uint32_t count = 0;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("name", self.name);
+    visit("offset", self.offset);
+    visit("datatype", self.datatype);
+    visit("count", self.count);
+  }
+};
+
+struct PointCloud2 {
+  static constexpr std::string_view type_name = "sensor_msgs/msg/PointCloud2";
+  Header header;
+  std::uint32_t height = 0;  // rows
+  std::uint32_t width = 0;   // points a row
+  std::vector<PointField> fields;
+  bool is_bigendian = false;
+  std::uint32_t point_step = 0;  // bytes a point
+  std::uint32_t row_step = 0;    // bytes a row
+  std::vector<std::uint8_t> data;
+  bool is_dense = false;  // every point is one
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("height", self.height);
+    visit("width", self.width);
+    visit("fields", self.fields);
+    visit("is_bigendian", self.is_bigendian);
+    visit("point_step", self.point_step);
+    visit("row_step", self.row_step);
+    visit("data", self.data);
+    visit("is_dense", self.is_dense);
+  }
+};
+
 /// One per tick: what makes two runs comparable at a glance.
 struct Tick {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";

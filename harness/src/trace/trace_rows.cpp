@@ -69,23 +69,41 @@ std::span<std::uint64_t> RowWriter::next_cells(std::size_t count) {
   return cells;
 }
 
-/// Widens all rows so far, the one at hand included.
+void RowWriter::put_array(std::string_view name, std::span<const float> values) {
+  if (array_size_ == 0) array_begin_ = channel_.columns.size();
+  REHEARSE_ASSERT(array_begin_ + array_size_ == channel_.columns.size(),
+                  "an array's columns are a channel's last ones");
+  if (values.size() > array_size_) {
+    widen(values.size() - array_size_, CellKind::floating);
+    for (; array_size_ < values.size(); ++array_size_)
+      channel_.columns.push_back({std::string(name) + "/" + std::to_string(array_size_), {}, CellKind::floating});
+  }
+  std::uint64_t* cells = channel_.cells.data() + channel_.cells.size() - channel_.columns.size() + array_begin_;
+  for (const float value : values) *cells++ = std::bit_cast<std::uint64_t>(static_cast<double>(value));
+}
+
 std::size_t RowWriter::add_column(std::string_view element, CellKind kind) {
   const std::size_t column = channel_.columns.size();
-  // A row without columns leaves no trace in the cells: the rows so far are those of the messages before this one.
-  const std::size_t rows = column == 0 ? channel_.times.size() : channel_.cells.size() / column;
+  widen(1, kind);
   channel_.columns.push_back({std::string(element), {}, kind});
   by_name_.emplace(element, column);
-  empty_row_.push_back(missing(kind));
+  return column;
+}
+
+/// Makes room for further columns in all rows so far, the one at hand included.
+void RowWriter::widen(std::size_t added, CellKind kind) {
+  const std::size_t columns = channel_.columns.size();
+  // A row without columns leaves no trace in the cells: the rows so far are those of the messages before this one.
+  const std::size_t rows = columns == 0 ? channel_.times.size() : channel_.cells.size() / columns;
+  empty_row_.insert(empty_row_.end(), added, missing(kind));
   std::vector<std::uint64_t> wider;
-  wider.reserve(rows * (column + 1));
+  wider.reserve(rows * (columns + added));
   for (std::size_t row = 0; row < rows; ++row) {
-    const auto begin = channel_.cells.begin() + static_cast<std::ptrdiff_t>(row * column);
-    wider.insert(wider.end(), begin, begin + static_cast<std::ptrdiff_t>(column));
-    wider.push_back(missing(kind));
+    const auto begin = channel_.cells.begin() + static_cast<std::ptrdiff_t>(row * columns);
+    wider.insert(wider.end(), begin, begin + static_cast<std::ptrdiff_t>(columns));
+    wider.insert(wider.end(), added, missing(kind));
   }
   channel_.cells = std::move(wider);
-  return column;
 }
 
 bool has_no_series(std::string_view type) {

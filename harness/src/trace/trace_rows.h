@@ -19,16 +19,20 @@ class RowWriter {
   void put(std::string_view element, double value) {
     put(element, CellKind::floating, std::bit_cast<std::uint64_t>(value));
   }
+  /// The columns `name`/0, `name`/1, ... of the row, its last ones; rows may have more or fewer of them.
+  void put_array(std::string_view name, std::span<const float> values);
   /// The next cells of the row, for a caller who knows that the columns are what they were in the row before.
   std::span<std::uint64_t> next_cells(std::size_t count);
 
  private:
   std::size_t add_column(std::string_view element, CellKind kind);
+  void widen(std::size_t added, CellKind kind);
 
   TraceChannel& channel_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<std::uint64_t> empty_row_;
-  std::size_t cursor_ = 0;  // the column after the last that was put: nearly always the next
+  std::size_t cursor_ = 0;                        // the column after the last that was put: nearly always the next
+  std::size_t array_begin_ = 0, array_size_ = 0;  // of put_array's columns
 };
 
 /// Reads the messages of one channel into its table.

@@ -1,3 +1,4 @@
+#include "range_messages.h"
 #include "trace_rows.h"
 
 #include <algorithm>
@@ -184,6 +185,21 @@ void put_row(const msg::Imu& m, RowWriter& row) {
   row.put("linear_acceleration/z", m.linear_acceleration.z);
 }
 
+void put_row(const msg::LaserScan& m, RowWriter& row) {
+  row.put("angle_min", m.angle_min);
+  row.put("angle_max", m.angle_max);
+  row.put("range_min", m.range_min);
+  row.put("range_max", m.range_max);
+  row.put_array("ranges", m.ranges);
+}
+
+/// The distances, if each point has one; its place follows from it.
+void put_row(const msg::PointCloud2& m, RowWriter& row) {
+  row.put("height", CellKind::unsigned_integer, m.height);
+  row.put("width", CellKind::unsigned_integer, m.width);
+  if (std::vector<float> ranges; read_ranges(m, ranges)) row.put_array("ranges", ranges);
+}
+
 void put_row(const msg::Tick& m, RowWriter& row) {
   row.put("tick", CellKind::signed_integer, static_cast<std::uint64_t>(m.tick));
   row.put("state_hash", CellKind::unsigned_integer, m.state_hash);
@@ -256,8 +272,8 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
     return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/ddq"});
   }
   if (channel.type == msg::Joy::type_name) return std::make_unique<JoyReader>(channel);
-  return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu, msg::Tick,
-                    msg::TFMessage>(channel);
+  return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu,
+                    msg::LaserScan, msg::PointCloud2, msg::Tick, msg::TFMessage>(channel);
 }
 
 }  // namespace rehearse

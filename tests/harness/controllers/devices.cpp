@@ -4,6 +4,7 @@
 #include <cnoid/ForceSensor>
 #include <cnoid/Imu>
 #include <cnoid/RangeCamera>
+#include <cnoid/RangeSensor>
 #include <cnoid/RateGyroSensor>
 #include <cstdint>
 #include <cstring>
@@ -50,6 +51,22 @@ class Blind : public Pusher {
 };
 const Add<Blind> blind("blind");
 
+/// A number in [0, 1) that depends on every bit of what was added.
+class Fingerprint {
+ public:
+  void add(const void* data, std::size_t size) {
+    unsigned char byte;
+    for (std::size_t i = 0; i < size; ++i) {
+      std::memcpy(&byte, static_cast<const char*>(data) + i, 1);
+      sum_ = (sum_ ^ byte) * 0x100000001b3u;  // FNV-1a
+    }
+  }
+  double number() const { return static_cast<double>(sum_ >> 11) * 0x1p-53; }
+
+ private:
+  std::uint64_t sum_ = 0xcbf29ce484222325u;
+};
+
 /// switch TICK [notify] [nodelay]: turns the camera off in that tick (-1: in initialize), and tells or doesn't.
 class CameraSwitch : public Pusher {
  public:
@@ -76,7 +93,7 @@ class CameraSwitch : public Pusher {
 };
 const Add<CameraSwitch> camera_switch("switch");
 
-/// Commands a number in [0, 1) that depends on every bit of the camera's picture and points.
+/// Commands a fingerprint of the camera's picture and points.
 class PictureReader : public Pusher {
  public:
   explicit PictureReader(const Words&) : Pusher(0.0) {}
@@ -86,28 +103,76 @@ class PictureReader : public Pusher {
     return Pusher::initialize(io);
   }
   bool control() override {
-    sum_ = 0xcbf29ce484222325u;  // FNV-1a
+    Fingerprint seen;
     const cnoid::Image& image = camera_->constImage();
-    add(image.pixels(), static_cast<std::size_t>(image.width() * image.height() * image.numComponents()));
-    for (const cnoid::Vector3f& point : camera_->constPoints()) add(point.data(), sizeof point);
+    seen.add(image.pixels(), static_cast<std::size_t>(image.width() * image.height() * image.numComponents()));
+    for (const cnoid::Vector3f& point : camera_->constPoints()) seen.add(point.data(), sizeof point);
     const double delay = camera_->delay();
-    add(&delay, sizeof delay);
-    effort_ = static_cast<double>(sum_ >> 11) * 0x1p-53;
+    seen.add(&delay, sizeof delay);
+    effort_ = seen.number();
     return Pusher::control();
   }
 
  private:
-  void add(const void* data, std::size_t size) {
-    unsigned char byte;
-    for (std::size_t i = 0; i < size; ++i) {
-      std::memcpy(&byte, static_cast<const char*>(data) + i, 1);
-      sum_ = (sum_ ^ byte) * 0x100000001b3u;
-    }
-  }
   cnoid::RangeCamera* camera_ = nullptr;
-  std::uint64_t sum_ = 0;
 };
 const Add<PictureReader> picture_reader("look");
+
+/// scan NAME: says what the range sensor is, and whenever it has something new, when and what.
+class ScanSayer : public Pusher {
+ public:
+  explicit ScanSayer(const Words& words) : Pusher(0.0), name_(words.at(0)) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    laser_ = io->body()->findDevice<cnoid::RangeSensor>(name_);
+    io->os() << laser_->numYawSamples() << " x " << laser_->numPitchSamples() << " beams, yaw " << laser_->minYawAngle()
+             << " to " << laser_->maxYawAngle() << ", pitch " << laser_->minPitchAngle() << " to "
+             << laser_->maxPitchAngle() << ", " << laser_->minDistance() << " to " << laser_->maxDistance() << " m, "
+             << laser_->scanRate() << " Hz\n";
+    io->enableInput(laser_);
+    laser_->sigStateChanged().connect([this] { is_new_ = true; });
+    return Pusher::initialize(io);
+  }
+  bool control() override {
+    Fingerprint seen;
+    const std::vector<double>& ranges = laser_->constRangeData();
+    seen.add(ranges.data(), ranges.size() * sizeof(double));
+    const double delay = laser_->delay();
+    seen.add(&delay, sizeof delay);
+    effort_ = seen.number();
+    if (is_new_) {
+      io_->os() << "tick " << tick_ << " delay " << delay << ":";
+      for (const double range : ranges) io_->os() << " " << range;
+      io_->os() << "\n";
+    }
+    is_new_ = false;
+    return Pusher::control();
+  }
+
+ private:
+  std::string name_;
+  cnoid::RangeSensor* laser_ = nullptr;
+  bool is_new_ = false;
+};
+const Add<ScanSayer> scan_sayer("scan");
+
+/// laser_off NAME TICK: switches a range sensor off in that tick, and on again 15 ticks later.
+class LaserSwitch : public Pusher {
+ public:
+  explicit LaserSwitch(const Words& words) : Pusher(0.0), name_(words.at(0)), tick_off_(std::stoi(words.at(1))) {}
+  bool control() override {
+    if (tick_ == tick_off_ || tick_ == tick_off_ + 15) {
+      auto* laser = io_->body()->findDevice<cnoid::RangeSensor>(name_);
+      laser->on(tick_ != tick_off_);
+      laser->notifyStateChange();
+    }
+    return Pusher::control();
+  }
+
+ private:
+  std::string name_;
+  int tick_off_;
+};
+const Add<LaserSwitch> laser_switch("laser_off");
 
 /// The IMU's numbers, folded into one effort.
 class Feeler : public Pusher {

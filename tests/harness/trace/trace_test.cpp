@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 using namespace rehearse;
@@ -145,6 +146,78 @@ TEST(Trace, NumbersTheControlsOfAJoystickThatHasNoNames) {
   const Trace trace = recording.load();
   EXPECT_THAT(names_of(trace), ElementsAre("operator/axes/1", "operator/axes/L_STICK_H", "operator/buttons/0"));
   EXPECT_EQ(trace.last("operator/axes/1"), 0.5);
+}
+
+TEST(Trace, NamesTheBeamsOfScansByTheirNumbers) {
+  const float infinite = std::numeric_limits<float>::infinity();
+  msg::LaserScan scan;
+  scan.angle_min = -0.5f;
+  scan.range_max = 10.0f;
+  Recording recording;
+  recording.add("/B/Laser/scan", 0, scan);  // switched off
+  scan.ranges = {1.5f, infinite, 2.25f};
+  recording.add("/B/Laser/scan", ms, scan);
+  const Trace trace = recording.load();
+  EXPECT_THAT(names_of(trace), testing::UnorderedElementsAre(
+                                   "B/Laser/angle_min", "B/Laser/angle_max", "B/Laser/range_min", "B/Laser/range_max",
+                                   "B/Laser/ranges/0", "B/Laser/ranges/1", "B/Laser/ranges/2"));
+  EXPECT_TRUE(std::isnan(trace.values("B/Laser/ranges/0")[0]));
+  EXPECT_EQ(trace.last("B/Laser/ranges/0"), 1.5);
+  EXPECT_EQ(trace.last("B/Laser/ranges/1"), infinite);
+  EXPECT_EQ(trace.last("B/Laser/ranges/2"), 2.25);
+  EXPECT_EQ(trace.last("B/Laser/angle_min"), -0.5);
+}
+
+TEST(Trace, ReadsScansOfFewerAndOfMoreBeams) {
+  msg::LaserScan scan;
+  Recording recording;
+  for (const std::vector<float>& ranges : {std::vector<float>{1, 2}, {3}, {4, 5, 6}}) {
+    scan.ranges = ranges;
+    recording.add("/B/Laser/scan", ms, scan);
+  }
+  const Trace trace = recording.load();
+  EXPECT_THAT(trace.values("B/Laser/ranges/0"), ElementsAre(1, 3, 4));
+  EXPECT_THAT(trace.values("B/Laser/ranges/1"), ElementsAre(2, testing::IsNan(), 5));
+  EXPECT_THAT(trace.values("B/Laser/ranges/2"), ElementsAre(testing::IsNan(), testing::IsNan(), 6));
+}
+
+/// Two rows of three points, each with a distance somewhere in it.
+msg::PointCloud2 cloud() {
+  msg::PointCloud2 message;
+  message.height = 2;
+  message.width = 3;
+  message.fields = {{"x", 0, msg::PointField::float32, 1}, {"range", 8, msg::PointField::float32, 1}};
+  message.point_step = 12;
+  message.row_step = 36;
+  message.data.resize(72);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const float range = 0.5f * static_cast<float>(i);
+    std::memcpy(message.data.data() + 12 * i + 8, &range, 4);
+  }
+  return message;
+}
+
+TEST(Trace, FindsTheDistancesInAPointCloud) {
+  Recording recording;
+  recording.add("/B/Laser/points", 0, cloud());
+  const Trace trace = recording.load();
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(trace.last("B/Laser/ranges/" + std::to_string(i)), 0.5 * i);
+  EXPECT_EQ(trace.last("B/Laser/height"), 2);
+}
+
+TEST(Trace, TakesNoDistancesFromAPointCloudWithoutThem) {
+  std::vector<msg::PointCloud2> clouds(6, cloud());
+  clouds[0].fields.pop_back();
+  clouds[1].fields[1].datatype = 8;  // float64
+  clouds[2].fields[1].offset = 9;    // beyond the point's end
+  clouds[3].data.pop_back();
+  clouds[4].point_step = 0;
+  clouds[5].width = 0xffffffff;
+  for (const msg::PointCloud2& one : clouds) {
+    Recording recording;
+    recording.add("/B/Laser/points", 0, one);
+    EXPECT_THAT(names_of(recording.load()), testing::UnorderedElementsAre("B/Laser/height", "B/Laser/width"));
+  }
 }
 
 TEST(Trace, NamesTransformsByTheirChildFrame) {

@@ -1,0 +1,121 @@
+#include "device_recorder.h"
+
+#include <rehearse/png.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "camera_info.h"
+#include "trace/range_messages.h"
+
+namespace rehearse {
+namespace {
+
+constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};  // large, and not compressed by themselves
+constexpr double no_covariance = -1.0;                                  // ROS: "this quantity is not measured"
+
+const mcap::StringMap imu_units{{"unit:angular_velocity", "rad/s"}, {"unit:linear_acceleration", "m/s²"}};
+const mcap::StringMap scan_units{{"unit:ranges", "m"},
+                                 {"unit:range_min", "m"},
+                                 {"unit:range_max", "m"},
+                                 {"unit:angle_min", "rad"},
+                                 {"unit:angle_max", "rad"}};
+
+msg::Vector3 vector(const double* v) { return {v[0], v[1], v[2]}; }
+
+msg::Time time_of_capture(const DeviceReading& reading) {
+  return msg::Time::from_ns(static_cast<std::uint64_t>(std::llround(reading.measured_at * 1e9)));
+}
+
+}  // namespace
+
+std::string scan_frame(const std::string& body, const Device& device) { return body + "/" + device.name + "/scan"; }
+
+DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body,
+                               const Device& device)
+    : device_(&device), frame_(body.name + "/" + device.name) {
+  const std::string topic = "/" + frame_ + "/";
+  if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
+    frame_ = scan_frame(body.name, device);
+    measured_ = is_planar(*laser) ? output.channel<msg::LaserScan>(topic + "scan", scan_units)
+                                  : output.channel<msg::PointCloud2>(topic + "points", scan_units);
+  } else if (const auto* camera = std::get_if<Camera>(&device.kind)) {
+    if (!scenario.record_frames || !scenario.runs_camera(body.name, device.name)) return;
+    color_ = output.channel<msg::CompressedImage>(topic + "image", {{"unit", "pixels"}}, mcap::pictures);
+    info_ = output.channel<msg::CameraInfo>(topic + "camera_info");
+    if (camera->depth) depth_ = output.channel<msg::Image>(topic + "depth", {{"unit", "m"}}, depth_pictures);
+  } else if (std::holds_alternative<ForceSensor>(device.kind)) {
+    measured_ = output.channel<msg::WrenchStamped>(topic + "wrench", wrench_units);
+  } else {
+    measured_ = output.channel<msg::Imu>(topic + "imu", imu_units);
+  }
+}
+
+Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const {
+  if (const auto* camera = std::get_if<Camera>(&device_->kind))
+    return color_ ? write_pictures(output, tick, *camera, reading) : Result<void>();
+  if (const auto* laser = std::get_if<RangeSensor>(&device_->kind)) return write_ranges(output, tick, *laser, reading);
+  if (!std::holds_alternative<ForceSensor>(device_->kind)) return write_inertial(output, tick, reading);
+  msg::WrenchStamped message;
+  message.header = {output.stamp(tick), frame_};
+  message.wrench = {vector(reading.values.data()), vector(reading.values.data() + 3)};
+  return output.write(measured_, tick, message);
+}
+
+Result<void> DeviceRecorder::write_inertial(TraceOutput& output, std::int64_t tick,
+                                            const DeviceReading& reading) const {
+  const bool turns = !std::holds_alternative<Accelerometer>(device_->kind);
+  const bool accelerates = !std::holds_alternative<Gyro>(device_->kind);
+  msg::Imu message;
+  message.header = {output.stamp(tick), frame_};
+  message.orientation_covariance[0] = no_covariance;
+  message.angular_velocity_covariance[0] = turns ? 0.0 : no_covariance;
+  message.linear_acceleration_covariance[0] = accelerates ? 0.0 : no_covariance;
+  const double* values = reading.values.data();
+  if (turns) message.angular_velocity = vector(values);
+  if (accelerates) message.linear_acceleration = vector(turns ? values + 3 : values);
+  return output.write(measured_, tick, message);
+}
+
+Result<void> DeviceRecorder::write_ranges(TraceOutput& output, std::int64_t tick, const RangeSensor& laser,
+                                          const DeviceReading& reading) const {
+  const std::vector<float> none;  // it was switched off
+  const std::vector<float>& ranges = reading.ranges ? *reading.ranges : none;
+  const msg::Header header{time_of_capture(reading), frame_};
+  if (is_planar(laser)) {
+    msg::LaserScan scan = laser_scan(laser, ranges);
+    scan.header = header;
+    return output.write(measured_, tick, scan);
+  }
+  msg::PointCloud2 cloud = point_cloud(laser, ranges);
+  cloud.header = header;
+  return output.write(measured_, tick, cloud);
+}
+
+Result<void> DeviceRecorder::write_pictures(TraceOutput& output, std::int64_t tick, const Camera& camera,
+                                            const DeviceReading& reading) const {
+  const msg::Header header{time_of_capture(reading), frame_};
+  msg::CompressedImage color;
+  color.header = header;
+  color.format = reading.image ? "rgb8; png compressed" : "";  // no picture: the camera was switched off
+  if (reading.image) {
+    color.data = encode_png(*reading.image);
+    ++output.size.frames;
+  }
+  if (auto done = output.write(color_, tick, color); !done) return done;
+  msg::CameraInfo info = camera_info(camera);
+  info.header = header;
+  if (auto done = output.write(info_, tick, info); !done) return done;
+  if (!depth_ || !reading.depth) return {};
+  msg::Image depth;
+  depth.header = header;
+  depth.width = info.width;
+  depth.height = info.height;
+  depth.encoding = "32FC1";
+  depth.step = info.width * static_cast<std::uint32_t>(sizeof(float));
+  depth.data.resize(reading.depth->meters.size() * sizeof(float));
+  std::memcpy(depth.data.data(), reading.depth->meters.data(), depth.data.size());
+  return output.write(depth_, tick, depth);
+}
+
+}  // namespace rehearse

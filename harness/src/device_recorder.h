@@ -1,0 +1,43 @@
+// DeviceRecorder: what one device measures, as messages of a trace.
+#pragma once
+
+#include <rehearse/io.h>
+#include <rehearse/mcap.h>
+#include <rehearse/scenario.h>
+
+#include <cstdint>
+#include <string>
+
+#include "trace_output.h"
+
+namespace rehearse {
+
+inline const mcap::StringMap wrench_units{{"unit:force", "N"}, {"unit:torque", "N·m"}};
+
+/// The frame of a range sensor's messages. It lies where the device frame does, with the axes of ROS.
+std::string scan_frame(const std::string& body, const Device& device);
+
+class DeviceRecorder {
+ public:
+  /// Makes the device's channels. Scenario and device must outlive this.
+  DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body, const Device& device);
+  /// A reading that is fresh at this tick.
+  Result<void> write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const;
+
+ private:
+  Result<void> write_inertial(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const;
+  Result<void> write_ranges(TraceOutput& output, std::int64_t tick, const RangeSensor& laser,
+                            const DeviceReading& reading) const;
+  Result<void> write_pictures(TraceOutput& output, std::int64_t tick, const Camera& camera,
+                              const DeviceReading& reading) const;
+
+  const Device* device_;
+  std::string frame_;
+  // channels; 0: none
+  std::uint16_t measured_ = 0;  // values or ranges
+  std::uint16_t color_ = 0;
+  std::uint16_t info_ = 0;
+  std::uint16_t depth_ = 0;
+};
+
+}  // namespace rehearse

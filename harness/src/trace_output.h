@@ -1,0 +1,56 @@
+// TraceOutput: the channels and messages of a run on their way into its trace. What Recorder and its parts write with.
+#pragma once
+
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace rehearse {
+
+/// What a recording has come to.
+struct RecordingSize {
+  std::int64_t ticks = 0;
+  int channels = 0;
+  std::int64_t frames = 0;  // colour pictures
+  std::int64_t messages = 0;
+};
+
+struct TraceOutput {
+  explicit TraceOutput(double seconds_a_tick) : time_step(seconds_a_tick) {}
+
+  double time_step;  // [s]
+  std::unique_ptr<mcap::Writer> writer;
+  RecordingSize size;
+
+  /// Adds a channel for messages of type T; returns its id, which is never 0.
+  template <class T>
+  std::uint16_t channel(const std::string& topic, mcap::StringMap metadata = {},
+                        mcap::ChunkGroup group = mcap::numbers) {
+    const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
+    ++size.channels;
+    return writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
+  }
+
+  /// Writes a message of that tick.
+  template <class T>
+  Result<void> write(std::uint16_t to, std::int64_t tick, const T& message) {
+    cdr_.reset();
+    msg::encode(message, cdr_);
+    ++size.messages;
+    const std::uint64_t now = nanoseconds_of(tick, time_step);
+    return writer->write(to, now, now, cdr_.bytes());
+  }
+
+  msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, time_step)); }
+
+ private:
+  CdrWriter cdr_;
+};
+
+}  // namespace rehearse
