@@ -14,6 +14,7 @@ rehearse_add_library(model
   src/urdf_dynamics.cpp
   src/urdf_findings.cpp
   src/urdf_joints.cpp
+  src/urdf_lights.cpp
   src/urdf_links.cpp
   src/urdf_materials.cpp
   src/urdf_mimics.cpp

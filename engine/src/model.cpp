@@ -81,6 +81,7 @@ std::string_view type_name(const Device& device) {
     std::string_view operator()(const Imu&) const { return "Imu"; }
     std::string_view operator()(const Camera& camera) const { return camera.depth ? "RangeCamera" : "Camera"; }
     std::string_view operator()(const RangeSensor&) const { return "RangeSensor"; }
+    std::string_view operator()(const Light& light) const { return light.cone ? "SpotLight" : "PointLight"; }
   };
   return std::visit(Namer{}, device.kind);
 }
@@ -93,6 +94,7 @@ int value_count(const Device& device) {
     int operator()(const Imu&) const { return 6; }
     int operator()(const Camera&) const { return 0; }
     int operator()(const RangeSensor&) const { return 0; }
+    int operator()(const Light&) const { return 0; }
   };
   return std::visit(Counter{}, device.kind);
 }

@@ -104,6 +104,42 @@ gl::Instance instance_of(const Item& item, const Eigen::Isometry3d& view) {
   return instance;
 }
 
+struct PlacedLight {
+  Light light;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of its device frame
+};
+
+/// The number, brought between both; the lower one if it isn't a number.
+float within(double value, double lower, double upper) {
+  return static_cast<float>(value > lower ? std::min(value, upper) : lower);
+}
+
+gl::Lamp lamp_of(const PlacedLight& placed, const Eigen::Isometry3d& view) {
+  constexpr double brightest = 1e6, shortest = 1e-6;  // shortest range [m]
+  constexpr double steepest_edge = 1e4;               // of a cone, so that no edge is harder than 1e-4 of the cosine
+  const Light& light = placed.light;
+  const Eigen::Isometry3d pose = view * placed.pose;
+  const std::array<float, 3> place = to_floats(pose.translation());
+  gl::Lamp lamp{};
+  lamp.place = {place[0], place[1], place[2], within(1.0 / light.range, 0.0, 1.0 / shortest)};
+  for (int i = 0; i < 3; ++i) lamp.strength[i] = within(double{light.color[i]} * light.intensity, 0.0, brightest);
+  lamp.fading = {within(light.constant, 0.0, brightest), within(light.linear, 0.0, brightest),
+                 within(light.quadratic, 0.0, brightest), 1.0f};
+  lamp.strength[3] = -2.0f;  // no angle from the axis has this cosine: it shines everywhere
+  if (!light.cone) return lamp;
+  const double length = light.cone->direction.norm();
+  const bool has_direction = length > 0.0 && std::isfinite(length);
+  const Eigen::Vector3d direction =
+      has_direction ? Eigen::Vector3d(light.cone->direction / length) : Eigen::Vector3d(-Eigen::Vector3d::UnitZ());
+  const std::array<float, 3> axis = to_floats(Eigen::Vector3d(pose.linear() * direction));
+  const double end = within(light.cone->cut_off_angle, 0.0, std::numbers::pi);
+  const double full = within(light.cone->beam_width, 0.0, end);
+  lamp.axis = {axis[0], axis[1], axis[2], 0.0f};
+  lamp.strength[3] = static_cast<float>(std::cos(end));
+  lamp.fading[3] = within(1.0 / (std::cos(full) - std::cos(end)), 0.0, steepest_edge);
+  return lamp;
+}
+
 /// What a camera can see of the world.
 struct Sight {
   Eigen::Isometry3d from_world;
@@ -131,6 +167,7 @@ struct Renderer::Impl {
   gl::ShadowMap shadow_map;
   Look look;
   std::vector<Item> items;
+  std::vector<PlacedLight> lights;
 
   Eigen::Matrix4d draw_shadow_map(double& radius);
   void draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality);
@@ -202,6 +239,8 @@ void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Q
     view.shadow_from_view = to_floats(Eigen::Matrix4d(draw_shadow_map(radius) * pose.matrix()));
     view.blur = static_cast<float>(shadow_blur / (2.0 * radius));
   }
+  for (const PlacedLight& light : lights)
+    if (light.light.on) view.lamps.push_back(lamp_of(light, sight.from_world));
   target.begin(factor * camera.width, factor * camera.height, camera.depth, look.sky);
   painter->begin(fine ? gl::Pass::fine : gl::Pass::plain, view);
   paint_solid(sight.from_world, [&](const Item& item) { return sight.may_hold(item); });
@@ -236,6 +275,20 @@ void Renderer::set_link_pose(int number, const Eigen::Isometry3d& link_pose) {
   REHEARSE_ASSERT(number >= 0 && static_cast<std::size_t>(number) < impl_->items.size(), "no such shape was added");
   Item& item = impl_->items[static_cast<std::size_t>(number)];
   item.world_pose = link_pose * item.shape_pose;
+}
+
+int Renderer::add_light(const Light& light) {
+  REHEARSE_ASSERT(impl_->lights.size() < max_lights, "there are no more lights than a picture may have");
+  impl_->lights.push_back({light});
+  return static_cast<int>(impl_->lights.size()) - 1;
+}
+
+void Renderer::set_light(int number, const Light& light) {
+  impl_->lights.at(static_cast<std::size_t>(number)).light = light;
+}
+
+void Renderer::set_light_pose(int number, const Eigen::Isometry3d& pose) {
+  impl_->lights.at(static_cast<std::size_t>(number)).pose = pose;
 }
 
 Frame Renderer::draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality) {

@@ -145,8 +145,6 @@ void Context::make_current() {
 }
 
 Painter::Painter() {
-  programs_ = {link_program({fragment_shader_head, without_shadows}),
-               link_program({fragment_shader_head, with_shadows}), link_program({shadow_fragment_shader})};
   glGenBuffers(1, &instances_);
   meshes_ = {upload(box_mesh(), instances_), upload(sphere_mesh(), instances_), upload(cylinder_mesh(), instances_),
              upload(capsule_mesh(), instances_)};
@@ -159,6 +157,22 @@ Painter::Painter() {
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   check_errors();
+}
+
+unsigned Painter::program_of(Pass pass, bool lamps) {
+  unsigned& program = programs_[static_cast<std::size_t>(pass)][lamps ? 1 : 0];
+  if (program != 0) return program;
+  const char* shadows = pass == Pass::fine ? with_shadows : without_shadows;
+  if (pass == Pass::shadow) {
+    program = link_program({shadow_fragment_shader});
+  } else if (lamps) {
+    static const std::string most = fmt::format("const int MOST_LAMPS = {};\n", Renderer::max_lights);
+    program = link_program({fragment_shader_head, most.c_str(), lamp_function, fragment_shader_light, with_lamps,
+                            fragment_shader_color, shadows});
+  } else {
+    program = link_program({fragment_shader_head, fragment_shader_light, fragment_shader_color, shadows});
+  }
+  return program;
 }
 
 Painter::Buffers Painter::upload(const Mesh& mesh, unsigned instances) {
@@ -183,7 +197,8 @@ Painter::Buffers Painter::upload(const Mesh& mesh, unsigned instances) {
 }
 
 void Painter::begin(Pass pass, const View& view) {
-  const unsigned program = programs_[static_cast<std::size_t>(pass)];
+  const bool lamps = !view.lamps.empty() && pass != Pass::shadow;
+  const unsigned program = program_of(pass, lamps);
   // OpenGL passes over the uniforms that a program doesn't have
   const auto uniform = [&](const char* name) { return glGetUniformLocation(program, name); };
   glUseProgram(program);
@@ -192,6 +207,11 @@ void Painter::begin(Pass pass, const View& view) {
   glUniform3fv(uniform("sun"), 1, view.sun.data());
   glUniformMatrix4fv(uniform("shadow_from_view"), 1, GL_FALSE, view.shadow_from_view.data());
   glUniform1f(uniform("blur"), view.blur);
+  if (lamps) {
+    static_assert(sizeof(Lamp) == 16 * sizeof(float), "a lamp is four vectors");
+    glUniform1i(uniform("lamp_count"), static_cast<int>(view.lamps.size()));
+    glUniform4fv(uniform("lamps"), static_cast<int>(4 * view.lamps.size()), view.lamps[0].place.data());
+  }
   // the far sides of shapes cast their shadows: near sides would speckle themselves
   glCullFace(pass == Pass::shadow ? GL_FRONT : GL_BACK);
 }

@@ -14,6 +14,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 struct osmesa_context;
 
@@ -47,6 +48,14 @@ struct Instance {
   std::array<float, 4> color;
 };
 
+/// A light that is on, as the fragment shader reads it, in the camera's frame.
+struct Lamp {
+  std::array<float, 4> place;     // [m]; 1 / range [1/m]
+  std::array<float, 4> strength;  // red, green, blue; cosine of the angle from the axis at which it ends
+  std::array<float, 4> fading;    // constant, linear, quadratic; 1 / (cosine where it is full - where it ends)
+  std::array<float, 4> axis;      // unit vector along which it shines; unused
+};
+
 /// Column by column.
 using Matrix4 = std::array<float, 16>;
 
@@ -64,6 +73,7 @@ struct View {
   std::array<float, 3> sun{};  // direction towards the sun in the camera's frame
   Matrix4 shadow_from_view{};  // fine only: to the coordinates of the shadow map, 0 to 1
   float blur = 0.0f;           // fine only: of the edges of shadows, in those coordinates
+  std::vector<Lamp> lamps{};   // at most Renderer::max_lights
 };
 
 /// The meshes, and the programs that draw them.
@@ -81,7 +91,9 @@ class Painter {
   };
   static Buffers upload(const Mesh& mesh, unsigned instances);
 
-  std::array<unsigned, 3> programs_{};  // by Pass
+  unsigned program_of(Pass pass, bool lamps);
+
+  std::array<std::array<unsigned, 2>, 3> programs_{};  // by Pass, without and with lamps; 0: not needed so far
   unsigned instances_ = 0;
   std::array<Buffers, std::variant_size_v<Geometry>> meshes_;
 };

@@ -28,6 +28,7 @@ void main() {
 // Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light
 // is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from
 // being dark. A surface that faces sun and sky has about its own colour.
+// In three parts: with lamps, a line stands between the second and the third. Without, not a bit is different.
 inline constexpr char fragment_shader_head[] = R"(#version 330 core
 in vec3 surface_point;
 in vec3 surface_normal;
@@ -38,15 +39,52 @@ layout(location = 0) out vec4 color;
 layout(location = 1) out float distance;
 
 float sun_share();
+)";
 
+inline constexpr char fragment_shader_light[] = R"(
 void main() {
   vec3 normal = normalize(surface_normal);
   vec3 light = mix(vec3(0.20, 0.18, 0.16), vec3(0.40, 0.43, 0.48), 0.5 + 0.5 * dot(normal, up));
   light += vec3(0.50, 0.48, 0.43) * max(dot(normal, sun), 0.0) * sun_share();
   light += vec3(0.18) * max(-dot(normal, normalize(surface_point)), 0.0);
-  color = vec4(surface_color.rgb * sqrt(light), surface_color.a);
+)";
+
+inline constexpr char fragment_shader_color[] = R"(  color = vec4(surface_color.rgb * sqrt(light), surface_color.a);
   distance = 1.0 / gl_FragCoord.w;
 }
+)";
+
+// The lamps that are on, four vectors each; renderer_gl.h says what is in them. Only arithmetic whose results are the
+// same on every processor: no powers, no angles.
+inline constexpr char lamp_function[] = R"(
+uniform vec4 lamps[MOST_LAMPS * 4];
+uniform int lamp_count;
+
+float smooth_step(float x) {
+  x = clamp(x, 0.0, 1.0);
+  return x * x * (3.0 - 2.0 * x);
+}
+
+vec3 lamp_light(vec3 normal) {
+  vec3 light = vec3(0.0);
+  for (int i = 0; i < lamp_count; ++i) {
+    vec4 place = lamps[4 * i];
+    vec4 strength = lamps[4 * i + 1];
+    vec4 fading = lamps[4 * i + 2];
+    vec4 axis = lamps[4 * i + 3];
+    vec3 way = place.xyz - surface_point;
+    float far = max(sqrt(dot(way, way)), 0.000001);
+    way /= far;
+    float share = max(dot(normal, way), 0.0) / max(fading.x + far * (fading.y + far * fading.z), 0.001);
+    share *= 1.0 - smooth_step((far * place.w - 0.9) * 10.0);
+    share *= smooth_step((-dot(way, axis.xyz) - strength.w) * fading.w);
+    light += strength.rgb * share;
+  }
+  return light;
+}
+)";
+
+inline constexpr char with_lamps[] = R"(  light += lamp_light(normal);
 )";
 
 inline constexpr char without_shadows[] = R"(

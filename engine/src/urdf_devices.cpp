@@ -16,7 +16,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-std::optional<DeviceKind> kind_of(std::string_view type) {
+std::optional<DeviceKind> kind_of_sensor(std::string_view type) {
   if (type == "imu") return Imu{};
   if (type == "accelerometer") return Accelerometer{};
   if (type == "gyroscope" || type == "gyro") return Gyro{};
@@ -41,44 +41,60 @@ int read_id(const XMLElement& sensor, Findings& findings) {
   return static_cast<int>(*value);
 }
 
-/// A sensor of a kind we have; null for others, with a note, and for nameless ones, with an error.
-std::optional<DeviceDraft> read_sensor(const XMLElement& sensor, const char* reference, Findings& findings) {
-  const char* type = sensor.Attribute("type");
-  const auto kind = kind_of(type == nullptr ? "" : type);
+std::optional<DeviceKind> kind_of(const XMLElement& element) {
+  const char* type = element.Attribute("type");
+  const bool is_light = std::string_view(element.Name()) == "light";
+  if (!is_light) return kind_of_sensor(type == nullptr ? "" : type);
+  if (const auto light = light_of_type(type == nullptr ? "" : type)) return *light;
+  return std::nullopt;
+}
+
+void read_figures(const XMLElement& element, Device& device, Findings& findings) {
+  if (auto* camera = std::get_if<Camera>(&device.kind)) {
+    report_ignored(element, {"id", "pose", "update_rate", "camera"}, findings);
+    read_camera(element, *camera, device.pose, findings);
+  } else if (auto* laser = std::get_if<RangeSensor>(&device.kind)) {
+    report_ignored(element, {"id", "pose", "update_rate", "ray", "lidar"}, findings);
+    read_range_sensor(element, *laser, device.pose, findings);
+  } else if (auto* light = std::get_if<Light>(&device.kind)) {
+    read_light(element, *light, findings);
+  } else {
+    report_ignored(element, {"id", "pose"}, findings);
+  }
+}
+
+/// A <sensor> or <light> of a kind we have; null for others, with a note, and for nameless ones, with an error.
+std::optional<DeviceDraft> read_device(const XMLElement& element, const char* reference, Findings& findings) {
+  const auto kind = kind_of(element);
   if (!kind) {
-    const std::string what = type == nullptr ? "a sensor without a type" : "a sensor of type " + in_quotes(type);
-    findings.ignored(sensor.GetLineNum(), what);
+    const char* type = element.Attribute("type");
+    findings.ignored(element.GetLineNum(), type == nullptr
+                                               ? fmt::format("a {} without a type", element.Name())
+                                               : fmt::format("a {} of type {}", element.Name(), in_quotes(type)));
     return std::nullopt;
   }
   DeviceDraft draft;
   draft.device.kind = *kind;
-  draft.device.line = sensor.GetLineNum();
-  const auto name = read_name(sensor, "name", findings);
+  draft.device.line = element.GetLineNum();
+  const auto name = read_name(element, "name", findings);
   if (!name) return std::nullopt;
   draft.device.name = *name;
   if (reference == nullptr) {
-    findings.error(sensor.GetLineNum(), fmt::format("sensor {} is on no link", in_quotes(*name)),
+    findings.error(element.GetLineNum(), fmt::format("{} {} is on no link", element.Name(), in_quotes(*name)),
                    "its <gazebo> names the link: <gazebo reference=\"LINK\">");
     return std::nullopt;
   }
   draft.reference = reference;
   draft.prefers_joint = std::holds_alternative<ForceSensor>(*kind);
-  draft.device.id = read_id(sensor, findings);
-  if (const XMLElement* pose = sensor.FirstChildElement("pose")) draft.device.pose = read_text_pose(*pose, findings);
-  if (auto* camera = std::get_if<Camera>(&draft.device.kind)) {
-    report_ignored(sensor, {"id", "pose", "update_rate", "camera"}, findings);
-    read_camera(sensor, *camera, draft.device.pose, findings);
-  } else if (auto* laser = std::get_if<RangeSensor>(&draft.device.kind)) {
-    report_ignored(sensor, {"id", "pose", "update_rate", "ray", "lidar"}, findings);
-    read_range_sensor(sensor, *laser, draft.device.pose, findings);
-  } else {
-    report_ignored(sensor, {"id", "pose"}, findings);
-  }
+  draft.device.id = read_id(element, findings);
+  if (const XMLElement* pose = element.FirstChildElement("pose")) draft.device.pose = read_text_pose(*pose, findings);
+  read_figures(element, draft.device, findings);
   return draft;
 }
 
-/// Kinds that share their ids: a RangeCamera is a Camera.
+/// Kinds that share their ids: a RangeCamera is a Camera, a SpotLight a PointLight.
 std::string_view id_group(const Device& device) {
+  if (std::holds_alternative<Light>(device.kind)) return "light";
   return std::holds_alternative<Camera>(device.kind) ? "camera" : type_name(device);
 }
 
@@ -88,13 +104,16 @@ void report_doubles(const std::vector<DeviceDraft>& devices, Findings& findings)
   for (const DeviceDraft& draft : devices) {
     const Device& device = draft.device;
     if (const auto [first, is_new] = by_name.emplace(device.name, &device); !is_new) {
-      findings.error(device.line, fmt::format("a second sensor with the name {}, after the one in line {}",
-                                              in_quotes(device.name), first->second->line));
+      const Device& other = *first->second;
+      const std::string_view word = word_for(device), others = word_for(other);
+      findings.error(device.line, fmt::format("a second {} with the name {}, after the one in line {}",
+                                              word == others ? word : "device", in_quotes(device.name), other.line));
     }
     if (device.id < 0) continue;
     if (const auto [first, is_new] = by_id.emplace(std::pair(id_group(device), device.id), &device); !is_new) {
-      findings.error(device.line, fmt::format("sensor {} has the id {} of sensor {} in line {}", in_quotes(device.name),
-                                              device.id, in_quotes(first->second->name), first->second->line));
+      const std::string_view word = word_for(device);
+      findings.error(device.line, fmt::format("{} {} has the id {} of {} {} in line {}", word, in_quotes(device.name),
+                                              device.id, word, in_quotes(first->second->name), first->second->line));
     }
   }
 }
@@ -132,6 +151,10 @@ int read_count_or(const XMLElement* element, const char* child, int fallback, in
   return static_cast<int>(value);
 }
 
+std::string_view word_for(const Device& device) {
+  return std::holds_alternative<Light>(device.kind) ? "light" : "sensor";
+}
+
 Eigen::Matrix3d device_axes() {
   return (Eigen::Matrix3d() << 0, 0, -1,  //
           -1, 0, 0,                       //
@@ -143,10 +166,11 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
   std::vector<DeviceDraft> devices;
   for (const auto* block = robot.FirstChildElement("gazebo"); block != nullptr;
        block = block->NextSiblingElement("gazebo")) {
-    report_ignored(*block, {"sensor", "pseudo_continuous_track"}, findings);
-    for (const auto* sensor = block->FirstChildElement("sensor"); sensor != nullptr;
-         sensor = sensor->NextSiblingElement("sensor")) {
-      if (auto draft = read_sensor(*sensor, block->Attribute("reference"), findings))
+    report_ignored(*block, {"sensor", "light", "pseudo_continuous_track"}, findings);
+    for (const auto* child = block->FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+      const std::string_view what = child->Name();
+      if (what != "sensor" && what != "light") continue;
+      if (auto draft = read_device(*child, block->Attribute("reference"), findings))
         devices.push_back(std::move(*draft));
     }
   }

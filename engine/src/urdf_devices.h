@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <initializer_list>
+#include <optional>
 #include <string_view>
 
 namespace tinyxml2 {
@@ -37,5 +38,14 @@ void read_camera(const tinyxml2::XMLElement& sensor, Camera& camera, Eigen::Isom
 /// Reads <ray>, or <lidar>, and turns `pose` from SDF's axes to ours.
 void read_range_sensor(const tinyxml2::XMLElement& sensor, RangeSensor& laser, Eigen::Isometry3d& pose,
                        Findings& findings);
+
+/// A light of that type as it is without figures; null if we have no such type.
+std::optional<Light> light_of_type(std::string_view type);
+
+/// Reads the figures of a light. SDF's frame is kept: a spot shines along its -z unless told otherwise.
+void read_light(const tinyxml2::XMLElement& element, Light& light, Findings& findings);
+
+/// What messages call it: "sensor" or "light".
+std::string_view word_for(const Device& device);
 
 }  // namespace rehearse::urdf

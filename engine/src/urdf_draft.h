@@ -69,7 +69,7 @@ std::optional<LinkDraft> read_link(tinyxml2::XMLElement& element, const Material
 /// Null if the joint has no name, type, parent or child.
 std::optional<JointDraft> read_joint(tinyxml2::XMLElement& element, Findings& findings);
 
-/// The sensors of all <gazebo> blocks.
+/// The sensors and lights of all <gazebo> blocks.
 std::vector<DeviceDraft> read_devices(const tinyxml2::XMLElement& robot, Findings& findings);
 
 /// The tracks of all <gazebo> blocks.

@@ -1,3 +1,4 @@
+#include "urdf_devices.h"
 #include "urdf_draft.h"
 
 #include <fmt/format.h>
@@ -196,7 +197,7 @@ void add_devices(const Draft& draft, Model& model, Findings& findings) {
   for (const DeviceDraft& device : draft.devices) {
     const int link = link_of(device, links, joints);
     if (link < 0) {
-      findings.error(device.device.line, fmt::format("sensor {} is on {}, which is not a link",
+      findings.error(device.device.line, fmt::format("{} {} is on {}, which is not a link", word_for(device.device),
                                                      in_quotes(device.device.name), in_quotes(device.reference)));
       continue;
     }

@@ -35,6 +35,11 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text, std::siz
   return numbers;
 }
 
+const char* count_text(std::size_t count) {
+  constexpr const char* texts[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
+  return texts[count];
+}
+
 std::optional<std::vector<double>> read_numbers(const XMLElement& element, const char* attribute, std::size_t count,
                                                 Findings& findings) {
   const char* text = element.Attribute(attribute);
@@ -44,10 +49,9 @@ std::optional<std::vector<double>> read_numbers(const XMLElement& element, const
   }
   std::optional<std::vector<double>> numbers = parse_numbers(text, count);
   if (!numbers) {
-    const char* wanted[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
     findings.error(
         element.FindAttribute(attribute)->GetLineNum(),
-        fmt::format("{} of {} is {}, not {}", attribute, tag(element.Name()), in_quotes(text), wanted[count]),
+        fmt::format("{} of {} is {}, not {}", attribute, tag(element.Name()), in_quotes(text), count_text(count)),
         "decimal numbers as in 1.5 or -2e-3, with blanks between them");
   }
   return numbers;
@@ -137,6 +141,15 @@ std::optional<double> read_text_number(const XMLElement& element, Findings& find
                    fmt::format("{} holds {}, not a number", tag(element.Name()), in_quotes(text_of(element))));
   }
   return number;
+}
+
+std::optional<std::vector<double>> read_text_numbers(const XMLElement& element, std::size_t count, Findings& findings) {
+  auto numbers = parse_numbers(text_of(element), count);
+  if (!numbers) {
+    findings.error(element.GetLineNum(), fmt::format("{} holds {}, not {}", tag(element.Name()),
+                                                     in_quotes(text_of(element)), count_text(count)));
+  }
+  return numbers;
 }
 
 Eigen::Isometry3d read_text_pose(const XMLElement& element, Findings& findings) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tinyxml2 {
 class XMLElement;
@@ -44,6 +45,10 @@ std::optional<std::string> read_name(const tinyxml2::XMLElement& element, const 
 
 /// The number that is the element's text, as SDF has it. Malformed: an error, and nothing.
 std::optional<double> read_text_number(const tinyxml2::XMLElement& element, Findings& findings);
+
+/// The `count` numbers, at most four, that are the element's text, as SDF has them. Malformed: an error, and nothing.
+std::optional<std::vector<double>> read_text_numbers(const tinyxml2::XMLElement& element, std::size_t count,
+                                                     Findings& findings);
 
 /// The pose "x y z roll pitch yaw" that is the element's text, as SDF has it. Malformed: an error, and identity.
 Eigen::Isometry3d read_text_pose(const tinyxml2::XMLElement& element, Findings& findings);

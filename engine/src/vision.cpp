@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <string>
 
 #include "capture_cycle.h"
 
@@ -33,6 +34,12 @@ struct Picture {
   std::shared_ptr<const DepthImage> depth;
 };
 
+struct ShownLight {
+  int body = 0;
+  int device = 0;
+  int number = 0;  // of the renderer
+};
+
 struct ActiveCamera {
   int body = 0;
   int device = 0;
@@ -49,8 +56,10 @@ struct Vision::Impl {
     int number, body, link;
   };
   std::vector<Drawn> drawn;
+  std::vector<ShownLight> lights;
 
   void add_shapes();
+  Result<void> add_lights();
   void place(const Observation& observation);
   Picture capture(const ActiveCamera& camera, const Observation& observation);
 };
@@ -67,6 +76,7 @@ Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std
   impl.models = std::move(models);
   impl.renderer = std::move(*renderer);
   impl.add_shapes();
+  if (auto added = impl.add_lights(); !added) return added.errors();
   for (std::size_t body = 0; body < impl.models.size(); ++body) {
     for (std::size_t device = 0; device < impl.models[body]->devices.size(); ++device) {
       const auto* camera = std::get_if<Camera>(&impl.models[body]->devices[device].kind);
@@ -85,9 +95,27 @@ void Vision::Impl::add_shapes() {
         drawn.push_back({renderer->add(shape, default_color), static_cast<int>(body), static_cast<int>(link)});
 }
 
+Result<void> Vision::Impl::add_lights() {
+  for (std::size_t body = 0; body < models.size(); ++body) {
+    for (std::size_t device = 0; device < models[body]->devices.size(); ++device) {
+      const auto* light = std::get_if<Light>(&models[body]->devices[device].kind);
+      if (!light) continue;
+      if (lights.size() == Renderer::max_lights)
+        return error("there are more than " + std::to_string(Renderer::max_lights) + " lights",
+                     "no picture can have more of them");
+      lights.push_back({static_cast<int>(body), static_cast<int>(device), renderer->add_light(*light)});
+    }
+  }
+  return {};
+}
+
 void Vision::Impl::place(const Observation& observation) {
   for (const Drawn& shape : drawn)
     renderer->set_link_pose(shape.number, pose_of(observation.bodies[shape.body].links[shape.link]));
+  for (const ShownLight& light : lights) {
+    const Device& device = models[light.body]->devices[light.device];
+    renderer->set_light_pose(light.number, pose_of(observation.bodies[light.body].links[device.link]) * device.pose);
+  }
 }
 
 Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& observation) {

@@ -9,6 +9,7 @@
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
 #include <cnoid/RateGyroSensor>
+#include <cnoid/SpotLight>
 #include <limits>
 
 namespace rehearse {
@@ -73,6 +74,27 @@ cnoid::DevicePtr make_range_sensor(const RangeSensor& sensor) {
   return made;
 }
 
+cnoid::DevicePtr make_light(const Light& light) {
+  cnoid::PointLightPtr made;
+  if (light.cone) {
+    const cnoid::SpotLightPtr spot = new cnoid::SpotLight;
+    spot->setDirection(light.cone->direction);
+    spot->setBeamWidth(light.cone->beam_width);
+    spot->setCutOffAngle(light.cone->cut_off_angle);
+    spot->setCutOffExponent(light.cone->cut_off_exponent);
+    made = spot;
+  } else {
+    made = new cnoid::PointLight;
+  }
+  made->on(light.on);
+  made->setColor(light.color);
+  made->setIntensity(light.intensity);
+  made->setConstantAttenuation(light.constant);
+  made->setLinearAttenuation(light.linear);
+  made->setQuadraticAttenuation(light.quadratic);
+  return made;
+}
+
 cnoid::DevicePtr make_device(const Device& device) {
   struct Maker {
     cnoid::DevicePtr operator()(const ForceSensor&) const { return new cnoid::ForceSensor; }
@@ -81,6 +103,7 @@ cnoid::DevicePtr make_device(const Device& device) {
     cnoid::DevicePtr operator()(const Imu&) const { return new cnoid::Imu; }
     cnoid::DevicePtr operator()(const Camera& camera) const { return make_camera(camera); }
     cnoid::DevicePtr operator()(const RangeSensor& sensor) const { return make_range_sensor(sensor); }
+    cnoid::DevicePtr operator()(const Light& light) const { return make_light(light); }
   };
   cnoid::DevicePtr made = std::visit(Maker{}, device.kind);
   made->setName(device.name);

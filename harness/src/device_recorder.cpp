@@ -46,7 +46,7 @@ DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, co
     if (camera->depth) depth_ = output.channel<msg::Image>(topic + "depth", {{"unit", "m"}}, depth_pictures);
   } else if (std::holds_alternative<ForceSensor>(device.kind)) {
     measured_ = output.channel<msg::WrenchStamped>(topic + "wrench", wrench_units);
-  } else {
+  } else if (value_count(device) > 0) {
     measured_ = output.channel<msg::Imu>(topic + "imu", imu_units);
   }
 }

@@ -102,8 +102,11 @@ Diagnostics Replayer::unrecorded_inputs() const {
       if (!inputs_.has(hosted.body, field))
         report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
     for (const int device : hosted.io->input_devices()) {
-      const bool said_nothing = std::holds_alternative<Camera>(model.devices[device].kind) &&
-                                !scenario_.runs_camera(scenario_.bodies[hosted.body].name, model.devices[device].name);
+      const DeviceKind& kind = model.devices[device].kind;
+      const bool is_still_camera =
+          std::holds_alternative<Camera>(kind) &&
+          !scenario_.runs_camera(scenario_.bodies[hosted.body].name, model.devices[device].name);
+      const bool said_nothing = is_still_camera || std::holds_alternative<Light>(kind);
       if (!said_nothing && !inputs_.has_device(hosted.body, device))
         report(fmt::format("device '{}'", model.devices[device].name));
     }

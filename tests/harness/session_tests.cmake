@@ -17,11 +17,12 @@ rehearse_add_test(session_tests LABEL sim
     session/failures_test.cpp
     session/joystick_test.cpp
     session/lifecycle_test.cpp
+    session/lights_test.cpp
     session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
     session/traps_test.cpp
-  LIBRARIES Rehearse::simulation Rehearse::cnoid)
+  LIBRARIES Rehearse::simulation Rehearse::cnoid Rehearse::png)
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 
 add_test_controller(Behaviours

@@ -74,6 +74,19 @@ void add_to(Renderer& renderer, const PlacedModel& placed) {
   for (std::size_t i = 0; i < placed.model->links.size(); ++i)
     for (const Shape& shape : placed.model->links[i].visuals)
       renderer.set_link_pose(renderer.add(shape, default_color), placed.links[i]);
+  for (const Device& device : placed.model->devices)
+    if (const auto* light = std::get_if<Light>(&device.kind))
+      renderer.set_light_pose(renderer.add_light(*light), placed.links[device.link] * device.pose);
+}
+
+/// Fails if there are more than a picture can have.
+Result<void> check_lights(const std::vector<PlacedModel>& scene) {
+  std::size_t count = 0;
+  for (const PlacedModel& placed : scene)
+    for (const Device& device : placed.model->devices) count += std::holds_alternative<Light>(device.kind) ? 1 : 0;
+  if (count <= Renderer::max_lights) return {};
+  return error(fmt::format("there are {} lights", count),
+               fmt::format("a picture can have {} of them", Renderer::max_lights));
 }
 
 Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>& bytes) {
@@ -87,6 +100,7 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
 Exit run(Settings& settings) {
   const auto scene = load_scene(settings.input);
   if (!scene) return refuse(scene.errors());
+  if (const auto few = check_lights(*scene); !few) return refuse(few.errors());
   if (const auto allowed = check_output(settings.picture, png_magic, "PNG picture"); !allowed)
     return refuse(allowed.errors());
   const Viewpoint view = default_viewpoint(*scene, settings.camera, settings.eye, settings.target);

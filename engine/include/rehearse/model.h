@@ -131,9 +131,30 @@ struct RangeSensor {
   int beams() const { return yaw.samples * pitch.samples; }
 };
 
-using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor>;
+/// A lamp that shines into pictures, from its device frame's origin. At a distance d [m] its light is divided by
+/// constant + linear * d + quadratic * d². The figures are float because a controller's are.
+struct Light {
+  /// What makes it a spot. Angles are measured from the direction.
+  struct Cone {
+    Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  // in the device frame; of any length but 0
+    float beam_width = 1.570796f;                           // within it the light is at full strength [rad]
+    float cut_off_angle = 0.785398f;                        // beyond it there is none [rad]
+    float cut_off_exponent = 1.0f;                          // kept for controllers; no picture depends on it
+  };
 
-/// A sensor fixed to a link. Models list them in document order, stably sorted by link.
+  bool on = true;
+  Eigen::Vector3f color = Eigen::Vector3f::Ones();  // red, green, blue, 0 to 1
+  float intensity = 1.0f;                           // times the colour: its strength
+  float constant = 1.0f;
+  float linear = 0.0f;       // [1/m]
+  float quadratic = 0.0f;    // [1/m²]
+  double range = unlimited;  // beyond it there is no light [m]
+  std::optional<Cone> cone;  // none: it shines in all directions
+};
+
+using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light>;
+
+/// A sensor or light fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
   std::string name;
   int id = -1;                                             // as in the file; -1 if it gives none
@@ -155,10 +176,12 @@ bool is_linear(JointType type);
 /// "free", "fixed", "revolute", "continuous", "prismatic" or "track".
 std::string_view type_name(JointType type);
 
-/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera" or "RangeSensor".
+/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera", "RangeSensor", "PointLight"
+/// or "SpotLight".
 std::string_view type_name(const Device& device);
 
-/// How many values a device measures in each step (see DeviceReading); 0 for those that measure at times of their own.
+/// How many values a device measures in each step (see DeviceReading); 0 for those that measure at times of their own,
+/// or nothing.
 int value_count(const Device& device);
 
 /// Unit vectors along the beams, in the sensor's device frame and in the order of their numbers.

@@ -5,7 +5,8 @@
 //
 // Solid shapes hide what is behind them; one with an opacity below 1 lets it shine through, and one of opacity 0 isn't
 // there at all. Only outsides are drawn: a camera inside a shape looks out of it. Light comes from the sky, from a sun
-// that stands still in the world, and from the camera.
+// that stands still in the world, from the camera, and from the lights that were added; these cast no shadows. A
+// picture without lights, or with all of them off, has the same pixels as if there were no such thing.
 //
 // Boxes are exact. Round shapes are made of flat faces whose distance from the axis or centre is within 0.08 % of the
 // radius of the true one, half of it inside and half outside.
@@ -41,6 +42,8 @@ class Renderer {
  public:
   /// The largest width and height of a plain picture [pixels]; a fine one has at most a third of it.
   static constexpr int max_size = 8192;
+  /// How many lights there may be.
+  static constexpr int max_lights = 64;
 
   /// Fails if OSMesa can't make a context of OpenGL 3.3 with clip control (Mesa has both since 2017).
   static Result<std::unique_ptr<Renderer>> create(const Look& look = {});
@@ -52,6 +55,13 @@ class Renderer {
   int add(const Shape& shape, const Color& color);
   /// Where the shape's link is in the world (at first: at its origin); the shape's own pose comes on top.
   void set_link_pose(int number, const Eigen::Isometry3d& link_pose);
+
+  /// Adds a light; returns its number among the lights. There are fewer than max_lights.
+  int add_light(const Light& light);
+  /// Gives a light other figures. Those that no lamp can have are brought to the nearest possible ones.
+  void set_light(int number, const Light& light);
+  /// Where the light's device frame is in the world (at first: at its origin).
+  void set_light_pose(int number, const Eigen::Isometry3d& pose);
 
   /// Draws what `camera` sees from `pose` (its device frame in the world: it looks along -z, +y is up).
   /// Depth [m] along the optical axis if `camera.depth`, at the centre of each pixel, accurate to 1 mm + 0.1 % up to

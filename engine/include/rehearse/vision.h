@@ -21,7 +21,8 @@ namespace rehearse {
 class Vision {
  public:
   /// `models`: one a body, in the order of Observation::bodies. `active`: for each body, for each device, whether it is
-  /// a camera that runs. Fails if no picture can be drawn on this machine.
+  /// a camera that runs. The bodies' lights shine into all pictures. Fails if no picture can be drawn on this machine,
+  /// or if there are more lights than a picture can have.
   static Result<std::unique_ptr<Vision>> create(double time_step, std::vector<std::shared_ptr<const Model>> models,
                                                 std::vector<std::vector<bool>> active);
   ~Vision();

@@ -223,5 +223,80 @@ TEST(UrdfRangeSensor, HasNoNoiseAndSaysSo) {
   EXPECT_THAT(to_string(model.report), HasSubstr("note: <ray><noise> is ignored"));
 }
 
+const Light& only_light(const Model& model) {
+  static const Light none;
+  if (model.devices.size() == 1) {
+    if (const auto* found = std::get_if<Light>(&model.devices[0].kind)) return *found;
+  }
+  ADD_FAILURE() << "not one light";
+  return none;
+}
+
+TEST(UrdfLight, OfAPointReadsItsFigures) {
+  const Model model = with_sensors(
+      "<light name='l' type='point'><pose>1 2 3 0 0 0</pose><id>2</id><diffuse>1 0.5 0.25 1</diffuse>"
+      "<intensity>2</intensity><attenuation><range>7</range><constant>0.5</constant><linear>0.125</linear>"
+      "<quadratic>0.25</quadratic></attenuation></light>");
+  const Light& light = only_light(model);
+  EXPECT_EQ(type_name(model.devices[0]), "PointLight");
+  EXPECT_EQ(model.devices[0].id, 2);
+  EXPECT_EQ(model.devices[0].link, 1);
+  EXPECT_EQ(model.devices[0].pose.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(light.on);
+  EXPECT_EQ(light.color, Eigen::Vector3f(1.0f, 0.5f, 0.25f));
+  EXPECT_EQ(light.intensity, 2.0f);
+  EXPECT_EQ(light.range, 7.0);
+  EXPECT_EQ(light.constant, 0.5f);
+  EXPECT_EQ(light.linear, 0.125f);
+  EXPECT_EQ(light.quadratic, 0.25f);
+  EXPECT_FALSE(light.cone.has_value());
+}
+
+TEST(UrdfLight, OfASpotHalvesTheAnglesOfItsCone) {
+  const Model model = with_sensors(
+      "<light name='l' type='spot'><direction>1 0 -1</direction>"
+      "<spot><inner_angle>0.5</inner_angle><outer_angle>1.5</outer_angle><falloff>2</falloff></spot></light>");
+  const Light& light = only_light(model);
+  EXPECT_EQ(type_name(model.devices[0]), "SpotLight");
+  ASSERT_TRUE(light.cone.has_value());
+  EXPECT_EQ(light.cone->direction, Eigen::Vector3d(1, 0, -1));
+  EXPECT_EQ(light.cone->beam_width, 0.25f);
+  EXPECT_EQ(light.cone->cut_off_angle, 0.75f);
+  EXPECT_EQ(light.cone->cut_off_exponent, 2.0f);
+}
+
+TEST(UrdfLight, WithoutFiguresIsAsSdfHasIt) {
+  const Light light = only_light(with_sensors("<light name='l' type='point'/>"));
+  EXPECT_EQ(light.color, Eigen::Vector3f::Ones());
+  EXPECT_EQ(light.intensity, 1.0f);
+  EXPECT_EQ(light.range, 10.0);
+  EXPECT_EQ(light.constant, 1.0f);
+  EXPECT_EQ(light.linear, 1.0f);
+  EXPECT_EQ(light.quadratic, 0.0f);
+  const Model spot = with_sensors("<light name='l' type='spot'><spot><outer_angle>1</outer_angle></spot></light>");
+  EXPECT_EQ(only_light(spot).cone->direction, -Eigen::Vector3d::UnitZ());
+}
+
+TEST(UrdfLight, OfAnotherTypeIsNotedAndPassedOver) {
+  const Model model = with_sensors("<light name='sun' type='directional'/><light name='l'/>");
+  EXPECT_TRUE(model.devices.empty());
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: a light of type 'directional' is ignored"));
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: a light without a type is ignored"));
+}
+
+TEST(UrdfLight, SaysWhatItDoesNotRead) {
+  const Model model = with_sensors(
+      "<light name='l' type='point'><specular>1 1 1 1</specular><cast_shadows>true</cast_shadows></light>");
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: <light><specular> is ignored"));
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: <light><cast_shadows> is ignored"));
+}
+
+TEST(UrdfLight, StandsAmongTheSensorsInTheOrderOfTheDocument) {
+  const Model model =
+      with_sensors("<sensor name='a' type='imu'/><light name='b' type='point'/><sensor name='c' type='imu'/>");
+  ASSERT_EQ(model.devices.size(), 3u);
+  EXPECT_EQ(model.devices[1].name, "b");
+}
+
 }  // namespace
 }  // namespace rehearse

@@ -202,6 +202,39 @@ TEST_F(VisionTest, OnlyACameraThatMeasuresDepthGivesIt) {
   EXPECT_NEAR(reading(1).depth->meters[3 * 8 + 4], 1.75, 0.05);
 }
 
+TEST_F(VisionTest, LightsShineIntoPicturesFromTheLinkTheySitOn) {
+  const auto redness = [this] { return int{reading().image->pixels[static_cast<std::size_t>(3 * 8 + 4) * 3]}; };
+  add_camera("Camera", 500.0);
+  model_.links[1].visuals[0].color = Color(0.4f, 0.1f, 0.1f, 1.0f);
+  create();
+  arrivals(2);
+  const int dark = redness();
+
+  Light light;
+  Eigen::Isometry3d beside = Eigen::Isometry3d::Identity();
+  beside.translation().x() = 0.5;
+  model_.devices.push_back({"Lamp", -1, 0, beside, light, 0});
+  tick_ = 0;
+  observation_ = {};
+  create();
+  arrivals(2);
+  EXPECT_GT(redness(), dark + 20);
+  observation_.bodies[0].links[0].position.z() = -3.0;  // the camera and its lamp, behind the ball
+  observation_.bodies[0].links[0].rotation = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
+  arrivals(5);
+  EXPECT_GT(redness(), dark + 20);
+}
+
+TEST_F(VisionTest, RefusesMoreLightsThanAPictureCanHave) {
+  add_camera("Camera", 30.0);
+  for (int i = 0; i <= Renderer::max_lights; ++i)
+    model_.devices.push_back({"Lamp", -1, 0, Eigen::Isometry3d::Identity(), Light{}, 0});
+  const auto vision =
+      Vision::create(0.001, {std::make_shared<const Model>(model_)}, {std::vector<bool>(model_.devices.size(), true)});
+  ASSERT_FALSE(vision.ok());
+  EXPECT_EQ(vision.errors()[0].message, "there are more than 64 lights");
+}
+
 TEST_F(VisionTest, ACameraThatDoesNotRunIsLeftAlone) {
   add_camera("Camera", 30.0);
   auto vision = Vision::create(0.001, {std::make_shared<const Model>(model_)}, {{false}});

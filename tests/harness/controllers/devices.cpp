@@ -1,11 +1,13 @@
 // Controllers that read sensors and command devices.
 
 #include <cnoid/AccelerationSensor>
+#include <cnoid/DeviceList>
 #include <cnoid/ForceSensor>
 #include <cnoid/Imu>
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
 #include <cnoid/RateGyroSensor>
+#include <cnoid/SpotLight>
 #include <cstdint>
 #include <cstring>
 
@@ -154,6 +156,26 @@ class ScanSayer : public Pusher {
   bool is_new_ = false;
 };
 const Add<ScanSayer> scan_sayer("scan");
+
+/// lamp: says what the lights are.
+class LampSayer : public Pusher {
+ public:
+  explicit LampSayer(const Words&) : Pusher(0.0) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    for (const auto& light : io->body()->devices<cnoid::PointLight>()) {
+      io->os() << light->typeName() << " " << light->name() << (light->on() ? " on" : " off") << " color "
+               << light->color().transpose() << " intensity " << light->intensity() << " fading "
+               << light->constantAttenuation() << " " << light->linearAttenuation() << " "
+               << light->quadraticAttenuation();
+      if (const auto* spot = dynamic_cast<cnoid::SpotLight*>(light.get()))
+        io->os() << " towards " << spot->direction().transpose() << " within " << spot->beamWidth() << " to "
+                 << spot->cutOffAngle() << " exponent " << spot->cutOffExponent();
+      io->os() << "\n";
+    }
+    return Pusher::initialize(io);
+  }
+};
+const Add<LampSayer> lamp_sayer("lamp");
 
 /// laser_off NAME TICK: switches a range sensor off in that tick, and on again 15 ticks later.
 class LaserSwitch : public Pusher {
