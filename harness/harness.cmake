@@ -8,6 +8,7 @@ rehearse_add_library(harness
   src/controller_host.cpp
   src/controller_io.cpp
   src/usable_outputs.cpp
+  src/info_text.cpp
   src/controller_library.cpp
   src/device_recorder.cpp
   src/divergence.cpp

@@ -116,6 +116,24 @@ std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor) {
   return directions;
 }
 
+Light light_of_state(Light light, const std::vector<double>& values) {
+  constexpr std::size_t lamp = 8, spot = 14;
+  if (values.size() < (light.cone ? spot : lamp)) return light;
+  const auto number = [&values](std::size_t i) { return static_cast<float>(values[i]); };
+  light.on = values[0] != 0.0;
+  light.color = {number(1), number(2), number(3)};
+  light.intensity = number(4);
+  light.constant = number(5);
+  light.linear = number(6);
+  light.quadratic = number(7);
+  if (!light.cone) return light;
+  light.cone->direction = {values[8], values[9], values[10]};
+  light.cone->beam_width = number(11);
+  light.cone->cut_off_angle = number(12);
+  light.cone->cut_off_exponent = number(13);
+  return light;
+}
+
 int Model::find_link(std::string_view link_name) const { return find_by_name(links, link_name); }
 
 int Model::find_joint(std::string_view joint_name) const {

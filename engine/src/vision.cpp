@@ -144,7 +144,13 @@ void Vision::look(std::int64_t tick, Observation& observation) {
   }
 }
 
-void Vision::switch_cameras(std::int64_t tick, const Command& command) {
+void Vision::obey(std::int64_t tick, const Command& command) {
+  for (const ShownLight& light : impl_->lights) {
+    const DeviceCommand& wanted = command.bodies[light.body].devices[light.device];
+    if (!wanted.fresh) continue;
+    const auto& designed = std::get<Light>(impl_->models[light.body]->devices[light.device].kind);
+    impl_->renderer->set_light(light.number, light_of_state(designed, wanted.values));
+  }
   for (ActiveCamera& camera : impl_->cameras) {
     const DeviceCommand& wanted = command.bodies[camera.body].devices[camera.device];
     if (wanted.fresh) camera.cycle.switch_to(wanted.on, tick);

@@ -9,6 +9,7 @@
 #include "cnoid_body.h"
 #include "guarded_call.h"
 #include "hashing.h"
+#include "info_text.h"
 #include "usable_outputs.h"
 
 namespace rehearse {
@@ -239,8 +240,14 @@ Command ControllerHost::initialize(const Observation& initial) {
     for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
     hosted.reported.assign(hosted.io->outputs().size, false);
   }
-  for (std::size_t i = 0; i < controllers_.size(); ++i)
+  for (std::size_t i = 0; i < controllers_.size(); ++i) {
     if (controllers_[i].running) set_drives(i, command);
+    const HostedController& hosted = controllers_[i];
+    if (hosted.parent >= 0 || !hosted.io_body) continue;
+    // what was said in initialize() acts before the run; it is told again, and recorded, with the words of tick 0
+    for (const DeviceOutput& output : hosted.io_body->device_outputs())
+      command.bodies[hosted.body].devices[output.device] = {true, output.on, output.values};
+  }
   return command;
 }
 
@@ -273,6 +280,7 @@ void ControllerHost::start() {
 
 bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   tick_ = tick;
+  pass_infos();
   const double now = time_of(tick, scenario_->time_step);
   show_joystick(seen);
   for (HostedController& hosted : controllers_) {
@@ -295,6 +303,20 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   return true;
 }
 
+/// What a controller changed in the info() of a device reaches the others of its robot that have enabled that device.
+void ControllerHost::pass_infos() {
+  for (HostedController& hosted : controllers_) {
+    if (hosted.parent >= 0 || !hosted.io_body) continue;
+    for (const DeviceInfo& changed : hosted.io_body->take_infos()) {
+      const std::string& device = hosted.io_body->model().devices[changed.device].name;
+      event(Severity::note, hosted.label, fmt::format("info of device '{}': {}", device, text_of(changed.info)));
+      for (HostedController& other : controllers_)
+        if (other.parent < 0 && &other != &hosted && other.body == hosted.body && other.io_body)
+          other.io_body->input_info(changed);
+    }
+  }
+}
+
 void ControllerHost::output(Timing timing, Command& command) {
   for (HostedController& hosted : controllers_) {
     const HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
@@ -305,7 +327,8 @@ void ControllerHost::output(Timing timing, Command& command) {
 
 void ControllerHost::apply(HostedController& hosted, Command& command) {
   BodyCommand& body = command.bodies[hosted.body];
-  for (const DeviceOutput& output : hosted.device_outputs) body.devices[output.device] = {true, output.on};
+  for (const DeviceOutput& output : hosted.device_outputs)
+    body.devices[output.device] = {true, output.on, output.values};
   if (!hosted.running) return;
   const std::vector<double>& values = hosted.io->output_values();
   for (const IoField& field : hosted.io->outputs().fields) {

@@ -91,6 +91,7 @@ class ControllerHost {
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);
   void set_drives(std::size_t index, Command& command);
+  void pass_infos();
   void apply(HostedController& hosted, Command& command);
 
   const Scenario* scenario_ = nullptr;

@@ -19,7 +19,7 @@ std::string scan_frame(const std::string& body, const Device& device);
 
 class DeviceRecorder {
  public:
-  /// Makes the device's channels; a light measures nothing and has none. Scenario and device must outlive this.
+  /// Makes the device's channels; a light tells its state when a controller has changed it. Scenario and device must outlive this.
   DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body, const Device& device);
   /// A reading that is fresh at this tick.
   Result<void> write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const;

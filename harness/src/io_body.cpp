@@ -1,5 +1,7 @@
 #include "io_body.h"
 
+#include <utility>
+
 #include "cnoid_body.h"
 
 namespace rehearse {
@@ -8,19 +10,24 @@ IoBody::IoBody(const ScenarioBody& description, const BodyObservation& initial)
     : description_(description),
       body_(make_cnoid_body(model(), description.name, description.fixed)),
       enabled_(model().devices.size(), false),
-      notified_(model().devices.size(), false) {
+      notified_(model().devices.size(), false),
+      new_info_(model().devices.size(), false),
+      said_(model().devices.size()) {
   set_initial_state(*body_, initial);
   for (int i = 0; i < body_->numDevices(); ++i) {
     connections_.emplace_back(body_->device(i)->sigStateChanged().connect([this, i] {
       notified_[i] = true;
       any_notified_ = true;
     }));
+    info_connections_.emplace_back(body_->device(i)->sigInfoChanged().connect([this, i] { new_info_[i] = true; }));
   }
 }
 
 void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
   for (std::size_t i = 0; i < enabled_.size(); ++i) {
     if (!enabled_[i] || !seen.devices[i].fresh) continue;
+    if (std::holds_alternative<Light>(model().devices[i].kind) && std::exchange(said_[i], {}) == seen.devices[i].values)
+      continue;  // it said so itself
     cnoid::Device& device = *body_->device(static_cast<int>(i));
     feed_device(device, model().devices[i], seen.devices[i], delivered_at);
     connections_[i].block();  // what comes in is not sent out again
@@ -29,7 +36,7 @@ void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
   }
 }
 
-std::vector<DeviceOutput> IoBody::take_device_outputs() {
+std::vector<DeviceOutput> IoBody::device_outputs() {
   std::vector<DeviceOutput> outputs;
   if (!any_notified_) return outputs;
   for (std::size_t i = 0; i < notified_.size(); ++i) {
@@ -40,10 +47,36 @@ std::vector<DeviceOutput> IoBody::take_device_outputs() {
     output.on = device.on();
     output.values.resize(device.stateSize());
     device.writeState(output.values.data());
-    notified_[i] = false;
+    said_[i] = output.values;
   }
+  return outputs;
+}
+
+std::vector<DeviceOutput> IoBody::take_device_outputs() {
+  std::vector<DeviceOutput> outputs = device_outputs();
+  for (const DeviceOutput& output : outputs) notified_[output.device] = false;
   any_notified_ = false;
   return outputs;
+}
+
+std::vector<DeviceInfo> IoBody::take_infos() {
+  std::vector<DeviceInfo> infos;
+  for (std::size_t i = 0; i < new_info_.size(); ++i) {
+    if (!new_info_[i]) continue;
+    new_info_[i] = false;
+    const int device = static_cast<int>(i);
+    infos.push_back({device, body_->device(device)->info()->deepClone()});
+  }
+  return infos;
+}
+
+void IoBody::input_info(const DeviceInfo& changed) {
+  if (!enabled_[changed.device]) return;
+  cnoid::Device& device = *body_->device(changed.device);
+  device.resetInfo(changed.info->deepClone());
+  info_connections_[changed.device].block();  // what comes in is not sent out again
+  device.notifyInfoChange();
+  info_connections_[changed.device].unblock();
 }
 
 }  // namespace rehearse

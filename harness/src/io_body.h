@@ -19,6 +19,12 @@ struct DeviceOutput {
   std::vector<double> values;
 };
 
+/// What a controller put into the info() of a device and announced by notifyInfoChange(): a copy of its own.
+struct DeviceInfo {
+  int device = 0;  // index into the model's devices
+  cnoid::MappingPtr info;
+};
+
 class IoBody {
  public:
   /// At rest in the state of `initial`.
@@ -35,16 +41,24 @@ class IoBody {
   bool is_enabled(int device) const { return enabled_[device]; }
   /// Copies fresh readings of the enabled devices and emits their sigStateChanged. `delivered_at` [s].
   void input_devices(const BodyObservation& seen, double delivered_at);
-  /// The devices whose change was notified since the last call, in model order.
+  /// The devices whose change was notified since they were last taken, in model order.
+  std::vector<DeviceOutput> device_outputs();
   std::vector<DeviceOutput> take_device_outputs();
+  /// The infos whose change was notified since the last call, in model order.
+  std::vector<DeviceInfo> take_infos();
+  /// An enabled device gets a copy of the info, and emits sigInfoChanged.
+  void input_info(const DeviceInfo& changed);
 
  private:
   const ScenarioBody& description_;  // the scenario outlives the run
   cnoid::BodyPtr body_;
-  std::vector<bool> enabled_;   // by device index
-  std::vector<bool> notified_;  // by device index
+  std::vector<bool> enabled_;              // by device index
+  std::vector<bool> notified_;             // by device index
+  std::vector<bool> new_info_;             // by device index
+  std::vector<std::vector<double>> said_;  // by device index: what was last sent out, and may come back
   bool any_notified_ = false;
-  std::vector<cnoid::ScopedConnection> connections_;  // by device index
+  std::vector<cnoid::ScopedConnection> connections_;       // by device index: of states
+  std::vector<cnoid::ScopedConnection> info_connections_;  // by device index
 };
 
 }  // namespace rehearse

@@ -124,7 +124,7 @@ void RecordedInputs::add_link(int body, const std::string& link, const std::stri
 }
 
 void RecordedInputs::add_device(int body, int device, const std::string& kind, const mcap::Channel& channel) {
-  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points"};
+  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points", "state"};
   if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) return;
   Feed& feed = add(channel);
   feed.kind = Feed::Kind::device;
@@ -284,7 +284,12 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
     return time_of(std::llround(seconds / scenario_.time_step), scenario_.time_step);
   };
   reading.fresh = true;
-  if (std::holds_alternative<ForceSensor>(device.kind)) {
+  if (std::holds_alternative<Light>(device.kind)) {
+    msg::DeviceState state;
+    if (!msg::decode(reader, state)) return mismatch();
+    reading.values = std::move(state.values);
+    reading.measured_at = measured_at(state.header.stamp);
+  } else if (std::holds_alternative<ForceSensor>(device.kind)) {
     msg::WrenchStamped wrench;
     if (!msg::decode(reader, wrench)) return mismatch();
     const msg::Wrench& w = wrench.wrench;

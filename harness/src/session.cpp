@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "controller_host.h"
 #include "provenance.h"
@@ -69,11 +71,13 @@ struct Session::Impl {
   std::filesystem::path file;
   Observation seen;
   Command command;
-  std::int64_t checkpoint_interval = 1;  // [ticks]
+  std::vector<std::vector<std::optional<DeviceReading>>> told;  // by body and device: a light's new state
+  std::int64_t checkpoint_interval = 1;                         // [ticks]
   RunSummary summary;
 
   explicit Impl(const Scenario& of) : scenario(of) {}
   void sense(std::int64_t tick);
+  void obey(std::int64_t tick);
   void push();
   Result<void> record_events();
 };
@@ -104,6 +108,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   impl->file = trace;
   impl->checkpoint_interval = std::max<std::int64_t>(1, std::llround(checkpoint_period / scenario.time_step));
   impl->command = impl->host->initialize(initial_observation(scenario));
+  impl->obey(-1);
   impl->recorder->declare(*impl->host);
   impl->host->start();
   if (auto done = impl->record_events(); !done) return done.errors();
@@ -115,6 +120,30 @@ void Session::Impl::sense(std::int64_t tick) {
   if (scenario.joystick) seen.joystick = scenario.joystick->at(time_of(tick, scenario.time_step));
   if (vision) vision->look(tick, seen);
   scanner->look(tick, seen);
+  for (std::size_t body = 0; body < told.size(); ++body)
+    for (std::size_t device = 0; device < told[body].size(); ++device)
+      if (std::optional<DeviceReading> light = std::exchange(told[body][device], std::nullopt))
+        seen.bodies[body].devices[device] = std::move(*light);
+}
+
+/// Devices do what controllers said to them. A light's new state is what it reads in the next tick, to those who
+/// listen.
+void Session::Impl::obey(std::int64_t tick) {
+  if (vision) vision->obey(tick, command);
+  scanner->switch_sensors(tick, command);
+  told.resize(command.bodies.size());
+  for (std::size_t body = 0; body < told.size(); ++body) {
+    told[body].resize(command.bodies[body].devices.size());
+    for (std::size_t device = 0; device < told[body].size(); ++device) {
+      const DeviceCommand& wanted = command.bodies[body].devices[device];
+      if (!wanted.fresh || !std::holds_alternative<Light>(scenario.bodies[body].model->devices[device].kind)) continue;
+      DeviceReading& reading = told[body][device].emplace();
+      reading.fresh = true;
+      reading.measured_at = time_of(tick + 1, scenario.time_step);
+      reading.values = wanted.values;
+    }
+  }
+  clear_words(command);
 }
 
 void Session::Impl::push() {
@@ -148,9 +177,7 @@ Result<bool> Session::step() {
                           tick));
   clear_wrenches(run.command);
   run.host->output(ControllerHost::Timing::next_step, run.command);
-  if (run.vision) run.vision->switch_cameras(tick, run.command);
-  run.scanner->switch_sensors(tick, run.command);
-  clear_words(run.command);
+  run.obey(tick);
   return true;
 }
 

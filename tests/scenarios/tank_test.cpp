@@ -40,6 +40,14 @@ TEST(Tank, AimsWithItsTurretAndGun) {
   EXPECT_NEAR(drive().last("Tank/TURRET_P/q"), -0.2 * 0.8, 0.05);
 }
 
+TEST(Tank, HasItsLightOnOnlyWhenItWasSwitchedOn) {
+  const std::vector<double> on = drive().values("Tank/Headlight/values/0");
+  ASSERT_FALSE(on.empty());
+  EXPECT_EQ(on.front(), 0.0);
+  EXPECT_EQ(on.back(), 1.0);
+  EXPECT_NEAR(drive().last("Tank/Headlight/values/11"), 0.4 - 0.4 * 0.6, 0.005);  // the beam's width [rad]
+}
+
 TEST(Tank, SwitchesItsLightByDeviceOutput) {
   ControllerBench bench("TankController", "models/tank.urdf");
   bench.tick();

@@ -84,6 +84,7 @@ struct Wrench {
 struct DeviceCommand {
   bool fresh = false;
   bool on = true;
+  std::vector<double> values;  // its whole state, as cnoid's writeState() gives it; a light's is told at Light
 };
 
 /// Where a link's frame is to be, in the world.

@@ -131,6 +131,9 @@ struct RangeSensor {
   int beams() const { return yaw.samples * pitch.samples; }
 };
 
+/// Its state as numbers is on (1 or 0), red, green, blue, intensity, constant, linear, quadratic; a spot's goes on with
+/// direction x, y, z, beam width, cut-off angle, cut-off exponent.
+///
 /// A lamp that shines into pictures, from its device frame's origin. At a distance d [m] its light is divided by
 /// constant + linear * d + quadratic * d². The figures are float because a controller's are.
 struct Light {
@@ -179,6 +182,9 @@ std::string_view type_name(JointType type);
 /// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera", "RangeSensor", "PointLight"
 /// or "SpotLight".
 std::string_view type_name(const Device& device);
+
+/// `light` with the state of these numbers; as it is if they are too few.
+Light light_of_state(Light light, const std::vector<double>& values);
 
 /// How many values a device measures in each step (see DeviceReading); 0 for those that measure at times of their own,
 /// or nothing.

@@ -32,8 +32,9 @@ class Vision {
   /// Puts the pictures that arrive at this tick into the observation, then captures those that are due, from the poses
   /// in it. To be called once for each tick, in order.
   void look(std::int64_t tick, Observation& observation);
-  /// Controllers switch cameras on and off. Off: its picture is taken away. On again: it captures at the next tick.
-  void switch_cameras(std::int64_t tick, const Command& command);
+  /// What controllers said in this tick to cameras and lights. A camera that is switched off loses its picture; on again
+  /// it captures at the next tick. A light is in its new state from the next capture on. Tick -1: before the run.
+  void obey(std::int64_t tick, const Command& command);
 
   /// Draws the bodies where the observation says they are, from any place, for people: with shadows and smooth edges.
   Frame draw(const Camera& camera, const Eigen::Isometry3d& pose, const Observation& observation);

@@ -61,8 +61,8 @@ class VisionTest : public ::testing::Test {
     Command command;
     command.bodies.resize(1);
     command.bodies[0].devices.resize(model_.devices.size());
-    command.bodies[0].devices[camera] = {true, on};
-    vision_->switch_cameras(tick_ - 1, command);
+    command.bodies[0].devices[camera] = {true, on, {}};
+    vision_->obey(tick_ - 1, command);
   }
 
   const DeviceReading& reading(int camera = 0) const { return observation_.bodies[0].devices[camera]; }

@@ -44,7 +44,7 @@ class ScannerTest : public ::testing::Test {
   }
 
   void switch_laser(bool on) {
-    command_.bodies[0].devices[1] = {true, on};
+    command_.bodies[0].devices[1] = {true, on, {}};
     scanner_->switch_sensors(tick_ - 1, command_);
   }
 

@@ -4,6 +4,7 @@
 
 #include <cnoid/SimpleController>
 
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <memory>
@@ -21,7 +22,8 @@ std::map<std::string, Make>& registry();
 template <class Controller>
 struct Add {
   explicit Add(const char* name) {
-    registry()[name] = [](const Words& words) { return new Controller(words); };
+    const Make make = [](const Words& words) { return new Controller(words); };
+    if (!registry().emplace(name, make).second) std::abort();  // two of one name
   }
 };
 

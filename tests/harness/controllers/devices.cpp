@@ -222,5 +222,91 @@ class Feeler : public Pusher {
 };
 const Add<Feeler> feeler("feel");
 
+/// bulb TICK [TWICE|silent]: puts light Bulb out in that tick (-1: in initialize) and tells; TWICE: after having told
+/// that it is green; silent: without telling.
+class BulbSwitch : public Pusher {
+ public:
+  explicit BulbSwitch(const Words& words)
+      : Pusher(0.0), off_tick_(std::stoi(words.at(0))), how_(words.size() > 1 ? words[1] : "") {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    bulb_ = io->body()->findDevice<cnoid::PointLight>("Bulb");
+    io->enableInput(bulb_);
+    echo_ = bulb_->sigStateChanged().connect([this] { heard_ += 1.0; });
+    if (off_tick_ < 0) put_out();
+    return Pusher::initialize(io);
+  }
+  bool control() override {
+    if (tick_ == off_tick_) put_out();
+    effort_ = heard_;
+    return Pusher::control();
+  }
+
+ private:
+  void put_out() {
+    if (how_ == "TWICE") {
+      bulb_->setColor(cnoid::Vector3f(0, 1, 0));
+      bulb_->notifyStateChange();
+    }
+    bulb_->setColor(cnoid::Vector3f(0.5f, 0, 0));
+    bulb_->on(false);
+    if (how_ == "silent") return;
+    bulb_->notifyStateChange();
+    heard_ = 0.0;  // but for its own
+  }
+  int off_tick_;
+  std::string how_;
+  cnoid::PointLight* bulb_ = nullptr;
+  cnoid::ScopedConnection echo_;
+  double heard_ = 0.0;
+};
+const Add<BulbSwitch> bulb_switch("bulb");
+
+/// overhear: says what it hears of light Bulb and of the info of device Camera, and when.
+class Listener : public cnoid::SimpleController {
+ public:
+  explicit Listener(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    auto* bulb = io->body()->findDevice<cnoid::PointLight>("Bulb");
+    auto* camera = io->body()->findDevice<cnoid::Camera>("Camera");
+    io->enableInput(bulb);
+    io->enableInput(camera);
+    states_ = bulb->sigStateChanged().connect([this, io, bulb] {
+      io->os() << "tick " << tick_ << " bulb " << (bulb->on() ? "on" : "off") << " red " << bulb->color().x() << "\n";
+    });
+    infos_ = camera->sigInfoChanged().connect([this, io, camera] {
+      io->os() << "tick " << tick_ << " exposure " << camera->info()->get("exposure", 0.0) << "\n";
+    });
+    return true;
+  }
+  bool control() override { return ++tick_, true; }
+
+ private:
+  cnoid::ScopedConnection states_, infos_;
+  int tick_ = 0;
+};
+const Add<Listener> listener("overhear");
+
+/// expose TICK VALUE: writes the value into the info of device Camera in that tick, and tells.
+class Exposer : public Pusher {
+ public:
+  explicit Exposer(const Words& words)
+      : Pusher(0.0), change_tick_(std::stoi(words.at(0))), value_(std::stod(words.at(1))) {}
+  bool control() override {
+    auto* camera = io_->body()->findDevice<cnoid::Camera>("Camera");
+    if (tick_ == change_tick_) {
+      camera->info()->write("exposure", value_);
+      camera->notifyInfoChange();
+    } else if (tick_ > change_tick_) {
+      camera->info()->write("exposure", -1.0);  // without a word: in no copy
+    }
+    return Pusher::control();
+  }
+
+ private:
+  int change_tick_;
+  double value_;
+};
+const Add<Exposer> exposer("expose");
+
 }  // namespace
 }  // namespace behaviours

@@ -45,8 +45,8 @@ class Lights : public RunTest {
   Lights() { write("rig.urdf", lamps_urdf); }
 
   static std::string with(const std::string& controllers, const std::string& more = "") {
-    return "rehearse: 1\nduration: 0.03\n" + more +
-           "bodies:\n  - name: Rig\n    model: rig.urdf\n    controllers: [" + controllers + "]\n";
+    return "rehearse: 1\nduration: 0.03\n" + more + "bodies:\n  - name: Rig\n    model: rig.urdf\n    controllers: [" +
+           controllers + "]\n";
   }
 
   /// The colour in the middle of each frame that was recorded, red only, in order.
@@ -82,6 +82,60 @@ TEST_F(Lights, ShineIntoWhatCamerasSee) {
   write("rig.urdf", dark);
   record_run(with(behaviour("C", "push 0")));
   EXPECT_GT(lit, middles().front() + 20);
+}
+
+TEST_F(Lights, PutOutInInitializeShineIntoNoPicture) {
+  record_run(with(behaviour("C", "bulb -1")));
+  const int dark = middles().front();
+  record_run(with(behaviour("C", "push 0")));
+  EXPECT_LT(dark, middles().front() - 5);
+}
+
+TEST_F(Lights, AreInTheirNewStateFromTheNextCaptureOn) {
+  record_run(with(behaviour("C", "bulb 7")));  // the camera captures at ticks 0, 5, 10, ...
+  const std::vector<int> red = middles();
+  ASSERT_GE(red.size(), 4u);
+  EXPECT_EQ(red[1], red[0]);
+  EXPECT_LT(red[2], red[1] - 5);
+  EXPECT_EQ(red[3], red[2]);
+}
+
+TEST_F(Lights, ThatAreChangedWithoutAWordStayAsTheyAre) {
+  record_run(with(behaviour("C", "bulb 7 silent")));
+  for (const int red : middles()) EXPECT_EQ(red, middles().front());
+}
+
+TEST_F(Lights, AreHeardByOthersInTheNextTickAndNotByTheirWriter) {
+  for (const std::string delay : {"", ", delay: false"}) {
+    const Trace trace =
+        record_run(with(behaviour("A", "bulb 7", delay) + ", " + behaviour("B", "overhear"), "cameras: none\n"));
+    EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
+    EXPECT_THAT(trace.values("Rig/A/output/SHOULDER/u"), ::testing::Each(0.0));  // what A has heard
+    const auto report = replay_run();
+    ASSERT_TRUE(report.ok()) << to_string(report.errors());
+    EXPECT_TRUE(report->equal());
+  }
+}
+
+TEST_F(Lights, SeveralWordsInOneTickAreTheLastOne) {
+  const Trace trace =
+      record_run(with(behaviour("A", "bulb 7 TWICE") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
+  EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
+  EXPECT_EQ(trace.find_channel("/Rig/A/output/Bulb/state")->messages(), 1u);
+  EXPECT_EQ(trace.find_channel("/Rig/Bulb/state")->messages(), 1u);
+}
+
+TEST_F(Lights, AWordInInitializeIsHeardInTickZero) {
+  const Trace trace = record_run(with(behaviour("A", "bulb -1") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
+  ASSERT_FALSE(said(trace).empty());
+  EXPECT_EQ(said(trace)[0], "Rig/B: tick 0 bulb off red 0.5");
+}
+
+TEST_F(Lights, AnInfoReachesTheOthersAsACopyAndTheRecord) {
+  const Trace trace =
+      record_run(with(behaviour("A", "expose 7 0.25") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
+  EXPECT_THAT(said(trace),
+              ElementsAre("Rig/A: info of device 'Camera': {exposure: 0.25}", "Rig/B: tick 8 exposure 0.25"));
 }
 
 }  // namespace
