@@ -218,7 +218,9 @@ void ControllerHost::initialize(HostedController& hosted, const Observation& ini
   bool accepted = false;
   if (!call(hosted, "initialize", [&] { accepted = hosted.controller->initialize(hosted.io.get()); })) return;
   hosted.running = accepted;
-  if (!accepted) refuse(hosted, "initialize");
+  if (accepted) return;
+  refuse(hosted, "initialize");
+  if (hosted.parent < 0) hosted.io_body->take_device_outputs();  // they are not heard
 }
 
 Command ControllerHost::initialize(const Observation& initial) {
@@ -241,12 +243,16 @@ Command ControllerHost::initialize(const Observation& initial) {
     hosted.reported.assign(hosted.io->outputs().size, false);
   }
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
-    if (controllers_[i].running) set_drives(i, command);
-    const HostedController& hosted = controllers_[i];
-    if (hosted.parent >= 0 || !hosted.io_body) continue;
-    // what was said in initialize() acts before the run; it is told again, and recorded, with the words of tick 0
-    for (const DeviceOutput& output : hosted.io_body->device_outputs())
-      command.bodies[hosted.body].devices[output.device] = {true, output.on, output.values};
+    HostedController& hosted = controllers_[i];
+    if (!hosted.running) continue;
+    set_drives(i, command);
+    // what was said to devices in initialize() acts before the run, and is recorded with tick 0
+    HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
+    for (DeviceOutput& output : leader.io_body->take_device_outputs()) {
+      tell(hosted, output, command);
+      output.told = true;
+      leader.early_outputs.push_back(std::move(output));
+    }
   }
   return command;
 }
@@ -280,17 +286,22 @@ void ControllerHost::start() {
 
 bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   tick_ = tick;
-  pass_infos();
+  if (!pass_infos()) return false;
   const double now = time_of(tick, scenario_->time_step);
   show_joystick(seen);
   for (HostedController& hosted : controllers_) {
-    if (hosted.parent < 0 && hosted.io_body)
-      hosted.io_body->input_devices(seen.bodies[hosted.body], time_of(tick - 1, scenario_->time_step));
-    hosted.io->set_time(now);
-    hosted.result = hosted.has_output = false;
+    hosted.result = hosted.has_input = hosted.has_output = false;
     hosted.device_outputs.clear();
+  }
+  for (HostedController& hosted : controllers_) {
+    const BodyObservation& body = seen.bodies[hosted.body];
+    const double delivered_at = time_of(tick - 1, scenario_->time_step);
+    if (hosted.parent < 0 && hosted.io_body && hosted.io_body->hears(body) &&
+        !call(hosted, "a slot of sigStateChanged", [&] { hosted.io_body->input_devices(body, delivered_at); }))
+      return false;
+    hosted.io->set_time(now);
     hosted.has_input = hosted.running;
-    if (hosted.running) hosted.io->input(seen.bodies[hosted.body]);
+    if (hosted.running) hosted.io->input(body);
   }
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;
@@ -299,22 +310,35 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     hosted.has_output = true;
   }
   for (HostedController& hosted : controllers_)
-    if (hosted.parent < 0 && hosted.io_body) hosted.device_outputs = hosted.io_body->take_device_outputs();
+    if (hosted.parent < 0 && hosted.io_body) take_device_outputs(hosted);
   return true;
 }
 
+/// Those of this tick, and at tick 0 what initialize() said of other devices.
+void ControllerHost::take_device_outputs(HostedController& hosted) {
+  std::vector<DeviceOutput>& outputs = hosted.device_outputs;
+  outputs = hosted.io_body->take_device_outputs();
+  for (DeviceOutput& early : std::exchange(hosted.early_outputs, {})) {
+    const auto place = std::lower_bound(outputs.begin(), outputs.end(), early.device,
+                                        [](const DeviceOutput& output, int device) { return output.device < device; });
+    if (place == outputs.end() || place->device != early.device) outputs.insert(place, std::move(early));
+  }
+}
+
 /// What a controller changed in the info() of a device reaches the others of its robot that have enabled that device.
-void ControllerHost::pass_infos() {
+bool ControllerHost::pass_infos() {
   for (HostedController& hosted : controllers_) {
     if (hosted.parent >= 0 || !hosted.io_body) continue;
     for (const DeviceInfo& changed : hosted.io_body->take_infos()) {
       const std::string& device = hosted.io_body->model().devices[changed.device].name;
       event(Severity::note, hosted.label, fmt::format("info of device '{}': {}", device, text_of(changed.info)));
       for (HostedController& other : controllers_)
-        if (other.parent < 0 && &other != &hosted && other.body == hosted.body && other.io_body)
-          other.io_body->input_info(changed);
+        if (other.parent < 0 && &other != &hosted && other.body == hosted.body && other.io_body &&
+            !call(other, "a slot of sigInfoChanged", [&] { other.io_body->input_info(changed); }))
+          return false;
     }
   }
+  return true;
 }
 
 void ControllerHost::output(Timing timing, Command& command) {
@@ -325,10 +349,23 @@ void ControllerHost::output(Timing timing, Command& command) {
   }
 }
 
+void ControllerHost::tell(const HostedController& hosted, const DeviceOutput& output, Command& command) {
+  if (output.told) return;
+  const auto is_odd = [](double number) { return !std::isfinite(number); };
+  if (std::any_of(output.values.begin(), output.values.end(), is_odd)) {
+    event(
+        Severity::error, hosted.label,
+        fmt::format("gave device '{}' a state that isn't finite at tick {}; it was recorded, but the device keeps the "
+                    "one before it",
+                    scenario_->bodies[hosted.body].model->devices[output.device].name, tick_));
+    return;
+  }
+  command.bodies[hosted.body].devices[output.device] = {true, output.on, output.values};
+}
+
 void ControllerHost::apply(HostedController& hosted, Command& command) {
   BodyCommand& body = command.bodies[hosted.body];
-  for (const DeviceOutput& output : hosted.device_outputs)
-    body.devices[output.device] = {true, output.on, output.values};
+  for (const DeviceOutput& output : hosted.device_outputs) tell(hosted, output, command);
   if (!hosted.running) return;
   const std::vector<double>& values = hosted.io->output_values();
   for (const IoField& field : hosted.io->outputs().fields) {

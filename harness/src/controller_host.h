@@ -41,6 +41,7 @@ struct HostedController {
   bool has_output = false;                   // control() returned in this tick, and its outputs were taken
   bool result = false;                       // what control() returned
   std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
+  std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };
 
@@ -91,7 +92,9 @@ class ControllerHost {
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);
   void set_drives(std::size_t index, Command& command);
-  void pass_infos();
+  bool pass_infos();
+  void take_device_outputs(HostedController& hosted);
+  void tell(const HostedController& hosted, const DeviceOutput& output, Command& command);
   void apply(HostedController& hosted, Command& command);
 
   const Scenario* scenario_ = nullptr;

@@ -23,6 +23,12 @@ IoBody::IoBody(const ScenarioBody& description, const BodyObservation& initial)
   }
 }
 
+bool IoBody::hears(const BodyObservation& seen) const {
+  for (std::size_t i = 0; i < enabled_.size(); ++i)
+    if (enabled_[i] && seen.devices[i].fresh) return true;
+  return false;
+}
+
 void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
   for (std::size_t i = 0; i < enabled_.size(); ++i) {
     if (!enabled_[i] || !seen.devices[i].fresh) continue;
@@ -36,9 +42,9 @@ void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
   }
 }
 
-std::vector<DeviceOutput> IoBody::device_outputs() {
+std::vector<DeviceOutput> IoBody::take_device_outputs() {
   std::vector<DeviceOutput> outputs;
-  if (!any_notified_) return outputs;
+  if (!std::exchange(any_notified_, false)) return outputs;
   for (std::size_t i = 0; i < notified_.size(); ++i) {
     if (!notified_[i]) continue;
     const cnoid::Device& device = *body_->device(static_cast<int>(i));
@@ -48,14 +54,8 @@ std::vector<DeviceOutput> IoBody::device_outputs() {
     output.values.resize(device.stateSize());
     device.writeState(output.values.data());
     said_[i] = output.values;
+    notified_[i] = false;
   }
-  return outputs;
-}
-
-std::vector<DeviceOutput> IoBody::take_device_outputs() {
-  std::vector<DeviceOutput> outputs = device_outputs();
-  for (const DeviceOutput& output : outputs) notified_[output.device] = false;
-  any_notified_ = false;
   return outputs;
 }
 
@@ -65,7 +65,8 @@ std::vector<DeviceInfo> IoBody::take_infos() {
     if (!new_info_[i]) continue;
     new_info_[i] = false;
     const int device = static_cast<int>(i);
-    infos.push_back({device, body_->device(device)->info()->deepClone()});
+    const cnoid::Mapping* info = body_->device(device)->info();
+    infos.push_back({device, info ? info->deepClone() : new cnoid::Mapping});
   }
   return infos;
 }

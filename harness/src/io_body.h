@@ -17,6 +17,7 @@ struct DeviceOutput {
   int device = 0;  // index into the model's devices
   bool on = true;
   std::vector<double> values;
+  bool told = false;  // it has acted already, and is there for the record
 };
 
 /// What a controller put into the info() of a device and announced by notifyInfoChange(): a copy of its own.
@@ -39,10 +40,11 @@ class IoBody {
   /// From now on readings of the device reach the body's copy.
   void enable(const cnoid::Device& device) { enabled_[device.index()] = true; }
   bool is_enabled(int device) const { return enabled_[device]; }
+  /// Whether there is a fresh reading of an enabled device.
+  bool hears(const BodyObservation& seen) const;
   /// Copies fresh readings of the enabled devices and emits their sigStateChanged. `delivered_at` [s].
   void input_devices(const BodyObservation& seen, double delivered_at);
-  /// The devices whose change was notified since they were last taken, in model order.
-  std::vector<DeviceOutput> device_outputs();
+  /// The devices whose change was notified since the last call, in model order.
   std::vector<DeviceOutput> take_device_outputs();
   /// The infos whose change was notified since the last call, in model order.
   std::vector<DeviceInfo> take_infos();

@@ -1,5 +1,6 @@
 // Controllers that read sensors and command devices.
 
+#include <cmath>
 #include <cnoid/AccelerationSensor>
 #include <cnoid/DeviceList>
 #include <cnoid/ForceSensor>
@@ -10,6 +11,7 @@
 #include <cnoid/SpotLight>
 #include <cstdint>
 #include <cstring>
+#include <stdexcept>
 
 #include "behaviours.h"
 
@@ -223,7 +225,7 @@ class Feeler : public Pusher {
 const Add<Feeler> feeler("feel");
 
 /// bulb TICK [TWICE|silent]: puts light Bulb out in that tick (-1: in initialize) and tells; TWICE: after having told
-/// that it is green; silent: without telling.
+/// that it is green; silent: without telling; nan: with a colour that isn't one.
 class BulbSwitch : public Pusher {
  public:
   explicit BulbSwitch(const Words& words)
@@ -247,7 +249,7 @@ class BulbSwitch : public Pusher {
       bulb_->setColor(cnoid::Vector3f(0, 1, 0));
       bulb_->notifyStateChange();
     }
-    bulb_->setColor(cnoid::Vector3f(0.5f, 0, 0));
+    bulb_->setColor(cnoid::Vector3f(how_ == "nan" ? NAN : 0.5f, 0, 0));
     bulb_->on(false);
     if (how_ == "silent") return;
     bulb_->notifyStateChange();
@@ -261,16 +263,17 @@ class BulbSwitch : public Pusher {
 };
 const Add<BulbSwitch> bulb_switch("bulb");
 
-/// overhear: says what it hears of light Bulb and of the info of device Camera, and when.
+/// overhear [throw]: says what it hears of light Bulb and of the info of device Camera, and when; or throws then.
 class Listener : public cnoid::SimpleController {
  public:
-  explicit Listener(const Words&) {}
+  explicit Listener(const Words& words) : throws_(!words.empty()) {}
   bool initialize(cnoid::SimpleControllerIO* io) override {
     auto* bulb = io->body()->findDevice<cnoid::PointLight>("Bulb");
     auto* camera = io->body()->findDevice<cnoid::Camera>("Camera");
     io->enableInput(bulb);
     io->enableInput(camera);
     states_ = bulb->sigStateChanged().connect([this, io, bulb] {
+      if (throws_) throw std::runtime_error("too dark");
       io->os() << "tick " << tick_ << " bulb " << (bulb->on() ? "on" : "off") << " red " << bulb->color().x() << "\n";
     });
     infos_ = camera->sigInfoChanged().connect([this, io, camera] {
@@ -281,6 +284,7 @@ class Listener : public cnoid::SimpleController {
   bool control() override { return ++tick_, true; }
 
  private:
+  bool throws_;
   cnoid::ScopedConnection states_, infos_;
   int tick_ = 0;
 };

@@ -125,10 +125,27 @@ TEST_F(Lights, SeveralWordsInOneTickAreTheLastOne) {
   EXPECT_EQ(trace.find_channel("/Rig/Bulb/state")->messages(), 1u);
 }
 
-TEST_F(Lights, AWordInInitializeIsHeardInTickZero) {
-  const Trace trace = record_run(with(behaviour("A", "bulb -1") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
-  ASSERT_FALSE(said(trace).empty());
-  EXPECT_EQ(said(trace)[0], "Rig/B: tick 0 bulb off red 0.5");
+TEST_F(Lights, AWordInInitializeIsHeardOnce) {
+  const Trace trace =
+      record_run(with(behaviour("A", "bulb -1") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
+  EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 0 bulb off red 0.5"));
+  EXPECT_EQ(trace.find_channel("/Rig/A/output/Bulb/state")->messages(), 1u);
+  EXPECT_TRUE(replay_run()->equal());
+}
+
+TEST_F(Lights, AnExceptionInASlotEndsTheRunAndNotTheProcess) {
+  record_run(with(behaviour("A", "bulb 7") + ", " + behaviour("B", "overhear throw"), "cameras: none\n"));
+  ASSERT_TRUE(summary_.failure.has_value());
+  EXPECT_EQ(summary_.failure->message,
+            "controller 'Rig/B' threw std::runtime_error: too dark in a slot of sigStateChanged() at tick 8 (0.008 s)");
+}
+
+TEST_F(Lights, AStateThatIsNotFiniteIsNotPassedOn) {
+  const Trace trace =
+      record_run(with(behaviour("A", "bulb 7 nan") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
+  EXPECT_THAT(said(trace),
+              ElementsAre("Rig/A: gave device 'Bulb' a state that isn't finite at tick 7; it was recorded, but "
+                          "the device keeps the one before it"));
 }
 
 TEST_F(Lights, AnInfoReachesTheOthersAsACopyAndTheRecord) {
