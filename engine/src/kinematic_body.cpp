@@ -1,7 +1,9 @@
 #include "kinematic_body.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "link_pose.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -9,13 +11,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-Isometry3d pose_of(const LinkReading& link) {
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear() = link.rotation.toRotationMatrix();
-  pose.translation() = link.position;
-  return pose;
-}
 
 /// The rotation vector that turns `from` into `to`, the short way round [rad].
 Vector3d turned(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {

@@ -5,18 +5,12 @@
 #include <string>
 
 #include "capture_cycle.h"
+#include "link_pose.h"
 
 namespace rehearse {
 namespace {
 
 using Eigen::Isometry3d;
-
-Isometry3d pose_of(const LinkReading& link) {
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear() = link.rotation.toRotationMatrix();
-  pose.translation() = link.position;
-  return pose;
-}
 
 /// A depth camera's resolution: 13 significant bits, an error of at most 1/16384 of the distance (at 1 m: 0.06 mm). The
 /// bits behind them are the rasteriser's, not the scene's, and would make up most of a recording.
