@@ -133,18 +133,7 @@ void KinematicBody::after_step() {
 void KinematicBody::observe(BodyObservation& observation, const Vector3d& gravity, bool stepped) const {
   observation.joints = joints_;
   observation.links = links_;
-  observation.devices.resize(model().devices.size());
-  for (std::size_t i = 0; i < model().devices.size(); ++i) {
-    const Device& device = model().devices[i];
-    DeviceReading& reading = observation.devices[i];
-    if (value_count(device) == 0) continue;
-    reading.fresh = stepped;
-    if (std::holds_alternative<ForceSensor>(device.kind))
-      reading.values.assign(6, 0.0);  // nothing acts on it
-    else
-      reading.values = inertial_reading(device, links_[device.link], gravity);
-    if (!stepped) reading.values.assign(reading.values.size(), 0.0);
-  }
+  observe_devices(observation, gravity, stepped);
 }
 
 bool KinematicBody::finite() const {

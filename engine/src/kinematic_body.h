@@ -28,6 +28,7 @@ class KinematicBody final : public SimulatedBody {
   void after_restore() override { place(); }
 
  private:
+  std::vector<double> force_reading(std::size_t) const override { return std::vector<double>(6, 0.0); }  // none acts
   void create_shapes(dWorldID world);
   std::vector<Eigen::Isometry3d> poses() const;
   void place();

@@ -192,7 +192,6 @@ LinkReading OdeBody::reading_of(int index) const {
 void OdeBody::observe(BodyObservation& observation, const Vector3d& gravity, bool stepped) const {
   observation.joints.resize(slots_.size());
   observation.links.resize(links_.size());
-  observation.devices.resize(model().devices.size());
   for (std::size_t id = 0; id < slots_.size(); ++id) {
     if (slots_[id].is_track)
       observation.joints[id] = {0.0, tracks_[slots_[id].index].speed, 0.0, 0.0};
@@ -200,17 +199,11 @@ void OdeBody::observe(BodyObservation& observation, const Vector3d& gravity, boo
       observation.joints[id] = joints_[slots_[id].index].reading();
   }
   for (std::size_t i = 0; i < links_.size(); ++i) observation.links[i] = reading_of(static_cast<int>(i));
-  for (std::size_t i = 0; i < model().devices.size(); ++i) {
-    const Device& device = model().devices[i];
-    DeviceReading& reading = observation.devices[i];
-    if (value_count(device) == 0) continue;
-    reading.fresh = stepped;
-    if (std::holds_alternative<ForceSensor>(device.kind))
-      reading.values.assign(wrenches_[i].data(), wrenches_[i].data() + 6);
-    else
-      reading.values = inertial_reading(device, observation.links[device.link], gravity);
-    if (!stepped) reading.values.assign(reading.values.size(), 0.0);
-  }
+  observe_devices(observation, gravity, stepped);
+}
+
+std::vector<double> OdeBody::force_reading(std::size_t device) const {
+  return {wrenches_[device].data(), wrenches_[device].data() + 6};
 }
 
 bool OdeBody::finite() const {

@@ -47,6 +47,7 @@ class OdeBody final : public SimulatedBody {
   void after_restore() override;
 
  private:
+  std::vector<double> force_reading(std::size_t device) const override;
   void create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_joints(dWorldID world, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_shapes();

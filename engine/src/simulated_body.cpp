@@ -6,6 +6,20 @@
 #include "rigid_groups.h"
 
 namespace rehearse {
+namespace {
+
+/// What a gyro, an accelerometer or an Imu reads in the link's motion, in the device's frame. The lever arm of the
+/// sensor in its link is ignored, as Choreonoid does.
+std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
+  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
+  const Eigen::Vector3d w = to_sensor * link.angular_velocity;
+  const Eigen::Vector3d f = to_sensor * (link.acceleration - gravity);  // specific force
+  if (std::holds_alternative<Gyro>(device.kind)) return {w.x(), w.y(), w.z()};
+  if (std::holds_alternative<Accelerometer>(device.kind)) return {f.x(), f.y(), f.z()};
+  return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
+}
+
+}  // namespace
 
 SimulatedBody::SimulatedBody(WorldBody description) : description_(std::move(description)) {
   for (const GroupedLink& link : group_links(*description_.model).links) groups_.push_back(link.group);
@@ -24,6 +38,20 @@ dGeomID SimulatedBody::add_shape(int link, const Geometry& geometry, int belt) {
   };
   shapes_.push_back({std::visit(Maker{}, geometry), link, belt});
   return shapes_.back().geom;
+}
+
+void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const {
+  observation.devices.resize(model().devices.size());
+  for (std::size_t i = 0; i < model().devices.size(); ++i) {
+    const Device& device = model().devices[i];
+    DeviceReading& reading = observation.devices[i];
+    if (value_count(device) == 0) continue;
+    reading.fresh = stepped;
+    reading.values = std::holds_alternative<ForceSensor>(device.kind)
+                         ? force_reading(i)
+                         : inertial_reading(device, observation.links[device.link], gravity);
+    if (!stepped) reading.values.assign(reading.values.size(), 0.0);
+  }
 }
 
 Diagnostics check_dynamics(const WorldBody& description) {
@@ -60,15 +88,6 @@ Diagnostics check_dynamics(const WorldBody& description) {
 
 bool root_is_fixed(const WorldBody& description) {
   return description.fixed || description.model->links[0].joint.type == JointType::fixed;
-}
-
-std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
-  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
-  const Eigen::Vector3d w = to_sensor * link.angular_velocity;
-  const Eigen::Vector3d f = to_sensor * (link.acceleration - gravity);  // specific force
-  if (std::holds_alternative<Gyro>(device.kind)) return {w.x(), w.y(), w.z()};
-  if (std::holds_alternative<Accelerometer>(device.kind)) return {f.x(), f.y(), f.z()};
-  return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
 }
 
 }  // namespace rehearse

@@ -73,8 +73,13 @@ class SimulatedBody {
   const Model& model() const { return *description_.model; }
   /// Makes a geom, to be placed by the caller.
   dGeomID add_shape(int link, const Geometry& geometry, int belt = -1);
+  /// What force and inertial sensors read, from the links that are in the observation.
+  void observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const;
 
  private:
+  /// Force, then torque, of a force sensor by device index.
+  virtual std::vector<double> force_reading(std::size_t device) const = 0;
+
   WorldBody description_;
   std::vector<int> groups_;  // by link index: its rigid group
   std::vector<BodyShape> shapes_;
@@ -85,9 +90,5 @@ Diagnostics check_dynamics(const WorldBody& description);
 
 /// True if the root link never moves: the scenario or the model says so.
 bool root_is_fixed(const WorldBody& description);
-
-/// What a gyro, an accelerometer or an Imu reads in the link's motion, in the device's frame. The lever arm of the
-/// sensor in its link is ignored, as Choreonoid does.
-std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity);
 
 }  // namespace rehearse
