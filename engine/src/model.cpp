@@ -51,6 +51,9 @@ Eigen::Vector3d unit_moments(const Capsule& capsule) {
   return (1.0 - caps_share) * tube + caps_share * caps;
 }
 
+/// As the box around it.
+Eigen::Vector3d unit_moments(const Mesh& mesh) { return unit_moments(Box{mesh.data->upper - mesh.data->lower}); }
+
 }  // namespace
 
 bool is_movable(JointType type) {
@@ -82,6 +85,7 @@ std::string_view type_name(const Device& device) {
     std::string_view operator()(const Camera& camera) const { return camera.depth ? "RangeCamera" : "Camera"; }
     std::string_view operator()(const RangeSensor&) const { return "RangeSensor"; }
     std::string_view operator()(const Light& light) const { return light.cone ? "SpotLight" : "PointLight"; }
+    std::string_view operator()(const ContactSensor&) const { return "ContactSensor"; }
   };
   return std::visit(Namer{}, device.kind);
 }
@@ -95,6 +99,7 @@ int value_count(const Device& device) {
     int operator()(const Camera&) const { return 0; }
     int operator()(const RangeSensor&) const { return 0; }
     int operator()(const Light&) const { return 0; }
+    int operator()(const ContactSensor&) const { return 4; }
   };
   return std::visit(Counter{}, device.kind);
 }

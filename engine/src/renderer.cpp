@@ -30,6 +30,7 @@ std::array<float, 4> mesh_scale(const Geometry& geometry) {
     Eigen::Vector4d operator()(const Sphere& s) const { return {s.radius, s.radius, s.radius, 0.0}; }
     Eigen::Vector4d operator()(const Cylinder& c) const { return {c.radius, c.radius, c.length, 0.0}; }
     Eigen::Vector4d operator()(const Capsule& c) const { return {c.radius, c.radius, c.radius, 0.5 * c.length}; }
+    Eigen::Vector4d operator()(const Mesh&) const { return {1.0, 1.0, 1.0, 0.0}; }
   };
   const Eigen::Vector4f scale = std::visit(Scale{}, geometry).cast<float>();
   return {scale[0], scale[1], scale[2], scale[3]};
@@ -42,6 +43,7 @@ double bounding_radius(const Geometry& geometry) {
     double operator()(const Sphere& sphere) const { return sphere.radius; }
     double operator()(const Cylinder& c) const { return std::hypot(c.radius, 0.5 * c.length); }
     double operator()(const Capsule& c) const { return c.radius + 0.5 * c.length; }
+    double operator()(const Mesh& mesh) const { return mesh.data->lower.cwiseAbs().cwiseMax(mesh.data->upper).norm(); }
   };
   return 1.002 * std::visit(Radius{}, geometry);
 }

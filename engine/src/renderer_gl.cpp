@@ -175,7 +175,7 @@ unsigned Painter::program_of(Pass pass, bool lamps) {
   return program;
 }
 
-Painter::Buffers Painter::upload(const Mesh& mesh, unsigned instances) {
+Painter::Buffers Painter::upload(const UnitMesh& mesh, unsigned instances) {
   Buffers buffers;
   buffers.count = static_cast<int>(mesh.indices.size());
   glGenVertexArrays(1, &buffers.array);

@@ -89,7 +89,7 @@ class Painter {
     unsigned array = 0;
     int count = 0;
   };
-  static Buffers upload(const Mesh& mesh, unsigned instances);
+  static Buffers upload(const UnitMesh& mesh, unsigned instances);
 
   unsigned program_of(Pass pass, bool lamps);
 

@@ -23,13 +23,13 @@ std::array<double, 2> on_circle(int i) {
   return {std::cos(around), std::sin(around)};
 }
 
-void add_triangle(Mesh& mesh, std::size_t a, std::size_t b, std::size_t c) {
+void add_triangle(UnitMesh& mesh, std::size_t a, std::size_t b, std::size_t c) {
   for (const std::size_t index : {a, b, c}) mesh.indices.push_back(static_cast<std::uint16_t>(index));
 }
 
 /// One circle of segments + 1 vertices (the first and the last at one place) on the sphere of radius 1 * `blow_up`;
 /// ring 0 is the upper pole, the last one the lower.
-void add_ring(Mesh& mesh, int ring, double blow_up, float shift) {
+void add_ring(UnitMesh& mesh, int ring, double blow_up, float shift) {
   const double polar_angle = std::numbers::pi * ring / rings;
   const double r = ring % rings == 0 ? 0.0 : std::sin(polar_angle);
   const double z = std::cos(polar_angle);
@@ -43,7 +43,7 @@ void add_ring(Mesh& mesh, int ring, double blow_up, float shift) {
 enum class Between { poles, upper_pole_and_ring, ring_and_lower_pole };
 
 /// Joins the last two rings, the first of them the upper one. At a pole a quad is a triangle.
-void join_last_rings(Mesh& mesh, Between where = Between::poles) {
+void join_last_rings(UnitMesh& mesh, Between where = Between::poles) {
   const std::size_t lower = mesh.vertices.size() - (segments + 1);
   const std::size_t upper = lower - (segments + 1);
   for (std::size_t i = 0; i < segments; ++i) {
@@ -53,8 +53,8 @@ void join_last_rings(Mesh& mesh, Between where = Between::poles) {
 }
 
 /// A sphere; with a shift its equator is there twice, so that its halves can be moved apart.
-Mesh sphere_of_halves(float shift) {
-  Mesh mesh;
+UnitMesh sphere_of_halves(float shift) {
+  UnitMesh mesh;
   const double blow_up = 1.0 + sagitta;
   const int equator = rings / 2;
   add_ring(mesh, 0, blow_up, shift);
@@ -71,7 +71,7 @@ Mesh sphere_of_halves(float shift) {
   return mesh;
 }
 
-void add_disc(Mesh& mesh, double radius, double z) {
+void add_disc(UnitMesh& mesh, double radius, double z) {
   const std::size_t first = mesh.vertices.size();
   const bool up = z > 0.0;
   for (int i = 0; i < segments; ++i) {
@@ -83,8 +83,8 @@ void add_disc(Mesh& mesh, double radius, double z) {
 
 }  // namespace
 
-Mesh box_mesh() {
-  Mesh mesh;
+UnitMesh box_mesh() {
+  UnitMesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
     for (const float side : {-1.0f, 1.0f}) {
       const std::size_t first = mesh.vertices.size();
@@ -106,12 +106,12 @@ Mesh box_mesh() {
   return mesh;
 }
 
-Mesh sphere_mesh() { return sphere_of_halves(0.0f); }
+UnitMesh sphere_mesh() { return sphere_of_halves(0.0f); }
 
-Mesh capsule_mesh() { return sphere_of_halves(1.0f); }
+UnitMesh capsule_mesh() { return sphere_of_halves(1.0f); }
 
-Mesh cylinder_mesh() {
-  Mesh mesh;
+UnitMesh cylinder_mesh() {
+  UnitMesh mesh;
   const double radius = 1.0 + 0.5 * sagitta;
   for (const double z : {0.5, -0.5}) {
     for (int i = 0; i <= segments; ++i) {

@@ -17,14 +17,14 @@ struct Vertex {
 };
 
 /// Triangles, three indices each, counter-clockwise seen from outside.
-struct Mesh {
+struct UnitMesh {
   std::vector<Vertex> vertices;
   std::vector<std::uint16_t> indices;
 };
 
-Mesh box_mesh();       // edges of 1, centred
-Mesh sphere_mesh();    // radius 1
-Mesh cylinder_mesh();  // radius 1, length 1, along z, centred
-Mesh capsule_mesh();   // radius 1, length 0, along z; the halves shift by -1 and 1
+UnitMesh box_mesh();       // edges of 1, centred
+UnitMesh sphere_mesh();    // radius 1
+UnitMesh cylinder_mesh();  // radius 1, length 1, along z, centred
+UnitMesh capsule_mesh();   // radius 1, length 0, along z; the halves shift by -1 and 1
 
 }  // namespace rehearse

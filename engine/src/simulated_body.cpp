@@ -35,6 +35,7 @@ dGeomID SimulatedBody::add_shape(int link, const Geometry& geometry, int belt) {
     dGeomID operator()(const Sphere& sphere) const { return dCreateSphere(nullptr, sphere.radius); }
     dGeomID operator()(const Cylinder& c) const { return dCreateCylinder(nullptr, c.radius, c.length); }
     dGeomID operator()(const Capsule& c) const { return dCreateCapsule(nullptr, c.radius, c.length); }
+    dGeomID operator()(const Mesh&) const { REHEARSE_ASSERT(false, "meshes have no contact so far"); }
   };
   shapes_.push_back({std::visit(Maker{}, geometry), link, belt});
   return shapes_.back().geom;

@@ -81,6 +81,7 @@ double smallest(const Geometry& geometry) {
     double operator()(const Sphere& sphere) const { return sphere.radius; }
     double operator()(const Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.length); }
     double operator()(const Capsule& capsule) const { return capsule.length < 0.0 ? capsule.length : capsule.radius; }
+    double operator()(const Mesh&) const { return unlimited; }
   };
   return std::visit(Measure{}, geometry);
 }

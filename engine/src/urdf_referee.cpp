@@ -86,6 +86,7 @@ bool same(const Geometry& ours, const ::urdf::Geometry& theirs) {
     }
     bool operator()(const Cylinder& cylinder) const { return round(cylinder.radius, cylinder.length); }
     bool operator()(const Capsule& capsule) const { return round(capsule.radius, capsule.length); }
+    bool operator()(const Mesh&) const { return dynamic_cast<const ::urdf::Mesh*>(&theirs) != nullptr; }
   };
   return std::visit(Match{theirs}, ours);
 }

@@ -12,6 +12,8 @@
 #include <cnoid/SpotLight>
 #include <limits>
 
+#include "contact_device.h"
+
 namespace rehearse {
 namespace {
 
@@ -104,6 +106,7 @@ cnoid::DevicePtr make_device(const Device& device) {
     cnoid::DevicePtr operator()(const Camera& camera) const { return make_camera(camera); }
     cnoid::DevicePtr operator()(const RangeSensor& sensor) const { return make_range_sensor(sensor); }
     cnoid::DevicePtr operator()(const Light& light) const { return make_light(light); }
+    cnoid::DevicePtr operator()(const ContactSensor&) const { return new ContactDevice; }
   };
   cnoid::DevicePtr made = std::visit(Maker{}, device.kind);
   made->setName(device.name);

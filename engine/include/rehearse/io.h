@@ -23,15 +23,15 @@ struct JointReading {
   double u = 0.0;    // effort applied in the last step [N·m] or [N]
 };
 
-/// Motion of a link frame's origin. The rotation is a unit quaternion: a controller's matrix is always made from it, live
-/// and in replay, so that both see the same bits.
+/// Motion of a link frame's origin. The rotation is a unit quaternion: a controller's matrix is always made from it,
+/// live and in replay, so that both see the same bits.
 struct LinkReading {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();                 // [m]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                 // [m/s]
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();         // [rad/s]
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();             // [m/s²]
-  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();     // [rad/s²]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();              // [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();      // [rad/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // [m/s²]
+  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // [rad/s²]
 };
 
 /// What a device says, if it said anything since the last tick.
@@ -47,10 +47,20 @@ struct DeviceReading {
   std::shared_ptr<const std::vector<float>> ranges;  // by beam [m], +inf for none; null until the first scan
 };
 
+/// A point where a link touched something in the last step. In the world.
+struct ContactReading {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // from the other one into the link, unit length
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     // of the other one on the link [N]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the link's point relative to the other's [m/s]
+  double depth = 0.0;                                  // how far they overlap [m]
+};
+
 struct BodyObservation {
-  std::vector<JointReading> joints;    // by joint id
-  std::vector<LinkReading> links;      // by link index
-  std::vector<DeviceReading> devices;  // by device index
+  std::vector<JointReading> joints;                   // by joint id
+  std::vector<LinkReading> links;                     // by link index
+  std::vector<DeviceReading> devices;                 // by device index
+  std::vector<std::vector<ContactReading>> contacts;  // by link index; empty if no link is watched (World::watch)
 };
 
 /// The state at the beginning of a tick.

@@ -7,10 +7,12 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/mesh.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,16 +35,28 @@ struct Capsule {  // along z; length without the caps
   double radius;  // [m]
   double length;  // [m]
 };
-using Geometry = std::variant<Box, Sphere, Cylinder, Capsule>;
+struct Mesh {
+  std::shared_ptr<const MeshData> data;                  // null only if the model was loaded without its meshes
+  std::shared_ptr<const std::vector<ConvexHull>> hulls;  // of a collision shape, one an object; null: a visual
+};
+using Geometry = std::variant<Box, Sphere, Cylinder, Capsule, Mesh>;
 
 /// Red, green, blue, opacity, each 0 to 1.
 using Color = Eigen::Vector4f;
+
+/// Squares of a second colour on a shape of a single colour, as on a chess board: about the shape's own axes, from its
+/// centre.
+struct Checker {
+  Color color;
+  double size = 1.0;  // of a square [m]
+};
 
 struct Shape {
   std::string name;  // as in the file; may be empty
   Geometry geometry;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of the shape in its link's frame
   std::optional<Color> color;                              // visuals only; none: the renderer's default
+  std::optional<Checker> checker;                          // visuals only; not of meshes
 };
 
 struct Inertial {
@@ -81,6 +95,18 @@ struct Joint {
   int line = 0;  // where the file states it; 0: it doesn't
 };
 
+/// What a link is to those who touch it. What isn't given is as the world's solver has it.
+struct Surface {
+  std::optional<double> friction;                     // coefficient, in the first direction or in all
+  std::optional<double> second_friction;              // coefficient across `friction_direction`
+  std::optional<Eigen::Vector3d> friction_direction;  // in the link frame, unit length
+  std::optional<double> stiffness;                    // of a contact [N/m]
+  std::optional<double> damping;                      // of a contact [N·s/m]
+  std::optional<double> min_depth;                    // that contacts keep [m]
+  std::optional<double> max_velocity;                 // at which contacts push apart what overlaps [m/s]
+  std::optional<double> restitution;                  // share of the speed that a bounce keeps, 0 to 1
+};
+
 struct Link {
   std::string name;
   int parent = -1;  // index into Model::links; -1 for the root
@@ -88,7 +114,10 @@ struct Link {
   Inertial inertial;
   std::vector<Shape> visuals;
   std::vector<Shape> collisions;
-  int line = 0;  // where the file states it; 0: it doesn't
+  Surface surface;
+  bool has_weight = true;          // gravity pulls at it
+  bool collides_with_own = false;  // with other such links of its body
+  int line = 0;                    // where the file states it; 0: it doesn't
 };
 
 struct ForceSensor {};
@@ -155,7 +184,13 @@ struct Light {
   std::optional<Cone> cone;  // none: it shines in all directions
 };
 
-using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light>;
+/// Feels whether its link touches anything. In each step it measures four numbers: at how many points, and the force
+/// on the link at all of them, x, y, z in the device frame [N].
+struct ContactSensor {
+  int collision = -1;  // the one shape that feels, an index into the link's collisions; -1: all
+};
+
+using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor>;
 
 /// A sensor or light fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
@@ -179,8 +214,8 @@ bool is_linear(JointType type);
 /// "free", "fixed", "revolute", "continuous", "prismatic" or "track".
 std::string_view type_name(JointType type);
 
-/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera", "RangeSensor", "PointLight"
-/// or "SpotLight".
+/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera", "RangeSensor", "PointLight",
+/// "SpotLight" or "ContactSensor".
 std::string_view type_name(const Device& device);
 
 /// `light` with the state of these numbers; as it is if they are too few.

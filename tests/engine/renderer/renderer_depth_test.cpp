@@ -23,6 +23,10 @@ double distance_to(const Geometry& geometry, const Eigen::Vector3d& p) {
     double operator()(const Capsule& c) const {
       return Eigen::Vector3d(p.x(), p.y(), std::max(std::abs(p.z()) - 0.5 * c.length, 0.0)).norm() - c.radius;
     }
+    double operator()(const Mesh&) const {
+      ADD_FAILURE() << "no analytic distance to a mesh";
+      return 0.0;
+    }
   };
   return std::visit(Distance{p}, geometry);
 }

@@ -42,7 +42,7 @@ class RendererLights : public ::testing::Test {
  protected:
   RendererLights() : renderer_(std::move(*Renderer::create())) {
     const Color grey(albedo, albedo, albedo, 1.0f);
-    renderer_->set_link_pose(renderer_->add({"", Box{{20.0, 20.0, 0.2}}, at(0, 0, -0.1), {}}, grey),
+    renderer_->set_link_pose(renderer_->add({"", Box{{20.0, 20.0, 0.2}}, at(0, 0, -0.1), {}, {}}, grey),
                              Eigen::Isometry3d::Identity());
     camera_.width = camera_.height = side;
     camera_.field_of_view = 1.2;

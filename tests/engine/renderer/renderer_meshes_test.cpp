@@ -18,7 +18,7 @@ Eigen::Vector3d place(const Vertex& v) {
 
 struct NamedMesh {
   std::string name;
-  Mesh mesh;
+  UnitMesh mesh;
 };
 
 void PrintTo(const NamedMesh& mesh, std::ostream* out) { *out << mesh.name; }  // else ctest's names have its bytes
@@ -26,7 +26,7 @@ void PrintTo(const NamedMesh& mesh, std::ostream* out) { *out << mesh.name; }  /
 class RendererMeshes : public testing::TestWithParam<NamedMesh> {
  protected:
   template <class Visit>
-  void for_each_triangle(const Mesh& mesh, Visit visit) {
+  void for_each_triangle(const UnitMesh& mesh, Visit visit) {
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       visit(mesh.vertices[mesh.indices[i]], mesh.vertices[mesh.indices[i + 1]], mesh.vertices[mesh.indices[i + 2]]);
     }
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(All, RendererMeshes,
 
 TEST(RendererMeshesOfRoundShapes, StayWithinTheStatedErrorOfTheirRadius) {
   constexpr double stated = 0.0008;
-  const Mesh sphere = sphere_mesh();
+  const UnitMesh sphere = sphere_mesh();
   for (std::size_t i = 0; i < sphere.indices.size(); i += 3) {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -75,7 +75,7 @@ TEST(RendererMeshesOfRoundShapes, StayWithinTheStatedErrorOfTheirRadius) {
     }
     EXPECT_NEAR(centre.norm(), 1.0, stated);
   }
-  const Mesh cylinder = cylinder_mesh();
+  const UnitMesh cylinder = cylinder_mesh();
   for (const Vertex& v : cylinder.vertices) EXPECT_NEAR(place(v).head<2>().norm(), 1.0, stated);
 }
 

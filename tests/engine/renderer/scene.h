@@ -24,7 +24,8 @@ inline std::unique_ptr<Renderer> make_renderer(const Look& look = {}) {
 }
 
 inline Shape shape_at(const Geometry& geometry, const Eigen::Vector3d& position) {
-  Shape shape{"", geometry, Eigen::Isometry3d::Identity(), {}};
+  Shape shape;
+  shape.geometry = geometry;
   shape.pose.translation() = position;
   return shape;
 }

@@ -60,7 +60,7 @@ TEST(Pinhole, PointsOfAPlaneLieInThePlane) {
   ASSERT_TRUE(renderer.ok());
   // A wall whose front is the plane through (0, 0, -2) with this normal, in the camera's frame.
   const Eigen::Vector3d normal = Eigen::Vector3d(0.4, -0.3, 1.0).normalized();
-  Shape wall{"", Box{{20, 20, 1}}, Eigen::Isometry3d::Identity(), {}};
+  Shape wall{"", Box{{20, 20, 1}}, Eigen::Isometry3d::Identity(), {}, {}};
   wall.pose.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal).toRotationMatrix();
   wall.pose.translation() = Eigen::Vector3d(0, 0, -2) - 0.5 * normal;
   (*renderer)->add(wall, Color(1, 1, 1, 1));

@@ -21,7 +21,7 @@ class VisionTest : public ::testing::Test {
     model_.links[0].name = "HEAD";
     model_.links[1].name = "BALL";
     model_.links[1].parent = 0;
-    model_.links[1].visuals.push_back({"", Sphere{0.3}, Eigen::Isometry3d::Identity(), Color(1, 0, 0, 1)});
+    model_.links[1].visuals.push_back({"", Sphere{0.3}, Eigen::Isometry3d::Identity(), Color(1, 0, 0, 1), {}});
   }
 
   void add_camera(const std::string& name, double rate, bool depth = false) {

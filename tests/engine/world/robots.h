@@ -53,7 +53,7 @@ class RobotBuilder {
   }
 
   Shape& add_collision(int link, const Geometry& geometry) {
-    model_.links[link].collisions.push_back({"", geometry, Eigen::Isometry3d::Identity(), {}});
+    model_.links[link].collisions.push_back({"", geometry, Eigen::Isometry3d::Identity(), {}, {}});
     return model_.links[link].collisions.back();
   }
 
