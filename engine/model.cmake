@@ -5,6 +5,7 @@ pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET urdfdom)
 
 rehearse_add_library(model
   src/diagnostic.cpp
+  src/image.cpp
   src/model.cpp
   src/pinhole.cpp
   src/rigid_groups.cpp

@@ -10,6 +10,5 @@ target_sources(rehearse_harness PRIVATE
   src/digest.cpp
   src/golden.cpp
   src/golden_files.cpp
-  src/golden_list.cpp
-  src/tolerance.cpp)
+  src/golden_list.cpp)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)

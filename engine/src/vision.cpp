@@ -1,7 +1,5 @@
 #include <rehearse/vision.h>
 
-#include <bit>
-#include <cmath>
 #include <string>
 
 #include "capture_cycle.h"
@@ -11,17 +9,6 @@ namespace rehearse {
 namespace {
 
 using Eigen::Isometry3d;
-
-/// A depth camera's resolution: 13 significant bits, an error of at most 1/16384 of the distance (at 1 m: 0.06 mm). The
-/// bits behind them are the rasteriser's, not the scene's, and would make up most of a recording.
-void round_to_resolution(DepthImage& depth) {
-  constexpr std::uint32_t dropped = 24 - 13;  // of float's 24 significant bits
-  for (float& meters : depth.meters) {
-    const auto bits = std::bit_cast<std::uint32_t>(meters);
-    const std::uint32_t half = 1u << (dropped - 1);
-    if (std::isfinite(meters)) meters = std::bit_cast<float>((bits + half) & ~((1u << dropped) - 1));
-  }
-}
 
 struct Picture {
   std::shared_ptr<const Image> color;

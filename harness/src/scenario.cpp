@@ -141,7 +141,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
                   {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
-                   "bodies", "pushes", "joystick", "cameras", "record", "tolerances"});
+                   "bodies", "pushes", "joystick", "noise", "cameras", "record", "tolerances"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -153,6 +153,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
     read_bodies(findings, *node, models, scenario);
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
   if (const YamlNode* node = keys.find("joystick")) read_joystick(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("noise")) read_noise(findings, *node, scenario);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
 }

@@ -28,6 +28,9 @@ void read_joystick(Findings& findings, const YamlNode& node, Scenario& scenario)
 /// all, none, or a list of Body/Camera. After the bodies.
 void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario);
 
+/// The `noise` list. After the bodies.
+void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario);
+
 /// The `tolerances` list.
 void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario);
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "controller_host.h"
+#include "noise_maker.h"
 #include "provenance.h"
 #include "recorder.h"
 
@@ -69,14 +70,17 @@ struct Session::Impl {
   std::unique_ptr<ControllerHost> host;
   std::unique_ptr<Recorder> recorder;
   std::filesystem::path file;
-  Observation seen;
+  NoiseMaker noise;
+  Observation seen;       // the joints as they are, devices as they are read
+  Observation disturbed;  // the joints as they are read too; used only if there is a difference
   Command command;
   std::vector<std::vector<std::optional<DeviceReading>>> told;  // by body and device: a light's new state
   std::int64_t checkpoint_interval = 1;                         // [ticks]
   RunSummary summary;
 
-  explicit Impl(const Scenario& of) : scenario(of) {}
+  explicit Impl(const Scenario& of) : scenario(of), noise(of) {}
   void sense(std::int64_t tick);
+  const Observation& as_read(std::int64_t tick);
   void obey(std::int64_t tick);
   void push();
   Result<void> record_events();
@@ -120,10 +124,19 @@ void Session::Impl::sense(std::int64_t tick) {
   if (scenario.joystick) seen.joystick = scenario.joystick->at(time_of(tick, scenario.time_step));
   if (vision) vision->look(tick, seen);
   scanner->look(tick, seen);
+  noise.disturb_devices(tick, seen);
   for (std::size_t body = 0; body < told.size(); ++body)
     for (std::size_t device = 0; device < told[body].size(); ++device)
       if (std::optional<DeviceReading> light = std::exchange(told[body][device], std::nullopt))
         seen.bodies[body].devices[device] = std::move(*light);
+}
+
+/// What goes to controllers.
+const Observation& Session::Impl::as_read(std::int64_t tick) {
+  if (!noise.has_joints()) return seen;
+  disturbed = seen;
+  noise.disturb_joints(tick, disturbed);
+  return disturbed;
 }
 
 /// Devices do what controllers said to them. A light's new state is what it reads in the next tick, to those who
@@ -160,10 +173,11 @@ Result<bool> Session::step() {
   run.sense(tick);
   if (tick % run.checkpoint_interval == 0)
     if (auto done = run.recorder->record_checkpoint(tick, run.world->save()); !done) return done.errors();
-  const bool alive = run.host->control(tick, run.seen);  // input, control, output of each controller
+  const Observation& read = run.as_read(tick);
+  const bool alive = run.host->control(tick, read);  // input, control, output of each controller
   run.host->output(ControllerHost::Timing::same_step, run.command);
   if (auto done = run.recorder->record_state(tick, run.seen); !done) return done.errors();
-  const TickHashes hashes{run.world->state_hash(), run.host->input_hash(run.seen), run.host->output_hash()};
+  const TickHashes hashes{run.world->state_hash(), run.host->input_hash(read), run.host->output_hash()};
   if (auto done = run.recorder->record_tick(tick, run.host.get(), hashes); !done) return done.errors();
   if (auto done = run.record_events(); !done) return done.errors();
   if (!alive) return false;

@@ -18,6 +18,7 @@ rehearse_add_test(session_tests LABEL sim
     session/joystick_test.cpp
     session/lifecycle_test.cpp
     session/lights_test.cpp
+    session/noise_test.cpp
     session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp

@@ -7,6 +7,7 @@
 
 #include <rehearse/joystick_script.h>
 #include <rehearse/model.h>
+#include <rehearse/sensor_noise.h>
 #include <rehearse/solver_settings.h>
 
 #include <Eigen/Geometry>
@@ -48,6 +49,7 @@ struct ScenarioBody {
   bool effort_limits = false;               // commanded efforts are clamped to their limits
   std::vector<double> joints;               // initial displacement by joint id [rad] or [m]
   std::vector<ScenarioController> controllers;
+  BodyNoise noise;                          // of its sensors and joints
   Place place;                              // of its name
 };
 
