@@ -10,5 +10,7 @@ target_sources(rehearse_harness PRIVATE
   src/digest.cpp
   src/golden.cpp
   src/golden_files.cpp
-  src/golden_list.cpp)
+  src/golden_list.cpp
+  src/picture_difference.cpp
+  src/recorded_picture.cpp)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)

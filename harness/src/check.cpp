@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
+#include <rehearse/picture_difference.h>
 
 #include <nlohmann/json.hpp>
 
@@ -128,11 +129,18 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& gol
     const auto fresh = Trace::load(actual);
     if (!fresh) return fresh.errors();
     judge_closed(compare(*expected, *fresh, scenario.tolerances), report);
+    if (!report.within())
+      report.message = fmt::format(
+          "this run: {}{}", actual.string(),
+          picture_lines(write_picture_differences(*expected, *fresh, *report.comparison, scenario.tolerances, actual)));
   } else if (report.controller == LevelState::equal) {
     report.verdict = fmt::format("the controller repeats {} recorded ticks bit for bit", report.replay->ticks);
   }
   std::error_code ignored;
-  if (report.within()) fs::remove(actual, ignored);
+  if (report.within()) {
+    fs::remove(actual, ignored);
+    remove_picture_differences(actual);
+  }
   return report;
 }
 
@@ -179,7 +187,7 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
     report->golden_written = true;
     report->message = fmt::format("replaced {}", store.trace_file(name).string());
   } else if (waits) {
-    report->message = fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), name);
+    report->message += fmt::format("\nif it is right: rehearse golden accept {}", name);
   } else if (const auto digest = store.check_digest(name); !digest) {
     return digest.errors();
   }

@@ -1,94 +1,15 @@
 // Messages without series: pictures by their pixels, all else by its bytes.
 #include <fmt/format.h>
-#include <rehearse/cdr.h>
 #include <rehearse/messages.h>
-#include <rehearse/png.h>
 
-#include <cmath>
 #include <cstring>
 #include <optional>
 
 #include "compare_parts.h"
+#include "recorded_picture.h"
 
 namespace rehearse {
 namespace {
-
-/// Colours or distances; one of both.
-struct Picture {
-  std::uint64_t stamp = 0;  // when it was captured [ns]
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> colors;  // three a pixel
-  std::vector<float> depths;         // one a pixel
-
-  std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
-};
-
-/// What a comparison of two pictures found.
-struct PixelDifferences {
-  std::size_t differing = 0;  // pixels
-  std::size_t beyond = 0;     // pixels, by more than is allowed to each
-  double largest = 0.0;
-};
-
-std::optional<Picture> read_color(std::span<const std::byte> payload) {
-  CdrReader reader(payload);
-  msg::CompressedImage message;
-  if (!msg::decode(reader, message)) return std::nullopt;
-  Picture picture;
-  picture.stamp = message.header.stamp.to_ns();
-  if (message.data.empty()) return picture;  // the camera was off
-  auto image = decode_png(message.data);
-  if (!image) return std::nullopt;
-  picture.width = image->width;
-  picture.height = image->height;
-  picture.colors = std::move(image->pixels);
-  return picture;
-}
-
-std::optional<Picture> read_raw(std::span<const std::byte> payload) {
-  CdrReader reader(payload);
-  msg::Image message;
-  if (!msg::decode(reader, message)) return std::nullopt;
-  Picture picture;
-  picture.stamp = message.header.stamp.to_ns();
-  picture.width = static_cast<int>(message.width);
-  picture.height = static_cast<int>(message.height);
-  if (message.encoding == "32FC1" && message.data.size() == picture.pixels() * sizeof(float)) {
-    picture.depths.resize(picture.pixels());
-    std::memcpy(picture.depths.data(), message.data.data(), message.data.size());
-    return picture;
-  }
-  if (message.encoding != "rgb8" || message.data.size() != picture.pixels() * 3) return std::nullopt;
-  picture.colors = std::move(message.data);
-  return picture;
-}
-
-PixelDifferences color_differences(const Picture& golden, const Picture& actual, double delta) {
-  PixelDifferences found;
-  for (std::size_t i = 0; i < golden.colors.size(); i += 3) {
-    int most = 0;
-    for (std::size_t c = i; c < i + 3; ++c) most = std::max(most, std::abs(golden.colors[c] - actual.colors[c]));
-    if (most > 0) ++found.differing;
-    if (most > delta) ++found.beyond;
-    found.largest = std::max(found.largest, static_cast<double>(most));
-  }
-  return found;
-}
-
-/// Nothing hit (infinite) against something hit is beyond any tolerance: a silhouette has moved.
-PixelDifferences depth_differences(const Picture& golden, const Picture& actual, const Tolerance& tolerance) {
-  PixelDifferences found;
-  for (std::size_t i = 0; i < golden.depths.size(); ++i) {
-    const double expected = golden.depths[i], measured = actual.depths[i];
-    if (expected == measured || (std::isnan(expected) && std::isnan(measured))) continue;
-    const double difference = std::abs(expected - measured);
-    ++found.differing;
-    if (!(difference <= tolerance.bound(std::abs(expected))) || std::isinf(difference)) ++found.beyond;
-    found.largest = std::max(found.largest, difference);
-  }
-  return found;
-}
 
 std::string share_text(std::size_t count, std::size_t all) {
   return fmt::format("{} of {} pixels ({:.3g} %)", count, all,
@@ -106,9 +27,8 @@ class PictureJudge {
   }
 
   void compare(std::size_t golden_index, std::span<const std::byte> expected, std::span<const std::byte> actual) {
-    const bool compressed = channel_.golden.type == msg::CompressedImage::type_name;
-    const auto golden = compressed ? read_color(expected) : read_raw(expected);
-    const auto other = compressed ? read_color(actual) : read_raw(actual);
+    const auto golden = read_picture(channel_.golden.type, expected);
+    const auto other = read_picture(channel_.actual.type, actual);
     if (!golden || !other)
       return fail(golden_index, fmt::format("the picture {} is of a form that can't be compared",
                                             golden ? "of this run" : "of the golden"));
@@ -116,32 +36,36 @@ class PictureJudge {
       return fail(golden_index,
                   fmt::format("the picture was captured at {} s, expected {} s",
                               static_cast<double>(other->stamp) * 1e-9, static_cast<double>(golden->stamp) * 1e-9));
-    if (golden->width != other->width || golden->height != other->height ||
-        golden->colors.size() != other->colors.size() || golden->depths.size() != other->depths.size())
+    if (!golden->same_size(*other))
       return fail(golden_index, fmt::format("the picture has {} x {} pixels, expected {} x {}", other->width,
                                             other->height, golden->width, golden->height));
     compare_pixels(golden_index, *golden, *other);
   }
 
  private:
-  void compare_pixels(std::size_t golden_index, const Picture& golden, const Picture& actual) {
-    const bool depth = !golden.depths.empty();
-    const PixelDifferences found = depth ? depth_differences(golden, actual, tolerance_)
-                                         : color_differences(golden, actual, tolerance_.pixel_delta);
+  void compare_pixels(std::size_t golden_index, const RecordedPicture& golden, const RecordedPicture& actual) {
+    const PixelDifferences found = pixel_differences(golden, actual, tolerance_);
     if (found.differing == 0) return;  // other bytes, the same pixels: another encoder
-    const std::size_t all = golden.pixels();
-    const double share = static_cast<double>(found.beyond) / static_cast<double>(all);
-    const bool beyond = share > tolerance_.pixel_share;
-    if (!findings_.count(share, tolerance_.pixel_share, beyond)) return;
+    const bool too_many = found.share() > tolerance_.pixel_share;
+    const bool too_dense = found.densest > tolerance_.pixel_window;
+    const bool by_window = too_dense && !too_many;
+    const double difference = by_window ? found.densest : found.share();
+    const double allowed = by_window ? tolerance_.pixel_window : tolerance_.pixel_share;
+    if (!findings_.count(difference, allowed, too_many || too_dense)) return;
     Divergence divergence = place(golden_index);
-    divergence.difference = share;
-    divergence.tolerance = tolerance_.pixel_share;
-    divergence.note = fmt::format("{} differ, by up to {:g}{}", share_text(found.differing, all), found.largest,
-                                  depth ? " m" : " of 255");
-    if (beyond)
-      divergence.note += fmt::format("; {} by more than is allowed, and {:.3g} % may", share_text(found.beyond, all),
-                                     100.0 * tolerance_.pixel_share);
-    findings_.describe(divergence, beyond);
+    divergence.difference = difference;
+    divergence.tolerance = allowed;
+    divergence.note = fmt::format("{} differ, by up to {:g}{}", share_text(found.differing, golden.pixels()),
+                                  found.largest, golden.depths.empty() ? " of 255" : " m");
+    if (too_many)
+      divergence.note += fmt::format("; {} by more than is allowed, and {:.3g} % may",
+                                     share_text(found.beyond, golden.pixels()), 100.0 * tolerance_.pixel_share);
+    if (by_window)
+      divergence.note +=
+          fmt::format("; {:.3g} % of the {} x {} pixels at ({}, {}) by more than is allowed, and {:.3g} % may",
+                      100.0 * found.densest, PixelDifferences::window, PixelDifferences::window, found.densest_x,
+                      found.densest_y, 100.0 * tolerance_.pixel_window);
+    findings_.describe(divergence, too_many || too_dense);
   }
 
   Divergence place(std::size_t golden_index) const {

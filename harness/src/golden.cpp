@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
+#include <rehearse/picture_difference.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -119,6 +120,7 @@ Result<std::optional<Comparison>> GoldenStore::accept_pending(const std::string&
   }
   if (auto done = accept(name, waiting); !done) return done.errors();
   fs::remove(waiting, ignored);
+  remove_picture_differences(waiting);
   return moved;
 }
 
@@ -180,6 +182,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   } else if (!comparison.within) {
     result = fail_and_keep(name, actual,
                            verdict(comparison) + "\n" + table(comparison) + "golden: " + trace_file(name).string());
+    result.message += picture_lines(write_picture_differences(*golden, actual, comparison, rules, pending_file(name)));
   } else if (!digest) {
     result.message = text_of(digest.errors());
   } else {
@@ -187,6 +190,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
     result.message = verdict(comparison);
     std::error_code ignored;
     fs::remove(pending_file(name), ignored);  // what waited there is no longer what the program does
+    remove_picture_differences(pending_file(name));
   }
   result.comparison = std::move(comparison);
   return result;

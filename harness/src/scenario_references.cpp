@@ -102,7 +102,7 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
 }
 
 void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a tolerance", {"channel", "atol", "rtol", "pixel_share", "pixel_delta"});
+  const Keys keys(findings, node, "a tolerance", {"channel", "atol", "rtol", "pixel_share", "pixel_delta", "pixel_window"});
   if (!keys.is_map()) return;
   ToleranceRule rule;
   rule.place = {scenario.file, node.line, node.column};
@@ -116,9 +116,10 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
   keys.number("rtol", {0.0, 1.0}, rule.rtol);
   keys.number("pixel_share", {0.0, 1.0}, rule.pixel_share);
   keys.number("pixel_delta", {0.0, 255.0}, rule.pixel_delta);
-  const auto given = [&keys](std::string_view key) { return keys.find(key) != nullptr; };
-  if (!given("atol") && !given("rtol") && !given("pixel_share") && !given("pixel_delta"))
-    findings.error(node, "a tolerance allows nothing", "expected one of atol, rtol, pixel_share, pixel_delta");
+  keys.number("pixel_window", {0.0, 1.0}, rule.pixel_window);
+  if (keys.entries().size() == (keys.find("channel") == nullptr ? 0u : 1u))
+    findings.error(node, "a tolerance allows nothing",
+                   "expected one of atol, rtol, pixel_share, pixel_delta, pixel_window");
   scenario.tolerances.push_back(std::move(rule));
 }
 

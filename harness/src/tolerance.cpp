@@ -33,7 +33,7 @@ Tolerance default_tolerance(std::string_view unit) {
                                       {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},
                                       {"m/s²", 1e-4},  {"N·m", 1e-4}, {"N", 1e-4}};
   for (const UnitDefault& known : defaults)
-    if (known.unit == unit) return {known.atol, 0.0, 0.0, 0.0};
+    if (known.unit == unit) return {.atol = known.atol};
   return {};
 }
 
@@ -45,6 +45,7 @@ Tolerance tolerance_of(std::string_view series, std::string_view unit, const std
     tolerance.rtol = rule->rtol.value_or(tolerance.rtol);
     tolerance.pixel_share = rule->pixel_share.value_or(tolerance.pixel_share);
     tolerance.pixel_delta = rule->pixel_delta.value_or(tolerance.pixel_delta);
+    tolerance.pixel_window = rule->pixel_window.value_or(tolerance.pixel_window);
     break;
   }
   return tolerance;

@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::SmallTick;
 using testing::SmallTrace;
 using testing::TemporaryFolder;
 
@@ -312,6 +313,54 @@ TEST_F(Compare, AllowsPixelsByDeltaAndByShare) {
   EXPECT_TRUE(compared({pixels}).within);
   pixels.pixel_share = 0.124;
   EXPECT_FALSE(compared({pixels}).within);
+}
+
+/// Eyes of 64 x 48 pixels, in the second tick of this run other ones.
+class ComparePictures : public Compare {
+ protected:
+  ComparePictures() {
+    for (SmallTrace* trace : {&golden_, &actual_})
+      for (SmallTick& tick : trace->ticks) tick.image = {64, 48, std::vector<std::uint8_t>(64 * 48 * 3, 100)};
+    pixels_.pixel_share = 0.1;
+    pixels_.pixel_delta = 2.0;
+  }
+  void change(int x, int y) { actual_.ticks[1].image.pixels[3 * (y * 64 + x) + 1] = 200; }
+
+  ToleranceRule pixels_ = rule("Robot/Eye/*");
+};
+
+TEST_F(ComparePictures, TellAnObjectThatIsGoneFromSpeckle) {
+  for (int i = 0; i < 200; ++i) change((7 * i) % 64, (11 * i) % 48);  // everywhere
+  EXPECT_TRUE(compared({pixels_}).within);
+  for (int y = 20; y < 30; ++y)
+    for (int x = 37; x < 47; ++x) change(x, y);
+  const Comparison comparison = compared({pixels_});
+  EXPECT_FALSE(comparison.within) << "a tenth of the picture may differ, but not so near together";
+  EXPECT_THAT(comparison.first->note, HasSubstr("of the 16 x 16 pixels at ("));
+  EXPECT_THAT(comparison.first->note, HasSubstr("25 % may"));
+  pixels_.pixel_window = 0.6;
+  EXPECT_TRUE(compared({pixels_}).within);
+}
+
+TEST_F(ComparePictures, CountTheDensestSquareExactly) {
+  for (int y = 20; y < 28; ++y)
+    for (int x = 56; x < 64; ++x) change(x, y);  // 64 of the 256 pixels of any square around them
+  pixels_.pixel_window = 0.25;
+  EXPECT_TRUE(compared({pixels_}).within);
+  change(55, 20);
+  EXPECT_FALSE(compared({pixels_}).within);
+  EXPECT_THAT(compared({pixels_}).first->note, HasSubstr("25.4 % of the 16 x 16 pixels at (48, 12)"));
+}
+
+TEST_F(ComparePictures, LookAtTheWholeOfAPictureSmallerThanASquare) {
+  for (SmallTrace* trace : {&golden_, &actual_})
+    for (SmallTick& tick : trace->ticks) tick.image = {4, 2, std::vector<std::uint8_t>(24, 100)};
+  actual_.ticks[1].image.pixels[3] = 200;
+  pixels_.pixel_share = 1.0;
+  pixels_.pixel_window = 0.125;
+  EXPECT_TRUE(compared({pixels_}).within);
+  pixels_.pixel_window = 0.124;
+  EXPECT_FALSE(compared({pixels_}).within);
 }
 
 TEST_F(Compare, SaysThatAPictureHasAnotherSize) {

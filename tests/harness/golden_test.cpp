@@ -160,6 +160,18 @@ TEST_F(Golden, TakesThePlaceOfTheOldOneWhenThePendingTraceIsAccepted) {
   EXPECT_TRUE(settle(changed()).passed);
 }
 
+TEST_F(Golden, ShowsWhatPicturesDifferUntilTheRunIsAcceptedOrRight) {
+  const fs::path picture = folder_ / "pending" / (name_ + ".Robot.Eye.image.png");
+  SmallTrace other;
+  other.ticks[1].image.pixels[0] = 200;
+  place_golden(SmallTrace());
+  const GoldenResult result = settle(other);
+  EXPECT_THAT(result.message, HasSubstr("expected, actual and difference: " + picture.string()));
+  EXPECT_TRUE(fs::exists(picture));
+  ASSERT_TRUE(store_.accept_pending(name_));
+  EXPECT_FALSE(fs::exists(picture));
+}
+
 TEST_F(Golden, CanNotBeAcceptedIfNothingWaits) {
   ASSERT_FALSE(store_.accept_pending(name_));
   EXPECT_THAT(store_.accept_pending(name_).errors()[0].message, HasSubstr("nothing waits to be accepted"));

@@ -171,6 +171,7 @@ const Broken all_broken[] = {
     {"tolerance_negative", 5, 37, "atol is -1.*from 0"},
     {"tolerance_leading_slash", 5, 24, "channel is '/Box/q'.*without a slash"},
     {"tolerance_pixel_delta", 5, 44, "pixel_delta is 300.*from 0 to 255"},
+    {"tolerance_pixel_window", 5, 45, "pixel_window is 1.5.*from 0 to 1"},
 };
 // clang-format on
 

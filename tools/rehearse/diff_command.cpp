@@ -1,6 +1,7 @@
 // rehearse diff: two traces of what should be the same run; what differs first, first.
 #include <fmt/format.h>
 #include <rehearse/compare.h>
+#include <rehearse/picture_difference.h>
 
 #include <memory>
 #include <string>
@@ -16,6 +17,7 @@ namespace {
 struct Settings {
   std::string golden, actual;
   std::string tolerances;  // a file; empty: those of the golden's scenario
+  bool pictures = false;
   bool json = false;
 };
 
@@ -37,6 +39,11 @@ Exit run(const Settings& settings) {
   } else {
     fmt::print("{}\n{}", verdict(comparison), table(comparison));
   }
+  if (settings.pictures) {
+    const auto written = write_picture_differences(*golden, *actual, comparison, *rules, settings.actual);
+    if (!written) return refuse(written.errors());
+    if (!settings.json && !written->empty()) fmt::print("{}\n", picture_lines(written).substr(1));
+  }
   return comparison.within ? Exit::done : Exit::differs;
 }
 
@@ -46,6 +53,9 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_option("B", settings->actual, "the trace with the actual values")->required()->type_name("");
   options.add_option("--tolerances", settings->tolerances, "YAML with a list of tolerances (those of A's scenario)")
       ->type_name("FILE");
+  options.add_flag(
+      "--pictures", settings->pictures,
+      "of each camera, the first picture beyond its tolerance: expected, actual and difference, as PNG beside B");
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
 }
@@ -54,7 +64,8 @@ std::function<Exit()> declare(CLI::App& options) {
 
 const Verb diff_verb{"diff",
                      "  rehearse diff golden/SR1.Stands.mcap today.mcap\n"
-                     "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n",
+                     "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n"
+                     "  rehearse diff a.mcap b.mcap --pictures\n",
                      declare};
 
 }  // namespace rehearse::tool

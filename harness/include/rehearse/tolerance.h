@@ -18,6 +18,8 @@ struct Tolerance {
   double rtol = 0.0;         // of the scale
   double pixel_share = 0.0;  // pictures: share of the pixels that may differ by more than is allowed to each, 0 to 1
   double pixel_delta = 0.0;  // pictures: difference of a colour [of 255] that still counts as equal
+  /// Pictures: the same share within any square of 16 x 16 pixels. It tells an object that is gone from speckle.
+  double pixel_window = 0.25;
 
   /// The largest difference that passes, for a series of that scale.
   double bound(double scale) const { return std::max(atol, rtol * scale); }
