@@ -1,9 +1,11 @@
 find_package(PkgConfig REQUIRED)
 find_package(tinyxml2 9 REQUIRED)
 find_package(fmt REQUIRED)
+find_package(Qhull REQUIRED)
 pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET urdfdom)
 
 rehearse_add_library(model
+  src/convex_hull.cpp
   src/diagnostic.cpp
   src/image.cpp
   src/model.cpp
@@ -29,6 +31,7 @@ rehearse_add_library(model
 target_include_directories(rehearse_model PUBLIC
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(rehearse_model PUBLIC Eigen3::Eigen
-  PRIVATE $<BUILD_INTERFACE:PkgConfig::URDFDOM> $<BUILD_INTERFACE:tinyxml2::tinyxml2> $<BUILD_INTERFACE:fmt::fmt>)
+  PRIVATE $<BUILD_INTERFACE:PkgConfig::URDFDOM> $<BUILD_INTERFACE:tinyxml2::tinyxml2> $<BUILD_INTERFACE:fmt::fmt>
+          $<BUILD_INTERFACE:Qhull::qhull_r>)
 # Eigen's alignment is part of the layout of every public type: the same whatever -m flags a user compiles with.
 target_compile_definitions(rehearse_model PUBLIC EIGEN_MAX_ALIGN_BYTES=16)

@@ -1,6 +1,6 @@
 find_package(tinyxml2 9 REQUIRED)
 rehearse_add_test(model_tests LABEL unit
-  SOURCES model/model_test.cpp model/sr1_test.cpp model/urdf_broken_test.cpp model/urdf_devices_test.cpp
+  SOURCES model/convex_hull_test.cpp model/model_test.cpp model/sr1_test.cpp model/urdf_broken_test.cpp model/urdf_devices_test.cpp
           model/urdf_hostile_test.cpp model/urdf_referee_test.cpp model/urdf_test.cpp
   LIBRARIES Rehearse::model tinyxml2::tinyxml2)
 target_include_directories(model_tests PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # the referee is tried on its own
