@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ode_math.h"
+#include "shape_contacts.h"
 
 namespace rehearse {
 namespace {
@@ -75,7 +76,7 @@ void run_belts(const Side& a, const Side& b, dContact& contact) {
 void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const SolverSettings& settings,
              std::vector<dContactGeom>& found) {
   if (!a.yields() && !b.yields()) return;
-  const int count = dCollide(a.shape.geom, b.shape.geom, settings.max_contacts, found.data(), sizeof(dContactGeom));
+  const int count = collide_shapes(a.shape, b.shape, found);
   for (int i = 0; i < count; ++i) {
     dContact contact{};
     contact.surface.mode = dContactApprox1;

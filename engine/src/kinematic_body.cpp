@@ -45,16 +45,17 @@ void KinematicBody::create_shapes(dWorldID world) {
   for (std::size_t i = 0; i < model().links.size(); ++i) {
     const Link& link = model().links[i];
     const int belt = link.joint.type == JointType::track ? link.joint.id : -1;
-    for (const Shape& shape : link.collisions) {
+    for (std::size_t shape = 0; shape < link.collisions.size(); ++shape) {
       if (!bodies_[i]) {
         bodies_[i] = dBodyCreate(world);
         dBodySetKinematic(bodies_[i]);
       }
-      const dGeomID geom = add_shape(static_cast<int>(i), shape.geometry, belt);
-      dGeomSetBody(geom, bodies_[i]);
-      dGeomSetOffsetPosition(geom, shape.pose.translation().x(), shape.pose.translation().y(),
-                             shape.pose.translation().z());
-      dGeomSetOffsetRotation(geom, OdeRotation(shape.pose.linear()).r);
+      const Isometry3d& pose = link.collisions[shape].pose;
+      for (const dGeomID geom : add_shape(static_cast<int>(i), static_cast<int>(shape), belt)) {
+        dGeomSetBody(geom, bodies_[i]);
+        dGeomSetOffsetPosition(geom, pose.translation().x(), pose.translation().y(), pose.translation().z());
+        dGeomSetOffsetRotation(geom, OdeRotation(pose.linear()).r);
+      }
     }
   }
 }

@@ -70,20 +70,24 @@ void OdeBody::create_shapes() {
     const RigidGroup& group = group_of(static_cast<int>(i));
     const Joint& joint = model().links[i].joint;
     const int belt = joint.type == JointType::track ? slots_[joint.id].index : -1;
-    for (const Shape& shape : model().links[i].collisions) {
-      const dGeomID geom = add_shape(static_cast<int>(i), shape.geometry, belt);
-      const Isometry3d in_group = links_[i].in_group * shape.pose;
-      if (group.body) {
-        const Vector3d offset = in_group.translation() - group.center;
-        dGeomSetBody(geom, group.body);
-        dGeomSetOffsetPosition(geom, offset.x(), offset.y(), offset.z());
-        dGeomSetOffsetRotation(geom, OdeRotation(in_group.linear()).r);
-      } else {
-        const Isometry3d pose = group.fixed_pose * in_group;
-        dGeomSetPosition(geom, pose.translation().x(), pose.translation().y(), pose.translation().z());
-        dGeomSetRotation(geom, OdeRotation(pose.linear()).r);
-      }
+    for (std::size_t shape = 0; shape < model().links[i].collisions.size(); ++shape) {
+      const Isometry3d in_group = links_[i].in_group * model().links[i].collisions[shape].pose;
+      for (const dGeomID geom : add_shape(static_cast<int>(i), static_cast<int>(shape), belt))
+        place_shape(geom, group, in_group);
     }
+  }
+}
+
+void OdeBody::place_shape(dGeomID geom, const RigidGroup& group, const Isometry3d& in_group) {
+  if (group.body) {
+    const Vector3d offset = in_group.translation() - group.center;
+    dGeomSetBody(geom, group.body);
+    dGeomSetOffsetPosition(geom, offset.x(), offset.y(), offset.z());
+    dGeomSetOffsetRotation(geom, OdeRotation(in_group.linear()).r);
+  } else {
+    const Isometry3d pose = group.fixed_pose * in_group;
+    dGeomSetPosition(geom, pose.translation().x(), pose.translation().y(), pose.translation().z());
+    dGeomSetRotation(geom, OdeRotation(pose.linear()).r);
   }
 }
 

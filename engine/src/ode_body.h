@@ -51,6 +51,7 @@ class OdeBody final : public SimulatedBody {
   void create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_joints(dWorldID world, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_shapes();
+  static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
   void measure_force(std::size_t device);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geoms.h"
 #include "rigid_groups.h"
 
 namespace rehearse {
@@ -29,16 +30,15 @@ SimulatedBody::~SimulatedBody() {
   for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // ODE's bodies and joints go with its world
 }
 
-dGeomID SimulatedBody::add_shape(int link, const Geometry& geometry, int belt) {
-  struct Maker {
-    dGeomID operator()(const Box& box) const { return dCreateBox(nullptr, box.size.x(), box.size.y(), box.size.z()); }
-    dGeomID operator()(const Sphere& sphere) const { return dCreateSphere(nullptr, sphere.radius); }
-    dGeomID operator()(const Cylinder& c) const { return dCreateCylinder(nullptr, c.radius, c.length); }
-    dGeomID operator()(const Capsule& c) const { return dCreateCapsule(nullptr, c.radius, c.length); }
-    dGeomID operator()(const Mesh&) const { REHEARSE_ASSERT(false, "meshes have no contact so far"); }
-  };
-  shapes_.push_back({std::visit(Maker{}, geometry), link, belt});
-  return shapes_.back().geom;
+std::vector<dGeomID> SimulatedBody::add_shape(int link, int collision, int belt) {
+  const Geometry& geometry = model().links[link].collisions[collision].geometry;
+  const bool never_moves = groups_[link] == 0 && root_is_fixed(description_);
+  std::vector<dGeomID> geoms;
+  for (MadeGeom& made : make_geoms(geometry, description_.trimesh && never_moves)) {
+    geoms.push_back(made.geom);
+    shapes_.push_back({made.geom, link, belt, collision, std::move(made.polytope), std::move(made.kept)});
+  }
+  return geoms;
 }
 
 void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const {

@@ -10,7 +10,10 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <memory>
 #include <vector>
+
+#include "polytope.h"
 
 namespace rehearse {
 
@@ -31,11 +34,14 @@ struct Belt {
   double speed = 0.0;                               // of the surface [m/s], about the axis as that of a wheel
 };
 
-/// A collision shape. Its geom belongs to the body.
+/// A collision shape, or one hull of its mesh. Its geom belongs to the body.
 struct BodyShape {
   dGeomID geom = nullptr;
-  int link = 0;   // index into the model's links
-  int belt = -1;  // index for SimulatedBody::belt(); -1: its surface doesn't run
+  int link = 0;                              // index into the model's links
+  int belt = -1;                             // index for SimulatedBody::belt(); -1: its surface doesn't run
+  int collision = 0;                         // index into the link's collisions
+  std::shared_ptr<const Polytope> polytope;  // of boxes and hulls, in the geom's frame; null: it is none
+  std::shared_ptr<const void> kept;          // what ODE has pointers to
 };
 
 class SimulatedBody {
@@ -71,8 +77,8 @@ class SimulatedBody {
 
  protected:
   const Model& model() const { return *description_.model; }
-  /// Makes a geom, to be placed by the caller.
-  dGeomID add_shape(int link, const Geometry& geometry, int belt = -1);
+  /// Makes the geoms of a collision shape, each to be placed by the caller where the shape is.
+  std::vector<dGeomID> add_shape(int link, int collision, int belt = -1);
   /// What force and inertial sensors read, from the links that are in the observation.
   void observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const;
 

@@ -4,6 +4,8 @@ rehearse_add_test(world_tests LABEL sim
     world/create_test.cpp
     world/drives_test.cpp
     world/force_sensor_test.cpp
+    world/hull_bodies_test.cpp
+    world/hull_contacts_test.cpp
     world/inertial_sensors_test.cpp
     world/joints_test.cpp
     world/kinematic_test.cpp
@@ -16,6 +18,7 @@ rehearse_add_test(world_tests LABEL sim
     world/tracks_test.cpp
     world/wrenches_test.cpp
   LIBRARIES Rehearse::world)
+target_include_directories(world_tests PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # contacts of hulls, on their own
 
 rehearse_add_test(vision_tests LABEL render
   SOURCES vision/pinhole_test.cpp vision/vision_test.cpp

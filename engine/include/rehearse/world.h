@@ -44,6 +44,8 @@ struct WorldBody {
   bool kinematic = false;                                        // it moves as it is commanded, without dynamics
   bool joint_limits = false;                                     // joints stop at their limits
   bool effort_limits = false;                                    // commanded efforts are clamped to their limits
+  bool trimesh = false;         // meshes of links that never move are touched as they are, not as their hulls
+  bool self_collision = false;  // all its links touch each other, not only those that say so
 };
 
 class World {

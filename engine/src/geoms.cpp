@@ -1,0 +1,87 @@
+#include "geoms.h"
+
+namespace rehearse {
+namespace {
+
+/// A hull as ODE wants it. ODE gives it bounds; contacts and beams are ours.
+struct OdeConvex {
+  std::vector<dReal> planes, points;
+  std::vector<unsigned int> polygons;  // each: how many vertices, and which
+};
+
+MadeGeom make_hull(const ConvexHull& hull) {
+  const auto polytope = std::make_shared<const Polytope>(hull);
+  const auto arrays = std::make_shared<OdeConvex>();
+  for (const Plane& plane : polytope->planes())
+    arrays->planes.insert(arrays->planes.end(), {plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset});
+  for (const Eigen::Vector3d& vertex : hull.vertices)
+    arrays->points.insert(arrays->points.end(), vertex.data(), vertex.data() + 3);
+  for (const std::vector<int>& face : hull.faces) {
+    arrays->polygons.push_back(static_cast<unsigned int>(face.size()));
+    arrays->polygons.insert(arrays->polygons.end(), face.begin(), face.end());
+  }
+  const dGeomID geom =
+      dCreateConvex(nullptr, arrays->planes.data(), static_cast<unsigned int>(hull.faces.size()), arrays->points.data(),
+                    static_cast<unsigned int>(hull.vertices.size()), arrays->polygons.data());
+  return {geom, polytope, arrays};
+}
+
+/// The triangles of a mesh as ODE wants them, and ODE's tree of them.
+struct OdeTrimesh {
+  std::vector<dReal> vertices;
+  std::vector<dTriIndex> indices;
+  dTriMeshDataID tree = dGeomTriMeshDataCreate();
+
+  OdeTrimesh() = default;
+  OdeTrimesh(const OdeTrimesh&) = delete;
+  OdeTrimesh& operator=(const OdeTrimesh&) = delete;
+  ~OdeTrimesh() { dGeomTriMeshDataDestroy(tree); }
+};
+
+MadeGeom make_trimesh(const MeshData& mesh) {
+  const auto arrays = std::make_shared<OdeTrimesh>();
+  for (const MeshPart& part : mesh.parts) {
+    const auto first = static_cast<dTriIndex>(arrays->vertices.size() / 3);
+    for (const Eigen::Vector3f& vertex : part.vertices)
+      arrays->vertices.insert(arrays->vertices.end(), vertex.data(), vertex.data() + 3);
+    for (const auto& triangle : part.triangles)
+      for (const std::uint32_t vertex : triangle) arrays->indices.push_back(first + vertex);
+  }
+  dGeomTriMeshDataBuildDouble(arrays->tree, arrays->vertices.data(), 3 * sizeof(dReal),
+                              static_cast<int>(arrays->vertices.size() / 3), arrays->indices.data(),
+                              static_cast<int>(arrays->indices.size()), 3 * sizeof(dTriIndex));
+  // hulls on it need the angles between its triangles: ODE aborts without them
+  const dintptr accuracy = dTRIDATAPREPROCESS_FACE_ANGLES_EXTRA__DEFAULT;
+  dGeomTriMeshDataPreprocess2(arrays->tree, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, &accuracy);
+  return {dCreateTriMesh(nullptr, arrays->tree, nullptr, nullptr, nullptr), nullptr, arrays};
+}
+
+}  // namespace
+
+std::vector<MadeGeom> make_geoms(const Geometry& geometry, bool trimesh) {
+  struct Maker {
+    bool trimesh;
+    std::vector<MadeGeom> operator()(const Box& box) const {
+      return {{dCreateBox(nullptr, box.size.x(), box.size.y(), box.size.z()), std::make_shared<const Polytope>(box),
+               nullptr}};
+    }
+    std::vector<MadeGeom> operator()(const Sphere& sphere) const {
+      return {{dCreateSphere(nullptr, sphere.radius), nullptr, nullptr}};
+    }
+    std::vector<MadeGeom> operator()(const Cylinder& c) const {
+      return {{dCreateCylinder(nullptr, c.radius, c.length), nullptr, nullptr}};
+    }
+    std::vector<MadeGeom> operator()(const Capsule& c) const {
+      return {{dCreateCapsule(nullptr, c.radius, c.length), nullptr, nullptr}};
+    }
+    std::vector<MadeGeom> operator()(const Mesh& mesh) const {
+      if (trimesh) return {make_trimesh(*mesh.data)};
+      std::vector<MadeGeom> geoms;
+      for (const ConvexHull& hull : *mesh.hulls) geoms.push_back(make_hull(hull));
+      return geoms;
+    }
+  };
+  return std::visit(Maker{trimesh}, geometry);
+}
+
+}  // namespace rehearse
