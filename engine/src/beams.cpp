@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ode_math.h"
+
 namespace rehearse {
 namespace {
 
@@ -12,8 +14,9 @@ using Eigen::Vector3d;
 /// A shape that beams may meet, and a sphere around it, a little larger than needed, for quick answers.
 struct Target {
   dGeomID geom;
-  Vector3d center;  // relative to the sensor [m]
-  double radius;    // [m]
+  const Polytope* hull;  // null: ODE knows it better
+  Vector3d center;       // relative to the sensor [m]
+  double radius;         // [m]
 };
 
 /// All shapes in the order of the bodies, without the sensor's own and those out of its reach.
@@ -26,7 +29,8 @@ std::vector<Target> targets_of(const std::vector<std::unique_ptr<SimulatedBody>>
       dReal box[6];  // min x, max x, min y, max y, min z, max z
       dGeomGetAABB(shape.geom, box);
       const Vector3d low(box[0], box[2], box[4]), high(box[1], box[3], box[5]);
-      const Target target{shape.geom, 0.5 * (low + high) - origin, 0.5001 * (high - low).norm() + 1e-6};
+      const Polytope* hull = dGeomGetClass(shape.geom) == dConvexClass ? shape.polytope.get() : nullptr;
+      const Target target{shape.geom, hull, 0.5 * (low + high) - origin, 0.5001 * (high - low).norm() + 1e-6};
       if (target.center.norm() - target.radius <= reach) targets.push_back(target);
     }
   }
@@ -40,7 +44,8 @@ bool may_meet(const Target& target, const Vector3d& direction) {
   return (target.center - along * direction).squaredNorm() <= target.radius * target.radius;
 }
 
-/// Whether the point [m, world] is inside of the shape.
+/// Whether the point [m, world] is inside of the shape. A mesh that is touched as it is has no inside: a sensor in a
+/// room sees its walls.
 bool holds(dGeomID geom, const Vector3d& point) {
   switch (dGeomGetClass(geom)) {
     case dSphereClass: return dGeomSpherePointDepth(geom, point.x(), point.y(), point.z()) > 0.0;
@@ -60,22 +65,46 @@ bool holds(dGeomID geom, const Vector3d& point) {
 /// ODE's ray, as long as it is needed.
 class Ray {
  public:
-  explicit Ray(double length) : ray_(dCreateRay(nullptr, length)) {}
+  explicit Ray(double length) : ray_(dCreateRay(nullptr, length)), length_(length) {
+    dGeomRaySetClosestHit(ray_, 1);  // of the triangles of a mesh
+  }
   ~Ray() { dGeomDestroy(ray_); }
   Ray(const Ray&) = delete;
   Ray& operator=(const Ray&) = delete;
 
   void aim(const Vector3d& from, const Vector3d& direction) {
+    from_ = from;
+    direction_ = direction;
     dGeomRaySet(ray_, from.x(), from.y(), from.z(), direction.x(), direction.y(), direction.z());
   }
   /// From the ray's beginning to the shape [m]; +inf if it doesn't meet it.
-  double distance_to(dGeomID geom) const {
+  double distance_to(const Target& target) const {
+    if (target.hull) return distance_to_hull(target);
     dContactGeom hit;
-    return dCollide(ray_, geom, 1, &hit, sizeof hit) > 0 ? hit.depth : std::numeric_limits<double>::infinity();
+    return dCollide(ray_, target.geom, 1, &hit, sizeof hit) > 0 ? hit.depth : nothing;
   }
 
  private:
+  /// The part of the ray that is behind all planes (M. Cyrus and J. Beck, 1978) begins there; not if it begins inside.
+  double distance_to_hull(const Target& target) const {
+    const Eigen::Matrix3d axes = rotation(dGeomGetRotation(target.geom));
+    const Vector3d from = axes.transpose() * (from_ - vector(dGeomGetPosition(target.geom)));
+    const Vector3d direction = axes.transpose() * direction_;
+    double enters = -nothing, leaves = length_;
+    for (const Plane& plane : target.hull->planes()) {
+      const double speed = plane.normal.dot(direction);
+      const double height = plane.distance(from);
+      if (speed == 0.0 && height > 0.0) return nothing;
+      if (speed < 0.0) enters = std::max(enters, height / -speed);
+      if (speed > 0.0) leaves = std::min(leaves, height / -speed);
+    }
+    return enters >= 0.0 && enters <= leaves ? enters : nothing;
+  }
+
+  static constexpr double nothing = std::numeric_limits<double>::infinity();
   dGeomID ray_;
+  double length_;  // [m]
+  Vector3d from_ = Vector3d::Zero(), direction_ = Vector3d::UnitX();
 };
 
 }  // namespace
@@ -94,7 +123,7 @@ std::vector<float> measure_beams(const RangeSensor& sensor, const Eigen::Isometr
     double nearest = std::numeric_limits<double>::infinity();
     for (const Target& target : targets) {
       if (!may_meet(target, direction)) continue;
-      const double distance = sensor.min_distance + ray.distance_to(target.geom);
+      const double distance = sensor.min_distance + ray.distance_to(target);
       if (distance < nearest && !holds(target.geom, from)) nearest = distance;
     }
     distances.push_back(static_cast<float>(nearest));

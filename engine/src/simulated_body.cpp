@@ -55,6 +55,27 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::V
   }
 }
 
+namespace {
+
+/// What is missing for contact with the body's meshes.
+Diagnostics check_meshes(const WorldBody& description) {
+  const std::string body = "body '" + description.name + "': ";
+  Diagnostics findings;
+  if (description.trimesh && !root_is_fixed(description))
+    findings.push_back(error(body + "only a fixed body can be touched as a trimesh, and this one moves",
+                             "fix it, or let its meshes be touched as their convex hulls"));
+  for (const Link& link : description.model->links) {
+    for (const Shape& shape : link.collisions) {
+      const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (mesh && (!mesh->data || !mesh->hulls))
+        findings.push_back(error(body + "link '" + link.name + "' has a mesh for its collision that wasn't loaded"));
+    }
+  }
+  return findings;
+}
+
+}  // namespace
+
 Diagnostics check_dynamics(const WorldBody& description) {
   const Model& model = *description.model;
   const std::string body = "body '" + description.name + "': ";
@@ -64,6 +85,7 @@ Diagnostics check_dynamics(const WorldBody& description) {
                              std::to_string(description.joints.size()) + " initial displacements were given"));
     return findings;
   }
+  findings = check_meshes(description);
   if (description.kinematic) return findings;
   const RigidGroups groups = group_links(model);
   for (std::size_t i = 0; i < groups.first_links.size(); ++i) {

@@ -2,40 +2,16 @@
 
 #include <cmath>
 
-#include "../meshes.h"
-#include "convex_hull.h"
-#include "robots.h"
+#include "mesh_bodies.h"
 
 namespace rehearse {
 namespace {
 
 using Eigen::Vector3d;
 
-Mesh mesh_shape(MeshData mesh) {
-  auto hulls = convex_hulls(mesh);
-  EXPECT_TRUE(hulls.ok());
-  return {std::make_shared<const MeshData>(std::move(mesh)),
-          std::make_shared<const std::vector<ConvexHull>>(std::move(hulls->hulls))};
-}
-
-Mesh box_mesh(const Vector3d& size) { return mesh_shape(mesh_of({box_part(size)})); }
-
-/// Inertia as that of `like`, whatever the shape is.
-WorldBody body_with(const std::string& name, const Geometry& geometry, const Geometry& like, double mass,
-                    const Vector3d& position) {
-  Model model = single_shape_model(name, like, mass, {});
-  model.links[0].collisions[0].geometry = geometry;
-  return body_of(std::make_shared<const Model>(std::move(model)), position);
-}
-
 WorldBody cube(const Vector3d& position, double edge = 0.2) {
   const Box box{Vector3d::Constant(edge)};
   return body_with("Cube", box_mesh(box.size), box, 2.0, position);
-}
-
-WorldBody fixed(WorldBody body) {
-  body.fixed = true;
-  return body;
 }
 
 Eigen::Quaterniond lying() { return Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX())); }
