@@ -65,6 +65,7 @@ void run_belts(const Side& a, const Side& b, dContact& contact) {
     wanted += belt.speed * along;
   }
   if (along.isZero(0.0)) return;
+  contact.surface.mode &= ~dContactMu2;  // a belt's own direction goes before the surface's
   contact.surface.mode |= dContactFDir1 | dContactMotion1 | dContactMotion2;
   std::copy(along.data(), along.data() + 3, contact.fdir1);
   // without a first body ODE takes the second for the first, turns the normal and with it the second direction, not
@@ -73,15 +74,23 @@ void run_belts(const Side& a, const Side& b, dContact& contact) {
   contact.surface.motion2 = wanted.dot(normal.cross(along));
 }
 
-void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const SolverSettings& settings,
+TouchedSurface surface_of(const Side& side) {
+  const Surface& surface = side.body.description().model->links[side.shape.link].surface;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  if (surface.friction_direction)
+    direction = side.body.link_point(side.shape.link, *surface.friction_direction) -
+                side.body.link_point(side.shape.link, Eigen::Vector3d::Zero());
+  return {surface, direction};
+}
+
+void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const ContactLaw& law,
              std::vector<dContactGeom>& found) {
   if (!a.yields() && !b.yields()) return;
   const int count = collide_shapes(a.shape, b.shape, found);
   for (int i = 0; i < count; ++i) {
     dContact contact{};
-    contact.surface.mode = dContactApprox1;
-    contact.surface.mu = settings.friction;
     contact.geom = found[i];
+    law.apply(surface_of(a), surface_of(b), contact);
     if (a.has_belt() || b.has_belt()) run_belts(a, b, contact);
     dJointAttach(dJointCreateContact(world, group, &contact), a.ode, b.ode);
   }
@@ -90,19 +99,22 @@ void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, 
 }  // namespace
 
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const SolverSettings& settings) {
+                  const ContactLaw& law, int max_contacts) {
   std::vector<BodyBounds> bounds;
   bounds.reserve(bodies.size());
   for (const auto& body : bodies) bounds.push_back(bounds_of(*body));
-  std::vector<dContactGeom> found(settings.max_contacts);
+  std::vector<dContactGeom> found(max_contacts);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (const auto& [a, b] : bodies[i]->own_pairs())
+      if (overlap(bounds[i].shapes[a], bounds[i].shapes[b]))
+        collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[i], bodies[i]->shapes()[b]}, law, found);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (!overlap(bounds[i].all, bounds[j].all)) continue;
       for (std::size_t a = 0; a < bounds[i].shapes.size(); ++a) {
         if (!overlap(bounds[i].shapes[a], bounds[j].all)) continue;
         for (std::size_t b = 0; b < bounds[j].shapes.size(); ++b)
           if (overlap(bounds[i].shapes[a], bounds[j].shapes[b]))
-            collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[j], bodies[j]->shapes()[b]}, settings,
+            collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[j], bodies[j]->shapes()[b]}, law,
                     found);
       }
     }

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <ode/ode.h>
-#include <rehearse/solver_settings.h>
 
 #include <memory>
 #include <vector>
 
+#include "contact_surface.h"
 #include "simulated_body.h"
 
 namespace rehearse {
 
-/// Finds the contacts of the bodies where they are now and adds a contact joint for each to `group`.
-/// Pairs are visited body by body and shape by shape in the order they were made; ODE's spaces would visit them in the
+/// Finds the contacts of the bodies where they are now and adds a contact joint for each to `group`, at most
+/// `max_contacts` a pair of shapes. Pairs are visited body by body and shape by shape in the order they were made, of
+/// each body its own first; ODE's spaces would visit them in the
 /// order in which shapes last moved, and the solver's result depends on the order of its rows.
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const SolverSettings& settings);
+                  const ContactLaw& law, int max_contacts);
 
 }  // namespace rehearse

@@ -20,6 +20,7 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   create_groups(world, groups, zero_posture);
   create_joints(world, zero_posture);  // ODE's joint angles are zero where the joint was made
   create_shapes();
+  pair_own_shapes();
   set_posture(forward_kinematics(model(), root, description().joints));
   for (std::size_t id = 0; id < slots_.size(); ++id)
     if (!slots_[id].is_track) joints_[slots_[id].index].count_turns(description().joints[id]);
@@ -41,7 +42,43 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
                        inertia(0, 2), inertia(1, 2));
     dBodySetMass(group.body, &mass);
   }
+  release_weightless();
   set_posture(zero_posture);
+}
+
+/// ODE takes the weight off bodies, not off parts of them: those are held up by a force at their common centre.
+void OdeBody::release_weightless() {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = model().links[i];
+    RigidGroup& group = groups_[links_[i].group];
+    if (!group.body || link.has_weight || link.inertial.mass == 0.0) continue;
+    group.weightless_mass += link.inertial.mass;
+    group.weightless_moment += link.inertial.mass * (links_[i].in_group * link.inertial.center - group.center);
+  }
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    if (!groups_[i].body || has_weight(static_cast<int>(i))) continue;
+    dBodySetGravityMode(groups_[i].body, 0);
+    groups_[i].weightless_mass = 0.0;
+  }
+}
+
+bool OdeBody::has_weight(int group) const {
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = model().links[i];
+    if (links_[i].group == group && link.has_weight && link.inertial.mass > 0.0) return true;
+  }
+  return false;
+}
+
+void OdeBody::hold_up_weightless() {
+  for (const RigidGroup& group : groups_) {
+    if (group.weightless_mass == 0.0) continue;
+    dVector3 gravity;
+    dWorldGetGravity(dBodyGetWorld(group.body), gravity);
+    const Vector3d force = -group.weightless_mass * vector(gravity);
+    const Vector3d arm = group.weightless_moment / group.weightless_mass;
+    dBodyAddForceAtRelPos(group.body, force.x(), force.y(), force.z(), arm.x(), arm.y(), arm.z());
+  }
 }
 
 void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_posture) {
@@ -112,6 +149,7 @@ void OdeBody::before_step() {
 
 void OdeBody::drive(const BodyCommand& command) {
   REHEARSE_ASSERT(command.joints.size() == slots_.size(), "a command has an entry for each joint");
+  hold_up_weightless();
   for (std::size_t id = 0; id < slots_.size(); ++id) {
     const JointCommand& wanted = command.joints[id];
     if (slots_[id].is_track) {

@@ -18,6 +18,8 @@ struct RigidGroup {
   int first_link = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, in the group's frame [m]
   Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
+  double weightless_mass = 0.0;                                    // of links that gravity doesn't pull at [kg]
+  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();     // that mass times its place from the centre [kg·m]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // of the centre, over the last step [m/s²]
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
   Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
@@ -51,6 +53,9 @@ class OdeBody final : public SimulatedBody {
   void create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_joints(dWorldID world, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_shapes();
+  void release_weightless();
+  void hold_up_weightless();
+  bool has_weight(int group) const;
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "polytope.h"
@@ -72,6 +73,10 @@ class SimulatedBody {
   const WorldBody& description() const { return description_; }
   /// In link order, shapes in their link's order.
   const std::vector<BodyShape>& shapes() const { return shapes_; }
+  /// Pairs of shapes, by index, that may touch each other; ascending.
+  const std::vector<std::pair<std::size_t, std::size_t>>& own_pairs() const { return own_pairs_; }
+  /// What was done with it that its author may not expect.
+  const Diagnostics& remarks() const { return remarks_; }
   /// True if the links never move against each other.
   bool move_together(int link, int other) const { return groups_[link] == groups_[other]; }
 
@@ -79,16 +84,21 @@ class SimulatedBody {
   const Model& model() const { return *description_.model; }
   /// Makes the geoms of a collision shape, each to be placed by the caller where the shape is.
   std::vector<dGeomID> add_shape(int link, int collision, int belt = -1);
+  /// Sets own_pairs(). All joints must be at zero.
+  void pair_own_shapes();
   /// What force and inertial sensors read, from the links that are in the observation.
   void observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const;
 
  private:
   /// Force, then torque, of a force sensor by device index.
   virtual std::vector<double> force_reading(std::size_t device) const = 0;
+  bool may_touch_own(int link, int other) const;
 
   WorldBody description_;
   std::vector<int> groups_;  // by link index: its rigid group
   std::vector<BodyShape> shapes_;
+  std::vector<std::pair<std::size_t, std::size_t>> own_pairs_;
+  Diagnostics remarks_;
 };
 
 /// Checks all that ODE would abort on. The messages begin with "body 'SR1': ".

@@ -47,6 +47,7 @@ class Restorer final : public StateVisitor {
 
 struct World::Impl {
   WorldSettings settings;
+  ContactLaw law;
   dWorldID world = nullptr;
   std::unique_ptr<OwnJobs> jobs;  // destroyed after the world
   dJointGroupID contacts = nullptr;
@@ -59,7 +60,7 @@ struct World::Impl {
   mutable bool observed = false;
   mutable std::vector<std::byte> scratch;
 
-  Impl() = default;
+  Impl(const WorldSettings& of, const std::vector<WorldBody>& with) : settings(of), law(of, with), random(of.seed) {}
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -83,7 +84,7 @@ struct World::Impl {
   }
 };
 
-World::World() : impl_(std::make_unique<Impl>()) {}
+World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() {
   if (!impl_->exploded) return;
   // ODE was left in the middle of a step: what it holds can't be taken apart any more, only be kept for good
@@ -99,7 +100,7 @@ void World::Impl::create_world() {
   dWorldSetGravity(world, settings.gravity.x(), settings.gravity.y(), settings.gravity.z());
   dWorldSetERP(world, solver.erp);
   dWorldSetCFM(world, solver.cfm);
-  dWorldSetContactMaxCorrectingVel(world, solver.max_correcting_velocity);
+  dWorldSetContactMaxCorrectingVel(world, law.ode_correcting_velocity());
   dWorldSetContactSurfaceLayer(world, solver.surface_layer);
   dWorldSetQuickStepNumIterations(world, solver.iterations);
   dWorldSetQuickStepW(world, solver.over_relaxation);
@@ -115,10 +116,8 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
   if (!findings.empty()) return findings;
 
   initialise_ode();
-  std::unique_ptr<World> world(new World);
+  std::unique_ptr<World> world(new World(std::make_unique<Impl>(settings, bodies)));
   Impl& impl = *world->impl_;
-  impl.settings = settings;
-  impl.random = settings.seed;
   impl.create_world();
   for (WorldBody& body : bodies) {
     BodyCommand none;
@@ -132,6 +131,12 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
       impl.bodies.push_back(std::make_unique<OdeBody>(impl.world, std::move(body), settings.time_step));
   }
   return world;
+}
+
+Diagnostics World::remarks() const {
+  Diagnostics remarks;
+  for (const auto& body : impl_->bodies) remarks.insert(remarks.end(), body->remarks().begin(), body->remarks().end());
+  return remarks;
 }
 
 const Observation& World::sense() const {
@@ -182,7 +187,7 @@ bool World::step() {
   Impl& impl = *impl_;
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
-  add_contacts(impl.world, impl.contacts, impl.bodies, impl.settings.solver);
+  add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts);
   {
     OwnRandom random(impl.random);
     impl.exploded =

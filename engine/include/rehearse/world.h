@@ -7,8 +7,10 @@
 // scan is decided by scanner.h.
 //
 // Links joined by fixed joints are one rigid body for the physics; each keeps its own frame in the Observation.
-// Links of one body don't collide with each other. Contacts are found pair by pair in the order of the bodies and their
-// shapes, so that their order, which the solver depends on, is that of the scenario and of nothing else.
+// Links of one body touch each other only if they or the body's description say so, and never those that one joint or
+// fixed joints hold together, nor those that overlap when all joints are at zero. Contacts are found pair by pair in
+// the order of the bodies and their shapes, so that their order, which the solver depends on, is that of the scenario
+// and of nothing else.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -51,8 +53,11 @@ struct WorldBody {
 class World {
  public:
   /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a joint or sensor
-  /// that it has no counterpart for, a count of joints that doesn't fit.
+  /// that it has no counterpart for, a count of joints that doesn't fit, a mesh that wasn't loaded.
   static Result<std::unique_ptr<World>> create(const WorldSettings& settings, std::vector<WorldBody> bodies);
+  /// What was done with the bodies that their authors may not expect, as warnings: links that touch nothing of their
+  /// own body because they overlap with it at the zero pose.
+  Diagnostics remarks() const;
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -96,8 +101,8 @@ class World {
   static std::string engine_description();
 
  private:
-  World();
   struct Impl;
+  explicit World(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,0 +1,94 @@
+#include "contact_surface.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "ode_math.h"
+
+namespace rehearse {
+namespace {
+
+using Eigen::Vector3d;
+
+std::optional<double> smaller(const std::optional<double>& a, const std::optional<double>& b) {
+  if (a && b) return std::min(*a, *b);
+  return a ? a : b;
+}
+
+/// Of two springs, or two dampers, one behind the other; a side that states nothing is rigid.
+std::optional<double> in_series(const std::optional<double>& a, const std::optional<double>& b) {
+  if (a && b) return *a + *b > 0.0 ? *a * *b / (*a + *b) : 0.0;
+  return a ? a : b;
+}
+
+bool limits_velocity(const Link& link) { return link.surface.stiffness || link.surface.max_velocity; }
+
+}  // namespace
+
+ContactLaw::ContactLaw(const WorldSettings& settings, const std::vector<WorldBody>& bodies)
+    : solver_(settings.solver),
+      time_step_(settings.time_step),
+      bounce_speed_(2.0 * settings.gravity.norm() * settings.time_step) {
+  for (const WorldBody& body : bodies) {
+    const std::vector<Link>& links = body.model->links;
+    each_has_its_limit_ |= std::any_of(links.begin(), links.end(), limits_velocity);
+  }
+}
+
+double ContactLaw::ode_correcting_velocity() const {
+  return each_has_its_limit_ ? dInfinity : solver_.max_correcting_velocity;
+}
+
+void ContactLaw::apply(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const {
+  contact.surface.mode = dContactApprox1;
+  apply_friction(a, b, contact);
+  apply_spring(a.surface, b.surface, contact);
+  apply_bounce(a.surface, b.surface, contact);
+}
+
+void ContactLaw::apply_friction(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const {
+  contact.surface.mu = smaller(a.surface.friction, b.surface.friction).value_or(solver_.friction);
+  const Vector3d normal = vector(contact.geom.normal);
+  for (const auto& [directed, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const Vector3d along = directed->friction_direction - directed->friction_direction.dot(normal) * normal;
+    constexpr double least_sine = 1e-3;
+    if (!directed->surface.second_friction || along.norm() < least_sine) continue;
+    const Vector3d direction = along.normalized();
+    std::copy(direction.data(), direction.data() + 3, contact.fdir1);
+    contact.surface.mode |= dContactFDir1 | dContactMu2;
+    contact.surface.mu2 = smaller(directed->surface.second_friction, other->surface.friction).value();
+    return;
+  }
+}
+
+// A spring of kp [N/m] and a damper of kd [N·s/m] are ERP = dt kp / (dt kp + kd), CFM = 1 / (dt kp + kd): manual of
+// ODE, 3.8.2. ODE pushes apart with erp / dt * (depth - surface layer), at most with the world's limit.
+void ContactLaw::apply_spring(const Surface& a, const Surface& b, dContact& contact) const {
+  double erp = solver_.erp;
+  const std::optional<double> stiffness = in_series(a.stiffness, b.stiffness);
+  if (stiffness) {
+    const double step_stiffness = time_step_ * *stiffness;
+    const double sum = step_stiffness + in_series(a.damping, b.damping).value_or(0.0);
+    erp = step_stiffness / sum;
+    contact.surface.mode |= dContactSoftERP | dContactSoftCFM;
+    contact.surface.soft_erp = erp;
+    contact.surface.soft_cfm = 1.0 / sum;
+  }
+  const std::optional<double> min_depth = smaller(a.min_depth, b.min_depth);
+  if (!each_has_its_limit_ && !min_depth) return;
+  double overlap = std::max(0.0, contact.geom.depth - min_depth.value_or(solver_.surface_layer));
+  const std::optional<double> stated = smaller(a.max_velocity, b.max_velocity);
+  const double limit = stated.value_or(stiffness ? dInfinity : solver_.max_correcting_velocity);
+  if (each_has_its_limit_ && erp > 0.0) overlap = std::min(overlap, limit * time_step_ / erp);
+  contact.geom.depth = overlap + solver_.surface_layer;
+}
+
+void ContactLaw::apply_bounce(const Surface& a, const Surface& b, dContact& contact) const {
+  const std::optional<double> restitution = smaller(a.restitution, b.restitution);
+  if (!restitution || *restitution <= 0.0) return;
+  contact.surface.mode |= dContactBounce;
+  contact.surface.bounce = *restitution;
+  contact.surface.bounce_vel = bounce_speed_;
+}
+
+}  // namespace rehearse
