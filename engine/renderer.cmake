@@ -9,5 +9,11 @@ find_package(fmt REQUIRED)
 rehearse_add_library(png src/png.cpp)
 target_link_libraries(rehearse_png PUBLIC Rehearse::model PRIVATE PNG::PNG PkgConfig::libdeflate fmt::fmt)
 
-rehearse_add_library(renderer src/renderer.cpp src/renderer_gl.cpp src/renderer_meshes.cpp src/vision.cpp)
+rehearse_add_library(renderer
+  src/renderer.cpp
+  src/renderer_gl.cpp
+  src/renderer_items.cpp
+  src/renderer_meshes.cpp
+  src/renderer_painter.cpp
+  src/vision.cpp)
 target_link_libraries(rehearse_renderer PUBLIC Rehearse::model PRIVATE PkgConfig::osmesa fmt::fmt)

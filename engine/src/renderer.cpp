@@ -1,6 +1,8 @@
 #include <rehearse/renderer.h>
 
 #include "renderer_gl.h"
+#include "renderer_items.h"
+#include "renderer_painter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,31 +23,6 @@ constexpr int shrink_factor(Quality quality) { return quality == Quality::fine ?
 template <class Vector>
 std::array<float, 3> to_floats(const Vector& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
-
-/// How far the unit mesh is scaled along x, y, z, and how far a capsule's caps are from its centre.
-std::array<float, 4> mesh_scale(const Geometry& geometry) {
-  struct Scale {
-    Eigen::Vector4d operator()(const Box& box) const { return {box.size.x(), box.size.y(), box.size.z(), 0.0}; }
-    Eigen::Vector4d operator()(const Sphere& s) const { return {s.radius, s.radius, s.radius, 0.0}; }
-    Eigen::Vector4d operator()(const Cylinder& c) const { return {c.radius, c.radius, c.length, 0.0}; }
-    Eigen::Vector4d operator()(const Capsule& c) const { return {c.radius, c.radius, c.radius, 0.5 * c.length}; }
-    Eigen::Vector4d operator()(const Mesh&) const { return {1.0, 1.0, 1.0, 0.0}; }
-  };
-  const Eigen::Vector4f scale = std::visit(Scale{}, geometry).cast<float>();
-  return {scale[0], scale[1], scale[2], scale[3]};
-}
-
-/// Of the sphere around the mesh's centre that holds all of it, a little more than needed [m].
-double bounding_radius(const Geometry& geometry) {
-  struct Radius {
-    double operator()(const Box& box) const { return 0.5 * box.size.norm(); }
-    double operator()(const Sphere& sphere) const { return sphere.radius; }
-    double operator()(const Cylinder& c) const { return std::hypot(c.radius, 0.5 * c.length); }
-    double operator()(const Capsule& c) const { return c.radius + 0.5 * c.length; }
-    double operator()(const Mesh& mesh) const { return mesh.data->lower.cwiseAbs().cwiseMax(mesh.data->upper).norm(); }
-  };
-  return 1.002 * std::visit(Radius{}, geometry);
 }
 
 /// 1 / tan of half the horizontal and half the vertical angle. The field of view is that of the shorter side.
@@ -84,20 +61,6 @@ void check(const Camera& camera, int largest) {
   REHEARSE_ASSERT(camera.near_clip > 0.0 && camera.far_clip > camera.near_clip,
                   "a camera's far clip is beyond its near clip, and both are in front of it");
 }
-
-struct Item {
-  std::size_t mesh;  // as Geometry's alternatives are numbered
-  std::array<float, 4> scale;
-  std::array<float, 4> color;
-  double radius;                 // of all of it around its centre [m]
-  Eigen::Isometry3d shape_pose;  // in the link's frame
-  Eigen::Isometry3d world_pose;
-
-  bool solid() const { return color[3] >= 1.0f; }
-  bool translucent() const { return color[3] > 0.0f && color[3] < 1.0f; }
-  /// Grounds, walls and rooms only receive shadows: a map that holds them has no resolution left for robots.
-  bool casts_shadow() const { return solid() && radius < 3.0; }
-};
 
 gl::Instance instance_of(const Item& item, const Eigen::Isometry3d& view) {
   const Eigen::Isometry3d pose = view * item.world_pose;
@@ -149,7 +112,7 @@ struct Sight {
 
   /// False only if nothing of the item is before the camera and between the four sides of its picture.
   bool may_hold(const Item& item) const {
-    const Eigen::Vector3d centre = from_world * item.world_pose.translation();
+    const Eigen::Vector3d centre = from_world * item.world_centre;
     const double distance = -centre.z();
     if (distance < -item.radius) return false;
     for (int axis = 0; axis < 2; ++axis) {
@@ -163,12 +126,16 @@ struct Sight {
 }  // namespace
 
 struct Renderer::Impl {
-  std::unique_ptr<gl::Context> context;
-  std::unique_ptr<gl::Painter> painter;
+  explicit Impl(std::unique_ptr<gl::Context> current) : context(std::move(current)) {}
+
+  std::unique_ptr<gl::Context> context;  // first: what follows lives in it
+  gl::Painter painter;
+  ItemMaker maker{painter};
   gl::Target target;
   gl::ShadowMap shadow_map;
   Look look;
   std::vector<Item> items;
+  std::vector<std::size_t> ends;  // of each shape's items
   std::vector<PlacedLight> lights;
 
   Eigen::Matrix4d draw_shadow_map(double& radius);
@@ -178,29 +145,32 @@ struct Renderer::Impl {
   void paint_translucent(const Sight& sight);
 };
 
-/// One call of OpenGL per kind of shape; their order doesn't show.
+/// One call of OpenGL per batch; their order doesn't show.
 template <class Wanted>
 void Renderer::Impl::paint_solid(const Eigen::Isometry3d& view, Wanted wanted) {
-  std::array<std::vector<gl::Instance>, std::variant_size_v<Geometry>> by_mesh;
+  const std::vector<Batch>& batches = maker.batches();
+  std::vector<std::vector<gl::Instance>> by_batch(batches.size());
   for (const Item& item : items) {
-    if (item.solid() && wanted(item)) by_mesh[item.mesh].push_back(instance_of(item, view));
+    if (item.solid() && wanted(item)) by_batch[item.batch].push_back(instance_of(item, view));
   }
-  for (std::size_t mesh = 0; mesh < by_mesh.size(); ++mesh) {
-    if (!by_mesh[mesh].empty()) painter->paint(mesh, by_mesh[mesh], false);
+  for (std::size_t i = 0; i < batches.size(); ++i) {
+    if (!by_batch[i].empty()) painter.paint(batches[i].mesh, batches[i].skin, by_batch[i], false);
   }
 }
 
 /// The farthest first, by the distance of their centres; equally far ones in the order in which they were added.
 void Renderer::Impl::paint_translucent(const Sight& sight) {
-  std::vector<std::pair<std::size_t, gl::Instance>> instances;
+  std::vector<std::pair<float, const Item*>> sorted;
   for (const Item& item : items) {
-    if (item.translucent() && sight.may_hold(item)) {
-      instances.emplace_back(item.mesh, instance_of(item, sight.from_world));
-    }
+    if (!item.translucent() || !sight.may_hold(item)) continue;
+    sorted.emplace_back(static_cast<float>((sight.from_world * item.world_centre).z()), &item);
   }
-  std::stable_sort(instances.begin(), instances.end(),
-                   [](const auto& a, const auto& b) { return a.second.origin[2] < b.second.origin[2]; });
-  for (const auto& [mesh, instance] : instances) painter->paint(mesh, {&instance, 1}, true);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [z, item] : sorted) {
+    const gl::Instance instance = instance_of(*item, sight.from_world);
+    const Batch& batch = maker.batches()[item->batch];
+    painter.paint(batch.mesh, batch.skin, {&instance, 1}, true);
+  }
 }
 
 /// Draws what casts shadows as the sun sees it, over a square of 2 `radius` [m] each way.
@@ -209,8 +179,8 @@ Eigen::Matrix4d Renderer::Impl::draw_shadow_map(double& radius) {
   Eigen::AlignedBox3d bounds;
   for (const Item& item : items) {
     if (!item.casts_shadow()) continue;
-    bounds.extend((item.world_pose.translation().array() - item.radius).matrix());
-    bounds.extend((item.world_pose.translation().array() + item.radius).matrix());
+    bounds.extend((item.world_centre.array() - item.radius).matrix());
+    bounds.extend((item.world_centre.array() + item.radius).matrix());
   }
   if (bounds.isEmpty()) bounds.extend(Eigen::Vector3d::Zero());
   const Eigen::Vector3d centre = bounds.center();
@@ -220,7 +190,7 @@ Eigen::Matrix4d Renderer::Impl::draw_shadow_map(double& radius) {
   Eigen::Matrix4d projection = parallel;
   projection(2, 3) = 1.0;
   shadow_map.begin();
-  painter->begin(gl::Pass::shadow, {to_floats(projection)});
+  painter.begin(gl::Pass::shadow, {to_floats(projection)});
   paint_solid(sun_from_world, [](const Item& item) { return item.casts_shadow(); });
   Eigen::Matrix4d map_from_clip = Eigen::Matrix4d::Identity();
   map_from_clip(0, 0) = map_from_clip(1, 1) = map_from_clip(0, 3) = map_from_clip(1, 3) = 0.5;
@@ -240,43 +210,41 @@ void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Q
     double radius = 0.0;
     view.shadow_from_view = to_floats(Eigen::Matrix4d(draw_shadow_map(radius) * pose.matrix()));
     view.blur = static_cast<float>(shadow_blur / (2.0 * radius));
+    // as far as the farthest sample of the shadow is aside, and the size of a texel: so a surface doesn't shade itself
+    view.lift = static_cast<float>(2.0 * std::numbers::sqrt2 * shadow_blur + 4.0 * radius / gl::ShadowMap::size);
   }
   for (const PlacedLight& light : lights)
     if (light.light.on) view.lamps.push_back(lamp_of(light, sight.from_world));
   target.begin(factor * camera.width, factor * camera.height, camera.depth, look.sky);
-  painter->begin(fine ? gl::Pass::fine : gl::Pass::plain, view);
+  painter.begin(fine ? gl::Pass::fine : gl::Pass::plain, view);
   paint_solid(sight.from_world, [&](const Item& item) { return sight.may_hold(item); });
   paint_translucent(sight);
 }
 
-Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::create(const Look& look) {
   Result<std::unique_ptr<gl::Context>> context = gl::Context::create();
   if (!context) return context.errors();
-  std::unique_ptr<Renderer> renderer(new Renderer);
-  renderer->impl_->context = std::move(*context);
-  renderer->impl_->painter = std::make_unique<gl::Painter>();
-  renderer->impl_->look = look;
-  return renderer;
+  auto impl = std::make_unique<Impl>(std::move(*context));
+  impl->look = look;
+  return std::unique_ptr<Renderer>(new Renderer(std::move(impl)));
 }
 
 int Renderer::add(const Shape& shape, const Color& color) {
-  const Color used = shape.color.value_or(color);
-  impl_->items.push_back({shape.geometry.index(),
-                          mesh_scale(shape.geometry),
-                          {used[0], used[1], used[2], used[3]},
-                          bounding_radius(shape.geometry),
-                          shape.pose,
-                          shape.pose});
-  return static_cast<int>(impl_->items.size()) - 1;
+  impl_->context->make_current();
+  const std::vector<Item> items = impl_->maker.items_of(shape, color);
+  impl_->items.insert(impl_->items.end(), items.begin(), items.end());
+  impl_->ends.push_back(impl_->items.size());
+  return static_cast<int>(impl_->ends.size()) - 1;
 }
 
 void Renderer::set_link_pose(int number, const Eigen::Isometry3d& link_pose) {
-  REHEARSE_ASSERT(number >= 0 && static_cast<std::size_t>(number) < impl_->items.size(), "no such shape was added");
-  Item& item = impl_->items[static_cast<std::size_t>(number)];
-  item.world_pose = link_pose * item.shape_pose;
+  REHEARSE_ASSERT(number >= 0 && static_cast<std::size_t>(number) < impl_->ends.size(), "no such shape was added");
+  const auto shape = static_cast<std::size_t>(number);
+  for (std::size_t i = shape == 0 ? 0 : impl_->ends[shape - 1]; i < impl_->ends[shape]; ++i)
+    impl_->items[i].place(link_pose);
 }
 
 int Renderer::add_light(const Light& light) {

@@ -1,70 +1,19 @@
 #include "renderer_gl.h"
 
-#include "renderer_shaders.h"
-
 #include <rehearse/renderer.h>
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
 #include <fmt/format.h>
 
-#include <cstddef>
 #include <limits>
 
 namespace rehearse::gl {
 namespace {
 
-const void* as_offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
-
 std::string text_of(GLenum name) {
   const auto* text = reinterpret_cast<const char*>(glGetString(name));
   return text ? text : "";
-}
-
-/// A mistake in a call is ours; what remains is memory.
-void check_errors() { REHEARSE_ASSERT(glGetError() == GL_NO_ERROR, "OpenGL refused a call, or ran out of memory"); }
-
-/// The shader's text may come in parts.
-unsigned compile(GLenum stage, std::initializer_list<const char*> parts) {
-  const unsigned shader = glCreateShader(stage);
-  glShaderSource(shader, static_cast<GLsizei>(parts.size()), parts.begin(), nullptr);
-  glCompileShader(shader);
-  int compiled = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  REHEARSE_ASSERT(compiled, "our shader doesn't compile");
-  return shader;
-}
-
-unsigned link_program(std::initializer_list<const char*> fragment_shader) {
-  const unsigned program = glCreateProgram();
-  for (const unsigned shader :
-       {compile(GL_VERTEX_SHADER, {vertex_shader}), compile(GL_FRAGMENT_SHADER, fragment_shader)}) {
-    glAttachShader(program, shader);
-    glDeleteShader(shader);  // once the program goes
-  }
-  glLinkProgram(program);
-  int linked = 0;
-  glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  REHEARSE_ASSERT(linked, "our shaders don't link");
-  return program;
-}
-
-void set_attribute(unsigned location, int size, std::size_t stride, std::size_t offset) {
-  glEnableVertexAttribArray(location);
-  glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), as_offset(offset));
-}
-
-/// Attributes 3 to 8 come from `Instance`s, one per instance drawn.
-void set_instance_attributes() {
-  constexpr std::size_t stride = sizeof(Instance);
-  for (std::size_t column = 0; column < 3; ++column) {
-    set_attribute(static_cast<unsigned>(3 + column), 3, stride,
-                  offsetof(Instance, rotation) + column * 3 * sizeof(float));
-  }
-  set_attribute(6, 3, stride, offsetof(Instance, origin));
-  set_attribute(7, 4, stride, offsetof(Instance, scale));
-  set_attribute(8, 4, stride, offsetof(Instance, color));
-  for (unsigned location = 3; location <= 8; ++location) glVertexAttribDivisor(location, 1);
 }
 
 void copy_without_alpha(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& rgb) {
@@ -144,91 +93,6 @@ void Context::make_current() {
   REHEARSE_ASSERT(made, "OSMesa can't make its own context current");
 }
 
-Painter::Painter() {
-  glGenBuffers(1, &instances_);
-  meshes_ = {upload(box_mesh(), instances_), upload(sphere_mesh(), instances_), upload(cylinder_mesh(), instances_),
-             upload(capsule_mesh(), instances_)};
-  // Distances are kept as near / distance in a float: the resolution is the same share of the distance everywhere.
-  glDepthFunc(GL_GREATER);
-  glClearDepth(0.0);
-  glEnable(GL_DEPTH_TEST);
-  glEnable(GL_CULL_FACE);
-  glFrontFace(GL_CW);  // pictures are drawn upside down, so that the first row read back is the top one
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  check_errors();
-}
-
-unsigned Painter::program_of(Pass pass, bool lamps) {
-  unsigned& program = programs_[static_cast<std::size_t>(pass)][lamps ? 1 : 0];
-  if (program != 0) return program;
-  const char* shadows = pass == Pass::fine ? with_shadows : without_shadows;
-  if (pass == Pass::shadow) {
-    program = link_program({shadow_fragment_shader});
-  } else if (lamps) {
-    static const std::string most = fmt::format("const int MOST_LAMPS = {};\n", Renderer::max_lights);
-    program = link_program({fragment_shader_head, most.c_str(), lamp_function, fragment_shader_light, with_lamps,
-                            fragment_shader_color, shadows});
-  } else {
-    program = link_program({fragment_shader_head, fragment_shader_light, fragment_shader_color, shadows});
-  }
-  return program;
-}
-
-Painter::Buffers Painter::upload(const UnitMesh& mesh, unsigned instances) {
-  Buffers buffers;
-  buffers.count = static_cast<int>(mesh.indices.size());
-  glGenVertexArrays(1, &buffers.array);
-  glBindVertexArray(buffers.array);
-  unsigned names[2] = {};
-  glGenBuffers(2, names);
-  glBindBuffer(GL_ARRAY_BUFFER, names[0]);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)), mesh.vertices.data(),
-               GL_STATIC_DRAW);
-  set_attribute(0, 3, sizeof(Vertex), offsetof(Vertex, position));
-  set_attribute(1, 3, sizeof(Vertex), offsetof(Vertex, normal));
-  set_attribute(2, 1, sizeof(Vertex), offsetof(Vertex, shift));
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, names[1]);
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint16_t)),
-               mesh.indices.data(), GL_STATIC_DRAW);
-  glBindBuffer(GL_ARRAY_BUFFER, instances);
-  set_instance_attributes();
-  return buffers;
-}
-
-void Painter::begin(Pass pass, const View& view) {
-  const bool lamps = !view.lamps.empty() && pass != Pass::shadow;
-  const unsigned program = program_of(pass, lamps);
-  // OpenGL passes over the uniforms that a program doesn't have
-  const auto uniform = [&](const char* name) { return glGetUniformLocation(program, name); };
-  glUseProgram(program);
-  glUniformMatrix4fv(uniform("projection"), 1, GL_FALSE, view.projection.data());
-  glUniform3fv(uniform("up"), 1, view.up.data());
-  glUniform3fv(uniform("sun"), 1, view.sun.data());
-  glUniformMatrix4fv(uniform("shadow_from_view"), 1, GL_FALSE, view.shadow_from_view.data());
-  glUniform1f(uniform("blur"), view.blur);
-  if (lamps) {
-    static_assert(sizeof(Lamp) == 16 * sizeof(float), "a lamp is four vectors");
-    glUniform1i(uniform("lamp_count"), static_cast<int>(view.lamps.size()));
-    glUniform4fv(uniform("lamps"), static_cast<int>(4 * view.lamps.size()), view.lamps[0].place.data());
-  }
-  // the far sides of shapes cast their shadows: near sides would speckle themselves
-  glCullFace(pass == Pass::shadow ? GL_FRONT : GL_BACK);
-}
-
-void Painter::paint(std::size_t mesh, std::span<const Instance> instances, bool translucent) {
-  if (translucent) {
-    glEnablei(GL_BLEND, 0);  // the colour only, never the distance
-  } else {
-    glDisablei(GL_BLEND, 0);
-  }
-  glBindBuffer(GL_ARRAY_BUFFER, instances_);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size_bytes()), instances.data(), GL_STREAM_DRAW);
-  glBindVertexArray(meshes_[mesh].array);
-  glDrawElementsInstanced(GL_TRIANGLES, meshes_[mesh].count, GL_UNSIGNED_SHORT, nullptr,
-                          static_cast<GLsizei>(instances.size()));
-}
-
 void Target::begin(int width, int height, bool depth, const Color& background) {
   if (width != width_ || height != height_ || depth != depth_) {
     width_ = width;
@@ -306,6 +170,7 @@ DepthImage Target::read_depth(int factor) const {
 void ShadowMap::begin() {
   if (framebuffer_ == 0) {
     glGenTextures(1, &texture_);
+    glActiveTexture(GL_TEXTURE0);  // it stays bound; Painter binds its textures elsewhere
     glBindTexture(GL_TEXTURE_2D, texture_);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -329,5 +194,7 @@ void ShadowMap::begin() {
 }
 
 void finish() { glFinish(); }
+
+void check_errors() { REHEARSE_ASSERT(glGetError() == GL_NO_ERROR, "OpenGL refused a call, or ran out of memory"); }
 
 }  // namespace rehearse::gl

@@ -1,10 +1,8 @@
-// OpenGL as the renderer needs it: a context, one shader program, a target to draw into, and the pictures in it.
+// OpenGL as the renderer needs it: a context, a target to draw into, and the pictures in it.
 //
 // Knows nothing of shapes and cameras. OpenGL lives in a thread's current context, so whoever calls anything here calls
 // Context::make_current() first.
 #pragma once
-
-#include "renderer_meshes.h"
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/image.h>
@@ -12,7 +10,6 @@
 
 #include <array>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -38,64 +35,6 @@ class Context {
   osmesa_context* handle_ = nullptr;
   std::array<unsigned char, 4> window_{};  // OSMesa wants a buffer; pictures are drawn into Targets
   std::string description_;
-};
-
-/// One shape as the vertex shader reads it, in the camera's frame.
-struct Instance {
-  std::array<float, 9> rotation;  // columns: the shape's axes
-  std::array<float, 3> origin;    // [m]
-  std::array<float, 4> scale;     // of the mesh along x, y, z, then its stretch [m]
-  std::array<float, 4> color;
-};
-
-/// A light that is on, as the fragment shader reads it, in the camera's frame.
-struct Lamp {
-  std::array<float, 4> place;     // [m]; 1 / range [1/m]
-  std::array<float, 4> strength;  // red, green, blue; cosine of the angle from the axis at which it ends
-  std::array<float, 4> fading;    // constant, linear, quadratic; 1 / (cosine where it is full - where it ends)
-  std::array<float, 4> axis;      // unit vector along which it shines; unused
-};
-
-/// Column by column.
-using Matrix4 = std::array<float, 16>;
-
-/// What is drawn into, and how.
-enum class Pass {
-  plain,   // into a Target
-  fine,    // into a Target, with the shadows of a ShadowMap that was drawn before
-  shadow,  // into a ShadowMap
-};
-
-/// What is the same for all shapes of one pass. The frame of a shadow pass is the sun's.
-struct View {
-  Matrix4 projection;          // from the camera's frame; z from 1 at the near clip down to 0 at the far clip
-  std::array<float, 3> up{};   // world +z in the camera's frame
-  std::array<float, 3> sun{};  // direction towards the sun in the camera's frame
-  Matrix4 shadow_from_view{};  // fine only: to the coordinates of the shadow map, 0 to 1
-  float blur = 0.0f;           // fine only: of the edges of shadows, in those coordinates
-  std::vector<Lamp> lamps{};   // at most Renderer::max_lights
-};
-
-/// The meshes, and the programs that draw them.
-class Painter {
- public:
-  Painter();  // in the current context
-  void begin(Pass pass, const View& view);
-  /// Draws a run of instances of one mesh, in order; `mesh` as Geometry's alternatives are numbered.
-  void paint(std::size_t mesh, std::span<const Instance> instances, bool translucent);
-
- private:
-  struct Buffers {
-    unsigned array = 0;
-    int count = 0;
-  };
-  static Buffers upload(const UnitMesh& mesh, unsigned instances);
-
-  unsigned program_of(Pass pass, bool lamps);
-
-  std::array<std::array<unsigned, 2>, 3> programs_{};  // by Pass, without and with lamps; 0: not needed so far
-  unsigned instances_ = 0;
-  std::array<Buffers, std::variant_size_v<Geometry>> meshes_;
 };
 
 /// Where pictures are drawn: colour, z buffer and, if wanted, a float for the distance of each pixel.
@@ -133,5 +72,8 @@ class ShadowMap {
 
 /// Waits until everything is drawn.
 void finish();
+
+/// A mistake in a call is ours; what remains is memory.
+void check_errors();
 
 }  // namespace rehearse::gl

@@ -24,7 +24,7 @@ std::array<double, 2> on_circle(int i) {
 }
 
 void add_triangle(UnitMesh& mesh, std::size_t a, std::size_t b, std::size_t c) {
-  for (const std::size_t index : {a, b, c}) mesh.indices.push_back(static_cast<std::uint16_t>(index));
+  for (const std::size_t index : {a, b, c}) mesh.indices.push_back(static_cast<std::uint32_t>(index));
 }
 
 /// One circle of segments + 1 vertices (the first and the last at one place) on the sphere of radius 1 * `blow_up`;

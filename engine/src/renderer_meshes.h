@@ -19,7 +19,7 @@ struct Vertex {
 /// Triangles, three indices each, counter-clockwise seen from outside.
 struct UnitMesh {
   std::vector<Vertex> vertices;
-  std::vector<std::uint16_t> indices;
+  std::vector<std::uint32_t> indices;
 };
 
 UnitMesh box_mesh();       // edges of 1, centred

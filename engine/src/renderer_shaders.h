@@ -16,19 +16,47 @@ out vec3 surface_point;
 out vec3 surface_normal;
 flat out vec4 surface_color;
 
+void hand_on(vec3 local);
+
 void main() {
   vec3 local = position * scale.xyz + vec3(0.0, 0.0, shift * scale.w);
   surface_point = origin + rotation * local;
   surface_normal = rotation * normal;
   surface_color = color;
   gl_Position = projection * vec4(surface_point, 1.0);
+  hand_on(local);
+}
+)";
+
+// What the fragment shader needs beside; one of these follows.
+inline constexpr char hands_on_nothing[] = R"(
+void hand_on(vec3 local) {}
+)";
+
+inline constexpr char hands_on_shape_point[] = R"(
+out vec3 shape_point;   // in the shape's own frame
+out vec3 shape_normal;
+
+void hand_on(vec3 local) {
+  shape_point = local;
+  shape_normal = normal;
+}
+)";
+
+inline constexpr char hands_on_texture_point[] = R"(
+layout(location = 9) in vec2 texture_coordinates;
+out vec2 texture_point;
+
+void hand_on(vec3 local) {
+  texture_point = vec2(texture_coordinates.x, 1.0 - texture_coordinates.y);  // the first row is the top one
 }
 )";
 
 // Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light
 // is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from
 // being dark. A surface that faces sun and sky has about its own colour.
-// In three parts: with lamps, a line stands between the second and the third. Without, not a bit is different.
+// In three parts: with lamps, a line stands between the second and the third. Without, not a bit is different. Then
+// follow the parts of the skin, and that of the shadows.
 inline constexpr char fragment_shader_head[] = R"(#version 330 core
 in vec3 surface_point;
 in vec3 surface_normal;
@@ -38,18 +66,22 @@ uniform vec3 sun;
 layout(location = 0) out vec4 color;
 layout(location = 1) out float distance;
 
-float sun_share();
+vec3 facing_normal();      // unit vector
+vec4 base_color();
+float height_of_shadow();  // how far above the surface its shadow is looked up [m]
+float sun_share(vec3 normal);
 )";
 
 inline constexpr char fragment_shader_light[] = R"(
 void main() {
-  vec3 normal = normalize(surface_normal);
+  vec3 normal = facing_normal();
   vec3 light = mix(vec3(0.20, 0.18, 0.16), vec3(0.40, 0.43, 0.48), 0.5 + 0.5 * dot(normal, up));
-  light += vec3(0.50, 0.48, 0.43) * max(dot(normal, sun), 0.0) * sun_share();
+  light += vec3(0.50, 0.48, 0.43) * max(dot(normal, sun), 0.0) * sun_share(normal);
   light += vec3(0.18) * max(-dot(normal, normalize(surface_point)), 0.0);
 )";
 
-inline constexpr char fragment_shader_color[] = R"(  color = vec4(surface_color.rgb * sqrt(light), surface_color.a);
+inline constexpr char fragment_shader_color[] = R"(  vec4 base = base_color();
+  color = vec4(base.rgb * sqrt(light), base.a);
   distance = 1.0 / gl_FragCoord.w;
 }
 )";
@@ -87,8 +119,73 @@ vec3 lamp_light(vec3 normal) {
 inline constexpr char with_lamps[] = R"(  light += lamp_light(normal);
 )";
 
+// Of a solid, whose inside is never seen.
+inline constexpr char one_sided[] = R"(
+vec3 facing_normal() { return normalize(surface_normal); }
+float height_of_shadow() { return 0.0; }
+)";
+
+// Of a mesh, which may be open, or wound the wrong way round: whichever side is seen is the outside. The triangle tells
+// which that is; a vertex's normal, being a mean, may look away from a viewer who sees its triangle.
+inline constexpr char two_sided[] = R"(
+uniform float shadow_lift;
+
+vec3 facing_normal() {
+  vec3 normal = normalize(surface_normal);
+  vec3 face = cross(dFdx(surface_point), dFdy(surface_point));
+  return dot(face, surface_point) * dot(face, normal) > 0.0 ? -normal : normal;
+}
+float height_of_shadow() { return shadow_lift; }
+)";
+
+inline constexpr char one_color[] = R"(
+vec4 base_color() { return surface_color; }
+)";
+
+// Along each axis a wave of 1 and -1, as a pixel sees it: exactly these away from the edges, a mean of both where an
+// edge crosses the pixel, 0 where squares are smaller than half a pixel. The product of three waves is the pattern. It
+// is looked up a little inside, so that a face that lies on an edge has one of both colours.
+inline constexpr char two_colors[] = R"(
+in vec3 shape_point;
+in vec3 shape_normal;
+uniform vec3 second_color;
+uniform float squares_per_meter;
+
+float wave(float place, float width) {
+  float side = 1.0 - 2.0 * mod(floor(place), 2.0);
+  float to_edge = 0.5 - abs(fract(place) - 0.5);
+  return side * min(2.0 * to_edge / max(width, 0.000001), 1.0) * clamp(2.0 - width, 0.0, 1.0);
+}
+
+vec4 base_color() {
+  vec3 place = shape_point * squares_per_meter - 0.001 * shape_normal;
+  vec3 width = fwidth(place);
+  float share = 0.5 - 0.5 * wave(place.x, width.x) * wave(place.y, width.y) * wave(place.z, width.z);
+  return vec4(mix(surface_color.rgb, second_color, share), surface_color.a);
+}
+)";
+
+inline constexpr char picture_colors[] = R"(
+in vec2 texture_point;
+uniform sampler2D picture;
+
+vec4 cut(vec4 color);
+vec4 base_color() { return cut(surface_color * texture(picture, texture_point)); }
+)";
+
+inline constexpr char whole_picture[] = R"(
+vec4 cut(vec4 color) { return color; }
+)";
+
+inline constexpr char cut_picture[] = R"(
+vec4 cut(vec4 color) {
+  if (color.a < 0.5 / 255.0) discard;
+  return color;
+}
+)";
+
 inline constexpr char without_shadows[] = R"(
-float sun_share() { return 1.0; }
+float sun_share(vec3 normal) { return 1.0; }
 )";
 
 // The mean of a square of samples, because the sun isn't a point. Outside the map nothing casts a shadow.
@@ -97,8 +194,8 @@ uniform sampler2DShadow shadow_map;
 uniform mat4 shadow_from_view;  // to the map's coordinates: 0 to 1 across, and 1 down to 0 away from the sun
 uniform float blur;             // between two samples, in the map's coordinates
 
-float sun_share() {
-  vec3 place = (shadow_from_view * vec4(surface_point, 1.0)).xyz;
+float sun_share(vec3 normal) {
+  vec3 place = (shadow_from_view * vec4(surface_point + height_of_shadow() * normal, 1.0)).xyz;
   place.z = max(place.z, 0.0);
   float lit = 0.0;
   for (int x = -2; x <= 2; ++x) {

@@ -2,7 +2,8 @@ find_package(PNG REQUIRED)  # writes the kinds of PNG that we only read
 rehearse_add_test(png_test LABEL unit SOURCES renderer/png_test.cpp LIBRARIES Rehearse::png PNG::PNG)
 
 rehearse_add_test(renderer_test LABEL render
-  SOURCES renderer/renderer_test.cpp renderer/renderer_culling_test.cpp renderer/renderer_depth_test.cpp
-    renderer/renderer_fine_test.cpp renderer/renderer_lights_test.cpp renderer/renderer_meshes_test.cpp
+  SOURCES renderer/renderer_test.cpp renderer/renderer_checker_test.cpp renderer/renderer_culling_test.cpp
+    renderer/renderer_depth_test.cpp renderer/renderer_fine_test.cpp renderer/renderer_lights_test.cpp
+    renderer/renderer_mesh_test.cpp renderer/renderer_meshes_test.cpp
   LIBRARIES Rehearse::renderer)
 target_include_directories(renderer_test PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # renderer_meshes.h

@@ -4,9 +4,12 @@
 // next one, whatever their sizes. One thread per Renderer; several Renderers may stand beside each other.
 //
 // Solid shapes hide what is behind them; one with an opacity below 1 lets it shine through, and one of opacity 0 isn't
-// there at all. Only outsides are drawn: a camera inside a shape looks out of it. Light comes from the sky, from a sun
-// that stands still in the world, from the camera, and from the lights that were added; these cast no shadows. A
-// picture without lights, or with all of them off, has the same pixels as if there were no such thing.
+// there at all. Of boxes and round shapes only outsides are drawn: a camera inside of one looks out of it. A mesh may
+// be open, or wound the wrong way round: both of its sides are drawn, and whichever is seen is lit. Its parts have
+// their own colours and textures; those that let light through are mixed like shapes. Squares of a checkered shape have
+// its opacity; where they are smaller than pixels, their mean is seen. Light comes from the sky, from a sun that stands
+// still in the world, from the camera, and from the lights that were added; these cast no shadows. A picture without
+// lights, or with all of them off, has the same pixels as if there were no such thing.
 //
 // Boxes are exact. Round shapes are made of flat faces whose distance from the axis or centre is within 0.08 % of the
 // radius of the true one, half of it inside and half outside.
@@ -51,7 +54,9 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Adds a shape; returns its number. `color` is used where the shape has none of its own.
+  /// Adds a shape; returns its number. `color` is used where the shape, or the part of its mesh, has none of its own. A
+  /// mesh was loaded, and is kept alive, as are its textures, of at most 16384 pixels each way; shapes that share a
+  /// mesh share its memory.
   int add(const Shape& shape, const Color& color);
   /// Where the shape's link is in the world (at first: at its origin); the shape's own pose comes on top.
   void set_link_pose(int number, const Eigen::Isometry3d& link_pose);
@@ -77,8 +82,8 @@ class Renderer {
   std::string description() const;
 
  private:
-  Renderer();
   struct Impl;
+  explicit Renderer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

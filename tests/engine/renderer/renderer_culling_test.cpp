@@ -1,5 +1,6 @@
 // Shapes that can't be seen aren't drawn. Which can is found out here by looking with a wider lens: its picture's
 // middle must show just what the narrow picture shows.
+#include "mesh_shapes.h"
 #include "scene.h"
 
 #include <cstdlib>
@@ -71,7 +72,9 @@ INSTANTIATE_TEST_SUITE_P(Of, RendererCulling,
                          testing::Values(NamedGeometry{"Box", Box{{0.9, 0.1, 0.2}}},
                                          NamedGeometry{"Sphere", Sphere{0.4}},
                                          NamedGeometry{"Cylinder", Cylinder{0.05, 1.0}},
-                                         NamedGeometry{"Capsule", Capsule{0.1, 0.8}}),
+                                         NamedGeometry{"Capsule", Capsule{0.1, 0.8}},
+                                         NamedGeometry{"MeshBesideItsOrigin",
+                                                       mesh_of({moved(cuboid({0.6, 0.1, 0.2}), {0.5f, 0.3f, -0.4f})})}),
                          [](const auto& instance) { return instance.param.name; });
 
 }  // namespace

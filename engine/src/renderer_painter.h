@@ -1,0 +1,109 @@
+// How meshes get into a picture: their buffers, their textures and the shader programs. Internal.
+//
+// Knows nothing of shapes and cameras. Whoever calls anything here makes the Context current first.
+#pragma once
+
+#include "renderer_meshes.h"
+
+#include <rehearse/mesh.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace rehearse::gl {
+
+/// What a surface is drawn with, beside the colour of its instance.
+struct Skin {
+  enum class Kind {
+    even,       // of one colour; only its outside is there, as for all solids
+    checkered,  // squares of a second colour between those of the first; only its outside is there
+    two_sided,  // of one colour, and lit on the side that is seen
+    textured,   // the same with a picture, whose colours are multiplied with its own
+    cut_out,    // the same; where picture and colour together have no opacity nothing is there
+  };
+  static constexpr std::size_t kinds = 5;
+
+  Kind kind = Kind::even;
+  unsigned texture = 0;                 // of a picture: as Painter::add gave it
+  std::array<float, 3> second_color{};  // of a checkered one: red, green, blue
+  float squares_per_meter = 1.0f;       // of a checkered one
+
+  bool has_two_sides() const { return kind != Kind::even && kind != Kind::checkered; }
+};
+
+/// One shape as the vertex shader reads it, in the camera's frame.
+struct Instance {
+  std::array<float, 9> rotation;  // columns: the shape's axes
+  std::array<float, 3> origin;    // [m]
+  std::array<float, 4> scale;     // of the mesh along x, y, z, then its stretch [m]
+  std::array<float, 4> color;
+};
+
+/// A light that is on, as the fragment shader reads it, in the camera's frame.
+struct Lamp {
+  std::array<float, 4> place;     // [m]; 1 / range [1/m]
+  std::array<float, 4> strength;  // red, green, blue; cosine of the angle from the axis at which it ends
+  std::array<float, 4> fading;    // constant, linear, quadratic; 1 / (cosine where it is full - where it ends)
+  std::array<float, 4> axis;      // unit vector along which it shines; unused
+};
+
+/// Column by column.
+using Matrix4 = std::array<float, 16>;
+
+/// What is drawn into, and how.
+enum class Pass {
+  plain,   // into a Target
+  fine,    // into a Target, with the shadows of a ShadowMap that was drawn before
+  shadow,  // into a ShadowMap
+};
+
+/// What is the same for all shapes of one pass. The frame of a shadow pass is the sun's.
+struct View {
+  Matrix4 projection;          // from the camera's frame; z from 1 at the near clip down to 0 at the far clip
+  std::array<float, 3> up{};   // world +z in the camera's frame
+  std::array<float, 3> sun{};  // direction towards the sun in the camera's frame
+  Matrix4 shadow_from_view{};  // fine only: to the coordinates of the shadow map, 0 to 1
+  float blur = 0.0f;           // fine only: of the edges of shadows, in those coordinates
+  float lift = 0.0f;           // fine only: how far above a surface of two sides its shadow is looked up [m]
+  std::vector<Lamp> lamps{};   // at most Renderer::max_lights
+};
+
+/// The meshes, the textures, and the programs that draw them.
+class Painter {
+ public:
+  Painter();  // in the current context
+  /// Takes a mesh in, after those of the solid shapes; returns its number.
+  std::size_t add(const MeshPart& part);
+  /// Takes a texture in; returns its name for Skin.
+  unsigned add(const Texture& texture);
+
+  void begin(Pass pass, const View& view);
+  /// Draws a run of instances of one mesh, in order. The first meshes are numbered as Geometry's alternatives.
+  void paint(std::size_t mesh, const Skin& skin, std::span<const Instance> instances, bool translucent);
+
+ private:
+  struct Buffers {
+    unsigned array = 0;
+    int count = 0;  // of indices
+  };
+  struct Program {
+    unsigned name = 0;      // 0: not needed so far
+    bool is_ready = false;  // it has what is the same for all shapes of this pass
+  };
+
+  Buffers upload(std::span<const Vertex> vertices, std::span<const std::uint32_t> indices) const;
+  Program& program_of(Skin::Kind kind);
+  void use(const Skin& skin);
+  void draw(const Buffers& mesh, std::size_t instances) const;
+
+  std::array<std::array<std::array<Program, Skin::kinds>, 2>, 3> programs_{};  // by Pass, without and with lamps
+  Pass pass_ = Pass::plain;
+  View view_;
+  unsigned instances_ = 0;
+  std::vector<Buffers> meshes_;
+};
+
+}  // namespace rehearse::gl
