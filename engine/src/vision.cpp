@@ -49,8 +49,8 @@ Vision::Vision() : impl_(std::make_unique<Impl>()) {}
 Vision::~Vision() = default;
 
 Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std::shared_ptr<const Model>> models,
-                                               std::vector<std::vector<bool>> active) {
-  auto renderer = Renderer::create();
+                                               std::vector<std::vector<bool>> active, const Look& look) {
+  auto renderer = Renderer::create(look);
   if (!renderer) return renderer.errors();
   std::unique_ptr<Vision> vision(new Vision);
   Impl& impl = *vision->impl_;

@@ -121,6 +121,14 @@ void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {
   keys.flag("frames", scenario.record_frames);
 }
 
+void read_look(Findings& findings, const YamlNode& node, Look& look) {
+  const Keys keys(findings, node, "the look", {"sky"});
+  const YamlNode* sky = keys.find("sky");
+  if (sky == nullptr) return;
+  if (const auto color = read_numbers(findings, *sky, "sky", 3, 3, {0.0, 1.0}))
+    look.sky = Eigen::Vector4d((*color)[0], (*color)[1], (*color)[2], 1.0).cast<float>();
+}
+
 // False if the rest of the file can't be judged: it isn't a scenario, or of another version.
 bool check_version(Findings& findings, const YamlNode& root) {
   if (root.kind != YamlNode::Kind::map) {
@@ -141,7 +149,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
                   {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
-                   "bodies", "pushes", "joystick", "noise", "cameras", "record", "tolerances"});
+                   "bodies", "pushes", "joystick", "noise", "look", "cameras", "record", "tolerances"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -154,6 +162,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
   if (const YamlNode* node = keys.find("joystick")) read_joystick(findings, *node, scenario);
   if (const YamlNode* node = keys.find("noise")) read_noise(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("look")) read_look(findings, *node, scenario.look);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
 }

@@ -26,6 +26,7 @@ class BodyReader {
   struct InlineShape {
     std::optional<Geometry> geometry;  // none: it had a mistake
     std::optional<Color> color;
+    std::optional<Checker> checker;
   };
 
   void read_name(const Keys& keys, ScenarioBody& body);
@@ -35,6 +36,7 @@ class BodyReader {
   std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file);
   InlineShape read_shape(std::string_view kind, const YamlNode& node);
   std::optional<Color> read_color(const YamlNode& node);
+  std::optional<Checker> read_checker(const YamlNode& node);
   void make_shape(const Keys& keys, std::string_view kind, const YamlNode& shape, ScenarioBody& body);
   void check_root(const Keys& keys, ScenarioBody& body);
 
@@ -153,10 +155,23 @@ std::optional<Color> BodyReader::read_color(const YamlNode& node) {
   return Eigen::Vector4d((*values)[0], (*values)[1], (*values)[2], opacity).cast<float>();
 }
 
+// Its squares have the shape's opacity, so the color has none.
+std::optional<Checker> BodyReader::read_checker(const YamlNode& node) {
+  const Keys keys(findings_, node, "a checker", {"color", "size"});
+  const YamlNode* color = keys.require("color", "[red, green, blue] of every second square");
+  Checker checker;
+  keys.number("size", any_length, checker.size);
+  if (color == nullptr) return std::nullopt;
+  const auto values = read_numbers(findings_, *color, "color", 3, 3, {0.0, 1.0});
+  if (!values) return std::nullopt;
+  checker.color = Eigen::Vector4d((*values)[0], (*values)[1], (*values)[2], 1.0).cast<float>();
+  return checker;
+}
+
 BodyReader::InlineShape BodyReader::read_shape(std::string_view kind, const YamlNode& node) {
-  const auto keys = kind == "box"      ? Keys(findings_, node, "a box", {"size", "color"})
-                    : kind == "sphere" ? Keys(findings_, node, "a sphere", {"radius", "color"})
-                                       : Keys(findings_, node, "a cylinder", {"radius", "length", "color"});
+  const auto keys = kind == "box"      ? Keys(findings_, node, "a box", {"size", "color", "checker"})
+                    : kind == "sphere" ? Keys(findings_, node, "a sphere", {"radius", "color", "checker"})
+                                       : Keys(findings_, node, "a cylinder", {"radius", "length", "color", "checker"});
   const auto length = [this, &keys](std::string_view key) -> std::optional<double> {
     const YamlNode* value = keys.require(key, "a length [m]");
     return value == nullptr ? std::nullopt : read_number(findings_, *value, key, any_length);
@@ -174,6 +189,7 @@ BodyReader::InlineShape BodyReader::read_shape(std::string_view kind, const Yaml
     if (radius && height) shape.geometry = Cylinder{*radius, *height};
   }
   if (const YamlNode* color = keys.find("color")) shape.color = read_color(*color);
+  if (const YamlNode* checker = keys.find("checker")) shape.checker = read_checker(*checker);
   return shape;
 }
 
@@ -190,7 +206,9 @@ void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlN
     return;
   }
   if (!shape.geometry) return;
-  body.model = std::make_shared<const Model>(single_shape_model(body.name, *shape.geometry, mass, shape.color));
+  Model model = single_shape_model(body.name, *shape.geometry, mass, shape.color);
+  model.links.front().visuals.front().checker = shape.checker;
+  body.model = std::make_shared<const Model>(std::move(model));
 }
 
 // A model may itself be fixed to the world; a scenario can't free it.

@@ -46,7 +46,7 @@ Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
     }
   }
   if (!any) return std::unique_ptr<Vision>();
-  return Vision::create(scenario.time_step, models_of(scenario), std::move(active));
+  return Vision::create(scenario.time_step, models_of(scenario), std::move(active), scenario.look);
 }
 
 /// Wrenches act for one step only.

@@ -57,6 +57,21 @@ TEST(ScenarioBodies, MakesAModelOfACylinder) {
   EXPECT_EQ(body.model->links[0].visuals[0].color, Color(0.0f, 0.0f, 0.0f, 0.5f));
 }
 
+TEST(ScenarioBodies, LaysACheckerOnWhatIsSeenOfAShape) {
+  const ScenarioBody body = only_body("sphere: {radius: 1, checker: {color: [0, 1, 0.5], size: 0.2}}, mass: 1");
+  ASSERT_NE(body.model, nullptr);
+  const std::optional<Checker>& checker = body.model->links[0].visuals[0].checker;
+  ASSERT_TRUE(checker);
+  EXPECT_EQ(checker->color, Color(0.0f, 1.0f, 0.5f, 1.0f));
+  EXPECT_EQ(checker->size, 0.2);
+  EXPECT_FALSE(body.model->links[0].collisions[0].checker);
+  EXPECT_EQ(only_body("box: {size: [1, 1, 1], checker: {color: [1, 1, 1]}}, mass: 1")
+                .model->links[0]
+                .visuals[0]
+                .checker->size,
+            1.0);
+}
+
 TEST(ScenarioBodies, NeedsNoMassOfAFixedShape) {
   const ScenarioBody body = only_body("sphere: {radius: 1}, fixed: true");
   ASSERT_NE(body.model, nullptr);

@@ -77,12 +77,13 @@ TEST(Scenario, HasTheDefaultsOfChoreonoid) {
   EXPECT_EQ(scenario.solver.erp, 0.4);
   EXPECT_EQ(scenario.cameras, std::nullopt);
   EXPECT_TRUE(scenario.record_frames);
+  EXPECT_EQ(scenario.look.sky, Look().sky);
 }
 
 TEST(Scenario, ReadsTheSettingsOfTheRun) {
   const Scenario scenario =
       loaded(ball_with("name: a ball\nseed: 4294967295\ntime_step: 0.002\ngravity: [0, 1, -2]\n"
-                       "options: \"fast\"\ncameras: none\nrecord: {frames: false}\n"
+                       "options: \"fast\"\ncameras: none\nrecord: {frames: false}\nlook: {sky: [0.5, 0, 1]}\n"
                        "solver: {method: exact, erp: 0.2, max_contacts: 8}\n"));
   EXPECT_EQ(scenario.name, "a ball");
   EXPECT_EQ(scenario.seed, 4294967295u);
@@ -91,6 +92,7 @@ TEST(Scenario, ReadsTheSettingsOfTheRun) {
   EXPECT_EQ(scenario.options, "fast");
   EXPECT_THAT(scenario.cameras.value(), IsEmpty());
   EXPECT_FALSE(scenario.record_frames);
+  EXPECT_EQ(scenario.look.sky, Color(0.5f, 0.0f, 1.0f, 1.0f));
   EXPECT_EQ(scenario.solver.method, SolverSettings::Method::exact);
   EXPECT_EQ(scenario.solver.erp, 0.2);
   EXPECT_EQ(scenario.solver.max_contacts, 8);

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <rehearse/png.h>
 
+#include <algorithm>
+#include <fstream>
+
 namespace rehearse::test {
 namespace {
 
@@ -148,6 +151,25 @@ TEST_F(Render, LooksFromWhereItIsTold) {
   const Image image = picture("a.png");
   const std::uint8_t* pixel = &image.pixels[3 * (49 * 99 + 49)];
   EXPECT_GT(pixel[0], 2 * pixel[2]);  // the orange box is in the middle
+}
+
+TEST_F(Render, ShowsTheLookOfTheScenario) {
+  std::ofstream(folder() / "look.yaml")
+      << "rehearse: 1\nduration: 1\nlook: {sky: [0, 1, 0]}\nbodies:\n"
+         "  - name: Board\n    fixed: true\n"
+         "    box: {size: [1, 1, 0.2], color: [1, 0, 0], checker: {color: [0, 0, 1], size: 0.5}}\n";
+  done({"render", "look.yaml", "-o", "a.png", "--eye", "0,0,2", "--target", "0,0,0", "--fov", "50", "--width", "100",
+        "--height", "100"});
+  const Image image = picture("a.png");
+  const auto strongest = [&image](std::size_t x, std::size_t y) {
+    const auto pixel = image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * (100 * y + x));
+    return std::max_element(pixel, pixel + 3) - pixel;
+  };
+  EXPECT_EQ(strongest(5, 5), 1) << "the sky";
+  EXPECT_EQ(strongest(60, 40), 0) << "x and y are positive";
+  EXPECT_EQ(strongest(40, 60), 0) << "x and y are negative";
+  EXPECT_EQ(strongest(40, 40), 2);
+  EXPECT_EQ(strongest(60, 60), 2);
 }
 
 TEST_F(Render, GivesTheSamePictureTwice) {

@@ -53,20 +53,26 @@ PlacedModel place(const ScenarioBody& body) {
   return {body.model, forward_kinematics(*body.model, root, body.joints), body.fixed};
 }
 
-Result<std::vector<PlacedModel>> load_scene(const std::string& file) {
-  std::vector<PlacedModel> scene;
+struct Scene {
+  std::vector<PlacedModel> models;
+  Look look;
+};
+
+Result<Scene> load_scene(const std::string& file) {
+  Scene scene;
   if (is_model(file)) {
     Result<Model> model = load_urdf(file);
     if (!model) return model.errors();
     const std::vector<double> at_zero(model->joints.size(), 0.0);
     const auto shared = std::make_shared<const Model>(*std::move(model));
-    scene.push_back({shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), at_zero), false});
+    scene.models.push_back({shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), at_zero), false});
     return scene;
   }
   const Result<Scenario> scenario = Scenario::load(file);
   if (!scenario) return scenario.errors();
   tell_warnings(*scenario);
-  for (const ScenarioBody& body : scenario->bodies) scene.push_back(place(body));
+  for (const ScenarioBody& body : scenario->bodies) scene.models.push_back(place(body));
+  scene.look = scenario->look;
   return scene;
 }
 
@@ -100,18 +106,18 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
 Exit run(Settings& settings) {
   const auto scene = load_scene(settings.input);
   if (!scene) return refuse(scene.errors());
-  if (const auto few = check_lights(*scene); !few) return refuse(few.errors());
+  if (const auto few = check_lights(scene->models); !few) return refuse(few.errors());
   if (const auto allowed = check_output(settings.picture, png_magic, "PNG picture"); !allowed)
     return refuse(allowed.errors());
-  const Viewpoint view = default_viewpoint(*scene, settings.camera, settings.eye, settings.target);
+  const Viewpoint view = default_viewpoint(scene->models, settings.camera, settings.eye, settings.target);
   const double distance = (view.target - view.eye).norm();
   if (distance < 1e-6) return refuse(error("--eye and --target are the same place", "give two different points"));
   settings.camera.near_clip = std::min(0.01 * distance, 0.1);
   settings.camera.far_clip = std::max(1000.0, 100.0 * distance);
 
-  const auto renderer = Renderer::create();
+  const auto renderer = Renderer::create(scene->look);
   if (!renderer) return refuse(renderer.errors());
-  for (const PlacedModel& placed : *scene) add_to(**renderer, placed);
+  for (const PlacedModel& placed : scene->models) add_to(**renderer, placed);
   const Frame frame = (*renderer)->draw(settings.camera, look_at(view.eye, view.target), Quality::fine);
   if (const auto written = write_file(settings.picture, encode_png(frame.color)); !written)
     return refuse(written.errors());

@@ -17,6 +17,7 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/image.h>
+#include <rehearse/look.h>
 #include <rehearse/model.h>
 
 #include <Eigen/Geometry>
@@ -29,11 +30,6 @@ namespace rehearse {
 struct Frame {
   Image color;
   DepthImage depth;  // empty unless asked for
-};
-
-/// What is seen where nothing is.
-struct Look {
-  Color sky{0.55f, 0.68f, 0.82f, 1.0f};
 };
 
 enum class Quality {

@@ -24,7 +24,7 @@ class Vision {
   /// a camera that runs. The bodies' lights shine into all pictures. Fails if no picture can be drawn on this machine,
   /// or if there are more lights than a picture can have.
   static Result<std::unique_ptr<Vision>> create(double time_step, std::vector<std::shared_ptr<const Model>> models,
-                                                std::vector<std::vector<bool>> active);
+                                                std::vector<std::vector<bool>> active, const Look& look = {});
   ~Vision();
   Vision(const Vision&) = delete;
   Vision& operator=(const Vision&) = delete;
@@ -32,8 +32,8 @@ class Vision {
   /// Puts the pictures that arrive at this tick into the observation, then captures those that are due, from the poses
   /// in it. To be called once for each tick, in order.
   void look(std::int64_t tick, Observation& observation);
-  /// What controllers said in this tick to cameras and lights. A camera that is switched off loses its picture; on again
-  /// it captures at the next tick. A light is in its new state from the next capture on. Tick -1: before the run.
+  /// What controllers said in this tick to cameras and lights. A camera that is switched off loses its picture; on
+  /// again it captures at the next tick. A light is in its new state from the next capture on. Tick -1: before the run.
   void obey(std::int64_t tick, const Command& command);
 
   /// Draws the bodies where the observation says they are, from any place, for people: with shadows and smooth edges.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <rehearse/joystick_script.h>
+#include <rehearse/look.h>
 #include <rehearse/model.h>
 #include <rehearse/sensor_noise.h>
 #include <rehearse/solver_settings.h>
@@ -93,6 +94,7 @@ struct Scenario {
   std::vector<ScenarioBody> bodies;
   std::vector<Push> pushes;
   std::optional<JoystickScript> joystick;  // nullopt: there is none
+  Look look;                            // of all pictures
   /// Cameras that run, as "Body/Camera"; nullopt: all.
   std::optional<std::vector<std::string>> cameras;
   bool record_frames = true;            // pictures go into the trace

@@ -235,6 +235,18 @@ TEST_F(VisionTest, RefusesMoreLightsThanAPictureCanHave) {
   EXPECT_EQ(vision.errors()[0].message, "there are more than 64 lights");
 }
 
+TEST_F(VisionTest, ShowsTheSkyOfItsLook) {
+  add_camera("Camera", 1000.0);
+  Look look;
+  look.sky = {0.0f, 0.4f, 1.0f, 1.0f};
+  create();
+  auto vision = Vision::create(0.001, {std::make_shared<const Model>(model_)}, {{true}}, look);
+  ASSERT_TRUE(vision.ok());
+  for (int tick = 0; tick < 2; ++tick) (*vision)->look(tick, observation_);
+  const std::vector<std::uint8_t>& pixels = reading().image->pixels;
+  EXPECT_EQ((std::vector<int>(pixels.begin(), pixels.begin() + 3)), (std::vector<int>{0, 102, 255}));
+}
+
 TEST_F(VisionTest, ACameraThatDoesNotRunIsLeftAlone) {
   add_camera("Camera", 30.0);
   auto vision = Vision::create(0.001, {std::make_shared<const Model>(model_)}, {{false}});

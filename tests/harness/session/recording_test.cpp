@@ -1,6 +1,7 @@
 // What a recording holds.
 
 #include <rehearse/mcap.h>
+#include <rehearse/png.h>
 
 #include "runs.h"
 
@@ -63,6 +64,18 @@ TEST_F(Recording, HoldsPicturesAsPngAndDepthAsNumbers) {
   EXPECT_EQ(summary_.frames, 10);
   EXPECT_EQ(trace.find_channel("/Rig/Camera/image")->type, "sensor_msgs/msg/CompressedImage");
   EXPECT_EQ(trace.find_channel("/Rig/Camera/depth")->type, "sensor_msgs/msg/Image");
+}
+
+TEST_F(Recording, ShowsTheSkyThatTheScenarioGives) {
+  const Trace trace = record_run(rig(behaviour("C", "push 1"), "look: {sky: [1, 0.2, 0]}\n", "0.05"));
+  const auto payload = trace.payload(*trace.find_channel("/Rig/Camera/image"), 0);
+  ASSERT_TRUE(payload.ok());
+  CdrReader reader(*payload);
+  msg::CompressedImage picture;
+  ASSERT_TRUE(msg::decode(reader, picture));
+  const Image image = *decode_png(picture.data);
+  const std::array<int, 3> sky{image.pixels[0], image.pixels[1], image.pixels[2]};  // the upper left corner
+  EXPECT_EQ(sky, (std::array{255, 51, 0}));
 }
 
 TEST_F(Recording, WithoutFramesHasTheSameStateAndNoPictures) {
