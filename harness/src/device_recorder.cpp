@@ -99,27 +99,33 @@ Result<void> DeviceRecorder::write_ranges(TraceOutput& output, std::int64_t tick
 Result<void> DeviceRecorder::write_pictures(TraceOutput& output, std::int64_t tick, const Camera& camera,
                                             const DeviceReading& reading) const {
   const msg::Header header{time_of_capture(reading), frame_};
-  msg::CompressedImage color;
-  color.header = header;
-  color.format = reading.image ? "rgb8; png compressed" : "";  // no picture: the camera was switched off
-  if (reading.image) {
-    color.data = encode_png(*reading.image);
-    ++output.size.frames;
-  }
-  if (auto done = output.write(color_, tick, color); !done) return done;
+  if (auto done = write_color(output, tick, header, reading.image); !done) return done;
   msg::CameraInfo info = camera_info(camera);
   info.header = header;
   if (auto done = output.write(info_, tick, info); !done) return done;
   if (!depth_ || !reading.depth) return {};
-  msg::Image depth;
-  depth.header = header;
-  depth.width = info.width;
-  depth.height = info.height;
-  depth.encoding = "32FC1";
-  depth.step = info.width * static_cast<std::uint32_t>(sizeof(float));
-  depth.data.resize(reading.depth->meters.size() * sizeof(float));
-  std::memcpy(depth.data.data(), reading.depth->meters.data(), depth.data.size());
-  return output.write(depth_, tick, depth);
+  const std::size_t held = reading.depth->meters.size() * sizeof(float);
+  return output.write_later<msg::Image>(depth_, tick, held, [header, picture = reading.depth] {
+    msg::Image depth;
+    depth.header = header;
+    depth.width = static_cast<std::uint32_t>(picture->width);
+    depth.height = static_cast<std::uint32_t>(picture->height);
+    depth.encoding = "32FC1";
+    depth.step = depth.width * static_cast<std::uint32_t>(sizeof(float));
+    depth.data.resize(picture->meters.size() * sizeof(float));
+    std::memcpy(depth.data.data(), picture->meters.data(), depth.data.size());
+    return depth;
+  });
+}
+
+/// The picture is encoded while the simulation goes on. Null: the camera was switched off.
+Result<void> DeviceRecorder::write_color(TraceOutput& output, std::int64_t tick, const msg::Header& header,
+                                         const std::shared_ptr<const Image>& image) const {
+  if (!image) return output.write(color_, tick, msg::CompressedImage{header, "", {}});
+  ++output.size.frames;
+  return output.write_later<msg::CompressedImage>(color_, tick, image->pixels.size(), [header, image] {
+    return msg::CompressedImage{header, "rgb8; png compressed", encode_png(*image)};
+  });
 }
 
 }  // namespace rehearse

@@ -6,6 +6,7 @@
 #include <rehearse/scenario.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "trace_output.h"
@@ -30,6 +31,8 @@ class DeviceRecorder {
                             const DeviceReading& reading) const;
   Result<void> write_pictures(TraceOutput& output, std::int64_t tick, const Camera& camera,
                               const DeviceReading& reading) const;
+  Result<void> write_color(TraceOutput& output, std::int64_t tick, const msg::Header& header,
+                           const std::shared_ptr<const Image>& image) const;
 
   const Device* device_;
   std::string frame_;

@@ -6,10 +6,13 @@
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace rehearse {
 
@@ -45,6 +48,19 @@ struct TraceOutput {
     ++size.messages;
     const std::uint64_t now = nanoseconds_of(tick, time_step);
     return writer->write(to, now, now, cdr_.bytes());
+  }
+
+  /// The same for a message that takes long to make: on the writer's thread, of what nobody changes any more. `held`:
+  /// the memory that waits for it [bytes].
+  template <class T>
+  Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::function<T()> make) {
+    ++size.messages;
+    const std::uint64_t now = nanoseconds_of(tick, time_step);
+    return writer->write_later(to, now, now, held, [make = std::move(make)] {
+      CdrWriter cdr;
+      msg::encode(make(), cdr);
+      return std::vector<std::byte>(cdr.bytes().begin(), cdr.bytes().end());
+    });
   }
 
   msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, time_step)); }

@@ -4,8 +4,8 @@
 // compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here
 // knows what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
 //
-// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own
-// compresses, checksums and writes finished chunks. The bytes of the file depend on the calls and their arguments, on
+// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own composes
+// what was put off, compresses, checksums and writes finished chunks. The bytes of the file depend on the calls and their arguments, on
 // nothing else.
 //
 // Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
@@ -97,7 +97,8 @@ std::string_view to_string(Compression compression);
 struct WriterOptions {
   /// The profile of the header. With "ros2" every channel gets the metadata key offered_qos_profiles that it demands.
   std::string profile = "ros2";
-  /// A chunk is finished when its records reach this size [bytes]; so it is at most one message larger.
+  /// A chunk is finished when its records, and what is held for those put off, reach this size [bytes]; so it is at
+  /// most one message larger.
   std::size_t chunk_size = 768 * 1024;
   /// ... or when any message comes this much log time after the chunk's first [ns]. This bounds what a kill loses.
   std::uint64_t chunk_span = 1'000'000'000;
@@ -136,6 +137,12 @@ class Writer {
 
   /// Copies the message into the open chunk of its channel's group. Tens of nanoseconds, unless the queue is full.
   Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
+
+  /// The same for a message that takes long to compose, as a picture to encode: the Writer's thread will call `compose`
+  /// once, when the chunk is finished. What it gives depends only on what it was made of, which nobody changes; it throws
+  /// nothing. `held`: the memory that waits with it [bytes].
+  Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                           std::size_t held, std::function<std::vector<std::byte>()> compose);
 
   /// Adds an attachment. Times are 0 where nothing better is known: never the wall clock's.
   Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,

@@ -78,8 +78,7 @@ void Output::run() {
     process(job);
     lock.lock();
     if (auto* chunk = std::get_if<ChunkData>(&job)) {
-      chunk->records.clear();
-      chunk->index.clear();
+      chunk->clear();
       free_.push_back(std::move(*chunk));
     }
     busy_ = false;
@@ -100,7 +99,31 @@ void Output::stop() {
 void Output::process(Job& job) {
   if (failed()) return;
   if (const auto* raw = std::get_if<RawJob>(&job)) return process_raw(*raw);
-  process_chunk(std::get<ChunkData>(job));
+  auto& chunk = std::get<ChunkData>(job);
+  compose(chunk);
+  process_chunk(chunk);
+}
+
+/// Puts the data of what was put off behind the heads of their records.
+void Output::compose(ChunkData& chunk) {
+  if (chunk.put_off.empty()) return;
+  composed_.clear();
+  auto next = chunk.put_off.begin();
+  for (std::size_t i = 0; i < chunk.index.size(); ++i) {
+    const std::size_t begin = chunk.index[i].offset;
+    const std::size_t end = i + 1 < chunk.index.size() ? chunk.index[i + 1].offset : chunk.records.size();
+    chunk.index[i].offset = composed_.size();
+    const Bytes record = Bytes(chunk.records).subspan(begin, end - begin);
+    composed_.insert(composed_.end(), record.begin(), record.end());
+    if (next == chunk.put_off.end() || next->entry != i) continue;
+    const std::vector<std::byte> data = next->compose();
+    next->compose = nullptr;  // what it held goes
+    ++next;
+    const std::uint64_t length = message_head + data.size();
+    std::memcpy(&composed_[chunk.index[i].offset + 1], &length, sizeof length);
+    composed_.insert(composed_.end(), data.begin(), data.end());
+  }
+  std::swap(chunk.records, composed_);
 }
 
 void Output::process_raw(const RawJob& job) {

@@ -1,4 +1,4 @@
-// The thread of a Writer: takes finished chunks and other records, compresses, checksums, writes. Internal.
+// The thread of a Writer: takes finished chunks and other records, composes, compresses, checksums, writes. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -9,6 +9,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <variant>
@@ -22,16 +23,31 @@ struct IndexEntry {
   std::uint16_t channel = 0;
 };
 
+/// A message of a chunk whose record has no data so far.
+struct PutOff {
+  std::size_t entry = 0;  // of the chunk's index
+  std::function<std::vector<std::byte>()> compose;
+};
+
 /// A chunk while it is being filled, and until it is written.
 struct ChunkData {
   std::vector<std::byte> records;
   std::vector<IndexEntry> index;
+  std::vector<PutOff> put_off;   // in the order of their entries
+  std::size_t held = 0;          // by these [bytes]
   std::uint64_t first_time = 0;  // of the first message in file order: decides when the chunk is old enough
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   Compression compression = Compression::none;
 
   bool empty() const { return index.empty(); }
+  std::size_t size() const { return records.size() + held; }
+  void clear() {
+    records.clear();
+    index.clear();
+    put_off.clear();
+    held = 0;
+  }
 };
 
 /// A record outside of chunks, composed already, and what the summary says of it.
@@ -74,6 +90,7 @@ class Output {
   void stop();
   void process(Job& job);
   void process_raw(const RawJob& job);
+  void compose(ChunkData& chunk);
   void process_chunk(const ChunkData& chunk);
   void put_message_indexes(const ChunkData& chunk, ByteWriter& out, std::uint64_t record_start,
                            ByteWriter& offsets) const;
@@ -105,6 +122,7 @@ class Output {
   std::vector<std::byte> attachment_indexes_;
   std::vector<std::byte> metadata_indexes_;
   std::vector<std::byte> scratch_;
+  std::vector<std::byte> composed_;
 
   std::thread thread_;  // last: starts when all else is there
 };

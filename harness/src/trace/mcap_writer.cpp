@@ -30,6 +30,8 @@ class Writer::Impl {
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
   std::uint16_t add_channel(Channel channel, ChunkGroup group);
   Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data);
+  Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, PutOff message,
+                           std::size_t held);
   Result<void> add_attachment(Attachment attachment);
   Result<void> add_metadata(std::string_view name, const StringMap& values);
   Result<void> flush();
@@ -50,6 +52,8 @@ class Writer::Impl {
   std::uint64_t deadline_of(const ChunkData& chunk) const {
     return chunk.first_time + std::min(options_.chunk_span, no_time - chunk.first_time);
   }
+  Group& begin_message(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t size);
+  Result<void> end_message(Group& group);
   void finish_chunk(Group& group);
   void finish_old_chunks(std::uint64_t now);
 
@@ -102,8 +106,9 @@ std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
   return groups_.size() - 1;
 }
 
-Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
-                                 Bytes data) {
+/// Puts the head of a message's record, with `size` bytes of data to come, into the open chunk of its channel's group.
+Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uint64_t log_time,
+                                                 std::uint64_t publish_time, std::size_t size) {
   REHEARSE_ASSERT(channel >= 1 && channel <= channels_.size(), "a message's channel is added before it");
   REHEARSE_ASSERT(!closed_, "nothing is written to a closed trace");
   if (log_time >= next_deadline_) finish_old_chunks(log_time);
@@ -121,7 +126,7 @@ Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, 
   chunk.index.push_back({log_time, chunk.records.size(), channel});
 
   std::array<std::byte, record_head + message_head> head;
-  const std::uint64_t length = message_head + data.size();
+  const std::uint64_t length = message_head + size;
   const auto sequence = static_cast<std::uint32_t>(state.count++);
   head[0] = std::byte{op::message};
   std::memcpy(&head[1], &length, 8);
@@ -130,12 +135,31 @@ Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, 
   std::memcpy(&head[15], &log_time, 8);
   std::memcpy(&head[23], &publish_time, 8);
   chunk.records.insert(chunk.records.end(), head.begin(), head.end());
-  chunk.records.insert(chunk.records.end(), data.begin(), data.end());
 
   ++message_count_;
   start_time_ = std::min(start_time_, log_time);
   end_time_ = std::max(end_time_, log_time);
-  if (chunk.records.size() >= options_.chunk_size) finish_chunk(group);
+  return group;
+}
+
+Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+                                 Bytes data) {
+  Group& group = begin_message(channel, log_time, publish_time, data.size());
+  group.open.records.insert(group.open.records.end(), data.begin(), data.end());
+  return end_message(group);
+}
+
+Result<void> Writer::Impl::write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+                                       PutOff message, std::size_t held) {
+  Group& group = begin_message(channel, log_time, publish_time, 0);
+  message.entry = group.open.index.size() - 1;
+  group.open.put_off.push_back(std::move(message));
+  group.open.held += held;
+  return end_message(group);
+}
+
+Result<void> Writer::Impl::end_message(Group& group) {
+  if (group.open.size() >= options_.chunk_size) finish_chunk(group);
   if (output_.failed()) [[unlikely]]
     return output_.status();
   return {};
@@ -232,6 +256,11 @@ std::uint16_t Writer::add_channel(std::uint16_t schema, std::string_view topic, 
 Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                            Bytes data) {
   return impl_->write(channel, log_time_ns, publish_time_ns, data);
+}
+
+Result<void> Writer::write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                                 std::size_t held, std::function<std::vector<std::byte>()> compose) {
+  return impl_->write_later(channel, log_time_ns, publish_time_ns, {0, std::move(compose)}, held);
 }
 
 Result<void> Writer::add_attachment(std::string_view name, std::string_view media_type, Bytes data,

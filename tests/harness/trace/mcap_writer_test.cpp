@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <memory>
+#include <thread>
+
 using namespace rehearse;
 using namespace rehearse::test;
 using testing::HasSubstr;
@@ -50,6 +53,61 @@ TEST(McapWriter, WritesTheSameBytesHoweverLongItsQueueIs) {
   write(a, 1);
   write(b, 1000);
   EXPECT_EQ(a.read(), b.read());
+}
+
+TEST(McapWriter, WritesTheSameBytesWhateverIsPutOff) {
+  const auto write = [](const TempFile& file, std::uint64_t every) {
+    mcap::WriterOptions options;
+    options.chunk_span = 100;
+    auto writer = std::move(*mcap::Writer::create(file.path(), options));
+    const auto a = writer->add_channel(0, "/a", "text");
+    const auto b = writer->add_channel(0, "/b", "text");
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+      const std::string text = "bytes " + std::string(i % 13, 'x') + std::to_string(i);
+      const auto channel = i % 5 == 0 ? b : a;
+      if (every > 0 && i % every == 0) {
+        ASSERT_TRUE(writer->write_later(channel, i, i + 7, 10,
+                                        [text] { return Buffer(bytes_of(text).begin(), bytes_of(text).end()); }));
+      } else {
+        ASSERT_TRUE(writer->write(channel, i, i + 7, bytes_of(text)));
+      }
+    }
+    ASSERT_TRUE(writer->close());
+  };
+  const TempFile at_once, some_later, all_later;
+  write(at_once, 0);
+  write(some_later, 3);
+  write(all_later, 1);
+  EXPECT_EQ(some_later.read(), at_once.read());
+  EXPECT_EQ(all_later.read(), at_once.read());
+}
+
+TEST(McapWriter, ComposesWhatIsPutOffOnItsOwnThreadAndLetsGoOfIt) {
+  const TempFile file;
+  auto writer = std::move(*mcap::Writer::create(file.path()));
+  const auto channel = writer->add_channel(0, "/a", "text");
+  const auto held = std::make_shared<std::thread::id>(std::this_thread::get_id());
+  ASSERT_TRUE(writer->write_later(channel, 0, 0, 10, [held] {
+    *held = std::this_thread::get_id();
+    return Buffer(3);
+  }));
+  EXPECT_EQ(held.use_count(), 2);
+  ASSERT_TRUE(writer->flush());
+  EXPECT_NE(*held, std::this_thread::get_id());
+  EXPECT_EQ(held.use_count(), 1);
+  ASSERT_TRUE(writer->close());
+}
+
+TEST(McapWriter, FinishesAChunkWhenWhatItHoldsReachesItsSize) {
+  const TempFile file;
+  mcap::WriterOptions options;
+  options.chunk_size = 1000;
+  auto writer = std::move(*mcap::Writer::create(file.path(), options));
+  const auto channel = writer->add_channel(0, "/a", "text");
+  for (std::uint64_t i = 0; i < 5; ++i) ASSERT_TRUE(writer->write_later(channel, i, i, 490, [] { return Buffer(1); }));
+  ASSERT_TRUE(writer->close());
+  using Chunks = std::vector<std::pair<std::uint64_t, std::string>>;
+  EXPECT_EQ(chunks_of(file), (Chunks{{0, "zstd"}, {2, "zstd"}, {4, "zstd"}}));
 }
 
 TEST(McapWriter, FinishesAChunkWhenItsSizeIsReached) {
