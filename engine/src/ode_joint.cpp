@@ -109,11 +109,18 @@ void OdeJoint::follow(const OdeJoint& leader, double time_step) {
 
 void OdeJoint::apply_effort() {
   if (far_stops_) set_stops();
+  even_torque_.setZero();
   if (applied_ == 0.0) return;
-  if (revolute_)
+  if (revolute_) {
     dJointAddHingeTorque(ode_, applied_);
-  else
-    dJointAddSliderForce(ode_, applied_);
+    return;
+  }
+  // ODE lets the force act at the two centres, and makes up for the couple by half of it on each body
+  if (const dBodyID parent = dJointGetBody(ode_, 1)) {
+    const Vector3d half = 0.5 * (vector(dBodyGetPosition(parent)) - vector(dBodyGetPosition(child_.body)));
+    even_torque_ = half.cross(applied_ * world_axis());
+  }
+  dJointAddSliderForce(ode_, applied_);
 }
 
 void OdeJoint::after_step(double time_step) {
@@ -146,6 +153,7 @@ Wrench OdeJoint::child_wrench() const {
   // not among them.
   Wrench wrench{vector(feedback_->f1), vector(feedback_->t1)};
   (revolute_ ? wrench.torque : wrench.force) += applied_ * world_axis();
+  if (!revolute_) wrench.torque += even_torque_;
   return wrench;
 }
 

@@ -80,9 +80,10 @@ class OdeJoint {
   double acceleration_ = 0.0;  // over the last step
   // scratch within a step
   double previous_rate_ = 0.0;
-  double applied_ = 0.0;       // effort added as an external force, damping included
-  bool motor_on_ = false;      // ODE's joint motor has a force limit above zero
-  bool motor_drives_ = false;  // and it is the actuator, not dry friction
+  double applied_ = 0.0;                                   // effort added as an external force, damping included
+  Eigen::Vector3d even_torque_ = Eigen::Vector3d::Zero();  // that ODE adds on both sides of a slider's force [N·m]
+  bool motor_on_ = false;                                  // ODE's joint motor has a force limit above zero
+  bool motor_drives_ = false;                              // and it is the actuator, not dry friction
 };
 
 }  // namespace rehearse

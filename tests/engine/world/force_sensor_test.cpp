@@ -110,5 +110,20 @@ TEST_P(ForceSensors, ASliderIsMeasuredInAllSixDirections) {
   expect_near(device_of(*world, 0).tail<3>(), Vector3d(-0.2 * weight, 0.0, 0.2 * 5.0), 1e-2);
 }
 
+TEST_P(ForceSensors, ASliderBetweenTwoFlyingBodiesGivesEachWhatItsMotionTakes) {
+  RobotBuilder robot(JointType::free, inertial(4.0, {0.3, 0.3, 0.3}));
+  const Vector3d center(0, 0.3, 0);
+  robot.add("SLED", 0, JointType::prismatic, Vector3d::UnitX(), inertial(2.0, {0.1, 0.1, 0.1}, center),
+            at(0.2, 0, 0.1));
+  robot.add_device("Sensor", 1, ForceSensor{});
+  const auto world = make_world(weightless(GetParam()), {body_of(robot.build())});
+  run(*world, 1, effort(5.0));
+  const LinkReading& sled = link_of(*world, 1);
+  const Vector3d force = 2.0 * (sled.acceleration + sled.angular_acceleration.cross(center));
+  EXPECT_GT(sled.angular_acceleration.norm(), 0.1);
+  expect_near(device_of(*world, 0).head<3>(), (-force).eval(), 1e-2);
+  expect_near(device_of(*world, 0).tail<3>(), (-center.cross(force) - 0.1 * sled.angular_acceleration).eval(), 1e-2);
+}
+
 }  // namespace
 }  // namespace rehearse
