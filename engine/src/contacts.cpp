@@ -57,10 +57,9 @@ void run_belts(const Side& a, const Side& b, dContact& contact) {
   for (const Side* side : {&b, &a}) {
     if (!side->has_belt()) continue;
     const Belt belt = side->body.belt(side->shape.belt);
-    const Eigen::Vector3d direction = belt.axis.cross(normal);
-    constexpr double least_sine = 1e-3;  // a belt's flank has no direction
-    if (direction.norm() < least_sine) continue;
-    along = direction.normalized();
+    const Eigen::Vector3d direction = belt.along(normal);
+    if (direction.isZero(0.0)) continue;
+    along = direction;
     // -(axis x outward) of a, whose outward normal is -normal, and axis x outward of b: the same direction
     wanted += belt.speed * along;
   }
@@ -84,7 +83,7 @@ TouchedSurface surface_of(const Side& side) {
 }
 
 void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const ContactLaw& law,
-             std::vector<dContactGeom>& found) {
+             std::vector<dContactGeom>& found, Touches& touches) {
   if (!a.yields() && !b.yields()) return;
   const int count = collide_shapes(a.shape, b.shape, found);
   for (int i = 0; i < count; ++i) {
@@ -92,14 +91,18 @@ void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, 
     contact.geom = found[i];
     law.apply(surface_of(a), surface_of(b), contact);
     if (a.has_belt() || b.has_belt()) run_belts(a, b, contact);
-    dJointAttach(dJointCreateContact(world, group, &contact), a.ode, b.ode);
+    const dJointID joint = dJointCreateContact(world, group, &contact);
+    dJointAttach(joint, a.ode, b.ode);
+    if (a.body.feels(a.shape.link) || b.body.feels(b.shape.link))
+      touches.keep(joint, contact.geom, {a.body, a.shape}, {b.body, b.shape});
   }
 }
 
 }  // namespace
 
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const ContactLaw& law, int max_contacts) {
+                  const ContactLaw& law, int max_contacts, Touches& touches) {
+  touches.clear();
   std::vector<BodyBounds> bounds;
   bounds.reserve(bodies.size());
   for (const auto& body : bodies) bounds.push_back(bounds_of(*body));
@@ -107,7 +110,8 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (const auto& [a, b] : bodies[i]->own_pairs())
       if (overlap(bounds[i].shapes[a], bounds[i].shapes[b]))
-        collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[i], bodies[i]->shapes()[b]}, law, found);
+        collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[i], bodies[i]->shapes()[b]}, law, found,
+                touches);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (!overlap(bounds[i].all, bounds[j].all)) continue;
       for (std::size_t a = 0; a < bounds[i].shapes.size(); ++a) {
@@ -115,7 +119,7 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
         for (std::size_t b = 0; b < bounds[j].shapes.size(); ++b)
           if (overlap(bounds[i].shapes[a], bounds[j].shapes[b]))
             collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[j], bodies[j]->shapes()[b]}, law,
-                    found);
+                    found, touches);
       }
     }
   }

@@ -151,6 +151,7 @@ void KinematicBody::visit_state(StateVisitor& visitor) {
     for (Vector3d* numbers : {&link.velocity, &link.angular_velocity, &link.acceleration, &link.angular_acceleration})
       visitor.visit(*numbers);
   }
+  visit_contact_sensors(visitor);
 }
 
 }  // namespace rehearse

@@ -10,6 +10,9 @@ using Eigen::Vector3d;
 
 OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
     : SimulatedBody(std::move(body)), time_step_(time_step) {
+  dVector3 gravity;
+  dWorldGetGravity(world, gravity);
+  gravity_ = vector(gravity);
   Isometry3d root = Isometry3d::Identity();
   root.linear() = description().rotation.toRotationMatrix();
   root.translation() = description().position;
@@ -19,6 +22,7 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   links_ = groups.links;
   create_groups(world, groups, zero_posture);
   create_joints(world, zero_posture);  // ODE's joint angles are zero where the joint was made
+  create_force_sensors(groups);
   create_shapes();
   pair_own_shapes();
   set_posture(forward_kinematics(model(), root, description().joints));
@@ -73,16 +77,13 @@ bool OdeBody::has_weight(int group) const {
 void OdeBody::hold_up_weightless() {
   for (const RigidGroup& group : groups_) {
     if (group.weightless_mass == 0.0) continue;
-    dVector3 gravity;
-    dWorldGetGravity(dBodyGetWorld(group.body), gravity);
-    const Vector3d force = -group.weightless_mass * vector(gravity);
+    const Vector3d force = -group.weightless_mass * gravity_;
     const Vector3d arm = group.weightless_moment / group.weightless_mass;
     dBodyAddForceAtRelPos(group.body, force.x(), force.y(), force.z(), arm.x(), arm.y(), arm.z());
   }
 }
 
 void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_posture) {
-  wrenches_.assign(model().devices.size(), Eigen::Matrix<double, 6, 1>::Zero());
   for (const int index : model().joints) {
     const Link& link = model().links[index];
     if (link.joint.type == JointType::track) {
@@ -96,9 +97,30 @@ void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_
     joints_.emplace_back(world, link.joint, JointEnd{child.body, child.center}, group_of(link.parent).body,
                          zero_posture[index], KeptLimits{description().joint_limits, description().effort_limits});
   }
-  for (const Device& device : model().devices) {
+}
+
+void OdeBody::create_force_sensors(const RigidGroups& groups) {
+  wrenches_.assign(model().devices.size(), Eigen::Matrix<double, 6, 1>::Zero());
+  for (std::size_t i = 0; i < model().devices.size(); ++i) {
+    const Device& device = model().devices[i];
     if (!std::holds_alternative<ForceSensor>(device.kind) || device.link == 0) continue;
-    joints_[slots_[model().links[device.link].joint.id].index].measure_wrench();
+    if (links_[device.link].leads_group)
+      joints_[slots_[model().links[device.link].joint.id].index].measure_wrench();
+    else
+      create_cut(groups, i);
+  }
+}
+
+void OdeBody::create_cut(const RigidGroups& groups, std::size_t device) {
+  CutSensor& cut = cuts_.emplace_back();
+  cut.device = device;
+  cut.part = part_behind(model(), groups, model().devices[device].link);
+  for (std::size_t i = 1; i < model().links.size(); ++i) {
+    const Link& link = model().links[i];
+    if (cut.part.holds[i]) feel(static_cast<int>(i));
+    if (!is_movable(link.joint.type) || !cut.part.holds[link.parent]) continue;
+    cut.joints.push_back(link.joint.id);
+    joints_[slots_[link.joint.id].index].measure_wrench();
   }
 }
 
@@ -145,6 +167,18 @@ void OdeBody::before_step() {
     group.previous_angular_velocity = vector(dBodyGetAngularVel(group.body));
   }
   for (OdeJoint& joint : joints_) joint.before_step();
+  if (!cuts_.empty()) begin_motions();
+}
+
+void OdeBody::begin_motions() {
+  for (RigidGroup& group : groups_) {
+    group.motion.frame = group.fixed_pose;
+    if (!group.body) continue;
+    group.motion.center = vector(dBodyGetPosition(group.body));
+    group.motion.angular_velocity = group.previous_angular_velocity;
+    group.motion.frame.linear() = rotation(dBodyGetRotation(group.body));
+    group.motion.frame.translation() = group.motion.center - group.motion.frame.linear() * group.center;
+  }
 }
 
 void OdeBody::drive(const BodyCommand& command) {
@@ -165,6 +199,11 @@ void OdeBody::drive(const BodyCommand& command) {
 }
 
 void OdeBody::add_wrench(int link, const Vector3d& force, const Vector3d& torque_about_origin) {
+  for (CutSensor& cut : cuts_) {
+    if (!cut.part.holds[link]) continue;
+    cut.external.force += force;
+    cut.external.torque += torque_about_origin;
+  }
   const dBodyID body = group_of(link).body;
   if (!body) return;
   const Vector3d torque = torque_about_origin - vector(dBodyGetPosition(body)).cross(force);
@@ -194,8 +233,15 @@ void OdeBody::after_step() {
         (vector(dBodyGetAngularVel(group.body)) - group.previous_angular_velocity) / time_step_;
   }
   for (OdeJoint& joint : joints_) joint.after_step(time_step_);
-  for (std::size_t i = 0; i < model().devices.size(); ++i)
-    if (std::holds_alternative<ForceSensor>(model().devices[i].kind) && model().devices[i].link != 0) measure_force(i);
+  for (std::size_t i = 0; i < model().devices.size(); ++i) {
+    const Device& device = model().devices[i];
+    if (std::holds_alternative<ForceSensor>(device.kind) && device.link != 0 && links_[device.link].leads_group)
+      measure_force(i);
+  }
+  for (CutSensor& cut : cuts_) {
+    measure_cut(cut);
+    cut.external = {};
+  }
 }
 
 void OdeBody::measure_force(std::size_t index) {
@@ -208,6 +254,35 @@ void OdeBody::measure_force(std::size_t index) {
   // what the child exerts on its parent: the opposite of what the joint does to the child
   wrenches_[index].head<3>() = -(to_sensor * wrench.force);
   wrenches_[index].tail<3>() = -(to_sensor * (wrench.torque + lever.cross(wrench.force)));
+}
+
+/// All as it was at the beginning of the step, when the forces began to act.
+void OdeBody::measure_cut(const CutSensor& cut) {
+  const Device& device = model().devices[cut.device];
+  const RigidGroup& group = group_of(device.link);
+  GroupMotion motion = group.motion;
+  motion.acceleration = group.acceleration;
+  motion.angular_acceleration = group.angular_acceleration;
+  const Isometry3d sensor = motion.frame * links_[device.link].in_group * device.pose;
+  const Vector3d origin = sensor.translation();
+  // what acts on the part beside the cut
+  Vector3d force = cut.external.force;
+  Vector3d torque = cut.external.torque - origin.cross(cut.external.force);
+  for (const Touch& touch : touches()) {
+    if (!cut.part.holds[touch.link]) continue;
+    force += touch.reading.force;
+    torque += (touch.reading.position - origin).cross(touch.reading.force);
+  }
+  for (const int id : cut.joints) {
+    const Wrench on_child = joints_[slots_[id].index].child_wrench();
+    const Vector3d arm = group_of(model().joints[id]).motion.center - origin;
+    force -= on_child.force;
+    torque -= on_child.torque + arm.cross(on_child.force);
+  }
+  // the cut gives the rest of what the part needs, and the part gives the opposite back
+  const Wrench needed = wrench_to_move(cut.part, motion, gravity_, origin);
+  wrenches_[cut.device].head<3>() = sensor.linear().transpose() * (force - needed.force);
+  wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - needed.torque);
 }
 
 LinkReading OdeBody::reading_of(int index) const {
@@ -274,6 +349,7 @@ void OdeBody::visit_state(StateVisitor& visitor) {
   for (OdeJoint& joint : joints_) joint.visit_acceleration(visitor);
   for (auto& wrench : wrenches_) visitor.visit(wrench.data(), 6 * sizeof(double));
   for (Track& track : tracks_) visitor.visit(track.speed);
+  visit_contact_sensors(visitor);
 }
 
 void OdeBody::after_restore() {

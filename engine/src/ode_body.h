@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "cut.h"
 #include "ode_joint.h"
 #include "rigid_groups.h"
 #include "simulated_body.h"
@@ -24,6 +25,16 @@ struct RigidGroup {
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
   Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
   Eigen::Vector3d previous_angular_velocity = Eigen::Vector3d::Zero();
+  GroupMotion motion;  // before the last step, without accelerations; only if the body has cuts; scratch, not state
+};
+
+/// A force sensor whose link a fixed joint or a track holds.
+struct CutSensor {
+  std::size_t device = 0;  // index into the model's devices
+  PartBehind part;
+  std::vector<int> joints;  // ids of those that hang on the part
+  // scratch within a step
+  Wrench external;  // on the part, from outside of the simulation
 };
 
 /// A link whose surface runs as a belt.
@@ -59,7 +70,11 @@ class OdeBody final : public SimulatedBody {
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
+  void create_force_sensors(const RigidGroups& groups);
+  void create_cut(const RigidGroups& groups, std::size_t device);
   void measure_force(std::size_t device);
+  void begin_motions();
+  void measure_cut(const CutSensor& cut);
   LinkReading reading_of(int link) const;
 
   /// A joint id's place among the joints or among the tracks.
@@ -69,11 +84,13 @@ class OdeBody final : public SimulatedBody {
   };
 
   double time_step_;
+  Eigen::Vector3d gravity_;
   std::vector<GroupedLink> links_;
   std::vector<RigidGroup> groups_;
   std::vector<Slot> slots_;                            // by joint id
   std::vector<OdeJoint> joints_;                       // movable ones, by joint id
   std::vector<Track> tracks_;                          // by joint id
+  std::vector<CutSensor> cuts_;                        // by device index
   std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step
 };
 

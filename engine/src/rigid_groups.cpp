@@ -3,12 +3,11 @@
 #include <Eigen/Eigenvalues>
 
 namespace rehearse {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The sum of two inertials given in one frame; parallel axis theorem.
+/// Parallel axis theorem.
 Inertial sum(const Inertial& a, const Inertial& b) {
   if (a.mass == 0.0) return b;
   if (b.mass == 0.0) return a;
@@ -26,8 +25,6 @@ Inertial moved(const Inertial& inertial, const Eigen::Isometry3d& pose) {
   const Matrix3d& turn = pose.linear();
   return {inertial.mass, pose * inertial.center, turn * inertial.inertia * turn.transpose()};
 }
-
-}  // namespace
 
 RigidGroups group_links(const Model& model) {
   RigidGroups groups;

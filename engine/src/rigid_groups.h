@@ -25,6 +25,12 @@ struct RigidGroups {
 
 RigidGroups group_links(const Model& model);
 
+/// The sum of two inertials given in one frame.
+Inertial sum(const Inertial& a, const Inertial& b);
+
+/// An inertial given in a frame that has this pose, in the frame in which the pose is given.
+Inertial moved(const Inertial& inertial, const Eigen::Isometry3d& pose);
+
 /// Principal moments, ascending [kg·m²].
 Eigen::Vector3d principal_moments(const Eigen::Matrix3d& inertia);
 

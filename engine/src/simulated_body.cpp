@@ -22,8 +22,19 @@ std::vector<double> inertial_reading(const Device& device, const LinkReading& li
 
 }  // namespace
 
+Eigen::Vector3d Belt::along(const Eigen::Vector3d& normal) const {
+  constexpr double least_sine = 1e-3;
+  const Eigen::Vector3d direction = axis.cross(normal);
+  if (direction.norm() < least_sine) return Eigen::Vector3d::Zero();
+  return direction.normalized();
+}
+
 SimulatedBody::SimulatedBody(WorldBody description) : description_(std::move(description)) {
   for (const GroupedLink& link : group_links(*description_.model).links) groups_.push_back(link.group);
+  feels_.assign(model().links.size(), false);
+  contact_sums_.resize(model().devices.size());
+  for (const Device& device : model().devices)
+    if (std::holds_alternative<ContactSensor>(device.kind)) feel(device.link);
 }
 
 SimulatedBody::~SimulatedBody() {
@@ -41,6 +52,47 @@ std::vector<dGeomID> SimulatedBody::add_shape(int link, int collision, int belt)
   return geoms;
 }
 
+void SimulatedBody::feel(int link) {
+  feels_[link] = true;
+  feels_something_ = true;
+}
+
+void SimulatedBody::watch(int link) {
+  watched_.resize(model().links.size(), false);
+  watched_[link] = true;
+  feel(link);
+}
+
+void SimulatedBody::take_touches(std::vector<Touch> touches) {
+  touches_ = std::move(touches);
+  for (std::size_t i = 0; i < contact_sums_.size(); ++i) {
+    const Device& device = model().devices[i];
+    const auto* sensor = std::get_if<ContactSensor>(&device.kind);
+    if (!sensor) continue;
+    contact_sums_[i] = {};
+    for (const Touch& touch : touches_) {
+      if (touch.link != device.link || (sensor->collision >= 0 && touch.collision != sensor->collision)) continue;
+      contact_sums_[i].points += 1.0;
+      contact_sums_[i].force += touch.reading.force;
+    }
+  }
+}
+
+std::vector<double> SimulatedBody::contact_reading(std::size_t device, const LinkReading& link) const {
+  const Eigen::Matrix3d& in_link = model().devices[device].pose.linear();
+  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * in_link).transpose();
+  const Eigen::Vector3d force = to_sensor * contact_sums_[device].force;
+  return {contact_sums_[device].points, force.x(), force.y(), force.z()};
+}
+
+void SimulatedBody::visit_contact_sensors(StateVisitor& visitor) {
+  for (std::size_t i = 0; i < contact_sums_.size(); ++i) {
+    if (!std::holds_alternative<ContactSensor>(model().devices[i].kind)) continue;
+    visitor.visit(contact_sums_[i].points);
+    visitor.visit(contact_sums_[i].force);
+  }
+}
+
 void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const {
   observation.devices.resize(model().devices.size());
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
@@ -48,11 +100,20 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::V
     DeviceReading& reading = observation.devices[i];
     if (value_count(device) == 0) continue;
     reading.fresh = stepped;
-    reading.values = std::holds_alternative<ForceSensor>(device.kind)
-                         ? force_reading(i)
-                         : inertial_reading(device, observation.links[device.link], gravity);
+    const LinkReading& link = observation.links[device.link];
+    if (std::holds_alternative<ForceSensor>(device.kind))
+      reading.values = force_reading(i);
+    else if (std::holds_alternative<ContactSensor>(device.kind))
+      reading.values = contact_reading(i, link);
+    else
+      reading.values = inertial_reading(device, link, gravity);
     if (!stepped) reading.values.assign(reading.values.size(), 0.0);
   }
+  if (watched_.empty()) return;
+  observation.contacts.resize(model().links.size());
+  for (std::vector<ContactReading>& contacts : observation.contacts) contacts.clear();
+  for (const Touch& touch : touches_)
+    if (watched_[touch.link]) observation.contacts[touch.link].push_back(touch.reading);
 }
 
 namespace {
@@ -96,15 +157,6 @@ Diagnostics check_dynamics(const WorldBody& description) {
       findings.push_back(error(body + "link '" + name + "' moves but has no mass"));
     else if (!is_positive_definite(inertial.inertia))
       findings.push_back(error(body + "the inertia of link '" + name + "' is not positive definite"));
-  }
-  for (const Device& device : model.devices) {
-    if (!std::holds_alternative<ForceSensor>(device.kind)) continue;
-    const Joint& joint = model.links[device.link].joint;
-    if (device.link != 0 && !is_movable(joint.type))
-      findings.push_back(error(body + "force sensor '" + device.name + "' sits behind the " +
-                                   std::string(type_name(joint.type)) + " joint '" + joint.name +
-                                   "', where no force can be measured",
-                               "put it on a link that a revolute or prismatic joint holds"));
   }
   return findings;
 }

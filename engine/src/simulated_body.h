@@ -33,6 +33,10 @@ class StateVisitor {
 struct Belt {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, world
   double speed = 0.0;                               // of the surface [m/s], about the axis as that of a wheel
+
+  /// Where the surface runs if it is crossed by this normal: axis x normal, unit length. Zero on a flank, which has no
+  /// direction.
+  Eigen::Vector3d along(const Eigen::Vector3d& normal) const;
 };
 
 /// A collision shape, or one hull of its mesh. Its geom belongs to the body.
@@ -43,6 +47,13 @@ struct BodyShape {
   int collision = 0;                         // index into the link's collisions
   std::shared_ptr<const Polytope> polytope;  // of boxes and hulls, in the geom's frame; null: it is none
   std::shared_ptr<const void> kept;          // what ODE has pointers to
+};
+
+/// A contact of the last step, as one of the two links that met in it saw it.
+struct Touch {
+  int link = 0;       // index into the model's links
+  int collision = 0;  // index into the link's collisions
+  ContactReading reading;
 };
 
 class SimulatedBody {
@@ -59,7 +70,7 @@ class SimulatedBody {
   virtual void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) = 0;
   virtual Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const = 0;
   virtual Belt belt(int index) const = 0;
-  /// Takes what the step did.
+  /// Takes what the step did. What touched the body comes before it: take_touches().
   virtual void after_step() = 0;
   /// Fills the readings from the state.
   virtual void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const = 0;
@@ -77,6 +88,15 @@ class SimulatedBody {
   const std::vector<std::pair<std::size_t, std::size_t>>& own_pairs() const { return own_pairs_; }
   /// What was done with it that its author may not expect.
   const Diagnostics& remarks() const { return remarks_; }
+  /// From now on observe() tells the contacts of the link.
+  void watch(int link);
+  /// True if something in the body wants to know what touches the link: take_touches() then wants to hear of it.
+  bool feels(int link) const { return feels_[link]; }
+  bool feels() const { return feels_something_; }
+  /// The contacts of the last step with links that feel, in the order in which they were found.
+  void take_touches(std::vector<Touch> touches);
+  /// The state is another one: what touched the body is not known.
+  void forget_touches() { touches_.clear(); }
   /// True if the links never move against each other.
   bool move_together(int link, int other) const { return groups_[link] == groups_[other]; }
 
@@ -86,19 +106,35 @@ class SimulatedBody {
   std::vector<dGeomID> add_shape(int link, int collision, int belt = -1);
   /// Sets own_pairs(). All joints must be at zero.
   void pair_own_shapes();
-  /// What force and inertial sensors read, from the links that are in the observation.
+  void feel(int link);
+  const std::vector<Touch>& touches() const { return touches_; }
+  /// What sensors with values read, from the links that are in the observation, and what touched the links.
   void observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const;
+  /// The state of contact sensors; the last that visit_state() visits.
+  void visit_contact_sensors(StateVisitor& visitor);
 
  private:
   /// Force, then torque, of a force sensor by device index.
   virtual std::vector<double> force_reading(std::size_t device) const = 0;
   bool may_touch_own(int link, int other) const;
 
+  /// What a contact sensor measured in the last step. World axes, so that it is turned like what other sensors measure.
+  struct ContactSum {
+    double points = 0.0;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the link [N]
+  };
+  std::vector<double> contact_reading(std::size_t device, const LinkReading& link) const;
+
   WorldBody description_;
   std::vector<int> groups_;  // by link index: its rigid group
   std::vector<BodyShape> shapes_;
   std::vector<std::pair<std::size_t, std::size_t>> own_pairs_;
   Diagnostics remarks_;
+  std::vector<bool> feels_;    // by link index
+  std::vector<bool> watched_;  // by link index; empty: none is
+  bool feels_something_ = false;
+  std::vector<Touch> touches_;
+  std::vector<ContactSum> contact_sums_;  // by device index; state of the contact sensors
 };
 
 /// Checks all that ODE would abort on. The messages begin with "body 'SR1': ".

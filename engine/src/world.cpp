@@ -12,6 +12,7 @@
 #include "kinematic_body.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
+#include "touches.h"
 
 namespace rehearse {
 namespace {
@@ -52,6 +53,7 @@ struct World::Impl {
   std::unique_ptr<OwnJobs> jobs;  // destroyed after the world
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<SimulatedBody>> bodies;
+  Touches touches;  // refers to the bodies
   std::uint64_t random = 0;
   std::int64_t tick = 0;
   bool exploded = false;  // ODE broke off a step
@@ -160,6 +162,14 @@ std::vector<float> World::measure_ranges(int body, int device) const {
   return measure_beams(std::get<RangeSensor>(of.kind), pose * of.pose, impl_->bodies, body, of.link);
 }
 
+void World::watch(int body, int link) {
+  SimulatedBody& watched = *impl_->bodies.at(body);
+  REHEARSE_ASSERT(link >= 0 && static_cast<std::size_t>(link) < watched.description().model->links.size(),
+                  "a watched link is one of its model's");
+  watched.watch(link);
+  impl_->observed = false;
+}
+
 void World::actuate(const Command& command) {
   REHEARSE_ASSERT(command.bodies.size() == impl_->bodies.size(), "a command has an entry for each body");
   impl_->command = command;
@@ -187,7 +197,7 @@ bool World::step() {
   Impl& impl = *impl_;
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
-  add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts);
+  add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts, impl.touches);
   {
     OwnRandom random(impl.random);
     impl.exploded =
@@ -197,6 +207,8 @@ bool World::step() {
   impl.observed = false;
   if (impl.exploded) return false;
   dJointGroupEmpty(impl.contacts);
+  for (auto& body : impl.bodies)
+    if (body->feels()) body->take_touches(impl.touches.of(*body));
   for (auto& body : impl.bodies) body->after_step();
   for (const auto& body : impl.bodies)
     if (!body->finite()) return false;
@@ -224,7 +236,10 @@ Result<void> World::restore(std::span<const std::byte> state) {
                  std::to_string(impl_->scratch.size()) + ": it is of another robot or version");
   Restorer restorer(state);
   impl_->visit_state(restorer);
-  for (auto& body : impl_->bodies) body->after_restore();
+  for (auto& body : impl_->bodies) {
+    body->after_restore();
+    body->forget_touches();
+  }
   impl_->observed = false;
   return {};
 }

@@ -2,6 +2,7 @@ rehearse_add_test(world_tests LABEL sim
   SOURCES
     world/contacts_test.cpp
     world/create_test.cpp
+    world/cut_wrench_test.cpp
     world/drives_test.cpp
     world/force_sensor_test.cpp
     world/hull_bodies_test.cpp
@@ -16,6 +17,7 @@ rehearse_add_test(world_tests LABEL sim
     world/rigid_groups_test.cpp
     world/scanner_test.cpp
     world/state_test.cpp
+    world/touches_test.cpp
     world/tracks_test.cpp
     world/trimesh_test.cpp
     world/wrenches_test.cpp

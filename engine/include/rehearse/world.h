@@ -73,6 +73,13 @@ class World {
   /// that holds that point of the beam. The sensor's link, and links that fixed joints hold to it, aren't seen.
   std::vector<float> measure_ranges(int body, int device) const;
 
+  /// From now on the body's observation tells what touches the link's collision shapes: BodyObservation::contacts, one
+  /// list a link, empty for those that nobody watches. Points and depths are those at the beginning of the last step,
+  /// where ODE found them; the force is what the contact did in the step, the velocity that of the two surfaces after
+  /// it, running belts included. Two things that no force moves have no contacts. Watching changes nothing in the
+  /// simulation, and contacts are not part of its state: after restore() the lists are empty until the next step.
+  void watch(int body, int link);
+
   /// What drives the joints from the coming step on, until another command comes, and the external wrenches that act on
   /// the links during the coming step only. Every number in it must be finite.
   void actuate(const Command& command);

@@ -53,15 +53,6 @@ TEST(WorldCreation, RefusesACountOfDisplacementsThatDoesNotFit) {
   EXPECT_THAT(refusal(body), HasSubstr("the model has 1 joints, but 2 initial displacements were given"));
 }
 
-TEST(WorldCreation, RefusesAForceSensorBehindAFixedJoint) {
-  RobotBuilder robot(JointType::free, inertial(1.0, {1, 1, 1}));
-  robot.add("HAND", 0, JointType::fixed, Eigen::Vector3d::UnitX(), inertial(1.0, {1, 1, 1}));
-  robot.add_device("Wrist", 1, ForceSensor{});
-  EXPECT_THAT(refusal(body_of(robot.build())),
-              AllOf(HasSubstr("force sensor 'Wrist' sits behind the fixed joint 'HAND'"),
-                    HasSubstr("a revolute or prismatic joint")));
-}
-
 TEST(WorldCreation, NamesEveryMistakeOfEveryBody) {
   WorldBody second = arm_of(inertial(1.0, {0, 1, 1}));
   second.name = "Second";
