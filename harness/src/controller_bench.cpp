@@ -122,8 +122,12 @@ void ControllerBench::Impl::observe() {
   BodyObservation& body = seen.bodies[0];
   for (std::size_t i = 0; i < joints.size(); ++i)
     body.joints[i] = {joints[i].q, joints[i].dq, joints[i].ddq, joints[i].u};
+  body.contacts.resize(links.size());
   for (std::size_t i = 0; i < links.size(); ++i) {
     const BenchLink& link = links[i];
+    body.contacts[i].clear();
+    for (const BenchContact& contact : link.contacts)
+      body.contacts[i].push_back({contact.position, contact.normal, contact.force, contact.velocity, contact.depth});
     body.links[i] = {link.position,     Eigen::Quaterniond(link.rotation), link.velocity, link.angular_velocity,
                      link.acceleration, link.angular_acceleration};
   }
@@ -244,7 +248,9 @@ void ControllerBench::update_links() {
   for (const BenchJoint& joint : bench.joints) q.push_back(joint.q);
   const std::vector<Eigen::Isometry3d> poses = forward_kinematics(bench.model(), root, q);
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    std::vector<BenchContact> contacts = std::move(bench.links[i].contacts);
     bench.links[i] = {};
+    bench.links[i].contacts = std::move(contacts);
     bench.links[i].position = poses[i].translation();
     bench.links[i].rotation = Eigen::Quaterniond(poses[i].linear()).normalized();
   }

@@ -36,6 +36,12 @@ std::uint64_t hash_values(const std::vector<double>& values, std::uint64_t seed)
   return hash_bytes(values.data(), values.size() * sizeof(double), seed);
 }
 
+std::uint64_t hash_contacts(const std::vector<ContactReading>& contacts, std::uint64_t seed) {
+  static_assert(sizeof(ContactReading) == 13 * sizeof(double), "nothing but numbers");
+  const std::uint64_t count = contacts.size();
+  return hash_bytes(contacts.data(), contacts.size() * sizeof(ContactReading), hash_bytes(&count, sizeof count, seed));
+}
+
 std::uint64_t hash_joystick(const JoystickReading& reading, std::uint64_t seed) {
   const std::uint64_t axes = hash_bytes(reading.axes.data(), sizeof reading.axes, seed);
   return hash_bytes(reading.buttons.data(), sizeof reading.buttons, axes);
@@ -414,6 +420,8 @@ std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
   for (const HostedController& hosted : controllers_) {
     if (!hosted.has_input) continue;
     hash = hash_values(hosted.io->input_values(), hash);
+    for (const std::vector<ContactReading>& contacts : hosted.io->input_contacts())
+      hash = hash_contacts(contacts, hash);
     for (const int device : hosted.io->input_devices()) {
       const DeviceReading& reading = seen.bodies[hosted.body].devices[device];
       if (!reading.fresh) continue;

@@ -227,9 +227,14 @@ std::vector<std::string> ControllerIo::freeze() {
       }
       if ((output_modes_[i] & known.output_flags) && !(of_joint && joint < 0)) outputs_.add(i, joint, known.quantity);
     }
-    if (input_flags_[i] & CnoidLink::LinkContactState)
-      findings.push_back(fmt::format("the contact points of link '{}' are not provided; they stay empty", link.name()));
+    if (input_flags_[i] & CnoidLink::LinkContactState) {
+      contact_links_.push_back(i);
+      if (io_body_->model().links[i].collisions.empty())
+        findings.push_back(
+            fmt::format("link '{}' has no collision shapes: its contact points stay empty", link.name()));
+    }
   }
+  input_contacts_.resize(contact_links_.size());
   input_values_.assign(inputs_.size, 0.0);
   output_values_.assign(outputs_.size, 0.0);
   return findings;
@@ -245,6 +250,17 @@ void ControllerIo::input(const BodyObservation& seen) {
     double* values = input_values_.data() + field.offset;
     gather(field, seen, values);
     scatter(field, values, *body_->link(field.link));
+  }
+  for (std::size_t i = 0; i < contact_links_.size(); ++i) {
+    const int link = contact_links_[i];
+    if (seen.contacts.empty())
+      input_contacts_[i].clear();
+    else
+      input_contacts_[i] = seen.contacts[link];
+    std::vector<CnoidLink::ContactPoint>& points = body_->link(link)->contactPoints();
+    points.clear();
+    for (const ContactReading& contact : input_contacts_[i])
+      points.emplace_back(contact.position, contact.normal, contact.force, contact.velocity, contact.depth);
   }
 }
 

@@ -69,12 +69,16 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   /// Whether outputs() has a field of that joint.
   bool commands_joint(int joint) const;
   const std::vector<int>& input_devices() const { return input_devices_; }
+  /// The links whose contact points are input, ascending.
+  const std::vector<int>& contact_links() const { return contact_links_; }
 
-  /// Observation -> input_values() -> the controller's body.
+  /// Observation -> input_values(), input_contacts() -> the controller's body.
   void input(const BodyObservation& seen);
   /// The controller's body -> output_values().
   void output();
   const std::vector<double>& input_values() const { return input_values_; }
+  /// What was handed over of the contact_links(), in their order.
+  const std::vector<std::vector<ContactReading>>& input_contacts() const { return input_contacts_; }
   const std::vector<double>& output_values() const { return output_values_; }
 
  private:
@@ -96,6 +100,8 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   std::vector<bool> output_on_;     // by link index
   std::vector<int> output_modes_;   // by link index
   std::vector<int> input_devices_;  // device indices, in the order they were enabled
+  std::vector<int> contact_links_;
+  std::vector<std::vector<ContactReading>> input_contacts_;
   IoLayout inputs_;
   IoLayout outputs_;
   std::vector<double> input_values_;

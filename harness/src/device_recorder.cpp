@@ -46,6 +46,8 @@ DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, co
     if (camera->depth) depth_ = output.channel<msg::Image>(topic + "depth", {{"unit", "m"}}, depth_pictures);
   } else if (std::holds_alternative<ForceSensor>(device.kind)) {
     measured_ = output.channel<msg::WrenchStamped>(topic + "wrench", wrench_units);
+  } else if (std::holds_alternative<ContactSensor>(device.kind)) {
+    measured_ = output.channel<msg::ContactForce>(topic + "contact", {{"unit:force", "N"}});
   } else if (std::holds_alternative<Light>(device.kind)) {
     measured_ = output.channel<msg::DeviceState>(topic + "state");
   } else if (value_count(device) > 0) {
@@ -59,6 +61,11 @@ Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const
   if (const auto* laser = std::get_if<RangeSensor>(&device_->kind)) return write_ranges(output, tick, *laser, reading);
   if (std::holds_alternative<Light>(device_->kind))
     return output.write(measured_, tick, msg::DeviceState{{output.stamp(tick), frame_}, reading.values});
+  if (std::holds_alternative<ContactSensor>(device_->kind)) {
+    const std::vector<double>& values = reading.values;
+    const auto count = static_cast<std::uint32_t>(values[0]);
+    return output.write(measured_, tick, msg::ContactForce{{output.stamp(tick), frame_}, count, vector(&values[1])});
+  }
   if (!std::holds_alternative<ForceSensor>(device_->kind)) return write_inertial(output, tick, reading);
   msg::WrenchStamped message;
   message.header = {output.stamp(tick), frame_};

@@ -51,6 +51,29 @@ void describe_series(const TraceChannel& channel, std::size_t column, std::strin
 
 bool is_range(const TraceColumn& column) { return column.element.starts_with("ranges/"); }
 
+/// Of one of the points that touch a link; how many there are stands beside them.
+bool is_contact(const TraceChannel& channel, const TraceColumn& column) {
+  return channel.type == msg::Contacts::type_name && column.element != "contacts/count";
+}
+
+/// One line for all points that touch a link: how hard and how deep.
+void describe_contacts(const TraceChannel& channel, std::string& text) {
+  double most = 0.0, deepest = 0.0;
+  bool any = false;
+  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+    if (!is_contact(channel, channel.columns[column])) continue;
+    any = true;
+    const bool force = channel.columns[column].element.find("/force/") != std::string::npos;
+    const bool depth = channel.columns[column].element.ends_with("/depth");
+    for (std::size_t row = 0; row < channel.rows(); ++row) {
+      const double value = channel.number(row, column);
+      if (force && std::abs(value) > most) most = std::abs(value);
+      if (depth && value > deepest) deepest = value;
+    }
+  }
+  if (any) fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", most, deepest);
+}
+
 /// One line for all beams of a range sensor: how near and how far they met something, and how often nothing.
 void describe_ranges(const TraceChannel& channel, std::string& text) {
   std::size_t beams = 0, nothing = 0;
@@ -100,8 +123,11 @@ Result<void> describe_channel(const Trace& trace, const TraceChannel& channel, s
   fmt::format_to(Out(text), "\n{} {}: {} {}, hash {}\n", channel.topic, channel.type, channel.messages(),
                  is_picture(channel) ? "pictures" : "messages", hash_text(hash));
   for (std::size_t column = 0; column < channel.columns.size(); ++column)
-    if (!is_hash(channel.columns[column]) && !is_range(channel.columns[column])) describe_series(channel, column, text);
+    if (!is_hash(channel.columns[column]) && !is_range(channel.columns[column]) &&
+        !is_contact(channel, channel.columns[column]))
+      describe_series(channel, column, text);
   describe_ranges(channel, text);
+  describe_contacts(channel, text);
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "contact_messages.h"
 #include "joint_arrays.h"
 #include "trace/range_messages.h"
 
@@ -50,7 +51,8 @@ bool decode_ranges(const std::string& topic, CdrReader& reader, msg::Header& hea
 
 /// Where the messages of one channel go.
 struct RecordedInputs::Feed {
-  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, device, joystick } kind = Kind::joints;
+  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, contacts, device, joystick };
+  Kind kind = Kind::joints;
   int body = 0;    // -1: of none
   int target = 0;  // link or device index
   JointArrays joints;
@@ -112,19 +114,23 @@ void RecordedInputs::add_link(int body, const std::string& link, const std::stri
                               const mcap::Channel& channel) {
   const int index = scenario_.bodies[body].model->find_link(link);
   if (index < 0) return;
-  const std::pair<const char*, Feed::Kind> kinds[] = {
-      {"pose", Feed::Kind::pose}, {"twist", Feed::Kind::twist}, {"accel", Feed::Kind::acceleration}};
+  const std::pair<const char*, Feed::Kind> kinds[] = {{"pose", Feed::Kind::pose},
+                                                      {"twist", Feed::Kind::twist},
+                                                      {"accel", Feed::Kind::acceleration},
+                                                      {"contacts", Feed::Kind::contacts}};
   for (const auto& [name, feed_kind] : kinds) {
     if (kind != name) continue;
     Feed& feed = add(channel);
     feed.kind = feed_kind;
     feed.body = body;
     feed.target = index;
+    if (feed_kind == Feed::Kind::contacts)
+      observation_.bodies[body].contacts.resize(scenario_.bodies[body].model->links.size());
   }
 }
 
 void RecordedInputs::add_device(int body, int device, const std::string& kind, const mcap::Channel& channel) {
-  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points", "state"};
+  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points", "state", "contact"};
   if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) return;
   Feed& feed = add(channel);
   feed.kind = Feed::Kind::device;
@@ -160,6 +166,13 @@ bool RecordedInputs::has_device(int body, int device) const {
   });
 }
 
+bool RecordedInputs::has_contacts(int body, int link) const {
+  return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
+    const Feed& feed = *entry.second;
+    return feed.kind == Feed::Kind::contacts && feed.body == body && feed.target == link;
+  });
+}
+
 bool RecordedInputs::has_joystick() const {
   return std::any_of(feeds_.begin(), feeds_.end(),
                      [](const auto& entry) { return entry.second->kind == Feed::Kind::joystick; });
@@ -174,6 +187,8 @@ std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost
       for (const IoField& field : hosted.io->inputs().fields) read |= feeds(*feed, hosted.body, field);
       for (const int device : hosted.io->input_devices())
         read |= feed->kind == Feed::Kind::device && feed->target == device;
+      for (const int link : hosted.io->contact_links())
+        read |= feed->kind == Feed::Kind::contacts && feed->target == link;
     }
     if (read) channels.push_back(id);
   }
@@ -214,6 +229,12 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
       fits = msg::decode(reader, acceleration);
       body.links[feed.target].acceleration = vector(acceleration.accel.linear);
       body.links[feed.target].angular_acceleration = vector(acceleration.accel.angular);
+      break;
+    }
+    case Feed::Kind::contacts: {
+      msg::Contacts contacts;
+      fits = msg::decode(reader, contacts);
+      body.contacts[feed.target] = contacts_of(contacts);
       break;
     }
     case Feed::Kind::device: return accept_device(feed, message);
@@ -289,6 +310,11 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
     if (!msg::decode(reader, state)) return mismatch();
     reading.values = std::move(state.values);
     reading.measured_at = measured_at(state.header.stamp);
+  } else if (std::holds_alternative<ContactSensor>(device.kind)) {
+    msg::ContactForce contact;
+    if (!msg::decode(reader, contact)) return mismatch();
+    reading.values = {static_cast<double>(contact.count), contact.force.x, contact.force.y, contact.force.z};
+    reading.measured_at = measured_at(contact.header.stamp);
   } else if (std::holds_alternative<ForceSensor>(device.kind)) {
     msg::WrenchStamped wrench;
     if (!msg::decode(reader, wrench)) return mismatch();

@@ -27,6 +27,7 @@ class RecordedInputs {
   /// Whether the trace holds a quantity of a link, or what a device measured.
   bool has(int body, const IoField& field) const;
   bool has_device(int body, int device) const;
+  bool has_contacts(int body, int link) const;
   bool has_joystick() const;
 
   /// A new tick begins: nothing is fresh.

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "contact_messages.h"
 #include "device_recorder.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
@@ -70,7 +71,8 @@ struct SideChannels {
 
 struct ControllerChannels {
   SideChannels input, output;
-  std::vector<std::uint16_t> devices;  // by device index; 0: none
+  std::vector<std::uint16_t> contacts;  // by the controller's contact links
+  std::vector<std::uint16_t> devices;   // by device index; 0: none
 };
 
 struct BodyChannels {
@@ -95,6 +97,7 @@ struct Recorder::Impl : TraceOutput {
   msg::Tick tick_message;
   msg::TFMessage transforms;
   msg::Joy joystick_message;
+  msg::Contacts contacts_message;
 
   explicit Impl(const Scenario& of) : TraceOutput(of.time_step), scenario(of) {}
 
@@ -105,6 +108,8 @@ struct Recorder::Impl : TraceOutput {
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
   Result<void> write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values);
+  Result<void> write_contacts(std::int64_t tick, const std::vector<std::uint16_t>& to,
+                              const std::vector<std::vector<ContactReading>>& contacts);
   Result<void> write_link(std::int64_t tick, const SideChannels::LinkChannel& to, const double* values);
 };
 
@@ -153,6 +158,9 @@ void Recorder::declare(const ControllerHost& host) {
     ControllerChannels& channels = impl.controllers.emplace_back();
     const ScenarioBody& body = impl.scenario.bodies[hosted.body];
     impl.declare_side("/" + hosted.label + "/input/", *body.model, hosted.io->inputs(), channels.input);
+    for (const int link : hosted.io->contact_links())
+      channels.contacts.push_back(impl.channel<msg::Contacts>(
+          "/" + hosted.label + "/input/" + body.model->links[link].name + "/contacts", contact_units));
     impl.declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
     channels.devices.assign(body.model->devices.size(), 0);
   }
@@ -324,8 +332,10 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     const HostedController& hosted = host->controllers()[c];
     message.controller_results.push_back(hosted.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (hosted.has_input)  // of a controller that then failed, too: what it read may be why
+    if (hosted.has_input) {  // of a controller that then failed, too: what it read may be why
       if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
+      if (auto done = impl.write_contacts(tick, channels.contacts, hosted.io->input_contacts()); !done) return done;
+    }
     if (hosted.has_output)
       if (auto done = impl.write_side(tick, channels.output, hosted.io->output_values()); !done) return done;
     for (const DeviceOutput& output : hosted.device_outputs) {
@@ -366,6 +376,16 @@ Result<void> Recorder::Impl::write_side(std::int64_t tick, SideChannels& side, c
   }
   for (const SideChannels::LinkChannel& link : side.links)
     if (auto done = write_link(tick, link, values.data() + link.field.offset); !done) return done;
+  return {};
+}
+
+Result<void> Recorder::Impl::write_contacts(std::int64_t tick, const std::vector<std::uint16_t>& to,
+                                            const std::vector<std::vector<ContactReading>>& contacts) {
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    contacts_message.header = {stamp(tick), "world"};
+    put_contacts(contacts[i], contacts_message);
+    if (auto done = write(to[i], tick, contacts_message); !done) return done;
+  }
   return {};
 }
 

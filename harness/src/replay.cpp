@@ -101,6 +101,9 @@ Diagnostics Replayer::unrecorded_inputs() const {
     for (const IoField& field : hosted.io->inputs().fields)
       if (!inputs_.has(hosted.body, field))
         report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
+    for (const int link : hosted.io->contact_links())
+      if (!inputs_.has_contacts(hosted.body, link))
+        report(fmt::format("the contact points of link '{}'", model.links[link].name));
     for (const int device : hosted.io->input_devices()) {
       const DeviceKind& kind = model.devices[device].kind;
       const bool is_still_camera =

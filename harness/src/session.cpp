@@ -112,6 +112,9 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   impl->file = trace;
   impl->checkpoint_interval = std::max<std::int64_t>(1, std::llround(checkpoint_period / scenario.time_step));
   impl->command = impl->host->initialize(initial_observation(scenario));
+  for (const HostedController& hosted : impl->host->controllers())
+    if (hosted.running)
+      for (const int link : hosted.io->contact_links()) impl->world->watch(hosted.body, link);
   impl->obey(-1);
   impl->recorder->declare(*impl->host);
   impl->host->start();

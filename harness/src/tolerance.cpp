@@ -29,9 +29,9 @@ Tolerance default_tolerance(std::string_view unit) {
     std::string_view unit;
     double atol;
   };
-  constexpr UnitDefault defaults[] = {{"rad", 1e-9},   {"m", 1e-9},   {"quaternion", 1e-9},
-                                      {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},
-                                      {"m/s²", 1e-4},  {"N·m", 1e-4}, {"N", 1e-4}};
+  constexpr UnitDefault defaults[] = {{"rad", 1e-9},   {"m", 1e-9},   {"quaternion", 1e-9}, {"unit vector", 1e-9},
+                                      {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},     {"m/s²", 1e-4},
+                                      {"N·m", 1e-4},   {"N", 1e-4}};
   for (const UnitDefault& known : defaults)
     if (known.unit == unit) return {.atol = known.atol};
   return {};

@@ -14,6 +14,7 @@ endfunction()
 rehearse_add_test(session_tests LABEL sim
   SOURCES
     session/actuation_test.cpp
+    session/contacts_test.cpp
     session/failures_test.cpp
     session/joystick_test.cpp
     session/lifecycle_test.cpp
@@ -27,8 +28,8 @@ rehearse_add_test(session_tests LABEL sim
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 
 add_test_controller(Behaviours
-  controllers/behaviours.cpp controllers/devices.cpp controllers/failures.cpp controllers/inputs.cpp
-  controllers/joysticks.cpp controllers/lifecycle.cpp)
+  controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp
+  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp)
 target_link_libraries(Behaviours PRIVATE rehearse_flags)
 add_test_controller(HingePd controllers/HingePd.cpp)
 add_test_controller(HingePdChanged controllers/HingePd.cpp)

@@ -43,6 +43,8 @@ TEST(Tolerance, ARuleThatStatesOnlyRtolKeepsTheUnitsFloor) {
   EXPECT_EQ(tolerance.bound(2.0), 0.02);
 }
 
+TEST(Tolerance, NormalsMayRoundOtherwise) { EXPECT_EQ(default_tolerance("unit vector").bound(1.0), 1e-9); }
+
 TEST(Tolerance, UnitsWithoutADefaultAreExact) {
   EXPECT_EQ(default_tolerance("").bound(1e6), 0.0);
   EXPECT_EQ(default_tolerance("lx").bound(1e6), 0.0);

@@ -94,6 +94,9 @@ void write_all_types(const fs::path& file) {
   write_one(*writer, "/tf", 11, msg::TFMessage{{{header, "CHEST", {}}, {header, "HEAD", {}}}});
   write_one(*writer, "/tick", 12, msg::Tick{{0, 12}, -1, ~std::uint64_t{0}, 1, 2, {true, false}});
   write_one(*writer, "/SR1/Device/state", 13, msg::DeviceState{header, {1, 2}});
+  write_one(*writer, "/SR1/Pd/input/FOOT/contacts", 13,
+            msg::Contacts{header, {{{1, 2, 3}, {0, 0, 1}, {4, 5, inf}, {6, 7, -0.0}, 1.0 / 3.0}, {}}});
+  write_one(*writer, "/SR1/Sole/contact", 13, msg::ContactForce{header, 4, {1, 2, 3}});
   write_one(*writer, "/SR1/accelerations", 14, msg::JointAccelerations{header, {"KNEE"}, {7}});
   msg::LaserScan scan;
   scan.angle_min = -1.0f / 3.0f;
@@ -155,7 +158,7 @@ TEST_F(Interop, OthersReadOurTracesBitForBit) {
   EXPECT_EQ(output.text, print_messages(file_) +
                              "attachment scenario.yaml application/yaml rehearse: 1\n"
                              "metadata provenance {\"seed\":\"0\"}\n"
-                             "statistics 19 messages, 5 chunks\n");
+                             "statistics 21 messages, 5 chunks\n");
 }
 
 TEST_F(Interop, OthersRefuseOurTracesWhenOneBitIsFlipped) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -72,6 +73,37 @@ TEST(ControllerBench, MovesLinksByTheJointsIfAsked) {
   const Eigen::Vector3d knee = bench.link("RLEG_KNEE").position;
   // the shank, 0.3 m long, points backwards now
   EXPECT_LT((bench.link("RLEG_ANKLE_P").position - (knee + Eigen::Vector3d(-0.3, 0.0, 0.0))).norm(), 1e-12);
+}
+
+class TouchedBench : public rehearse::RunTest {
+ protected:
+  /// A controller that commands SHOULDER the weighted sum of all numbers of ARM's contacts.
+  std::unique_ptr<ControllerBench> touched() const {
+    rehearse::BenchOptions options;
+    options.options = "touch ARM";
+    return std::make_unique<ControllerBench>("Behaviours", path("rig.urdf").string(), options);
+  }
+};
+
+TEST_F(TouchedBench, GivesTheContactsThatATestSetsUntilItTakesThemAway) {
+  const auto bench = touched();
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, 0.0);
+  rehearse::BenchContact contact;
+  contact.normal = Eigen::Vector3d::Zero();
+  contact.position.x() = 2.0;
+  contact.depth = 3.0;
+  bench->link("ARM").contacts = {contact};
+  bench->tick();
+  EXPECT_NEAR(bench->joint("SHOULDER").u, 1e-3 * (2.0 * 1.01 + 3.0 * std::pow(1.01, 13)), 1e-12);
+  bench->update_links();
+  bench->joint("SHOULDER").u = 0.0;
+  bench->tick();
+  EXPECT_NEAR(bench->joint("SHOULDER").u, 1e-3 * (2.0 * 1.01 + 3.0 * std::pow(1.01, 13)), 1e-12);
+  bench->link("ARM").contacts.clear();
+  bench->tick();
+  EXPECT_EQ(bench->joint("SHOULDER").u, 0.0);
+  EXPECT_THAT(bench->messages(), Contains("tick 1: 1 points, free"));
 }
 
 class SteeredBench : public rehearse::RunTest {

@@ -52,8 +52,8 @@ struct WorldBody {
 
 class World {
  public:
-  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a joint or sensor
-  /// that it has no counterpart for, a count of joints that doesn't fit, a mesh that wasn't loaded.
+  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a count of joints that
+  /// doesn't fit, a mesh that wasn't loaded.
   static Result<std::unique_ptr<World>> create(const WorldSettings& settings, std::vector<WorldBody> bodies);
   /// What was done with the bodies that their authors may not expect, as warnings: links that touch nothing of their
   /// own body because they overlap with it at the zero pose.

@@ -34,6 +34,15 @@ struct BenchJoint {
   double dq_target = 0.0;  // commanded [rad/s] or [m/s]
 };
 
+/// A point where a link touches something, in the world.
+struct BenchContact {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // from the other one into the link, unit length
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     // of the other one on the link [N]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the link's point relative to the other's [m/s]
+  double depth = 0.0;                                  // how far they overlap [m]
+};
+
 /// World frame. The rotation is a unit quaternion; it isn't aligned, so that no compiler option changes the layout.
 struct BenchLink {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
@@ -42,6 +51,7 @@ struct BenchLink {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();      // [rad/s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // [m/s²]
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // [rad/s²]
+  std::vector<BenchContact> contacts;                              // held until they are set anew
   Eigen::Vector3d force = Eigen::Vector3d::Zero();                 // commanded external force [N]
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // commanded external torque about the world's origin [N·m]
 };
@@ -49,8 +59,9 @@ struct BenchLink {
 /// A sensor with values measures afresh in every tick; a camera delivers a picture in the tick after it was set.
 struct BenchDevice {
   /// In the device frame. Force sensor: force [N], torque [N·m] (6 numbers); gyro: angular velocity [rad/s] (3);
-  /// accelerometer: specific force [m/s²] (3); IMU: angular velocity, specific force (6); range sensor: distances [m],
-  /// one a beam, which the controller gets rounded to float. Empty: it measures nothing.
+  /// accelerometer: specific force [m/s²] (3); IMU: angular velocity, specific force (6); contact sensor: number of
+  /// points, force [N] (4); range sensor: distances [m], one a beam, which the controller gets rounded to float. Empty:
+  /// it measures nothing.
   std::vector<double> values;
   std::shared_ptr<const Image> image;
   std::shared_ptr<const DepthImage> depth;
@@ -84,7 +95,7 @@ class ControllerBench {
   double& axis(std::string_view name);  // -1 to 1, up and left negative; triggers 0 to 1; rounded to single precision
   bool& button(std::string_view name);  // pressed
 
-  /// Puts all links where the root link's pose and the joints' q say; at rest.
+  /// Puts all links where the root link's pose and the joints' q say; at rest. Their contacts stay as they are.
   void update_links();
 
   /// Inputs, control(), outputs; then time advances by one step. Returns what control() returned. Throws

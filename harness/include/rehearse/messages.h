@@ -473,6 +473,53 @@ struct DeviceState {
   }
 };
 
+/// A point where a link touches something. In the frame of the message it is part of.
+struct Contact {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/Contact";
+  Point position;
+  Vector3 normal;    // from the other one into the link, unit length
+  Vector3 force;     // of the other one on the link [N]
+  Vector3 velocity;  // of the link's point relative to the other's [m/s]
+  double depth = 0;  // how far they overlap [m]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("position", self.position);
+    visit("normal", self.normal);
+    visit("force", self.force);
+    visit("velocity", self.velocity);
+    visit("depth", self.depth);
+  }
+};
+
+/// All that touches a link; as many as there are.
+struct Contacts {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/Contacts";
+  Header header;
+  std::vector<Contact> contacts;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("contacts", self.contacts);
+  }
+};
+
+/// What a contact sensor feels.
+struct ContactForce {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/ContactForce";
+  Header header;
+  std::uint32_t count = 0;  // of points
+  Vector3 force;            // on the link, at all of them [N]
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+    visit("count", self.count);
+    visit("force", self.force);
+  }
+};
+
 /// As long as each other. NaN: not given for this joint.
 struct JointAccelerations {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/JointAccelerations";

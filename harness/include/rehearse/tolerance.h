@@ -32,6 +32,7 @@ bool matches(std::string_view pattern, std::string_view name);
 /// What a series may differ by if no rule speaks of it. By unit:
 ///
 ///   rad, m, quaternion (an angle [rad])    1e-9
+///   unit vector (each element)             1e-9
 ///   rad/s, m/s                             1e-7
 ///   rad/s², m/s²                           1e-4
 ///   N·m, N                                 1e-4

@@ -200,6 +200,39 @@ void put_row(const msg::PointCloud2& m, RowWriter& row) {
   if (std::vector<float> ranges; read_ranges(m, ranges)) row.put_array("ranges", ranges);
 }
 
+void put_vector(std::string& element, std::size_t stem, std::string_view part, double x, double y, double z,
+                RowWriter& row) {
+  for (const auto& [axis, value] : {std::pair("/x", x), std::pair("/y", y), std::pair("/z", z)}) {
+    element.resize(stem);
+    element += part;
+    element += axis;
+    row.put(element, value);
+  }
+}
+
+/// The points that a row has fewer than others are NaN; how many it has tells `count`.
+void put_row(const msg::Contacts& m, RowWriter& row) {
+  row.put("contacts/count", CellKind::unsigned_integer, m.contacts.size());
+  for (std::size_t i = 0; i < m.contacts.size(); ++i) {
+    const msg::Contact& c = m.contacts[i];
+    std::string element = "contacts/" + std::to_string(i);
+    const std::size_t stem = element.size();
+    put_vector(element, stem, "/position", c.position.x, c.position.y, c.position.z, row);
+    put_vector(element, stem, "/normal", c.normal.x, c.normal.y, c.normal.z, row);
+    put_vector(element, stem, "/force", c.force.x, c.force.y, c.force.z, row);
+    put_vector(element, stem, "/velocity", c.velocity.x, c.velocity.y, c.velocity.z, row);
+    element.resize(stem);
+    row.put(element += "/depth", c.depth);
+  }
+}
+
+void put_row(const msg::ContactForce& m, RowWriter& row) {
+  row.put("count", CellKind::unsigned_integer, m.count);
+  row.put("force/x", m.force.x);
+  row.put("force/y", m.force.y);
+  row.put("force/z", m.force.z);
+}
+
 void put_row(const msg::Tick& m, RowWriter& row) {
   row.put("tick", CellKind::signed_integer, static_cast<std::uint64_t>(m.tick));
   row.put("state_hash", CellKind::unsigned_integer, m.state_hash);
@@ -273,7 +306,8 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
   }
   if (channel.type == msg::Joy::type_name) return std::make_unique<JoyReader>(channel);
   return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu,
-                    msg::LaserScan, msg::PointCloud2, msg::Tick, msg::TFMessage>(channel);
+                    msg::LaserScan, msg::PointCloud2, msg::Contacts, msg::ContactForce, msg::Tick, msg::TFMessage>(
+      channel);
 }
 
 }  // namespace rehearse

@@ -12,10 +12,11 @@ using namespace rehearse;
 
 namespace {
 
-using AllMessages = testing::Types<msg::JointState, msg::Imu, msg::Image, msg::CompressedImage, msg::CameraInfo,
-                                   msg::LaserScan, msg::PointCloud2, msg::PoseStamped, msg::TwistStamped,
-                                   msg::AccelStamped, msg::WrenchStamped, msg::TFMessage, msg::Joy, msg::Tick,
-                                   msg::DeviceState, msg::JointAccelerations, msg::Event, msg::Checkpoint>;
+using AllMessages =
+    testing::Types<msg::JointState, msg::Imu, msg::Image, msg::CompressedImage, msg::CameraInfo, msg::LaserScan,
+                   msg::PointCloud2, msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped,
+                   msg::TFMessage, msg::Joy, msg::Tick, msg::DeviceState, msg::Contacts, msg::ContactForce,
+                   msg::JointAccelerations, msg::Event, msg::Checkpoint>;
 
 /// Gives every field another value, and writes down each with its path as ros2msg::Decoder should find it.
 class Filler {

@@ -110,24 +110,44 @@ TEST(Trace, NamesTheElementsOfEveryStandardType) {
   accelerations.acceleration = {9};
   recording.add("/B/accelerations", 0, accelerations);
   recording.add("/B/Dev/state", 0, msg::DeviceState{{}, {7, 8}});
+  recording.add("/B/Sole/contact", 0, msg::ContactForce{{}, 4, {1, 2, 3}});
   const Trace trace = recording.load();
-  EXPECT_THAT(
-      names_of(trace),
-      testing::UnorderedElementsAre(
-          "B/L/position/x", "B/L/position/y", "B/L/position/z", "B/L/orientation/x", "B/L/orientation/y",
-          "B/L/orientation/z", "B/L/orientation/w", "B/L/linear/x", "B/L/linear/y", "B/L/linear/z", "B/L/angular/x",
-          "B/L/angular/y", "B/L/angular/z", "B/L/linear_acceleration/x", "B/L/linear_acceleration/y",
-          "B/L/linear_acceleration/z", "B/L/angular_acceleration/x", "B/L/angular_acceleration/y",
-          "B/L/angular_acceleration/z", "B/Foot/force/x", "B/Foot/force/y", "B/Foot/force/z", "B/Foot/torque/x",
-          "B/Foot/torque/y", "B/Foot/torque/z", "B/Imu/angular_velocity/x", "B/Imu/angular_velocity/y",
-          "B/Imu/angular_velocity/z", "B/Imu/linear_acceleration/x", "B/Imu/linear_acceleration/y",
-          "B/Imu/linear_acceleration/z", "B/J/ddq", "B/Dev/values/0", "B/Dev/values/1"));
+  EXPECT_THAT(names_of(trace),
+              testing::UnorderedElementsAre(
+                  "B/L/position/x", "B/L/position/y", "B/L/position/z", "B/L/orientation/x", "B/L/orientation/y",
+                  "B/L/orientation/z", "B/L/orientation/w", "B/L/linear/x", "B/L/linear/y", "B/L/linear/z",
+                  "B/L/angular/x", "B/L/angular/y", "B/L/angular/z", "B/L/linear_acceleration/x",
+                  "B/L/linear_acceleration/y", "B/L/linear_acceleration/z", "B/L/angular_acceleration/x",
+                  "B/L/angular_acceleration/y", "B/L/angular_acceleration/z", "B/Foot/force/x", "B/Foot/force/y",
+                  "B/Foot/force/z", "B/Foot/torque/x", "B/Foot/torque/y", "B/Foot/torque/z", "B/Imu/angular_velocity/x",
+                  "B/Imu/angular_velocity/y", "B/Imu/angular_velocity/z", "B/Imu/linear_acceleration/x",
+                  "B/Imu/linear_acceleration/y", "B/Imu/linear_acceleration/z", "B/J/ddq", "B/Dev/values/0",
+                  "B/Dev/values/1", "B/Sole/count", "B/Sole/force/x", "B/Sole/force/y", "B/Sole/force/z"));
+  EXPECT_EQ(trace.last("B/Sole/count"), 4);
+  EXPECT_EQ(trace.last("B/Sole/force/z"), 3);
   EXPECT_EQ(trace.last("B/L/orientation/w"), 7);
   EXPECT_EQ(trace.last("B/L/angular_acceleration/z"), 6);
   EXPECT_EQ(trace.last("B/Foot/torque/x"), 4);
   EXPECT_EQ(trace.last("B/Imu/linear_acceleration/y"), 5);
   EXPECT_EQ(trace.last("B/J/ddq"), 9);
   EXPECT_EQ(trace.last("B/Dev/values/1"), 8);
+}
+
+TEST(Trace, HasAColumnForAsManyContactsAsThereEverAre) {
+  Recording recording;
+  const auto contact = [](double force) { return msg::Contact{{1, 2, 3}, {0, 0, 1}, {0, 0, force}, {4, 5, 6}, 7}; };
+  recording.add("/B/C/input/FOOT/contacts", 0, msg::Contacts{});
+  recording.add("/B/C/input/FOOT/contacts", 1, msg::Contacts{{}, {contact(10), contact(20)}});
+  recording.add("/B/C/input/FOOT/contacts", 2, msg::Contacts{{}, {contact(30)}});
+  const Trace trace = recording.load();
+  EXPECT_EQ(trace.series().size(), 1 + 2 * 13u);
+  EXPECT_THAT(trace.values("B/C/input/FOOT/contacts/count"), ElementsAre(0, 2, 1));
+  EXPECT_THAT(trace.values("B/C/input/FOOT/contacts/0/force/z"), ElementsAre(testing::IsNan(), 10, 30));
+  EXPECT_THAT(trace.values("B/C/input/FOOT/contacts/1/force/z"), ElementsAre(testing::IsNan(), 20, testing::IsNan()));
+  EXPECT_EQ(trace.last("B/C/input/FOOT/contacts/0/position/y"), 2);
+  EXPECT_EQ(trace.last("B/C/input/FOOT/contacts/0/normal/z"), 1);
+  EXPECT_EQ(trace.last("B/C/input/FOOT/contacts/0/velocity/x"), 4);
+  EXPECT_EQ(trace.last("B/C/input/FOOT/contacts/0/depth"), 7);
 }
 
 TEST(Trace, NamesAJoysticksControlsAsItsChannelDoes) {
