@@ -120,18 +120,18 @@ int face_towards(const Polytope& hull, const std::vector<Plane>& planes, int ver
 }
 
 /// The touching points of a face of one hull with the other one, whose vertex is the nearest to it.
-std::vector<Touch> touch_face(const Points& vertices, const std::vector<int>& face, const Plane& plane,
-                              const Points& others, const std::vector<int>& incident, int vertex) {
+std::vector<TouchPoint> touch_face(const Points& vertices, const std::vector<int>& face, const Plane& plane,
+                                   const Points& others, const std::vector<int>& incident, int vertex) {
   Points polygon;
   for (const int corner : incident) polygon.push_back(others[corner]);
-  std::vector<Touch> touches = under_plane(plane, above_face(vertices, face, plane.normal, std::move(polygon)));
+  std::vector<TouchPoint> touches = under_plane(plane, above_face(vertices, face, plane.normal, std::move(polygon)));
   if (touches.empty()) touches = under_plane(plane, {others[vertex]});  // it is beside the face
   return spread_out(std::move(touches));
 }
 
 }  // namespace
 
-std::vector<Touch> touch_hull(const Polytope& hull, const PlacedPolytope& other) {
+std::vector<TouchPoint> touch_hull(const Polytope& hull, const PlacedPolytope& other) {
   const FaceAxis mine = best_face(hull.planes(), other.vertices);
   if (mine.separation > 0.0) return {};
   const FaceAxis theirs = best_face(other.planes, hull.vertices());
@@ -156,9 +156,9 @@ std::vector<Touch> touch_hull(const Polytope& hull, const PlacedPolytope& other)
   }
   const Plane& plane = other.planes[theirs.face];
   const int incident = face_towards(hull, hull.planes(), theirs.vertex, -plane.normal);
-  std::vector<Touch> touches = touch_face(other.vertices, other.shape.faces()[theirs.face], plane, hull.vertices(),
-                                          hull.faces()[incident], theirs.vertex);
-  for (Touch& touch : touches) touch.normal = -touch.normal;
+  std::vector<TouchPoint> touches = touch_face(other.vertices, other.shape.faces()[theirs.face], plane, hull.vertices(),
+                                               hull.faces()[incident], theirs.vertex);
+  for (TouchPoint& touch : touches) touch.normal = -touch.normal;
   return touches;
 }
 

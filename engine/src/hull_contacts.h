@@ -16,7 +16,7 @@
 namespace rehearse {
 
 /// A point where a hull touches something.
-struct Touch {
+struct TouchPoint {
   Eigen::Vector3d position;  // half way between both surfaces [m]
   Eigen::Vector3d normal;    // out of the hull into the other one, unit length
   double depth;              // how far they overlap, at least 0 [m]
@@ -35,9 +35,9 @@ struct Round {
   Eigen::Vector3d axis() const { return axes.col(2); }
 };
 
-std::vector<Touch> touch_hull(const Polytope& hull, const PlacedPolytope& other);
-std::vector<Touch> touch_sphere(const Polytope& hull, const Eigen::Vector3d& center, double radius);
-std::vector<Touch> touch_capsule(const Polytope& hull, const Round& capsule);
-std::vector<Touch> touch_cylinder(const Polytope& hull, const Round& cylinder);
+std::vector<TouchPoint> touch_hull(const Polytope& hull, const PlacedPolytope& other);
+std::vector<TouchPoint> touch_sphere(const Polytope& hull, const Eigen::Vector3d& center, double radius);
+std::vector<TouchPoint> touch_capsule(const Polytope& hull, const Round& capsule);
+std::vector<TouchPoint> touch_cylinder(const Polytope& hull, const Round& cylinder);
 
 }  // namespace rehearse

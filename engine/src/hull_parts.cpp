@@ -82,17 +82,17 @@ Points above_face(const Points& vertices, const std::vector<int>& face, const Ve
   return polygon;
 }
 
-double depth_of(const std::vector<Touch>& touches) {
+double depth_of(const std::vector<TouchPoint>& touches) {
   double depth = 0.0;
-  for (const Touch& touch : touches) depth = std::max(depth, touch.depth);
+  for (const TouchPoint& touch : touches) depth = std::max(depth, touch.depth);
   return depth;
 }
 
-std::vector<Touch> spread_out(std::vector<Touch> touches) {
+std::vector<TouchPoint> spread_out(std::vector<TouchPoint> touches) {
   if (touches.size() <= max_touches) return touches;
   const auto deepest = std::max_element(touches.begin(), touches.end(),
-                                        [](const Touch& a, const Touch& b) { return a.depth < b.depth; });
-  std::vector<Touch> kept{*deepest};
+                                        [](const TouchPoint& a, const TouchPoint& b) { return a.depth < b.depth; });
+  std::vector<TouchPoint> kept{*deepest};
   std::vector<double> distances(touches.size(), std::numeric_limits<double>::infinity());
   while (kept.size() < max_touches) {
     for (std::size_t i = 0; i < touches.size(); ++i)
@@ -103,8 +103,8 @@ std::vector<Touch> spread_out(std::vector<Touch> touches) {
   return kept;
 }
 
-std::vector<Touch> under_plane(const Plane& plane, const Points& points) {
-  std::vector<Touch> touches;
+std::vector<TouchPoint> under_plane(const Plane& plane, const Points& points) {
+  std::vector<TouchPoint> touches;
   for (const Vector3d& point : points) {
     const double depth = -plane.distance(point);
     if (depth >= 0.0) touches.push_back({point + 0.5 * depth * plane.normal, plane.normal, depth});

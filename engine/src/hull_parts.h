@@ -41,12 +41,12 @@ Points above_face(const Points& vertices, const std::vector<int>& face, const Ei
 Points behind(const Plane& plane, const Points& polygon);
 
 /// The depth of the deepest; 0 if there are none [m].
-double depth_of(const std::vector<Touch>& touches);
+double depth_of(const std::vector<TouchPoint>& touches);
 
 /// At most `max_touches` of them: the deepest, and then always the one that is farthest from those before.
-std::vector<Touch> spread_out(std::vector<Touch> touches);
+std::vector<TouchPoint> spread_out(std::vector<TouchPoint> touches);
 
 /// Points of another shape that are under a plane of the hull, as touches along its normal.
-std::vector<Touch> under_plane(const Plane& plane, const Points& points);
+std::vector<TouchPoint> under_plane(const Plane& plane, const Points& points);
 
 }  // namespace rehearse

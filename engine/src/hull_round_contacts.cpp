@@ -42,7 +42,7 @@ void take_nearest(const Polytope& hull, const Vector3d& point, double reach, Nea
 }
 
 /// From a surface point of the hull to a round body of that radius about a point outside.
-Touch touch_of(const Nearest& nearest, const Vector3d& normal, double radius) {
+TouchPoint touch_of(const Nearest& nearest, const Vector3d& normal, double radius) {
   const double depth = radius - nearest.distance;
   return {nearest.on_hull - 0.5 * depth * normal, normal, depth};
 }
@@ -61,7 +61,7 @@ int face_along(const Polytope& hull, const Vector3d& direction) {
 }
 
 /// What of points that lie over a face is nearer to it than `radius`.
-std::vector<Touch> touch_face(const Polytope& hull, int face, double radius, Points points) {
+std::vector<TouchPoint> touch_face(const Polytope& hull, int face, double radius, Points points) {
   const Plane& plane = hull.planes()[face];
   points = above_face(hull.vertices(), hull.faces()[face], plane.normal, std::move(points));
   for (Vector3d& point : points) point -= radius * plane.normal;
@@ -204,7 +204,7 @@ CylinderAxes cylinder_axes(const Polytope& hull, const Round& cylinder) {
 }
 
 /// Where a cylinder's end or side lies on a face of the hull.
-std::vector<Touch> touch_face_with_cylinder(const Polytope& hull, int face, const Round& cylinder) {
+std::vector<TouchPoint> touch_face_with_cylinder(const Polytope& hull, int face, const Round& cylinder) {
   const CylinderSupport support(cylinder);
   const Plane& plane = hull.planes()[face];
   const Vector3d down = support.down(plane.normal);
@@ -221,18 +221,18 @@ std::vector<Touch> touch_face_with_cylinder(const Polytope& hull, int face, cons
                                  (std::cos(angle) * cylinder.axes.col(0) + std::sin(angle) * cylinder.axes.col(1)));
     }
   }
-  std::vector<Touch> touches =
+  std::vector<TouchPoint> touches =
       under_plane(plane, above_face(hull.vertices(), hull.faces()[face], plane.normal, std::move(points)));
   const Vector3d lowest = end + cylinder.radius * down;
   if (!above_face(hull.vertices(), hull.faces()[face], plane.normal, {lowest, lowest}).empty())
-    for (const Touch& touch : under_plane(plane, {lowest})) touches.push_back(touch);
+    for (const TouchPoint& touch : under_plane(plane, {lowest})) touches.push_back(touch);
   // it may be beside the face
   if (depth_of(touches) < almost_all * -plane.distance(lowest)) touches = under_plane(plane, {lowest});
   return spread_out(std::move(touches));
 }
 
 /// Where a corner, an edge or a face of the hull lies on a cylinder's end or side, or on its rim.
-std::vector<Touch> touch_cylinder_with_hull(const Polytope& hull, const Round& cylinder, const Axis& axis) {
+std::vector<TouchPoint> touch_cylinder_with_hull(const Polytope& hull, const Round& cylinder, const Axis& axis) {
   const CylinderSupport support(cylinder);
   const double low = support.lowest(axis.direction);
   const Plane lower{-axis.direction, -low};  // of the cylinder: the hull's points before it don't overlap it
@@ -274,15 +274,15 @@ std::vector<Touch> touch_cylinder_with_hull(const Polytope& hull, const Round& c
       }
     }
   }
-  std::vector<Touch> touches = under_plane(lower, points);
+  std::vector<TouchPoint> touches = under_plane(lower, points);
   if (depth_of(touches) < almost_all * -axis.separation) touches = under_plane(lower, {hull.vertices()[highest]});
-  for (Touch& touch : touches) touch.normal = axis.direction;
+  for (TouchPoint& touch : touches) touch.normal = axis.direction;
   return spread_out(std::move(touches));
 }
 
 }  // namespace
 
-std::vector<Touch> touch_sphere(const Polytope& hull, const Vector3d& center, double radius) {
+std::vector<TouchPoint> touch_sphere(const Polytope& hull, const Vector3d& center, double radius) {
   const Plane& plane = hull.planes()[outermost_plane(hull.planes(), center)];
   const double height = plane.distance(center);
   if (height > radius) return {};
@@ -293,7 +293,7 @@ std::vector<Touch> touch_sphere(const Polytope& hull, const Vector3d& center, do
   return {touch_of(nearest, (center - nearest.on_hull) / nearest.distance, radius)};
 }
 
-std::vector<Touch> touch_capsule(const Polytope& hull, const Round& capsule) {
+std::vector<TouchPoint> touch_capsule(const Polytope& hull, const Round& capsule) {
   const Vector3d from = capsule.center - capsule.half_length * capsule.axis();
   const Vector3d to = capsule.center + capsule.half_length * capsule.axis();
   Axis axis = segment_axis(hull, from, to);
@@ -320,7 +320,7 @@ std::vector<Touch> touch_capsule(const Polytope& hull, const Round& capsule) {
   return {{low + (0.5 * depth - capsule.radius) * axis.direction, axis.direction, depth}};
 }
 
-std::vector<Touch> touch_cylinder(const Polytope& hull, const Round& cylinder) {
+std::vector<TouchPoint> touch_cylinder(const Polytope& hull, const Round& cylinder) {
   CylinderAxes axes = cylinder_axes(hull, cylinder);
   if (axes.any.separation > 0.0) return {};
   const CylinderSupport support(cylinder);

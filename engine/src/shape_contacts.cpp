@@ -20,7 +20,7 @@ Isometry3d pose_of(dGeomID geom) {
 }
 
 /// Where another shape touches a hull, in the hull's frame; `pose`: of the other shape in it.
-std::vector<Touch> touch(const Polytope& hull, const BodyShape& other, const Isometry3d& pose) {
+std::vector<TouchPoint> touch(const Polytope& hull, const BodyShape& other, const Isometry3d& pose) {
   if (other.polytope) return touch_hull(hull, PlacedPolytope(*other.polytope, pose));
   dReal radius, length;
   switch (dGeomGetClass(other.geom)) {
@@ -45,7 +45,7 @@ int collide_shapes(const BodyShape& a, const BodyShape& b, std::vector<dContactG
   const BodyShape& hull = first_is_hull ? a : b;
   const BodyShape& other = first_is_hull ? b : a;
   const Isometry3d frame = pose_of(hull.geom);
-  const std::vector<Touch> touches = touch(*hull.polytope, other, frame.inverse() * pose_of(other.geom));
+  const std::vector<TouchPoint> touches = touch(*hull.polytope, other, frame.inverse() * pose_of(other.geom));
   const std::size_t count = std::min(touches.size(), found.size());
   for (std::size_t i = 0; i < count; ++i) {
     dContactGeom& contact = found[i] = {};

@@ -90,9 +90,9 @@ double overlap(const Polytope& a, const PlacedPolytope& b) {
   return smallest;
 }
 
-double depth_of(const std::vector<Touch>& touches) {
+double depth_of(const std::vector<TouchPoint>& touches) {
   double depth = -1.0;
-  for (const Touch& touch : touches) depth = std::max(depth, touch.depth);
+  for (const TouchPoint& touch : touches) depth = std::max(depth, touch.depth);
   return depth;
 }
 
@@ -104,7 +104,7 @@ TEST(HullContacts, HaveTheDepthOfTheLeastOverlap) {
     const Polytope b = i % 3 == 0 ? Polytope(Box{{0.7, 0.5, 0.3}}) : stone(numbers, 5 + i % 13, {0.5, 0.6, 0.9});
     const PlacedPolytope placed(b, numbers.pose(0.7));
     const double expected = overlap(a, placed);
-    const std::vector<Touch> touches = touch_hull(a, placed);
+    const std::vector<TouchPoint> touches = touch_hull(a, placed);
     if (expected <= 0.0) {
       ++apart;
       EXPECT_TRUE(touches.empty()) << "pair " << i << ", gap " << -expected << ", depth " << depth_of(touches);
@@ -116,7 +116,7 @@ TEST(HullContacts, HaveTheDepthOfTheLeastOverlap) {
     // a face is taken where another one, and then an edge, is better by less than a twentieth
     EXPECT_GE(depth_of(touches), expected - 1e-9) << "pair " << i;
     EXPECT_LE(depth_of(touches), expected / (0.95 * 0.95) + 2.2e-6) << "pair " << i;
-    for (const Touch& touch : touches) {
+    for (const TouchPoint& touch : touches) {
       EXPECT_NEAR(touch.normal.norm(), 1.0, 1e-9);
       // half way between both surfaces: not farther outside of either than they overlap
       for (const Plane& plane : a.planes()) EXPECT_LE(plane.distance(touch.position), expected) << "pair " << i;
@@ -216,7 +216,7 @@ TEST(HullContacts, OfFacesHaveTheirCorners) {
   auto touches = touch_hull(cube, PlacedPolytope(cube, pose));
   ASSERT_EQ(touches.size(), 4u);
   std::vector<std::pair<double, double>> places;
-  for (const Touch& touch : touches) {
+  for (const TouchPoint& touch : touches) {
     EXPECT_NEAR(touch.depth, 0.001, 1e-12);
     EXPECT_NEAR(touch.position.z(), 0.4995, 1e-12);
     EXPECT_EQ(touch.normal, Vector3d(0, 0, 1));
@@ -236,7 +236,7 @@ TEST(HullContacts, OfManyCornersAreEightAllAround) {
   const auto touches = touch_hull(plate, PlacedPolytope(plate, pose));
   ASSERT_EQ(touches.size(), max_touches);
   std::vector<double> angles;
-  for (const Touch& touch : touches) angles.push_back(std::atan2(touch.position.y(), touch.position.x()));
+  for (const TouchPoint& touch : touches) angles.push_back(std::atan2(touch.position.y(), touch.position.x()));
   std::sort(angles.begin(), angles.end());
   for (std::size_t i = 1; i < angles.size(); ++i) EXPECT_LT(angles[i] - angles[i - 1], 1.2);
 }
