@@ -2,6 +2,7 @@
 
 #include "urdf_draft.h"
 #include "urdf_materials.h"
+#include "urdf_meshes.h"
 #include "urdf_schema.h"
 #include "urdf_text.h"
 #include "urdf_values.h"
@@ -24,7 +25,7 @@ using tinyxml2::XMLElement;
 using urdf::Findings;
 
 /// Everything of the robot that our own pass reads, with the document brought to what urdfdom may see of it.
-urdf::Draft read_draft(XMLElement& robot, Findings& findings) {
+urdf::Draft read_draft(XMLElement& robot, urdf::Meshes& meshes, Findings& findings) {
   urdf::Draft draft;
   draft.name = urdf::read_name(robot, "name", findings).value_or("");
   urdf::prune_to_schema(robot, findings);
@@ -32,7 +33,7 @@ urdf::Draft read_draft(XMLElement& robot, Findings& findings) {
   draft.tracks = urdf::read_tracks(robot, findings);
   const urdf::Materials materials(robot, findings);
   for (auto* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
-    auto read = urdf::read_link(*link, materials, findings);
+    auto read = urdf::read_link(*link, materials, meshes, findings);
     draft.is_complete = draft.is_complete && read.has_value();
     if (read) draft.links.push_back(std::move(*read));
   }
@@ -49,7 +50,7 @@ urdf::Draft read_draft(XMLElement& robot, Findings& findings) {
 void straighten_blanks(XMLElement& element) {
   for (const auto* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
     const std::string_view name = attribute->Name();
-    if (name == "name" || name == "type" || name == "link") continue;
+    if (name == "name" || name == "type" || name == "link" || name == "filename") continue;
     std::istringstream words(attribute->Value());
     words.imbue(std::locale::classic());
     std::string straight;
@@ -79,11 +80,11 @@ bool has_broken_inertial(const urdf::Draft& draft) {
 }
 
 /// The robot in a sound text; null if there is an error.
-std::optional<Model> read_robot(const std::string& text, Findings& findings) {
+std::optional<Model> read_robot(const std::string& text, urdf::Meshes& meshes, Findings& findings) {
   XMLDocument document;
   XMLElement* robot = urdf::parse_xml(text, document, findings);
   if (robot == nullptr) return std::nullopt;
-  const urdf::Draft draft = read_draft(*robot, findings);
+  const urdf::Draft draft = read_draft(*robot, meshes, findings);
   if (draft.links.size() > max_urdf_links) {
     findings.error(0, fmt::format("the robot has {} links, more than {}", draft.links.size(), max_urdf_links));
     return std::nullopt;
@@ -121,8 +122,9 @@ Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& op
 
 Result<Model> parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options) {
   Findings findings(name, options.strict);
+  urdf::Meshes meshes(name, options, findings);
   std::optional<Model> model;
-  if (urdf::text_is_sound(text, findings)) model = read_robot(text, findings);
+  if (urdf::text_is_sound(text, findings)) model = read_robot(text, meshes, findings);
   if (findings.has_error()) return findings.errors();
   REHEARSE_ASSERT(model.has_value(), "a robot that can't be read leaves an error");
   model->source_file = name;

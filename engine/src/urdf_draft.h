@@ -59,12 +59,14 @@ struct Draft {
 };
 
 class Materials;
+class Meshes;
 
 // Each reads one kind of element. What it mends for urdfdom's sake it changes in the document as well, so that both
 // readers see the same robot.
 
 /// Null if the link has no name. A shape that can't be read is left out, with an error.
-std::optional<LinkDraft> read_link(tinyxml2::XMLElement& element, const Materials& materials, Findings& findings);
+std::optional<LinkDraft> read_link(tinyxml2::XMLElement& element, const Materials& materials, Meshes& meshes,
+                                   Findings& findings);
 
 /// Null if the joint has no name, type, parent or child.
 std::optional<JointDraft> read_joint(tinyxml2::XMLElement& element, Findings& findings);

@@ -9,8 +9,6 @@
 namespace rehearse::urdf {
 namespace {
 
-constexpr std::size_t longest_quote = 60;  // [bytes]
-
 void sort_by_line(Diagnostics& diagnostics) {
   std::stable_sort(diagnostics.begin(), diagnostics.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.line < b.line; });
@@ -90,10 +88,10 @@ void Findings::add(Severity severity, int line, std::string message, std::string
   found_.push_back({severity, file_, line, 0, std::move(message), std::move(hint)});
 }
 
-std::string printable(std::string_view text) {
+std::string printable(std::string_view text, std::size_t longest) {
   std::string shown;
   while (!text.empty()) {
-    if (shown.size() >= longest_quote) {
+    if (shown.size() >= longest) {
       shown += "...";
       break;
     }
@@ -106,7 +104,7 @@ std::string printable(std::string_view text) {
   return shown;
 }
 
-std::string in_quotes(std::string_view text) { return "'" + printable(text) + "'"; }
+std::string in_quotes(std::string_view text, std::size_t longest) { return "'" + printable(text, longest) + "'"; }
 
 std::string tag(std::string_view name) { return "<" + printable(name) + ">"; }
 

@@ -3,6 +3,7 @@
 
 #include <rehearse/diagnostic.h>
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
@@ -47,11 +48,14 @@ class Findings {
   std::map<std::string, Passed> ignored_;  // by kind
 };
 
+inline constexpr std::size_t longest_quote = 60;   // [bytes]
+inline constexpr std::size_t longest_path = 1000;  // [bytes]
+
 /// The text fit for one line of a message: shortened, without control characters and broken UTF-8.
-std::string printable(std::string_view text);
+std::string printable(std::string_view text, std::size_t longest = longest_quote);
 
 /// The same in single quotes, for names and values.
-std::string in_quotes(std::string_view text);
+std::string in_quotes(std::string_view text, std::size_t longest = longest_quote);
 
 /// The same as a tag, for names of elements: <name>.
 std::string tag(std::string_view name);

@@ -1,5 +1,6 @@
 #include "urdf_draft.h"
 #include "urdf_materials.h"
+#include "urdf_meshes.h"
 #include "urdf_values.h"
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr const char* known_shapes = "box, sphere, cylinder or capsule";
+constexpr const char* known_shapes = "box, sphere, cylinder, capsule or mesh";
 
 std::optional<Geometry> read_box(const XMLElement& element, Findings& findings) {
   const auto size = read_vector(element, "size", findings);
@@ -35,7 +36,7 @@ std::optional<Geometry> read_round(const XMLElement& element, Findings& findings
   return Round{*radius, *length};
 }
 
-std::optional<Geometry> read_shape(XMLElement& element, Findings& findings) {
+std::optional<Geometry> read_shape(XMLElement& element, Meshes& meshes, Meshes::Use use, Findings& findings) {
   const std::string_view kind = element.Name();
   if (kind == "box") return read_box(element, findings);
   if (kind == "sphere") return read_sphere(element, findings);
@@ -45,21 +46,14 @@ std::optional<Geometry> read_shape(XMLElement& element, Findings& findings) {
     element.SetName("cylinder");  // urdfdom doesn't know it; the measures are the same
     return capsule;
   }
-  if (kind == "mesh") {
-    const char* file = element.Attribute("filename");
-    findings.error(element.GetLineNum(),
-                   fmt::format("the mesh {} can't be used: this version doesn't read meshes",
-                               in_quotes(file == nullptr ? "" : file)),
-                   fmt::format("use a {}", known_shapes));
-    return std::nullopt;
-  }
+  if (kind == "mesh") return meshes.read(element, use);
   findings.error(element.GetLineNum(), fmt::format("unknown geometry {}", tag(kind)),
                  fmt::format("a {}", known_shapes));
   return std::nullopt;
 }
 
 /// The geometry of a <visual> or <collision>.
-std::optional<Geometry> read_geometry(XMLElement& element, Findings& findings) {
+std::optional<Geometry> read_geometry(XMLElement& element, Meshes& meshes, Meshes::Use use, Findings& findings) {
   XMLElement* geometry = element.FirstChildElement("geometry");
   XMLElement* shape = geometry == nullptr ? nullptr : geometry->FirstChildElement();
   if (shape == nullptr) {
@@ -71,7 +65,7 @@ std::optional<Geometry> read_geometry(XMLElement& element, Findings& findings) {
     findings.error(second->GetLineNum(), "a second shape in one <geometry>",
                    fmt::format("one <{}> for each shape", element.Name()));
   }
-  return read_shape(*shape, findings);
+  return read_shape(*shape, meshes, use, findings);
 }
 
 /// The smallest measure of a shape [m].
@@ -91,14 +85,19 @@ bool has_name(const XMLElement& element) {
   return name != nullptr && *name != '\0';
 }
 
-/// All shapes of one kind; those without extent are taken out of the document too.
-std::vector<Shape> read_shapes(XMLElement& link, const char* kind, const Materials* materials, Findings& findings) {
+/// All shapes of one kind; those that are left out are taken out of the document too.
+std::vector<Shape> read_shapes(XMLElement& link, const char* kind, const Materials* materials, Meshes& meshes,
+                               Findings& findings) {
+  const Meshes::Use use = materials != nullptr ? Meshes::Use::visual : Meshes::Use::collision;
   std::vector<Shape> shapes;
   XMLElement* next = nullptr;
   for (XMLElement* element = link.FirstChildElement(kind); element != nullptr; element = next) {
     next = element->NextSiblingElement(kind);
-    const std::optional<Geometry> geometry = read_geometry(*element, findings);
+    const int errors = findings.error_count();
+    const std::optional<Geometry> geometry = read_geometry(*element, meshes, use, findings);
+    const bool is_left_out = !geometry && findings.error_count() == errors;
     const Eigen::Isometry3d pose = read_origin(*element, findings);
+    if (is_left_out) link.DeleteChild(element);
     if (!geometry) continue;
     if (smallest(*geometry) < 0.0) {
       findings.error(element->GetLineNum(), fmt::format("<{}> has a shape of negative size", kind));
@@ -160,7 +159,8 @@ bool read_inertial(const XMLElement& element, LinkDraft& draft, Findings& findin
 
 }  // namespace
 
-std::optional<LinkDraft> read_link(XMLElement& element, const Materials& materials, Findings& findings) {
+std::optional<LinkDraft> read_link(XMLElement& element, const Materials& materials, Meshes& meshes,
+                                   Findings& findings) {
   LinkDraft draft;
   draft.link.line = element.GetLineNum();
   const auto name = read_name(element, "name", findings);
@@ -168,8 +168,8 @@ std::optional<LinkDraft> read_link(XMLElement& element, const Materials& materia
   if (const XMLElement* inertial = element.FirstChildElement("inertial")) {
     draft.has_broken_inertial = !read_inertial(*inertial, draft, findings);
   }
-  draft.link.visuals = read_shapes(element, "visual", &materials, findings);
-  draft.link.collisions = read_shapes(element, "collision", nullptr, findings);
+  draft.link.visuals = read_shapes(element, "visual", &materials, meshes, findings);
+  draft.link.collisions = read_shapes(element, "collision", nullptr, meshes, findings);
   if (!name) return std::nullopt;
   return draft;
 }

@@ -86,7 +86,11 @@ bool same(const Geometry& ours, const ::urdf::Geometry& theirs) {
     }
     bool operator()(const Cylinder& cylinder) const { return round(cylinder.radius, cylinder.length); }
     bool operator()(const Capsule& capsule) const { return round(capsule.radius, capsule.length); }
-    bool operator()(const Mesh&) const { return dynamic_cast<const ::urdf::Mesh*>(&theirs) != nullptr; }
+    bool operator()(const Mesh& mesh) const {
+      const auto* other = dynamic_cast<const ::urdf::Mesh*>(&theirs);
+      return other != nullptr && mesh.file == other->filename &&
+             mesh.scale == Eigen::Vector3d(other->scale.x, other->scale.y, other->scale.z);
+    }
   };
   return std::visit(Match{theirs}, ours);
 }

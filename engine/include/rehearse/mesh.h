@@ -33,7 +33,7 @@ struct MeshPart {
 
 struct MeshData {
   std::string file;    // its real path
-  std::string digest;  // of the file's bytes (XXH3, 16 hexadecimal digits)
+  std::string digest;  // of its bytes, then of the files it names (XXH3, 16 hexadecimal digits)
   std::vector<MeshPart> parts;
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  // corners of the box around all vertices, along the axes [m]
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();

@@ -38,6 +38,8 @@ struct Capsule {  // along z; length without the caps
 struct Mesh {
   std::shared_ptr<const MeshData> data;                  // null only if the model was loaded without its meshes
   std::shared_ptr<const std::vector<ConvexHull>> hulls;  // of a collision shape, one an object; null: a visual
+  std::string file = {};                                 // as the model's file names it
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();       // per axis; `data` has it already
 };
 using Geometry = std::variant<Box, Sphere, Cylinder, Capsule, Mesh>;
 

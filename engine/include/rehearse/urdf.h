@@ -9,7 +9,9 @@
 // - A root link called "world" is bolted to the world; any other root is free. A single floating joint below an empty
 //   "world" says the same as no "world" at all, and is read so.
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
-// - Shapes are box, sphere, cylinder and capsule (radius, length without the caps). A mesh is an error in this version.
+// - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
+//   Where a mesh is looked for, and what its formats mean, is told in fixtures/README.md. A mesh that can't be had is an
+//   error.
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, in SDF's words: type imu,
 //   accelerometer, gyroscope (or gyro), force_torque (reference: link, or joint = its child link), camera, and
 //   depth, depth_camera, rgbd or rgbd_camera (cameras that measure depth). Read are `<pose>` (x y z roll pitch yaw in
@@ -25,6 +27,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <string>
 
 namespace rehearse {
@@ -38,14 +41,22 @@ inline constexpr int max_image_side = 8192;  // of a camera [pixels]
 inline constexpr int max_urdf_errors = 20;   // told of one file
 
 struct UrdfOptions {
-  bool strict = false;  // repairs become errors
+  /// Skipping: no file but the model's own is read, and Mesh::data stays null. For a replay, which has the model's text
+  /// and no meshes.
+  enum class Meshes { load, skip };
+
+  bool strict = false;                                         // repairs become errors
+  std::map<std::string, std::filesystem::path> packages = {};  // directories of package://NAME, before any other place
+  bool allow_missing_meshes = false;                           // a mesh that can't be had is left out, with a warning
+  Meshes meshes = Meshes::load;
 };
 
 /// Reads and checks a URDF file. On failure: every error of the file (at most 20), in document order, each with its
 /// line. On success Model::report holds the repairs, warnings and notes.
 Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& options = {});
 
-/// The same from text that is already in memory; `name` stands for the file in messages and in Model::source_file.
+/// The same from text that is already in memory; `name` stands for the file in messages, in Model::source_file, and as
+/// that which the paths of meshes are relative to.
 Result<Model> parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options = {});
 
 }  // namespace rehearse

@@ -1,0 +1,125 @@
+#include "mesh_file.h"
+
+#include <assimp/BaseImporter.h>
+#include <assimp/config.h>
+#include <assimp/importerdesc.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <exception>
+#include <sstream>
+#include <system_error>
+
+#include "mesh_format.h"
+#include "mesh_input.h"
+#include "mesh_materials.h"
+#include "mesh_scene.h"
+
+namespace rehearse {
+namespace {
+
+Diagnostics at(const std::filesystem::path& file, Diagnostics found) {
+  for (Diagnostic& diagnostic : found) diagnostic.file = file.string();
+  return found;
+}
+
+bool reads(const Assimp::BaseImporter& importer, const std::string& extension) {
+  std::istringstream words(importer.GetInfo()->mFileExtensions);
+  for (std::string word; words >> word;) {
+    if (word == extension) return true;
+  }
+  return false;
+}
+
+/// assimp tries every format it knows on a file that its own reader refuses; what comes of it is no answer.
+void keep_only(Assimp::Importer& importer, MeshFormat format) {
+  constexpr const char* extensions[] = {"stl", "dae", "obj", "gltf", "glb"};
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    Assimp::BaseImporter* reader = importer.GetImporter(i);
+    if (reads(*reader, extensions[static_cast<int>(format)])) continue;
+    importer.UnregisterLoader(reader);
+    delete reader;
+  }
+}
+
+/// Why assimp refuses the file. It likes to put the file's path in, which is the machine's.
+std::string refusal(const Assimp::Importer& importer, const std::filesystem::path& file) {
+  std::string reason = importer.GetErrorString();
+  const std::string path = file.string();
+  for (std::size_t i = reason.find(path); i != std::string::npos; i = reason.find(path, i)) {
+    reason.replace(i, path.size(), file.filename().string());
+  }
+  return "assimp says: " + reason;
+}
+
+/// Owned by the importer; null: see its GetErrorString().
+const aiScene* import(Assimp::Importer& importer, MeshFormat format, MeshInput& input) {
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+  importer.SetIOHandler(&input);
+  keep_only(importer, format);
+  const aiScene* scene = importer.ReadFile(input.file().string(), aiProcess_Triangulate | aiProcess_SortByPType);
+  importer.SetIOHandler(nullptr);  // it would delete it
+  return scene;
+}
+
+/// Each once. assimp also asks for an OBJ's MTL by the name of the OBJ if the one that is named isn't there.
+void warn_of_missing(MeshFormat format, const MeshInput& input, std::vector<std::string>& warnings) {
+  const std::vector<std::string>& missing = input.missing();
+  const std::string guess = format == MeshFormat::obj ? input.file().stem().string() + ".mtl" : "";
+  for (auto name = missing.begin(); name != missing.end(); ++name) {
+    if (std::find(missing.begin(), name, *name) != name || (name != missing.begin() && *name == guess)) continue;
+    warnings.push_back(fmt::format("its file '{}' can't be read", *name));
+  }
+}
+
+Result<MeshReading> convert(const aiScene& scene, MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale) {
+  MeshReading reading;
+  warn_of_missing(format, input, reading.warnings);
+  const MeshMaterials materials(scene, format, input, reading.warnings);
+  Result<std::vector<MeshPart>> parts = read_parts(scene, format, materials, scale);
+  if (!parts) return parts.errors();
+  reading.data.parts = *std::move(parts);
+  return reading;
+}
+
+void measure(MeshData& data) {
+  Eigen::AlignedBox<float, 3> box;
+  for (const MeshPart& part : data.parts) {
+    for (const Eigen::Vector3f& vertex : part.vertices) box.extend(vertex);
+  }
+  data.lower = box.min().cast<double>();
+  data.upper = box.max().cast<double>();
+}
+
+}  // namespace
+
+Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+  const Result<MeshFormat> format = mesh_format_of(file);
+  if (!format) return at(file, format.errors());
+  Result<std::string> bytes = read_mesh_file(file);
+  if (!bytes) return bytes.errors();
+  try {
+    MeshInput input(file, *bytes);
+    if (auto checked = check_mesh_bytes(*format, *bytes); !checked) return at(file, checked.errors());
+    input.replace(*std::move(bytes));
+    Assimp::Importer importer;
+    const aiScene* scene = import(importer, *format, input);
+    if (scene == nullptr) return at(file, {error(refusal(importer, file))});
+    Result<MeshReading> reading = convert(*scene, *format, input, scale);
+    if (!reading) return at(file, reading.errors());
+    std::error_code ignored;
+    reading->data.file = std::filesystem::weakly_canonical(file, ignored).string();
+    reading->data.digest = input.digest();
+    measure(reading->data);
+    return reading;
+  } catch (const std::exception& problem) {
+    return at(file, {error(fmt::format("assimp fails: {}", problem.what()))});
+  }
+}
+
+}  // namespace rehearse

@@ -1,0 +1,92 @@
+#define XXH_INLINE_ALL
+#include "mesh_input.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <assimp/MemoryIOWrapper.h>
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+#include "mesh_paths.h"
+
+namespace rehearse {
+namespace {
+
+Diagnostic of_file(const std::filesystem::path& file, std::string message, std::string hint = {}) {
+  Diagnostic diagnostic = error(std::move(message), std::move(hint));
+  diagnostic.file = file.string();
+  return diagnostic;
+}
+
+}  // namespace
+
+Result<std::string> read_mesh_file(const std::filesystem::path& file) {
+  std::error_code problem;
+  const auto status = std::filesystem::status(file, problem);
+  if (!std::filesystem::exists(status)) {
+    Diagnostic absent = no_such_file(file);
+    absent.file = file.string();
+    return absent;
+  }
+  if (std::filesystem::is_directory(status)) return of_file(file, "it is a directory");
+  if (!std::filesystem::is_regular_file(status)) return of_file(file, "it is not a file that can be read");
+  const auto size = std::filesystem::file_size(file, problem);
+  if (!problem && size > max_mesh_bytes) {
+    return of_file(file, fmt::format("it has {} bytes, more than {} MiB", size, max_mesh_bytes >> 20));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(problem ? 0 : size, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (problem || !stream.good() || static_cast<std::size_t>(stream.gcount()) != bytes.size()) {
+    return of_file(file, "it can't be read", "look at its permissions");
+  }
+  return bytes;
+}
+
+MeshInput::MeshInput(const std::filesystem::path& file, std::string bytes)
+    : file_(file),
+      own_(std::make_unique<std::string>(std::move(bytes))),
+      hash_(XXH3_64bits(own_->data(), own_->size())) {}
+
+void MeshInput::replace(std::string bytes) { *own_ = std::move(bytes); }
+
+const std::string* MeshInput::named(const std::string& path) {
+  std::string slashes = path;
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  const std::string* bytes = read(file_.parent_path() / slashes);
+  if (bytes == nullptr) bytes = read(file_.parent_path() / percent_decoded(slashes));
+  return bytes;
+}
+
+std::string MeshInput::digest() const { return fmt::format("{:016x}", hash_); }
+
+const std::string* MeshInput::read(const std::filesystem::path& path) {
+  const std::string key = path.lexically_normal().string();
+  if (const auto known = others_.find(key); known != others_.end()) return known->second.get();
+  Result<std::string> bytes = read_mesh_file(path);
+  if (!bytes) return nullptr;
+  hash_ = XXH3_64bits_withSeed(bytes->data(), bytes->size(), hash_);
+  return others_.emplace(key, std::make_unique<std::string>(*std::move(bytes))).first->second.get();
+}
+
+bool MeshInput::Exists(const char* path) const {
+  std::error_code ignored;
+  return path == file_.string() || std::filesystem::is_regular_file(path, ignored);
+}
+
+Assimp::IOStream* MeshInput::Open(const char* path, const char* mode) {
+  if (std::string_view(mode).find_first_of("wa+") != std::string_view::npos) return nullptr;
+  const std::string* bytes = path == file_.string() ? own_.get() : read(path);
+  if (bytes == nullptr) bytes = read(percent_decoded(path));
+  if (bytes == nullptr) {
+    missing_.push_back(std::filesystem::path(path).lexically_relative(file_.parent_path()).string());
+    return nullptr;
+  }
+  return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size());
+}
+
+void MeshInput::Close(Assimp::IOStream* stream) { delete stream; }
+
+}  // namespace rehearse

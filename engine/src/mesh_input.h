@@ -1,0 +1,60 @@
+// The files that a mesh is read from: its own, and those that it names (materials, buffers, pictures).
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <assimp/IOSystem.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+inline constexpr std::size_t max_mesh_bytes = std::size_t{512} << 20;  // 512 MiB, of each file
+
+/// The bytes of a regular file. Errors carry the path as their file.
+Result<std::string> read_mesh_file(const std::filesystem::path& file);
+
+/// What assimp may open. Each file is read once and as a whole, and only if it is a regular one of bearable size.
+class MeshInput : public Assimp::IOSystem {
+ public:
+  /// `bytes`: the content of `file`, whatever is on the disk.
+  MeshInput(const std::filesystem::path& file, std::string bytes);
+
+  /// Puts `bytes` in the place of the file's own, for assimp alone: the digest stays that of what was there.
+  void replace(std::string bytes);
+
+  /// The content of a file that the mesh names, relative to the mesh; null if it can't be read.
+  const std::string* named(const std::string& path);
+
+  const std::string& bytes() const { return *own_; }
+  const std::filesystem::path& file() const { return file_; }
+
+  /// What was named and couldn't be read, in the order in which it was asked for.
+  const std::vector<std::string>& missing() const { return missing_; }
+  /// By real path: what was read beside the mesh itself.
+  const std::map<std::string, std::unique_ptr<std::string>>& others() const { return others_; }
+
+  /// XXH3 of the mesh's bytes; of each file that was read for it, in the order in which they were asked for, with the
+  /// hash so far as the seed. 16 hexadecimal digits.
+  std::string digest() const;
+
+  bool Exists(const char* path) const override;
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* path, const char* mode) override;
+  void Close(Assimp::IOStream* stream) override;
+
+ private:
+  const std::string* read(const std::filesystem::path& path);
+
+  std::filesystem::path file_;
+  std::unique_ptr<std::string> own_;
+  std::map<std::string, std::unique_ptr<std::string>> others_;
+  std::vector<std::string> missing_;
+  std::uint64_t hash_;
+};
+
+}  // namespace rehearse

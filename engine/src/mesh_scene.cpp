@@ -1,0 +1,214 @@
+#include "mesh_scene.h"
+
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <optional>
+#include <tuple>
+
+namespace rehearse {
+namespace {
+
+using Matrix = Eigen::Matrix<double, 3, 4>;  // an affine map
+
+Matrix matrix_of(const aiMatrix4x4& m) {
+  return (Matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4).finished();
+}
+
+Matrix product(const Matrix& outer, const Matrix& inner) {
+  Matrix product = outer.leftCols<3>() * inner;
+  product.col(3) += outer.col(3);
+  return product;
+}
+
+/// From the file's frame to the shape's.
+Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (format == MeshFormat::gltf || format == MeshFormat::glb) turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  Matrix placing = Matrix::Zero();
+  placing.leftCols<3>() = scale.asDiagonal() * turn;
+  return placing;
+}
+
+Eigen::Vector3d vector_of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+/// How normals go where vertices go by `linear`, up to their length: by its cofactors, which exist even if it flattens.
+/// A mirror turns the winding, so it has to turn them back.
+Eigen::Matrix3d normal_matrix(const Eigen::Matrix3d& linear) {
+  Eigen::Matrix3d cofactors;
+  for (int i = 0; i < 3; ++i) cofactors.col(i) = linear.col((i + 1) % 3).cross(linear.col((i + 2) % 3));
+  return linear.determinant() < 0.0 ? Eigen::Matrix3d(-cofactors) : cofactors;
+}
+
+/// Of a triangle, by its winding; z if it has no area.
+Eigen::Vector3f normal_of(const MeshPart& part, const std::array<std::uint32_t, 3>& triangle) {
+  const Eigen::Vector3d a = part.vertices[triangle[0]].cast<double>();
+  const Eigen::Vector3d b = part.vertices[triangle[1]].cast<double>();
+  const Eigen::Vector3d c = part.vertices[triangle[2]].cast<double>();
+  const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
+  return normal.squaredNorm() > 0.5 ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f::UnitZ();
+}
+
+/// Gives each triangle vertices of its own, with its normal.
+void flatten(MeshPart& part) {
+  MeshPart flat;
+  for (std::array<std::uint32_t, 3>& triangle : part.triangles) {
+    const Eigen::Vector3f normal = normal_of(part, triangle);
+    for (std::uint32_t& corner : triangle) {
+      flat.vertices.push_back(part.vertices[corner]);
+      flat.normals.push_back(normal);
+      if (!part.texture_coordinates.empty()) flat.texture_coordinates.push_back(part.texture_coordinates[corner]);
+      corner = static_cast<std::uint32_t>(flat.vertices.size() - 1);
+    }
+  }
+  part.vertices = std::move(flat.vertices);
+  part.normals = std::move(flat.normals);
+  part.texture_coordinates = std::move(flat.texture_coordinates);
+}
+
+/// Puts a triangle's normal where the file has none that can be used; those are zero so far.
+void mend_normals(MeshPart& part) {
+  for (const auto& triangle : part.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      Eigen::Vector3f& normal = part.normals[corner];
+      if (normal.isZero(0.0f)) normal = normal_of(part, triangle);
+    }
+  }
+  for (Eigen::Vector3f& normal : part.normals) {  // of vertices that no triangle has
+    if (normal.isZero(0.0f)) normal = Eigen::Vector3f::UnitZ();
+  }
+}
+
+void read_normals(const aiMesh& mesh, const Matrix& place, MeshPart& part) {
+  const Eigen::Matrix3d turn = normal_matrix(place.leftCols<3>());
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const Eigen::Vector3d normal = (turn * vector_of(mesh.mNormals[i])).stableNormalized();
+    part.normals.push_back(normal.allFinite() ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f::Zero());
+  }
+  mend_normals(part);
+}
+
+std::optional<Diagnostic> read_triangles(const aiMesh& mesh, bool is_mirrored, MeshPart& part) {
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    const aiFace& face = mesh.mFaces[i];
+    if (face.mNumIndices != 3) return error(fmt::format("a face of it has {} corners", face.mNumIndices));
+    std::array<std::uint32_t, 3> triangle{face.mIndices[0], face.mIndices[1], face.mIndices[2]};
+    for (const std::uint32_t corner : triangle) {
+      if (corner < mesh.mNumVertices) continue;
+      return error(fmt::format("a face of it refers to vertex {}, and there are {}", corner, mesh.mNumVertices));
+    }
+    if (is_mirrored) std::swap(triangle[1], triangle[2]);
+    part.triangles.push_back(triangle);
+  }
+  return std::nullopt;
+}
+
+/// The triangles of one of assimp's meshes, moved by `place`.
+Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat, const Paint& paint) {
+  MeshPart part;
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const Eigen::Vector3d vertex = place.leftCols<3>() * vector_of(mesh.mVertices[i]) + place.col(3);
+    part.vertices.emplace_back(vertex.cast<float>());
+    if (!part.vertices.back().allFinite()) return error("a vertex of it isn't finite");
+  }
+  part.color = paint.color;
+  if (paint.texture != nullptr && mesh.HasTextureCoords(paint.channel)) {
+    part.texture = paint.texture;
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& uv = mesh.mTextureCoords[paint.channel][i];
+      part.texture_coordinates.emplace_back(uv.x, uv.y);
+      if (!part.texture_coordinates.back().allFinite()) return error("a texture coordinate of it isn't finite");
+    }
+  }
+  const bool is_mirrored = place.leftCols<3>().determinant() < 0.0;
+  if (auto problem = read_triangles(mesh, is_mirrored, part)) return *problem;
+  if (is_flat || !mesh.HasNormals()) {
+    flatten(part);
+  } else {
+    read_normals(mesh, place, part);
+  }
+  return part;
+}
+
+template <class Item>
+void append(std::vector<Item>& to, const std::vector<Item>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
+class PartReader {
+ public:
+  PartReader(const aiScene& scene, MeshFormat format, const MeshMaterials& materials)
+      : scene_(scene), format_(format), materials_(materials) {}
+
+  /// An error if a mesh of the node can't be used.
+  std::optional<Diagnostic> read(const aiNode& node, const Matrix& place) {
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      if (node.mMeshes[i] >= scene_.mNumMeshes) return error("a node of it refers to a mesh that isn't there");
+      const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[i]];
+      if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;  // lines and points
+      count_ += mesh.mNumFaces;
+      if (count_ > max_mesh_triangles) return error(fmt::format("it has more than {} triangles", max_mesh_triangles));
+      Result<MeshPart> part = read_part(mesh, place, format_ == MeshFormat::stl, materials_[mesh.mMaterialIndex]);
+      if (!part) return part.errors().front();
+      add(*std::move(part), mesh.mMaterialIndex);
+    }
+    if (format_ == MeshFormat::obj && !parts_.empty()) object_ = parts_.back().object + 1;
+    return std::nullopt;
+  }
+
+  std::vector<MeshPart> take() { return std::move(parts_); }
+
+ private:
+  /// To the part of the same object and material, if there is one: fewer parts are drawn faster.
+  void add(MeshPart part, unsigned material) {
+    part.object = object_;
+    const auto key = std::tuple(object_, material, part.texture_coordinates.empty());
+    const auto [known, is_new] = indices_.emplace(key, parts_.size());
+    if (is_new) {
+      parts_.push_back(std::move(part));
+      return;
+    }
+    MeshPart& whole = parts_[known->second];
+    const auto shift = static_cast<std::uint32_t>(whole.vertices.size());
+    append(whole.vertices, part.vertices);
+    append(whole.normals, part.normals);
+    append(whole.texture_coordinates, part.texture_coordinates);
+    for (const auto& [a, b, c] : part.triangles) whole.triangles.push_back({a + shift, b + shift, c + shift});
+  }
+
+  const aiScene& scene_;
+  MeshFormat format_;
+  const MeshMaterials& materials_;
+  std::vector<MeshPart> parts_;
+  std::map<std::tuple<int, unsigned, bool>, std::size_t> indices_;  // into parts_
+  std::size_t count_ = 0;                                           // of triangles
+  int object_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format, const MeshMaterials& materials,
+                                         const Eigen::Vector3d& scale) {
+  if (scene.mRootNode == nullptr) return error("it has no triangles");
+  struct Waiting {
+    const aiNode* node;
+    Matrix parent;  // from its parent's frame to the shape's
+  };
+  PartReader reader(scene, format, materials);
+  std::vector<Waiting> waiting{
+      {scene.mRootNode, placing_of(format, scale)}};  // a stack: files nest as deep as they like
+  while (!waiting.empty()) {
+    const auto [node, parent] = waiting.back();
+    waiting.pop_back();
+    const Matrix place = product(parent, matrix_of(node->mTransformation));
+    if (auto problem = reader.read(*node, place)) return *problem;
+    for (unsigned i = node->mNumChildren; i-- > 0;) waiting.push_back({node->mChildren[i], place});
+  }
+  std::vector<MeshPart> parts = reader.take();
+  if (parts.empty()) return error("it has no triangles");
+  return parts;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,21 @@
+// From what assimp has read to the parts of a mesh.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/mesh.h>
+
+#include <vector>
+
+#include "mesh_format.h"
+#include "mesh_materials.h"
+
+struct aiScene;
+
+namespace rehearse {
+
+/// The triangles of all nodes in the order of the tree, in the shape's frame: one part for each object and material,
+/// in the order in which they come.
+Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format, const MeshMaterials& materials,
+                                         const Eigen::Vector3d& scale);
+
+}  // namespace rehearse
