@@ -17,6 +17,7 @@ rehearse_add_library(harness
   src/host_joystick.cpp
   src/io_body.cpp
   src/joint_arrays.cpp
+  src/mesh_digests.cpp
   src/pin.cpp
   src/provenance.cpp
   src/recorded_inputs.cpp

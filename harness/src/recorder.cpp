@@ -9,6 +9,7 @@
 
 #include "contact_messages.h"
 #include "device_recorder.h"
+#include "mesh_digests.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
 
@@ -142,6 +143,10 @@ Result<void> Recorder::Impl::attach_sources() {
     for (Diagnostic& finding : report) finding.file = body.model_file;
     const std::string text = to_string(report);
     if (auto done = writer->add_attachment(body.model_file + ".report", "text/plain", bytes_of(text)); !done)
+      return done;
+    const std::string meshes = mesh_digests(*body.model);
+    if (meshes.empty()) continue;
+    if (auto done = writer->add_attachment(body.model_file + ".meshes", "text/plain", bytes_of(meshes)); !done)
       return done;
   }
   return {};

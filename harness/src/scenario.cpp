@@ -178,10 +178,14 @@ bool Scenario::runs_camera(const std::string& body, const std::string& camera) c
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
   Result<std::string> text = read_file(file);
   if (!text) return text.errors();
-  const auto beside = [folder = file.parent_path()](const std::string& model_file) -> Result<Model> {
+  const auto beside = [folder = file.parent_path()](
+                          const std::string& model_file,
+                          const std::map<std::string, std::string>& packages) -> Result<Model> {
     const std::filesystem::path path = folder / model_file;
+    UrdfOptions options;
+    for (const auto& [name, directory] : packages) options.packages[name] = folder / directory;
     std::error_code ignored;
-    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_urdf(path);
+    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_urdf(path, options);
     return error(fmt::format("there is no model file '{}'", shortened(model_file)),
                  fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
   };

@@ -31,9 +31,10 @@ class BodyReader {
 
   void read_name(const Keys& keys, ScenarioBody& body);
   void read_dynamics(const YamlNode& node, ScenarioBody& body);
+  void read_packages(const YamlNode& node, ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
   void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
-  std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file);
+  std::shared_ptr<const Model> load_model(const YamlNode& node, const ScenarioBody& body);
   InlineShape read_shape(std::string_view kind, const YamlNode& node);
   std::optional<Color> read_color(const YamlNode& node);
   std::optional<Checker> read_checker(const YamlNode& node);
@@ -43,13 +44,18 @@ class BodyReader {
   Findings& findings_;
   const Scenario::ModelSource& source_;
   Scenario& scenario_;
-  std::map<std::string, std::shared_ptr<const Model>> models_;  // by file; null: it failed, and that was told
+
+  struct KnownModel {
+    std::map<std::string, std::string> packages;
+    std::shared_ptr<const Model> model;  // null: it failed, and that was told
+  };
+  std::map<std::string, KnownModel> models_;  // by file
 };
 
 void BodyReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, "a body",
-                  {"name", "model", "box", "sphere", "cylinder", "mass", "fixed", "dynamics", "joint_limits",
-                   "effort_limits", "position", "rotation", "joints", "controllers"});
+                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "fixed", "dynamics",
+                   "joint_limits", "effort_limits", "position", "rotation", "joints", "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -61,6 +67,7 @@ void BodyReader::read(const YamlNode& node) {
   if (const YamlNode* limits = keys.find("effort_limits"); limits != nullptr && body.effort_limits && body.kinematic)
     findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
                       "a kinematic body takes no efforts");
+  if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
   read_model(keys, body);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
@@ -97,6 +104,20 @@ void BodyReader::read_dynamics(const YamlNode& node, ScenarioBody& body) {
   }
 }
 
+void BodyReader::read_packages(const YamlNode& node, ScenarioBody& body) {
+  if (node.kind != YamlNode::Kind::map) {
+    expected(findings_, node, "packages", "a map of NAME: DIRECTORY, relative to the scenario");
+    return;
+  }
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    const auto directory = read_text(findings_, *entry.value, entry.name, "the directory of a package");
+    if (directory && directory->empty())
+      expected(findings_, *entry.value, entry.name, "the directory of a package, relative to the scenario");
+    else if (directory)
+      body.packages[entry.name] = *directory;
+  }
+}
+
 void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
   std::string_view chosen;
   for (const NamedEntry& entry : keys.entries()) {
@@ -114,22 +135,29 @@ void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
       make_shape(keys, chosen, *entry.value, body);
     }
   }
+  if (const YamlNode* packages = keys.find("packages"); packages != nullptr && !chosen.empty() && chosen != "model")
+    findings_.error(*packages, "packages are given for a body without a model file",
+                    "they say where a model's meshes are");
   if (chosen.empty()) keys.require("model", "a URDF file, or instead one of box, sphere, cylinder");
 }
 
 void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
   if (const auto file = read_text(findings_, node, "model", "the path of a URDF file, relative to the scenario")) {
     body.model_file = *file;
-    body.model = load_model(node, *file);
+    body.model = load_model(node, body);
   }
   if (const YamlNode* mass = keys.find("mass"))
     findings_.error(*mass, "mass is given for a body with a model file", "the masses of a model stand in its file");
 }
 
-std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file) {
-  const auto [known, is_new] = models_.emplace(file, nullptr);
-  if (!is_new) return known->second;
-  Result<Model> model = source_(file);
+std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const ScenarioBody& body) {
+  const std::string& file = body.model_file;
+  const auto [known, is_new] = models_.emplace(file, KnownModel{body.packages, nullptr});
+  if (!is_new && known->second.packages != body.packages)
+    findings_.error(node, fmt::format("the model '{}' has other packages in a body above", shortened(file, 500)),
+                    "a recording holds a model once: give both bodies the same packages");
+  if (!is_new) return known->second.model;
+  Result<Model> model = source_(file, body.packages);
   if (!model) {
     const Diagnostic& first = model.errors().front();
     if (first.file.empty()) {
@@ -144,8 +172,8 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
   std::copy_if(model->report.begin(), model->report.end(), std::back_inserter(reports),
                [](const Diagnostic& report) { return report.severity != Severity::note; });
   findings_.pass_through(node, std::move(reports));
-  known->second = std::make_shared<const Model>(std::move(*model));
-  return known->second;
+  known->second.model = std::make_shared<const Model>(std::move(*model));
+  return known->second.model;
 }
 
 std::optional<Color> BodyReader::read_color(const YamlNode& node) {

@@ -105,7 +105,7 @@ TEST(Scenario, KeepsItsTextForTheRecord) {
 
 TEST(Scenario, ComesFromMemoryWithModelsFromAnywhere) {
   std::vector<std::string> asked;
-  const auto source = [&asked](const std::string& file) -> Result<Model> {
+  const auto source = [&asked](const std::string& file, const auto&) -> Result<Model> {
     asked.push_back(file);
     return single_shape_model("made", Sphere{0.1}, 1.0, std::nullopt);
   };
@@ -119,8 +119,38 @@ TEST(Scenario, ComesFromMemoryWithModelsFromAnywhere) {
   EXPECT_EQ(result.value().bodies.at(1).model->name, "made");
 }
 
+TEST(Scenario, HandsPackagesToTheModelSource) {
+  std::map<std::string, std::string> asked;
+  const auto source = [&asked](const std::string&,
+                               const std::map<std::string, std::string>& packages) -> Result<Model> {
+    asked = packages;
+    return single_shape_model("made", Sphere{0.1}, 1.0, std::nullopt);
+  };
+  const auto result = Scenario::parse(
+      "rehearse: 1\nduration: 1\nbodies: [{packages: {arm: ../arm, hand: h}, name: A, model: a.urdf}]\n", "a.yaml",
+      source);
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_THAT(asked, ElementsAre(std::pair("arm", "../arm"), std::pair("hand", "h")));
+  EXPECT_EQ(result->bodies[0].packages, asked);
+}
+
+TEST(Scenario, FindsMeshesInItsPackages) {
+  const std::string model =
+      "<robot name='r'><link name='world'><visual><geometry><mesh "
+      "filename='package://things/triangle.stl'/></geometry></visual></link></robot>";
+  write_file("r.urdf", model);
+  const std::string text = "rehearse: 1\nduration: 1\nbodies:\n  - name: R\n    model: r.urdf\n";
+  EXPECT_THAT(mistakes(load_text(text)), testing::HasSubstr("there is no package 'things'"));
+  const std::filesystem::path file = write_file("test.yaml", text);
+  std::filesystem::create_directory_symlink(fixtures / "broken/meshes", file.parent_path() / "meshes");
+  const Scenario scenario = loaded(text + "    packages: {things: meshes}\n");
+  EXPECT_EQ(std::get<Mesh>(scenario.bodies.at(0).model->links[0].visuals.at(0).geometry).data->triangle_count(), 1u);
+}
+
 TEST(Scenario, TellsWhatAModelSourceLacksAtTheModelsPlace) {
-  const auto nothing = [](const std::string&) -> Result<Model> { return error("it isn't attached", "attach it"); };
+  const auto nothing = [](const std::string&, const auto&) -> Result<Model> {
+    return error("it isn't attached", "attach it");
+  };
   const auto result =
       Scenario::parse("rehearse: 1\nduration: 1\nbodies: [{name: A, model: a.urdf}]\n", "a.yaml", nothing);
   EXPECT_EQ(mistakes(result), "a.yaml:3:27: error: it isn't attached (attach it)\n");

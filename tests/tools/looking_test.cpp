@@ -102,6 +102,47 @@ TEST_F(Inspect, TellsAProgramAllOfIt) {
   EXPECT_GT(model["findings"][0]["line"], 0);
 }
 
+const std::string mesh_model = (fixtures / "models/mesh_arm/mesh_arm.urdf").string();
+
+TEST_F(Inspect, CountsMeshesAndTriangles) {
+  EXPECT_THAT(done({"inspect", mesh_model}).out,
+              HasSubstr("\n7 mesh files: 7 visuals with 1944 triangles, 4 collisions with 600 triangles\n"));
+  const nlohmann::json model = done({"inspect", mesh_model, "--json"}).json();
+  ASSERT_EQ(model["meshes"].size(), 7u);
+  EXPECT_EQ(model["meshes"][0]["file"], "meshes/base.dae");
+  EXPECT_EQ(model["meshes"][6]["file"], "package://mesh_arm/meshes/finger.stl");
+  EXPECT_EQ(model["meshes"][6]["uses"], 4);
+  EXPECT_EQ(model["meshes"][6]["triangles"], 44);
+  EXPECT_EQ(model["triangles"]["visuals"], 1944);
+  EXPECT_EQ(model["triangles"]["collisions"], 600);
+  EXPECT_THAT(done({"inspect", sr1_model}).out, ::testing::Not(HasSubstr("mesh file")));
+}
+
+TEST_F(Inspect, TakesTheDirectoriesOfPackages) {
+  std::string text = read_file(mesh_model);
+  for (std::size_t at = 0; (at = text.find("package://mesh_arm/meshes/", at)) != std::string::npos;)
+    text.replace(at, 26, "package://things/");
+  text.replace(text.find("meshes/base.dae"), 15, "package://base%20of/base.dae");
+  std::ofstream(folder() / "arm.urdf") << text;
+  const Outcome refused = rehearse({"inspect", "arm.urdf"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, ContainsRegex("arm.urdf:[0-9]+: error: the mesh 'package://things/shoulder.stl' can't be "
+                                         "used: there is no package 'things' .say where the package is: --package"));
+  const std::string meshes = (fixtures / "models/mesh_arm/meshes").string();
+  const Outcome outcome =
+      done({"inspect", "arm.urdf", "--package", "things=" + meshes, "--package", "base%20of=" + meshes});
+  EXPECT_THAT(outcome.out, HasSubstr("\n7 mesh files: "));
+  EXPECT_EQ(rehearse({"inspect", "arm.urdf", "--package", "things"}).status, 2);
+  EXPECT_EQ(rehearse({"inspect", "arm.urdf", "--package", "a=b", "--package", "a=c"}).status, 2);
+}
+
+TEST_F(Inspect, LeavesMissingMeshesOutIfItMay) {
+  const std::string broken = (fixtures / "broken/urdf_mesh_absent.urdf").string();
+  EXPECT_EQ(rehearse({"inspect", broken}).status, 2);
+  EXPECT_THAT(done({"inspect", broken, "--allow-missing-meshes"}).out,
+              ContainsRegex(":5: warning: the mesh 'meshes/absent.stl' can't be used: it isn't there; its shape is "));
+}
+
 TEST_F(Inspect, TellsAPersonEveryErrorOfABrokenModel) {
   const Outcome outcome = rehearse({"inspect", (fixtures / "broken/urdf_axis_zero.urdf").string()});
   EXPECT_EQ(outcome.status, 2);

@@ -75,7 +75,62 @@ std::vector<const Link*> links_by_joint(const Model& model) {
   return links;
 }
 
+/// A file of triangles, and how often the model has it.
+struct MeshUse {
+  std::string file;  // as the model names it
+  std::size_t triangles = 0;
+  int visuals = 0;
+  int collisions = 0;
+};
+
+/// In the order of their first use.
+std::vector<MeshUse> mesh_uses(const Model& model) {
+  std::vector<MeshUse> uses;
+  const auto count = [&uses](const std::vector<Shape>& shapes, int MeshUse::*number) {
+    for (const Shape& shape : shapes) {
+      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (mesh == nullptr) continue;
+      auto use =
+          std::find_if(uses.begin(), uses.end(), [mesh](const MeshUse& other) { return other.file == mesh->file; });
+      if (use == uses.end()) use = uses.insert(uses.end(), {mesh->file, mesh->data->triangle_count()});
+      ++((*use).*number);
+    }
+  };
+  for (const Link& link : model.links) {
+    count(link.visuals, &MeshUse::visuals);
+    count(link.collisions, &MeshUse::collisions);
+  }
+  return uses;
+}
+
+/// Triangles of all visuals, or of all collisions.
+std::size_t triangles_of(const std::vector<MeshUse>& meshes, int MeshUse::*number) {
+  std::size_t triangles = 0;
+  for (const MeshUse& mesh : meshes) triangles += mesh.triangles * static_cast<std::size_t>(mesh.*number);
+  return triangles;
+}
+
+Json meshes_json(const std::vector<MeshUse>& meshes) {
+  Json json = Json::array();
+  for (const MeshUse& mesh : meshes)
+    json.push_back({{"file", mesh.file}, {"uses", mesh.visuals + mesh.collisions}, {"triangles", mesh.triangles}});
+  return json;
+}
+
+Json triangles_json(const std::vector<MeshUse>& meshes) {
+  return {{"visuals", triangles_of(meshes, &MeshUse::visuals)},
+          {"collisions", triangles_of(meshes, &MeshUse::collisions)}};
+}
+
+std::string mesh_text(const std::vector<MeshUse>& meshes, const char* kind, int MeshUse::*number) {
+  int shapes = 0;
+  for (const MeshUse& mesh : meshes) shapes += mesh.*number;
+  return fmt::format("{} with {}", count_text(shapes, kind),
+                     count_text(static_cast<int>(triangles_of(meshes, number)), "triangle"));
+}
+
 Json model_json(const Model& model) {
+  const std::vector<MeshUse> meshes = mesh_uses(model);
   Json joints = Json::array();
   for (const Link* link : links_by_joint(model)) joints.push_back(joint_json(model, *link));
   Json devices = Json::array();
@@ -85,14 +140,16 @@ Json model_json(const Model& model) {
                        {"link", model.links[device.link].name},
                        {"id", device.id},
                        {"line", device.line}});
-  return {{"name", model.name}, {"links", links_json(model)}, {"joints", joints},
-          {"devices", devices}, {"mass", model.mass()},       {"findings", json_of(model.report)}};
+  return {{"name", model.name},   {"links", links_json(model)},       {"joints", joints},
+          {"devices", devices},   {"meshes", meshes_json(meshes)},    {"triangles", triangles_json(meshes)},
+          {"mass", model.mass()}, {"findings", json_of(model.report)}};
 }
 
 /// The same shape when there is no model: readers need not ask twice.
 Json json_without_model(const Diagnostics& errors) {
-  return {{"name", nullptr},          {"links", Json::array()}, {"joints", Json::array()},
-          {"devices", Json::array()}, {"mass", nullptr},        {"findings", json_of(errors)}};
+  return {{"name", nullptr},          {"links", Json::array()},     {"joints", Json::array()},
+          {"devices", Json::array()}, {"meshes", Json::array()},    {"triangles", triangles_json({})},
+          {"mass", nullptr},          {"findings", json_of(errors)}};
 }
 
 std::string joint_counts(const Model& model) {
@@ -143,6 +200,9 @@ void tell(const Model& model) {
     print_table(rows);
     fmt::print("\n");
   }
+  if (const std::vector<MeshUse> meshes = mesh_uses(model); !meshes.empty())
+    fmt::print("{}: {}, {}\n\n", count_text(static_cast<int>(meshes.size()), "mesh file"),
+               mesh_text(meshes, "visual", &MeshUse::visuals), mesh_text(meshes, "collision", &MeshUse::collisions));
   fmt::print("{}{}", model.report.empty() ? "nothing was repaired, ignored or doubted\n" : "", to_string(model.report));
 }
 
@@ -157,10 +217,29 @@ Exit run(const Settings& settings) {
   return Exit::done;
 }
 
+void take_package(UrdfOptions& urdf, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw CLI::ValidationError("--package", fmt::format("'{}' is not NAME=DIR", text));
+  const std::string name = text.substr(0, equals);
+  if (!urdf.packages.emplace(name, text.substr(equals + 1)).second)
+    throw CLI::ValidationError("--package", fmt::format("'{}' is given twice", name));
+}
+
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
   options.add_option("MODEL", settings->model, "a URDF file")->required()->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "what would be repaired is an error");
+  const auto take_packages = [settings](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) take_package(settings->urdf, text);
+  };
+  options
+      .add_option_function<std::vector<std::string>>("--package", take_packages,
+                                                     "the directory that package://NAME means")
+      ->type_name("NAME=DIR")
+      ->allow_extra_args(false);
+  options.add_flag("--allow-missing-meshes", settings->urdf.allow_missing_meshes,
+                   "meshes that can't be had are left out, with a warning");
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
 }
@@ -169,7 +248,8 @@ std::function<Exit()> declare(CLI::App& options) {
 
 const Verb inspect_verb{"inspect",
                         "  rehearse inspect fixtures/models/sr1.urdf\n"
-                        "  rehearse inspect robot.urdf --strict --json\n",
+                        "  rehearse inspect robot.urdf --strict --json\n"
+                        "  rehearse inspect arm.urdf --package arm_description=../arm_description\n",
                         declare};
 
 }  // namespace rehearse::tool

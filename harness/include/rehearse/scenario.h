@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,6 +42,7 @@ struct ScenarioController {
 struct ScenarioBody {
   std::string name;                         // unique; names the channels
   std::string model_file;                   // as written; empty for an inline shape
+  std::map<std::string, std::string> packages;  // where the model's meshes are: directories by package, as written
   std::shared_ptr<const Model> model;       // never null in a loaded scenario
   bool fixed = false;                       // the root link is fixed to the world, by the scenario or by the model
   Eigen::Vector3d position = Eigen::Vector3d::Zero();                // of the root link [m]
@@ -112,9 +114,10 @@ struct Scenario {
   /// warned of comes back in `warnings`.
   static Result<Scenario> load(const std::filesystem::path& file);
 
-  /// Where the models of a scenario come from: given `model:` as the scenario has it, the model, or why there is none.
-  /// A diagnostic without a file is told at the place of that `model:`.
-  using ModelSource = std::function<Result<Model>(const std::string& model_file)>;
+  /// Where the models of a scenario come from: given `model:` and `packages:` as the scenario has them, the model, or why
+  /// there is none. A diagnostic without a file is told at the place of that `model:`.
+  using ModelSource = std::function<Result<Model>(const std::string& model_file,
+                                                  const std::map<std::string, std::string>& packages)>;
 
   /// The same from text that is already in memory, as in a recording; `file` stands in messages and in Scenario::file.
   static Result<Scenario> parse(std::string text, const std::string& file, const ModelSource& models);

@@ -25,6 +25,32 @@ TEST_F(Recording, TwiceGivesTheSameBytes) {
   EXPECT_EQ(bytes("a.mcap"), bytes("b.mcap"));
 }
 
+TEST_F(Recording, HoldsTheDigestsOfMeshesAndIsReplayedWithoutThem) {
+  std::string urdf = rig_urdf;
+  const std::string box = "<box size=\"0.4 0.1 0.1\"/>";
+  urdf.replace(urdf.find(box), box.size(), "<mesh filename=\"package://shapes/plate.obj\"/>");
+  write("rig.urdf", urdf);
+  write("plate.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  std::string scenario = rig_with("push 1");
+  scenario.insert(scenario.find("    joints:"), "    packages: {shapes: .}\n");
+  const auto digests = [this, &scenario](const std::string& file) {
+    const Trace trace = record_run(scenario, file);
+    const mcap::Attachment* attachment = trace.find_attachment("rig.urdf.meshes");
+    if (attachment == nullptr) return std::string("there are none");
+    return std::string(reinterpret_cast<const char*>(attachment->data.data()), attachment->data.size());
+  };
+  const std::string first = digests("a.mcap");
+  EXPECT_THAT(first, ::testing::ContainsRegex("^[0-9a-f]{16}  package://shapes/plate.obj\n$"));
+  EXPECT_THAT(bytes("a.mcap"), Not(HasSubstr(folder_.string())));
+  EXPECT_EQ(digests("b.mcap"), first);
+  write("plate.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_NE(digests("c.mcap"), first);
+  std::filesystem::remove(path("plate.obj"));
+  const auto replayed = replay_run({}, "a.mcap");
+  ASSERT_TRUE(replayed.ok()) << to_string(replayed.errors());
+  EXPECT_TRUE(replayed->equal());
+}
+
 TEST_F(Recording, OfAnotherFolderGivesTheSameBytes) {
   record_run(with_camera(), "a.mcap");
   const std::filesystem::path there = path("elsewhere");
