@@ -25,6 +25,7 @@ rehearse_add_library(model
   src/picture_file.cpp
   src/pinhole.cpp
   src/rigid_groups.cpp
+  src/shape_bounds.cpp
   src/urdf.cpp
   src/urdf_cameras.cpp
   src/urdf_devices.cpp
@@ -33,6 +34,7 @@ rehearse_add_library(model
   src/urdf_joints.cpp
   src/urdf_lights.cpp
   src/urdf_links.cpp
+  src/urdf_masses.cpp
   src/urdf_materials.cpp
   src/urdf_meshes.cpp
   src/urdf_mimics.cpp

@@ -80,7 +80,8 @@ bool has_broken_inertial(const urdf::Draft& draft) {
 }
 
 /// The robot in a sound text; null if there is an error.
-std::optional<Model> read_robot(const std::string& text, urdf::Meshes& meshes, Findings& findings) {
+std::optional<Model> read_robot(const std::string& text, const UrdfOptions& options, urdf::Meshes& meshes,
+                                Findings& findings) {
   XMLDocument document;
   XMLElement* robot = urdf::parse_xml(text, document, findings);
   if (robot == nullptr) return std::nullopt;
@@ -90,7 +91,10 @@ std::optional<Model> read_robot(const std::string& text, urdf::Meshes& meshes, F
     return std::nullopt;
   }
   std::optional<Model> model = urdf::join(draft, findings);
-  if (model && !has_broken_inertial(draft)) urdf::check_dynamics(*model, findings);
+  if (model && !has_broken_inertial(draft)) {
+    urdf::complete_masses(*model, options, findings);
+    urdf::check_dynamics(*model, options, findings);
+  }
   if (findings.has_error()) return std::nullopt;
   prepare_for_urdfdom(*robot);
   urdf::compare_with_urdfdom(document, draft, findings);
@@ -121,10 +125,11 @@ Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& op
 }
 
 Result<Model> parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options) {
+  REHEARSE_ASSERT(options.default_mass.value_or(1.0) > 0.0, "a default mass is above 0");
   Findings findings(name, options.strict);
   urdf::Meshes meshes(name, options, findings);
   std::optional<Model> model;
-  if (urdf::text_is_sound(text, findings)) model = read_robot(text, meshes, findings);
+  if (urdf::text_is_sound(text, findings)) model = read_robot(text, options, meshes, findings);
   if (findings.has_error()) return findings.errors();
   REHEARSE_ASSERT(model.has_value(), "a robot that can't be read leaves an error");
   model->source_file = name;

@@ -14,6 +14,10 @@ class XMLDocument;
 class XMLElement;
 }  // namespace tinyxml2
 
+namespace rehearse {
+struct UrdfOptions;
+}
+
 namespace rehearse::urdf {
 
 struct LinkDraft {
@@ -88,9 +92,13 @@ std::optional<Model> join(const Draft& draft, Findings& findings);
 /// doesn't move, and for joints that follow each other in a circle.
 void resolve_mimics(const Draft& draft, Model& model, Findings& findings);
 
-/// What physics can't take: a moving link without mass or with an inertia that isn't positive definite, and warnings
-/// about the improbable.
-void check_dynamics(const Model& model, Findings& findings);
+/// What moves without mass: a root is fixed to the world, others get the default mass, if there is one: repairs. Else an
+/// error.
+void complete_masses(Model& model, const UrdfOptions& options, Findings& findings);
+
+/// What physics can't take: a moving link without inertia or with one that isn't positive definite; and warnings about
+/// the improbable. After complete_masses.
+void check_dynamics(const Model& model, const UrdfOptions& options, Findings& findings);
 
 /// Lets urdfdom parse the document and compares its robot with ours; each difference is an error.
 void compare_with_urdfdom(const tinyxml2::XMLDocument& document, const Draft& draft, Findings& findings);

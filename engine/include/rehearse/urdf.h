@@ -6,8 +6,11 @@
 // strict), warning (loaded as written, probably not as meant), note (ignored, counted once per kind).
 //
 // - Joint ids count the revolute, continuous and prismatic joints in document order.
-// - A root link called "world" is bolted to the world; any other root is free. A single floating joint below an empty
-//   "world" says the same as no "world" at all, and is read so.
+// - A root link called "world" is bolted to the world; any other root is free, if it has mass, else bolted too: a
+//   repair. A single floating joint below an empty "world" says the same as no "world" at all, and is read so.
+// - Another moving link without mass is an error, unless UrdfOptions::default_mass says what it weighs. It then has the
+//   inertia of the solid box around its collision shapes (else its visible ones) and those of links fixed to it;
+//   without shapes, of a ball of water (1000 kg/m³) about its origin. That is a repair.
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
 // - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
 //   Where a mesh is looked for, and what its formats mean, is told in fixtures/README.md. A mesh that can't be had is an
@@ -28,6 +31,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace rehearse {
@@ -49,6 +53,9 @@ struct UrdfOptions {
   std::map<std::string, std::filesystem::path> packages = {};  // directories of package://NAME, before any other place
   bool allow_missing_meshes = false;                           // a mesh that can't be had is left out, with a warning
   Meshes meshes = Meshes::load;
+  bool fixed_root = false;                  // who loads it fixes its root link to the world, which so needs no mass
+  bool kinematic = false;                   // it will move as it is commanded: none of its links needs mass
+  std::optional<double> default_mass = {};  // of moving links that have no mass; above 0 [kg]
 };
 
 /// Reads and checks a URDF file. On failure: every error of the file (at most 20), in document order, each with its

@@ -42,7 +42,6 @@ const std::vector<Mistake> errors = {
     {"empty", 0, "the file is empty"},
     {"end_tag_missing", 4, "the element that begins here isn't closed by its own end tag"},
     {"floating_with_brother", 4, "floating joint 'hinge' isn't supported here"},
-    {"free_root_without_mass", 3, "link 'base' moves but has no mass"},
     {"geometry_empty", 5, "<collision> has no shape"},
     {"geometry_missing", 4, "<collision> has no shape"},
     {"geometry_of_two", 7, "a second shape in one <geometry>"},
@@ -50,7 +49,7 @@ const std::vector<Mistake> errors = {
     {"git_lfs_pointer", 1, "this is a git-lfs pointer, not the file it stands for"},
     {"inertia_not_positive_definite", 9, "the inertia of moving link 'arm' isn't positive definite"},
     {"inertia_without_ixy", 12, "<inertia> has no attribute 'ixy'"},
-    {"inertia_zero", 9, "the inertia of moving link 'arm' isn't positive definite"},
+    {"inertia_zero", 9, "moving link 'arm' has mass but no inertia"},
     {"inertial_without_inertia", 10, "<inertial> of link 'arm' has no <inertia>"},
     {"inertial_without_mass", 10, "<inertial> of link 'arm' has no <mass>"},
     {"joint_type_unknown", 4, "unknown joint type 'hinge'"},
@@ -170,6 +169,7 @@ const std::vector<Mistake> mimic_circle = {
 const std::vector<Mistake> repairs = {
     {"color_of_bytes", 6, "rgba '255 0 0 1' is brought into 0 to 1"},
     {"effort_negative", 7, "the effort limit of joint 'hinge' is negative; it is unlimited"},
+    {"free_root_without_mass", 3, "root link 'base' has no mass; it is fixed to the world"},
     {"limit_missing", 4, "revolute joint 'hinge' has no <limit>; it is unlimited"},
     {"limit_without_effort", 7, "the limit of joint 'hinge' has no effort; it is unlimited"},
     {"limit_without_velocity", 7, "the limit of joint 'hinge' has no velocity; it is unlimited"},
@@ -182,7 +182,11 @@ const std::vector<Mistake> repairs = {
 
 /// Loaded as they are, with this one warning, strict or not.
 const std::vector<Mistake> warnings = {
+    {"center_of_mass_in_millimetres", 9, "the centre of mass of link 'arm' is far outside its shapes: 500 m"},
+    {"inertia_in_grams", 9, "link 'arm' has the inertia of a body many metres wide: its radius of gyration is 50 m"},
     {"inertia_of_no_body", 9, "no body has the inertia of link 'arm'"},
+    {"inertia_tiny", 9, "the inertia of moving link 'arm' is that of 1 kg within 1e-06 m"},
+    {"joint_far_away", 10, "joint 'mount' is 150 m away from the origin of its parent link"},
     {"limit_lower_is_upper", 7, "joint 'hinge' can't move: its lower and upper limits are both 0.5"},
     {"limit_without_range", 7, "joint 'hinge' can't move: its lower and upper limits are both 0"},
     {"mass_of_a_feather", 19, "link 'feather' has 0.0001 kg and another has 1 kg"},
