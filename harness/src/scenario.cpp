@@ -1,5 +1,4 @@
 #include <rehearse/scenario.h>
-#include <rehearse/urdf.h>
 
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -165,6 +164,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("look")) read_look(findings, *node, scenario.look);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
+  if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }
 
 }  // namespace
@@ -178,14 +178,13 @@ bool Scenario::runs_camera(const std::string& body, const std::string& camera) c
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
   Result<std::string> text = read_file(file);
   if (!text) return text.errors();
-  const auto beside = [folder = file.parent_path()](
-                          const std::string& model_file,
-                          const std::map<std::string, std::string>& packages) -> Result<Model> {
+  const auto beside = [folder = file.parent_path()](const std::string& model_file,
+                                                    const UrdfOptions& options) -> Result<Model> {
     const std::filesystem::path path = folder / model_file;
-    UrdfOptions options;
-    for (const auto& [name, directory] : packages) options.packages[name] = folder / directory;
+    UrdfOptions here = options;
+    for (auto& [name, directory] : here.packages) directory = folder / directory;
     std::error_code ignored;
-    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_urdf(path, options);
+    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_urdf(path, here);
     return error(fmt::format("there is no model file '{}'", shortened(model_file)),
                  fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
   };

@@ -7,6 +7,7 @@
 #include <array>
 #include <iterator>
 #include <map>
+#include <tuple>
 
 namespace rehearse {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 // What the file says a body looks like; at most one of them stands.
 constexpr std::array<std::string_view, 4> model_keys{"model", "box", "sphere", "cylinder"};
 
-// Reads one body after the other, and each model file once, however many bodies have it.
+// Reads one body after the other, and each model file once, however many bodies have it in the same way.
 class BodyReader {
  public:
   BodyReader(Findings& findings, const Scenario::ModelSource& source, Scenario& scenario)
@@ -34,7 +35,7 @@ class BodyReader {
   void read_packages(const YamlNode& node, ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
   void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
-  std::shared_ptr<const Model> load_model(const YamlNode& node, const ScenarioBody& body);
+  std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file, const UrdfOptions& options);
   InlineShape read_shape(std::string_view kind, const YamlNode& node);
   std::optional<Color> read_color(const YamlNode& node);
   std::optional<Checker> read_checker(const YamlNode& node);
@@ -44,17 +45,14 @@ class BodyReader {
   Findings& findings_;
   const Scenario::ModelSource& source_;
   Scenario& scenario_;
-
-  struct KnownModel {
-    std::map<std::string, std::string> packages;
-    std::shared_ptr<const Model> model;  // null: it failed, and that was told
-  };
-  std::map<std::string, KnownModel> models_;  // by file
+  std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;  // by file: those of its first body
+  // by file, fixed, kinematic and default mass; null: it failed, and that was told
+  std::map<std::tuple<std::string, bool, bool, std::optional<double>>, std::shared_ptr<const Model>> models_;
 };
 
 void BodyReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, "a body",
-                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "fixed", "dynamics",
+                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass", "fixed", "dynamics",
                    "joint_limits", "effort_limits", "position", "rotation", "joints", "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
@@ -143,21 +141,27 @@ void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
 
 void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
   if (const auto file = read_text(findings_, node, "model", "the path of a URDF file, relative to the scenario")) {
+    UrdfOptions options;
+    options.fixed_root = body.fixed;
+    options.kinematic = body.kinematic;
+    keys.number("default_mass", any_mass, options.default_mass);
+    options.packages.insert(body.packages.begin(), body.packages.end());
     body.model_file = *file;
-    body.model = load_model(node, body);
+    body.model = load_model(node, *file, options);
   }
   if (const YamlNode* mass = keys.find("mass"))
     findings_.error(*mass, "mass is given for a body with a model file", "the masses of a model stand in its file");
 }
 
-std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const ScenarioBody& body) {
-  const std::string& file = body.model_file;
-  const auto [known, is_new] = models_.emplace(file, KnownModel{body.packages, nullptr});
-  if (!is_new && known->second.packages != body.packages)
+std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file,
+                                                    const UrdfOptions& options) {
+  if (packages_.emplace(file, options.packages).first->second != options.packages)
     findings_.error(node, fmt::format("the model '{}' has other packages in a body above", shortened(file, 500)),
                     "a recording holds a model once: give both bodies the same packages");
-  if (!is_new) return known->second.model;
-  Result<Model> model = source_(file, body.packages);
+  const auto [known, is_new] =
+      models_.emplace(std::tuple(file, options.fixed_root, options.kinematic, options.default_mass), nullptr);
+  if (!is_new) return known->second;
+  Result<Model> model = source_(file, options);
   if (!model) {
     const Diagnostic& first = model.errors().front();
     if (first.file.empty()) {
@@ -172,8 +176,8 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
   std::copy_if(model->report.begin(), model->report.end(), std::back_inserter(reports),
                [](const Diagnostic& report) { return report.severity != Severity::note; });
   findings_.pass_through(node, std::move(reports));
-  known->second.model = std::make_shared<const Model>(std::move(*model));
-  return known->second.model;
+  known->second = std::make_shared<const Model>(std::move(*model));
+  return known->second;
 }
 
 std::optional<Color> BodyReader::read_color(const YamlNode& node) {
@@ -222,6 +226,8 @@ BodyReader::InlineShape BodyReader::read_shape(std::string_view kind, const Yaml
 }
 
 void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlNode& node, ScenarioBody& body) {
+  if (const YamlNode* mass = keys.find("default_mass"))
+    findings_.error(*mass, "default_mass is given for a body without a model file", "mass is what a shape weighs");
   const InlineShape shape = read_shape(kind, node);
   const bool needs_mass = !body.fixed && !body.kinematic;
   const YamlNode* mass_node = needs_mass ? keys.require("mass", "its mass [kg], or fixed: true") : keys.find("mass");
@@ -247,7 +253,8 @@ void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
   if (fixed != nullptr && !body.fixed)
     findings_.warning(*fixed,
                       fmt::format("the model fixes its root link '{}' to the world, so it stays fixed", root.name),
-                      "take that link out of the model to set it free");
+                      root.name == "world" ? "take that link out of the model to set it free"
+                                           : "give it an <inertial> to set it free");
   body.fixed = true;
 }
 

@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace rehearse {
 namespace {
+
+constexpr double slack = 1e-6;  // [rad] or [m]: -90 deg is not beyond a limit that is written -1.5708
 
 class JointReader {
  public:
@@ -17,6 +20,7 @@ class JointReader {
   }
 
   void read(const YamlNode& node);
+  void place_within_limits(const YamlNode& body_node);
   void place_followers();
   void check_limits(const YamlNode& body_node);
 
@@ -90,8 +94,18 @@ void JointReader::read_displacement(std::size_t id, const YamlNode& node) {
   if (value) places_[id] = &node;
 }
 
+void JointReader::place_within_limits(const YamlNode& body_node) {
+  for (std::size_t id = 0; id < body_.joints.size(); ++id) {
+    const Joint& free = joint(id);
+    if (places_[id] != nullptr || free.mimic || (free.lower <= slack && free.upper >= -slack)) continue;
+    body_.joints[id] = std::clamp(0.0, free.lower, free.upper);
+    findings_.warning(body_node,
+                      fmt::format("{} starts at {:.6g}, its limit that is nearest to 0", free.name, body_.joints[id]),
+                      "joints: states where it starts");
+  }
+}
+
 void JointReader::place_followers() {
-  constexpr double slack = 1e-6;  // [rad] or [m]
   for (std::size_t id = 0; id < body_.joints.size(); ++id) {
     const std::optional<Mimic>& mimic = joint(id).mimic;
     if (!mimic) continue;
@@ -106,7 +120,6 @@ void JointReader::place_followers() {
 }
 
 void JointReader::check_limits(const YamlNode& body_node) {
-  constexpr double slack = 1e-6;  // [rad] or [m]: -90 deg is not beyond a limit that is written -1.5708
   for (std::size_t id = 0; id < body_.joints.size(); ++id) {
     const double q = body_.joints[id];
     if (q >= joint(id).lower - slack && q <= joint(id).upper + slack) continue;
@@ -121,6 +134,7 @@ void JointReader::check_limits(const YamlNode& body_node) {
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body) {
   JointReader reader(findings, body);
   if (node != nullptr) reader.read(*node);
+  reader.place_within_limits(body_node);
   reader.place_followers();
   reader.check_limits(body_node);
 }

@@ -15,8 +15,9 @@ void read_bodies(Findings& findings, const YamlNode& node, const Scenario::Model
 /// The `controllers` list of a body.
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);
 
-/// Initial displacements: a map by name or a list by joint id; null: all are 0. Sets body.joints, and warns of those
-/// that are outside their limits, given or not. `body_node` is the whole body's; body.model must not be null.
+/// Initial displacements: a map by name or a list by joint id; null: none is given. One that isn't given is 0 or, with
+/// a warning, the limit that is nearest to it. Sets body.joints, and warns of those that are outside their limits.
+/// `body_node` is the whole body's; body.model must not be null.
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body);
 
 /// The `pushes` list. After the bodies.
@@ -30,6 +31,9 @@ void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario);
 
 /// The `noise` list. After the bodies.
 void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario);
+/// Warns of cameras and range sensors that are to measure more often than there are steps. `bodies` is the list of a
+/// scenario without errors.
+void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& scenario);
 
 /// The `tolerances` list.
 void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario);

@@ -123,6 +123,13 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
   scenario.tolerances.push_back(std::move(rule));
 }
 
+/// How often it is to measure [Hz]; 0 for what measures in every step, and for cameras that don't run.
+double rate_of(const Device& device, const ScenarioBody& body, const Scenario& scenario) {
+  if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) return laser->scan_rate;
+  const auto* camera = std::get_if<Camera>(&device.kind);
+  return camera != nullptr && scenario.runs_camera(body.name, device.name) ? camera->frame_rate : 0.0;
+}
+
 }  // namespace
 
 std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario) {
@@ -151,6 +158,23 @@ void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario) 
   const auto* list = read_list(findings, node, "cameras", "all, none, or a list of Body/Camera");
   if (list == nullptr) return;
   for (const YamlNodePtr& camera : *list) read_camera(findings, *camera, scenario, *scenario.cameras);
+}
+
+void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& scenario) {
+  REHEARSE_ASSERT(bodies.items.size() == scenario.bodies.size(), "each entry without a mistake is a body");
+  for (std::size_t i = 0; i < scenario.bodies.size(); ++i) {
+    const ScenarioBody& body = scenario.bodies[i];
+    for (const Device& device : body.model->devices) {
+      const double rate = rate_of(device, body, scenario);
+      if (rate * scenario.time_step <= 1.0 + 1e-9) continue;
+      findings.warning(
+          *bodies.items[i],
+          fmt::format("{}/{} is to measure at {:.6g} Hz, but there are {:.6g} steps in a second: it measures "
+                      "in each of them",
+                      body.name, device.name, rate, 1.0 / scenario.time_step),
+          "its update_rate stands in the model");
+    }
+  }
 }
 
 void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario) {

@@ -1,7 +1,6 @@
 #include "trace_scenario.h"
 
 #include <fmt/format.h>
-#include <rehearse/urdf.h>
 
 #include <charconv>
 
@@ -45,10 +44,12 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   if (!read_number(*facts, "trace_version", version) || version != 1)
     return in_trace(trace, fmt::format("it is of trace version {}, and this program reads version 1", version),
                     "read it with the version of Rehearse that wrote it");
-  const Scenario::ModelSource models = [&trace](const std::string& file, const auto&) -> Result<Model> {
+  const Scenario::ModelSource models = [&trace](const std::string& file, const UrdfOptions& options) -> Result<Model> {
     const mcap::Attachment* model = find_attachment(trace, file);
     if (!model) return error(fmt::format("the trace has no attachment '{}'", file));
-    return parse_urdf(text_of(*model), file, {.meshes = UrdfOptions::Meshes::skip});  // a trace has no meshes
+    UrdfOptions without_meshes = options;  // a trace has none
+    without_meshes.meshes = UrdfOptions::Meshes::skip;
+    return parse_urdf(text_of(*model), file, without_meshes);
   };
   Result<Scenario> scenario = Scenario::parse(text_of(*source), trace.name() + "/scenario.yaml", models);
   if (!scenario) return scenario;

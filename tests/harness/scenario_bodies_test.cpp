@@ -133,12 +133,100 @@ TEST(ScenarioBodies, ForgivesALimitThatWasRounded) {
   EXPECT_THAT(to_string(result.value().warnings), IsEmpty());
 }
 
-TEST(ScenarioBodies, WarnsOfAJointThatIsOutsideItsLimitsUnlessMoved) {
+std::string slider_between(const std::string& lower, const std::string& upper) {
   std::string model = slider;
-  model.replace(model.find("lower=\"0\""), 9, "lower=\"0.1\"");
-  write_file("stretched.urdf", model);
-  const Scenario scenario = loaded("rehearse: 1\nduration: 1\nbodies: [{name: S, model: stretched.urdf}]\n");
-  EXPECT_THAT(to_string(scenario.warnings), HasSubstr(":3:10: warning: SLIDE starts at 0, outside its limits"));
+  model.replace(model.find("lower=\"0\" upper=\"0.5\""), 21, "lower=\"" + lower + "\" upper=\"" + upper + "\"");
+  return model;
+}
+
+TEST(ScenarioBodies, StartsAJointThatCantBeAtZeroAtItsNearestLimit) {
+  write_file("stretched.urdf", slider_between("0.1", "0.5"));
+  write_file("drawn_in.urdf", slider_between("-0.5", "-0.25"));
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: S, model: stretched.urdf}\n  - {name: D, model: drawn_in.urdf}\n");
+  EXPECT_EQ(scenario.bodies.at(0).joints, std::vector<double>{0.1});
+  EXPECT_EQ(scenario.bodies.at(1).joints, std::vector<double>{-0.25});
+  EXPECT_THAT(
+      to_string(scenario.warnings),
+      HasSubstr(":4:5: warning: SLIDE starts at 0.1, its limit that is nearest to 0 (joints: states where it starts)"));
+}
+
+TEST(ScenarioBodies, StartsAJointWhereItIsToldEvenIfThatIsZeroOutsideItsLimits) {
+  write_file("stretched.urdf", slider_between("0.1", "0.5"));
+  const Scenario scenario =
+      loaded("rehearse: 1\nduration: 1\nbodies: [{name: S, model: stretched.urdf, joints: {SLIDE: 0}}]\n");
+  EXPECT_EQ(scenario.bodies.at(0).joints, std::vector<double>{0.0});
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr("warning: SLIDE starts at 0, outside its limits"));
+}
+
+/// A slider none of whose links has mass.
+std::string hollow_slider() {
+  std::string model = slider;
+  for (std::size_t at = model.find("<inertial>"); at != std::string::npos; at = model.find("<inertial>"))
+    model.erase(at, model.find("</inertial>") + 11 - at);
+  return model;
+}
+
+Result<Scenario> load_hollow(const std::string& keys) {
+  write_file("hollow.urdf", hollow_slider());
+  return load_text("rehearse: 1\nduration: 1\nbodies: [{name: S, model: hollow.urdf" + keys + "}]\n");
+}
+
+TEST(ScenarioBodies, GivesWhatMovesWithoutMassTheDefaultMass) {
+  EXPECT_THAT(mistakes(load_hollow("")), HasSubstr("error: link 'CART' moves but has no mass"));
+  const auto result = load_hollow(", default_mass: 2");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_EQ(result->bodies[0].model->links[1].inertial.mass, 2.0);
+  EXPECT_TRUE(result->bodies[0].fixed);
+  EXPECT_THAT(to_string(result->warnings), HasSubstr("repair: root link 'RAIL' has no mass; it is fixed to the world"));
+  EXPECT_THAT(to_string(result->warnings), HasSubstr("repair: link 'CART' moves but has no mass"));
+}
+
+TEST(ScenarioBodies, OfAFixedRootIsntToldThatItWasFixed) {
+  const auto result = load_hollow(", default_mass: 2, fixed: true");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_TRUE(result->bodies[0].fixed);
+  EXPECT_THAT(to_string(result->warnings), ::testing::Not(HasSubstr("RAIL")));
+}
+
+TEST(ScenarioBodies, SaysWhyAMasslessRootCantBeFree) {
+  const auto result = load_hollow(", default_mass: 2, fixed: false");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_TRUE(result->bodies[0].fixed);
+  EXPECT_THAT(to_string(result->warnings), HasSubstr("so it stays fixed (give it an <inertial> to set it free)"));
+}
+
+TEST(ScenarioBodies, NeedsNoMassesOfAKinematicModel) {
+  const auto result = load_hollow(", dynamics: kinematic");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  EXPECT_FALSE(result->bodies[0].fixed);
+  EXPECT_THAT(to_string(result->warnings), IsEmpty());
+}
+
+TEST(ScenarioBodies, LoadsAModelAsEachBodyWantsIt) {
+  write_file("hollow.urdf", hollow_slider());
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: A, model: hollow.urdf, default_mass: 1}\n"
+      "  - {name: B, model: hollow.urdf, default_mass: 2}\n  - {name: C, model: hollow.urdf, default_mass: 1}\n");
+  EXPECT_EQ(scenario.bodies.at(0).model->mass(), 1.0);
+  EXPECT_EQ(scenario.bodies.at(1).model->mass(), 2.0);
+  EXPECT_EQ(scenario.bodies.at(2).model, scenario.bodies.at(0).model);
+}
+
+TEST(ScenarioBodies, WarnsOfSensorsFasterThanTheSteps) {
+  std::string model = slider;
+  model.insert(
+      model.find("</robot>"),
+      "<gazebo reference='CART'><sensor name='Eye' type='camera'><update_rate>2000</update_rate><camera/></sensor>"
+      "<sensor name='Slow' type='camera'><update_rate>1000</update_rate><camera/></sensor></gazebo>");
+  write_file("seeing.urdf", model);
+  const std::string text = "rehearse: 1\nduration: 1\nbodies: [{name: S, model: seeing.urdf}]\n";
+  EXPECT_EQ(
+      to_string(loaded(text).warnings).substr(to_string(loaded(text).warnings).find(":3:10")),
+      ":3:10: warning: S/Eye is to measure at 2000 Hz, but there are 1000 steps in a second: it measures in each of "
+      "them (its update_rate stands in the model)\n");
+  EXPECT_THAT(to_string(loaded(text + "cameras: [S/Slow]\n").warnings), IsEmpty());
+  EXPECT_THAT(to_string(loaded(text + "time_step: 0.0005\n").warnings), IsEmpty());
 }
 
 TEST(ScenarioBodies, StaysFixedWhereItsModelFixesIt) {

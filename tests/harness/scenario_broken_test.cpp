@@ -113,6 +113,8 @@ const Broken all_broken[] = {
     {"joints_too_few", 6, 13, "lists 3 displacements, but Arm has 29 joints"},
     {"joints_text", 6, 13, "joints is 'standing'.*map of NAME"},
     {"dynamics_unknown", 4, 59, "dynamics is 'static'.*forward .* or kinematic"},
+    {"default_mass_of_a_shape", 4, 61, "default_mass is given for a body without a model file.*mass is what a shape weighs"},
+    {"default_mass_zero", 4, 58, "default_mass is 0.*from 1e-09"},
     {"joint_limits_of_text", 4, 63, "joint_limits is 'sometimes'.*true or false"},
     {"joint_that_mimics", 6, 33, "RIGHT can't start at 0.03: it follows LEFT.*give it -0.03"},
     {"joint_that_is_a_track", 6, 32, "joint 'TRACK_L' of Tank is a track.*no displacement"},

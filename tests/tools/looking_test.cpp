@@ -160,6 +160,17 @@ TEST_F(Inspect, TellsAProgramTheErrorsAsFindings) {
   EXPECT_EQ(model["findings"][0]["severity"], "error");
 }
 
+TEST_F(Inspect, GivesLinksWithoutMassADefaultOnRequest) {
+  const std::string arm = (fixtures / "broken/urdf_moving_without_mass.urdf").string();
+  EXPECT_EQ(rehearse({"inspect", arm}).status, 2);
+  const nlohmann::json model = done({"inspect", arm, "--default-mass", "2.5", "--json"}).json();
+  EXPECT_EQ(model["mass"], 2.5);
+  EXPECT_EQ(model["findings"][0]["severity"], "repair");
+  EXPECT_EQ(model["findings"][0]["file"], arm);
+  EXPECT_EQ(model["findings"][0]["line"], 9);
+  EXPECT_EQ(rehearse({"inspect", arm, "--default-mass", "2.5", "--strict"}).status, 2);
+}
+
 TEST_F(Render, DrawsAScenarioAsItStarts) {
   EXPECT_THAT(done({"render", sr1_scenario.string(), "-o", "sr1.png"}).out,
               StartsWith("sr1.png: 960 x 720 pixels, seen from "));

@@ -240,6 +240,8 @@ std::function<Exit()> declare(CLI::App& options) {
       ->allow_extra_args(false);
   options.add_flag("--allow-missing-meshes", settings->urdf.allow_missing_meshes,
                    "meshes that can't be had are left out, with a warning");
+  add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
+             [=](double mass) { settings->urdf.default_mass = mass; });
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
 }

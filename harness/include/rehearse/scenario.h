@@ -10,6 +10,7 @@
 #include <rehearse/model.h>
 #include <rehearse/sensor_noise.h>
 #include <rehearse/solver_settings.h>
+#include <rehearse/urdf.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -114,10 +115,10 @@ struct Scenario {
   /// warned of comes back in `warnings`.
   static Result<Scenario> load(const std::filesystem::path& file);
 
-  /// Where the models of a scenario come from: given `model:` and `packages:` as the scenario has them, the model, or why
-  /// there is none. A diagnostic without a file is told at the place of that `model:`.
-  using ModelSource = std::function<Result<Model>(const std::string& model_file,
-                                                  const std::map<std::string, std::string>& packages)>;
+  /// Where the models of a scenario come from: given `model:` as the scenario has it, and how a body wants it loaded, the
+  /// model, or why there is none. The directories of packages are as the scenario has them. A diagnostic without a file
+  /// is told at the place of that `model:`.
+  using ModelSource = std::function<Result<Model>(const std::string& model_file, const UrdfOptions& options)>;
 
   /// The same from text that is already in memory, as in a recording; `file` stands in messages and in Scenario::file.
   static Result<Scenario> parse(std::string text, const std::string& file, const ModelSource& models);
