@@ -1,4 +1,5 @@
 #include <rehearse/scenario.h>
+#include <rehearse/urdf.h>
 
 #include "scenario_parts.h"
 #include "scenario_values.h"

@@ -1,3 +1,5 @@
+#include <rehearse/urdf.h>
+
 #include "scenario_parts.h"
 #include "scenario_values.h"
 

@@ -1,6 +1,7 @@
 #include "trace_scenario.h"
 
 #include <fmt/format.h>
+#include <rehearse/urdf.h>
 
 #include <charconv>
 

@@ -10,7 +10,6 @@
 #include <rehearse/model.h>
 #include <rehearse/sensor_noise.h>
 #include <rehearse/solver_settings.h>
-#include <rehearse/urdf.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -23,6 +22,8 @@
 #include <vector>
 
 namespace rehearse {
+
+struct UrdfOptions;
 
 /// The place of something in the scenario file, for messages that come up only when it runs.
 struct Place {
