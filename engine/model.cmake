@@ -41,6 +41,7 @@ rehearse_add_library(model
   src/urdf_range_sensors.cpp
   src/urdf_referee.cpp
   src/urdf_schema.cpp
+  src/urdf_surfaces.cpp
   src/urdf_text.cpp
   src/urdf_tracks.cpp
   src/urdf_tree.cpp

@@ -29,6 +29,7 @@ urdf::Draft read_draft(XMLElement& robot, urdf::Meshes& meshes, Findings& findin
   urdf::Draft draft;
   draft.name = urdf::read_name(robot, "name", findings).value_or("");
   urdf::prune_to_schema(robot, findings);
+  urdf::read_surfaces(robot, draft, findings);
   draft.devices = urdf::read_devices(robot, findings);
   draft.tracks = urdf::read_tracks(robot, findings);
   const urdf::Materials materials(robot, findings);
@@ -66,7 +67,7 @@ void prepare_for_urdfdom(XMLElement& element) {
   for (XMLElement* child = element.FirstChildElement(); child != nullptr; child = next) {
     next = child->NextSiblingElement();
     const std::string_view name = child->Name();
-    if (name == "gazebo" || name == "material") {
+    if (name == "gazebo" || name == "material" || name == "contact") {
       element.DeleteChild(child);
     } else {
       prepare_for_urdfdom(*child);

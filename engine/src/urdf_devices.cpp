@@ -166,7 +166,6 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
   std::vector<DeviceDraft> devices;
   for (const auto* block = robot.FirstChildElement("gazebo"); block != nullptr;
        block = block->NextSiblingElement("gazebo")) {
-    report_ignored(*block, {"sensor", "light", "pseudo_continuous_track"}, findings);
     for (const auto* child = block->FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
       const std::string_view what = child->Name();
       if (what != "sensor" && what != "light") continue;

@@ -53,13 +53,28 @@ struct TrackDraft {
   int line = 0;
 };
 
+/// What a <gazebo> block says of touching a link; what it doesn't say stays as it is.
+struct SurfaceDraft {
+  std::string reference;  // a link
+  Surface surface;
+  std::optional<bool> has_weight;
+  std::optional<bool> collides_with_own;
+  bool says_something = false;  // of the above
+  bool has_devices = false;     // sensors, lights or tracks, which say themselves whether the reference is right
+  int line = 0;
+};
+
 struct Draft {
   std::string name;
-  std::vector<LinkDraft> links;      // in document order
-  std::vector<JointDraft> joints;    // in document order
-  std::vector<DeviceDraft> devices;  // in document order
-  std::vector<TrackDraft> tracks;    // in document order
-  bool is_complete = true;           // no link or joint had to be left out
+  std::vector<LinkDraft> links;           // in document order
+  std::vector<JointDraft> joints;         // in document order
+  std::vector<DeviceDraft> devices;       // in document order
+  std::vector<TrackDraft> tracks;         // in document order
+  std::vector<SurfaceDraft> surfaces;     // in document order
+  std::optional<bool> collides_with_own;  // of links that don't say it themselves
+  bool is_static = false;                 // the root is fixed to the world
+  int static_line = 0;                    // where that is said
+  bool is_complete = true;                // no link or joint had to be left out
 };
 
 class Materials;
@@ -81,6 +96,16 @@ std::vector<DeviceDraft> read_devices(const tinyxml2::XMLElement& robot, Finding
 /// The tracks of all <gazebo> blocks.
 std::vector<TrackDraft> read_tracks(const tinyxml2::XMLElement& robot, Findings& findings);
 
+/// The surfaces of all <gazebo> blocks, and what blocks without a reference say of the whole robot. Notes what no
+/// reader of <gazebo> blocks knows.
+void read_surfaces(const tinyxml2::XMLElement& robot, Draft& draft, Findings& findings);
+
+/// A <contact> of a <link>.
+void read_contact(const tinyxml2::XMLElement& contact, Surface& surface, Findings& findings);
+
+/// Gives the links what the draft's surfaces say; a warning for a reference to what isn't a link.
+void apply_surfaces(const Draft& draft, Model& model, Findings& findings);
+
 /// An undeclared "world" as parent is added to the draft and to the document: a repair.
 void declare_world(tinyxml2::XMLElement& robot, Draft& draft, Findings& findings);
 
@@ -92,8 +117,8 @@ std::optional<Model> join(const Draft& draft, Findings& findings);
 /// doesn't move, and for joints that follow each other in a circle.
 void resolve_mimics(const Draft& draft, Model& model, Findings& findings);
 
-/// What moves without mass: a root is fixed to the world, others get the default mass, if there is one: repairs. Else an
-/// error.
+/// What moves without mass: a root is fixed to the world, others get the default mass, if there is one: repairs. Else
+/// an error.
 void complete_masses(Model& model, const UrdfOptions& options, Findings& findings);
 
 /// What physics can't take: a moving link without inertia or with one that isn't positive definite; and warnings about

@@ -170,6 +170,10 @@ std::optional<LinkDraft> read_link(XMLElement& element, const Materials& materia
   }
   draft.link.visuals = read_shapes(element, "visual", &materials, meshes, findings);
   draft.link.collisions = read_shapes(element, "collision", nullptr, meshes, findings);
+  for (const auto* contact = element.FirstChildElement("contact"); contact != nullptr;
+       contact = contact->NextSiblingElement("contact")) {
+    read_contact(*contact, draft.link.surface, findings);
+  }
   if (!name) return std::nullopt;
   return draft;
 }

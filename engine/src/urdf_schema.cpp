@@ -24,12 +24,17 @@ struct Rule {
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> table = {
       {"robot", {"name"}, {}, {"link", "joint", "material", "gazebo"}},
-      {"link", {"name"}, {"inertial"}, {"visual", "collision"}},
+      {"link", {"name"}, {"inertial"}, {"visual", "collision", "contact"}},
       {"inertial", {}, {"origin", "mass", "inertia"}, {}},
       {"mass", {"value"}, {}, {}},
       {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}, {}},
       {"visual", {"name"}, {"origin", "geometry", "material"}, {}},
       {"collision", {"name"}, {"origin", "geometry"}, {}},
+      {"contact", {}, {"lateral_friction", "stiffness", "damping", "restitution"}, {}},
+      {"lateral_friction", {"value"}, {}, {}},
+      {"stiffness", {"value"}, {}, {}},
+      {"damping", {"value"}, {}, {}},
+      {"restitution", {"value"}, {}, {}},
       {"material", {"name"}, {"color"}, {}},
       {"color", {"rgba"}, {}, {}},
       {"joint", {"name", "type"}, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}, {}},

@@ -1,7 +1,6 @@
 #include "urdf_draft.h"
 #include "urdf_values.h"
 
-#include <fmt/format.h>
 #include <tinyxml2.h>
 
 namespace rehearse::urdf {
@@ -9,15 +8,9 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// <pseudo_continuous_track/> or with true, 1, false or 0 in it.
+/// <pseudo_continuous_track/>, or with a flag in it.
 bool is_on(const XMLElement& element, Findings& findings) {
-  const char* text = element.GetText();
-  const std::string_view word = text == nullptr ? "true" : text;
-  if (word == "true" || word == "1") return true;
-  if (word == "false" || word == "0") return false;
-  findings.error(element.GetLineNum(), fmt::format("<pseudo_continuous_track> is {}", in_quotes(word)),
-                 "true, false, or nothing");
-  return false;
+  return text_of(element).empty() || read_text_flag(element, findings).value_or(false);
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ void add_links(const Draft& draft, const Graph& graph, int root, Model& model) {
     Link& link = model.links.emplace_back(draft.links[index(place.link)].link);
     link.parent = place.parent;
     if (place.parent < 0) {
-      link.joint.type = link.name == "world" ? JointType::fixed : JointType::free;
+      link.joint.type = link.name == "world" || draft.is_static ? JointType::fixed : JointType::free;
     } else {
       const int joint = graph.parent_joint[index(place.link)];
       link.joint = draft.joints[index(joint)].joint;
@@ -247,6 +247,9 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
   Model model;
   model.name = draft.name;
   add_links(draft, graph, skip_floating(draft, graph, root, findings), model);
+  if (draft.is_static && !model.joints.empty())
+    findings.warning(draft.static_line, "<static> fixes the root link to the world; the joints move nevertheless");
+  apply_surfaces(draft, model, findings);
   add_devices(draft, model, findings);
   set_tracks(draft, model, findings);
   resolve_mimics(draft, model, findings);

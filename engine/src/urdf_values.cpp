@@ -57,12 +57,12 @@ std::optional<std::vector<double>> read_numbers(const XMLElement& element, const
   return numbers;
 }
 
+}  // namespace
+
 std::string_view text_of(const XMLElement& element) {
   const char* text = element.GetText();
-  return text == nullptr ? std::string_view() : std::string_view(text);
+  return text == nullptr ? std::string_view() : trimmed(text);
 }
-
-}  // namespace
 
 std::optional<double> parse_number(std::string_view text) {
   text = trimmed(text);
@@ -141,6 +141,16 @@ std::optional<double> read_text_number(const XMLElement& element, Findings& find
                    fmt::format("{} holds {}, not a number", tag(element.Name()), in_quotes(text_of(element))));
   }
   return number;
+}
+
+std::optional<bool> read_text_flag(const XMLElement& element, Findings& findings) {
+  std::string word(text_of(element));
+  for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (word == "true" || word == "yes" || word == "1") return true;
+  if (word == "false" || word == "no" || word == "0") return false;
+  findings.error(element.GetLineNum(),
+                 fmt::format("{} holds {}, not true or false", tag(element.Name()), in_quotes(text_of(element))));
+  return std::nullopt;
 }
 
 std::optional<std::vector<double>> read_text_numbers(const XMLElement& element, std::size_t count, Findings& findings) {

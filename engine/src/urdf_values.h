@@ -43,8 +43,14 @@ Eigen::Isometry3d read_origin(const tinyxml2::XMLElement& element, Findings& fin
 /// A name: the attribute is there, not empty, UTF-8 without control characters. Else an error, and nothing.
 std::optional<std::string> read_name(const tinyxml2::XMLElement& element, const char* attribute, Findings& findings);
 
+/// The element's text without blanks around it; empty if it has none.
+std::string_view text_of(const tinyxml2::XMLElement& element);
+
 /// The number that is the element's text, as SDF has it. Malformed: an error, and nothing.
 std::optional<double> read_text_number(const tinyxml2::XMLElement& element, Findings& findings);
+
+/// true, yes, 1, false, no or 0, in any case, as Gazebo takes them. Anything else: an error, and nothing.
+std::optional<bool> read_text_flag(const tinyxml2::XMLElement& element, Findings& findings);
 
 /// The `count` numbers, at most four, that are the element's text, as SDF has them. Malformed: an error, and nothing.
 std::optional<std::vector<double>> read_text_numbers(const tinyxml2::XMLElement& element, std::size_t count,
