@@ -28,9 +28,11 @@ rehearse_add_library(model
   src/shape_bounds.cpp
   src/urdf.cpp
   src/urdf_cameras.cpp
+  src/urdf_contact_sensors.cpp
   src/urdf_devices.cpp
   src/urdf_dynamics.cpp
   src/urdf_findings.cpp
+  src/urdf_force_sensors.cpp
   src/urdf_joints.cpp
   src/urdf_lights.cpp
   src/urdf_links.cpp
@@ -38,6 +40,7 @@ rehearse_add_library(model
   src/urdf_materials.cpp
   src/urdf_meshes.cpp
   src/urdf_mimics.cpp
+  src/urdf_placement.cpp
   src/urdf_range_sensors.cpp
   src/urdf_referee.cpp
   src/urdf_schema.cpp

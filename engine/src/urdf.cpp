@@ -67,7 +67,7 @@ void prepare_for_urdfdom(XMLElement& element) {
   for (XMLElement* child = element.FirstChildElement(); child != nullptr; child = next) {
     next = child->NextSiblingElement();
     const std::string_view name = child->Name();
-    if (name == "gazebo" || name == "material" || name == "contact") {
+    if (name == "gazebo" || name == "material" || name == "contact" || name == "sensor") {
       element.DeleteChild(child);
     } else {
       prepare_for_urdfdom(*child);

@@ -21,12 +21,23 @@ std::optional<DeviceKind> kind_of_sensor(std::string_view type) {
   if (type == "accelerometer") return Accelerometer{};
   if (type == "gyroscope" || type == "gyro") return Gyro{};
   if (type == "force_torque") return ForceSensor{};
+  if (type == "contact") return ContactSensor{};
   if (type == "ray" || type == "gpu_ray" || type == "lidar" || type == "gpu_lidar") return RangeSensor{};
   Camera camera;
   camera.depth = type == "depth" || type == "depth_camera" || type == "rgbd" || type == "rgbd_camera";
-  if (camera.depth || type == "camera") return camera;
+  if (camera.depth || type == "camera" || type == "multicamera") return camera;
   return std::nullopt;
 }
+
+/// The <camera> whose <image>, or the <ray> whose <horizontal>, a sensor of <robot> gives in attributes; or null.
+const XMLElement* find_optical(const XMLElement& sensor, const char* what, const char* figures) {
+  const XMLElement* element = sensor.FirstChildElement(what);
+  const XMLElement* inner = element == nullptr ? nullptr : element->FirstChildElement(figures);
+  return inner != nullptr && inner->FirstAttribute() != nullptr ? element : nullptr;
+}
+
+const XMLElement* find_optical_camera(const XMLElement& sensor) { return find_optical(sensor, "camera", "image"); }
+const XMLElement* find_optical_ray(const XMLElement& sensor) { return find_optical(sensor, "ray", "horizontal"); }
 
 int read_id(const XMLElement& sensor, Findings& findings) {
   const XMLElement* element = sensor.FirstChildElement("id");
@@ -42,54 +53,140 @@ int read_id(const XMLElement& sensor, Findings& findings) {
 }
 
 std::optional<DeviceKind> kind_of(const XMLElement& element) {
-  const char* type = element.Attribute("type");
-  const bool is_light = std::string_view(element.Name()) == "light";
-  if (!is_light) return kind_of_sensor(type == nullptr ? "" : type);
-  if (const auto light = light_of_type(type == nullptr ? "" : type)) return *light;
-  return std::nullopt;
+  const char* text = element.Attribute("type");
+  const std::string_view type = text == nullptr ? "" : text;
+  if (std::string_view(element.Name()) == "light") {
+    if (const auto light = light_of_type(type)) return *light;
+    return std::nullopt;
+  }
+  if (text == nullptr && find_optical_camera(element) != nullptr) return Camera{};
+  if (text == nullptr && find_optical_ray(element) != nullptr) return RangeSensor{};
+  return kind_of_sensor(type);
 }
 
-void read_figures(const XMLElement& element, Device& device, Findings& findings) {
-  if (auto* camera = std::get_if<Camera>(&device.kind)) {
-    report_ignored(element, {"id", "pose", "update_rate", "camera"}, findings);
-    read_camera(element, *camera, device.pose, findings);
-  } else if (auto* laser = std::get_if<RangeSensor>(&device.kind)) {
-    report_ignored(element, {"id", "pose", "update_rate", "ray", "lidar"}, findings);
-    read_range_sensor(element, *laser, device.pose, findings);
-  } else if (auto* light = std::get_if<Light>(&device.kind)) {
-    read_light(element, *light, findings);
-  } else {
-    report_ignored(element, {"id", "pose"}, findings);
+/// True of a sensor that stands in no <gazebo> block.
+bool is_of_robot(const XMLElement& element) {
+  return std::string_view(element.Parent()->ToElement()->Name()) == "robot";
+}
+
+/// The children of a sensor that have a meaning, wherever it stands, and those of its kind.
+std::vector<std::string_view> known_children(const XMLElement& element, std::vector<std::string_view> of_kind) {
+  of_kind.insert(of_kind.end(), {"id", "pose"});
+  if (is_of_robot(element)) of_kind.insert(of_kind.end(), {"parent", "origin"});
+  return of_kind;
+}
+
+/// A camera for each <camera> of the sensor, named after both if it is a multicamera.
+void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vector<DeviceDraft>& devices,
+                  Findings& findings) {
+  report_ignored(sensor, known_children(sensor, {"update_rate", "camera"}), findings);
+  const XMLElement* element = sensor.FirstChildElement("camera");
+  if (element == nullptr) {
+    findings.error(sensor.GetLineNum(), fmt::format("camera {} has no <camera>", in_quotes(common.device.name)),
+                   "<camera> holds the picture's size, the field of view and the clip distances");
+    return;
+  }
+  const bool is_multiple = sensor.Attribute("type", "multicamera") != nullptr;
+  for (int i = 0; element != nullptr; element = element->NextSiblingElement("camera"), ++i) {
+    DeviceDraft draft = common;
+    if (is_multiple) {
+      const char* name = element->Attribute("name");
+      draft.device.name +=
+          "_" +
+          (name == nullptr || *name == '\0' ? std::to_string(i) : read_name(*element, "name", findings).value_or(""));
+      draft.device.line = element->GetLineNum();
+      if (draft.device.id >= 0) draft.device.id += i;
+    } else if (i > 0) {
+      findings.error(element->GetLineNum(),
+                     fmt::format("a second <camera> in sensor {}", in_quotes(common.device.name)),
+                     "several belong to a sensor of type multicamera");
+      return;
+    }
+    Camera& camera = std::get<Camera>(draft.device.kind);
+    if (element == find_optical_camera(sensor)) {
+      read_optical_camera(sensor, *element, camera, draft.device.pose, findings);
+    } else {
+      read_camera(sensor, *element, camera, draft.device.pose, findings);
+    }
+    devices.push_back(std::move(draft));
   }
 }
 
-/// A <sensor> or <light> of a kind we have; null for others, with a note, and for nameless ones, with an error.
-std::optional<DeviceDraft> read_device(const XMLElement& element, const char* reference, Findings& findings) {
+void read_figures(const XMLElement& element, DeviceDraft& draft, Findings& findings) {
+  Device& device = draft.device;
+  std::vector<std::string_view> of_kind;
+  if (auto* laser = std::get_if<RangeSensor>(&device.kind)) {
+    of_kind = {"update_rate", "ray", "lidar"};
+    if (const XMLElement* ray = find_optical_ray(element)) {
+      read_optical_range_sensor(element, *ray, *laser, device.pose, findings);
+    } else {
+      read_range_sensor(element, *laser, device.pose, findings);
+    }
+  } else if (auto* light = std::get_if<Light>(&device.kind)) {
+    return read_light(element, *light, findings);
+  } else if (std::holds_alternative<ForceSensor>(device.kind)) {
+    of_kind = {"force_torque"};
+    read_force_sensor(element, draft, findings);
+  } else if (std::holds_alternative<ContactSensor>(device.kind)) {
+    of_kind = {"contact"};
+    read_contact_sensor(element, draft, findings);
+  }
+  report_ignored(element, known_children(element, std::move(of_kind)), findings);
+}
+
+/// What names the sensor's or light's place: the block it stands in, or its own <parent>. False, with an error, if
+/// there is nothing.
+bool read_reference(const XMLElement& element, DeviceDraft& draft, Findings& findings) {
+  const bool is_in_block = !is_of_robot(element);
+  const XMLElement* parent = is_in_block ? element.Parent()->ToElement() : element.FirstChildElement("parent");
+  const auto find = [&](const char* attribute) { return parent == nullptr ? nullptr : parent->Attribute(attribute); };
+  const bool is_force = std::holds_alternative<ForceSensor>(draft.device.kind);
+  if (const char* any = is_in_block ? find("reference") : nullptr) {
+    draft.meaning = is_force ? Reference::joint_else_link : Reference::link_else_joint;
+    draft.reference = any;
+  } else if (const char* link = is_in_block ? nullptr : find("link")) {
+    draft.meaning = Reference::link;
+    draft.reference = link;
+  } else if (const char* joint = is_in_block ? nullptr : find("joint")) {
+    draft.meaning = Reference::joint;
+    draft.reference = joint;
+  } else {
+    findings.error(element.GetLineNum(),
+                   fmt::format("{} {} is on no link", element.Name(), in_quotes(draft.device.name)),
+                   is_in_block ? "its <gazebo> names the link: <gazebo reference=\"LINK\">"
+                               : "it names its link: <parent link=\"LINK\"/>");
+    return false;
+  }
+  return true;
+}
+
+/// A <sensor> or <light> of a kind we have; nothing for others, with a note, and for nameless ones, with an error.
+void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, Findings& findings) {
   const auto kind = kind_of(element);
   if (!kind) {
     const char* type = element.Attribute("type");
     findings.ignored(element.GetLineNum(), type == nullptr
                                                ? fmt::format("a {} without a type", element.Name())
                                                : fmt::format("a {} of type {}", element.Name(), in_quotes(type)));
-    return std::nullopt;
+    return;
   }
   DeviceDraft draft;
   draft.device.kind = *kind;
   draft.device.line = element.GetLineNum();
   const auto name = read_name(element, "name", findings);
-  if (!name) return std::nullopt;
+  if (!name) return;
   draft.device.name = *name;
-  if (reference == nullptr) {
-    findings.error(element.GetLineNum(), fmt::format("{} {} is on no link", element.Name(), in_quotes(*name)),
-                   "its <gazebo> names the link: <gazebo reference=\"LINK\">");
-    return std::nullopt;
-  }
-  draft.reference = reference;
-  draft.prefers_joint = std::holds_alternative<ForceSensor>(*kind);
+  if (!read_reference(element, draft, findings)) return;
   draft.device.id = read_id(element, findings);
-  if (const XMLElement* pose = element.FirstChildElement("pose")) draft.device.pose = read_text_pose(*pose, findings);
-  read_figures(element, draft.device, findings);
-  return draft;
+  if (is_of_robot(element)) draft.device.pose = read_origin(element, findings);
+  if (const XMLElement* pose = element.FirstChildElement("pose"))
+    draft.device.pose = draft.device.pose * read_text_pose(*pose, findings);
+  if (std::holds_alternative<Camera>(draft.device.kind)) {
+    read_cameras(element, draft, devices, findings);
+  } else {
+    read_figures(element, draft, findings);
+    devices.push_back(std::move(draft));
+  }
 }
 
 /// Kinds that share their ids: a RangeCamera is a Camera, a SpotLight a PointLight.
@@ -120,7 +217,7 @@ void report_doubles(const std::vector<DeviceDraft>& devices, Findings& findings)
 
 }  // namespace
 
-void report_ignored(const XMLElement& element, std::initializer_list<std::string_view> known, Findings& findings) {
+void report_ignored(const XMLElement& element, const std::vector<std::string_view>& known, Findings& findings) {
   for (const auto* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     bool is_known = false;
     for (const std::string_view name : known) is_known = is_known || name == child->Name();
@@ -151,6 +248,24 @@ int read_count_or(const XMLElement* element, const char* child, int fallback, in
   return static_cast<int>(value);
 }
 
+std::optional<double> read_positive(const XMLElement& element, const char* attribute, double most, Findings& findings) {
+  const auto value = read_number(element, attribute, findings);
+  if (!value || (*value > 0.0 && *value <= most)) return value;
+  const std::string limit = std::isfinite(most) ? fmt::format(" and at most {}", most) : "";
+  findings.error(element.GetLineNum(),
+                 fmt::format("{} of <{}> is {}; it must be above 0{}", attribute, element.Name(), *value, limit));
+  return std::nullopt;
+}
+
+std::optional<int> read_count(const XMLElement& element, const char* attribute, int most, Findings& findings) {
+  const auto value = read_positive(element, attribute, most, findings);
+  if (!value) return std::nullopt;
+  if (*value == std::floor(*value)) return static_cast<int>(*value);
+  findings.error(element.GetLineNum(),
+                 fmt::format("{} of <{}> is {}, not a whole number", attribute, element.Name(), *value));
+  return std::nullopt;
+}
+
 std::string_view word_for(const Device& device) {
   return std::holds_alternative<Light>(device.kind) ? "light" : "sensor";
 }
@@ -162,15 +277,21 @@ Eigen::Matrix3d device_axes() {
       .finished();
 }
 
+Eigen::Matrix3d device_axes_of_optical() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
+
 std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& findings) {
   std::vector<DeviceDraft> devices;
-  for (const auto* block = robot.FirstChildElement("gazebo"); block != nullptr;
-       block = block->NextSiblingElement("gazebo")) {
-    for (const auto* child = block->FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+  for (const auto* part = robot.FirstChildElement(); part != nullptr; part = part->NextSiblingElement()) {
+    const std::string_view kind = part->Name();
+    if (kind == "sensor") read_device(*part, devices, findings);
+    if (kind != "gazebo") continue;
+    for (const auto* child = part->FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
       const std::string_view what = child->Name();
-      if (what != "sensor" && what != "light") continue;
-      if (auto draft = read_device(*child, block->Attribute("reference"), findings))
-        devices.push_back(std::move(*draft));
+      if (what == "sensor" || what == "light") read_device(*child, devices, findings);
+      if (!what.starts_with("sensor:")) continue;
+      findings.warning(child->GetLineNum(),
+                       fmt::format("{} is a sensor as Gazebo had them before 2012; it is passed over", tag(what)),
+                       "write <sensor name=\"...\" type=\"...\">");
     }
   }
   report_doubles(devices, findings);

@@ -1,5 +1,9 @@
-// Reading what stands in <gazebo> blocks: one function for each kind of device that has figures of its own. Private to
-// the URDF loader.
+// Reading sensors and lights: one function for each kind of device that has figures of its own. Private to the URDF
+// loader.
+//
+// A sensor stands in a <gazebo> block, in SDF's words, or in <robot> itself. There its figures have SDF's words too, or
+// they are attributes, as http://wiki.ros.org/urdf/XML/sensor has it and Choreonoid reads it; the axes of those that
+// see are then z ahead, x to the right and y down, else x ahead and z up.
 #pragma once
 
 #include <rehearse/model.h>
@@ -7,9 +11,9 @@
 #include "urdf_findings.h"
 
 #include <Eigen/Geometry>
-#include <initializer_list>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace tinyxml2 {
 class XMLElement;
@@ -17,8 +21,10 @@ class XMLElement;
 
 namespace rehearse::urdf {
 
+struct DeviceDraft;
+
 /// Counts the children that nobody reads.
-void report_ignored(const tinyxml2::XMLElement& element, std::initializer_list<std::string_view> known,
+void report_ignored(const tinyxml2::XMLElement& element, const std::vector<std::string_view>& known,
                     Findings& findings);
 
 /// The child's number, or `fallback` if there is no such child; an error unless it is above 0 and at most `most`.
@@ -29,15 +35,44 @@ double read_positive_or(const tinyxml2::XMLElement* element, const char* child, 
 /// The same for whole numbers.
 int read_count_or(const tinyxml2::XMLElement* element, const char* child, int fallback, int most, Findings& findings);
 
+/// The attribute's number; an error, and nothing, if it isn't there, not above 0 or above `most`.
+std::optional<double> read_positive(const tinyxml2::XMLElement& element, const char* attribute, double most,
+                                    Findings& findings);
+
+/// The same for whole numbers, which may be written as 640.0.
+std::optional<int> read_count(const tinyxml2::XMLElement& element, const char* attribute, int most, Findings& findings);
+
 /// From SDF's axes of a sensor (x forward, z up) to a Device's (-z forward, y up): its columns are right, up and back.
 Eigen::Matrix3d device_axes();
 
-/// Reads <camera>, and turns `pose` from SDF's axes to ours.
-void read_camera(const tinyxml2::XMLElement& sensor, Camera& camera, Eigen::Isometry3d& pose, Findings& findings);
+/// The same from x to the right, y down and z ahead.
+Eigen::Matrix3d device_axes_of_optical();
+
+/// Reads `element`, a <camera> of the sensor, and turns `pose` from SDF's axes to ours.
+void read_camera(const tinyxml2::XMLElement& sensor, const tinyxml2::XMLElement& element, Camera& camera,
+                 Eigen::Isometry3d& pose, Findings& findings);
+
+/// The same with attributes.
+void read_optical_camera(const tinyxml2::XMLElement& sensor, const tinyxml2::XMLElement& element, Camera& camera,
+                         Eigen::Isometry3d& pose, Findings& findings);
 
 /// Reads <ray>, or <lidar>, and turns `pose` from SDF's axes to ours.
 void read_range_sensor(const tinyxml2::XMLElement& sensor, RangeSensor& laser, Eigen::Isometry3d& pose,
                        Findings& findings);
+
+/// Reads <ray> with attributes.
+void read_optical_range_sensor(const tinyxml2::XMLElement& sensor, const tinyxml2::XMLElement& ray, RangeSensor& laser,
+                               Eigen::Isometry3d& pose, Findings& findings);
+
+/// Reads <force_torque>: along which axes it measures, and in which direction. After the draft's pose.
+void read_force_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, Findings& findings);
+
+/// Reads the names of collision shapes in <contact>.
+void read_contact_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, Findings& findings);
+
+/// Index of the one collision shape of the link that a contact sensor means, or -1 for all of them; a warning where it
+/// means something else.
+int find_feeling_shape(const DeviceDraft& draft, const Link& link, Findings& findings);
 
 /// A light of that type as it is without figures; null if we have no such type.
 std::optional<Light> light_of_type(std::string_view type);

@@ -41,10 +41,15 @@ struct JointDraft {
   std::optional<MimicDraft> mimic;
 };
 
+/// What a name in a sensor's place means: a link; or a joint, which stands for its child link.
+enum class Reference { link_else_joint, joint_else_link, link, joint };
+
 struct DeviceDraft {
-  Device device;          // all but the link; its pose is in the frame of what `reference` names
-  std::string reference;  // a link; a joint, which stands for its child link
-  bool prefers_joint = false;
+  Device device;  // all but the link; its pose is in the frame of what `reference` names
+  std::string reference;
+  Reference meaning = Reference::link_else_joint;
+  bool has_parents_axes = false;        // a force sensor that measures along the axes of the joint's parent link
+  std::vector<std::string> collisions;  // of a contact sensor: the shapes that feel, as written; empty: all
 };
 
 /// A <pseudo_continuous_track> of a <gazebo> block.
@@ -90,7 +95,7 @@ std::optional<LinkDraft> read_link(tinyxml2::XMLElement& element, const Material
 /// Null if the joint has no name, type, parent or child.
 std::optional<JointDraft> read_joint(tinyxml2::XMLElement& element, Findings& findings);
 
-/// The sensors and lights of all <gazebo> blocks.
+/// The sensors of <robot>, and the sensors and lights of its <gazebo> blocks.
 std::vector<DeviceDraft> read_devices(const tinyxml2::XMLElement& robot, Findings& findings);
 
 /// The tracks of all <gazebo> blocks.
@@ -112,6 +117,9 @@ void declare_world(tinyxml2::XMLElement& robot, Draft& draft, Findings& findings
 /// Joins links, joints and devices into a tree: depth-first links, joint ids, the root's joint. Null, with an error for
 /// each reason, if they don't form one.
 std::optional<Model> join(const Draft& draft, Findings& findings);
+
+/// Puts the draft's devices onto the model's links. An error for one whose link isn't there.
+void place_devices(const Draft& draft, Model& model, Findings& findings);
 
 /// Sets Joint::mimic of the joints that follow another one, chains resolved. An error for a leader that isn't there or
 /// doesn't move, and for joints that follow each other in a circle.

@@ -14,7 +14,8 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr int most_beams = 1'000'000;  // of one sensor: a scan is one message, and one array in memory
+constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more, for those who round
+constexpr int most_beams = 1'000'000;              // of one sensor: a scan is one message, and one array in memory
 
 /// The child, or null with an error.
 const XMLElement* require_child(const XMLElement& element, const char* child, const char* hint, Findings& findings) {
@@ -36,7 +37,25 @@ double read_angle(const XMLElement& element, const char* child, double most, Fin
   return 0.0;
 }
 
-/// <horizontal> or <vertical>. SDF returns samples * resolution figures; here each of them is a beam.
+/// SDF returns samples * resolution figures; here each of them is a beam. `name` writes a figure as the file has it.
+template <class Name>
+void set_samples(const XMLElement& element, int rays, double resolution, const Name& name, Sweep& sweep,
+                 Findings& findings) {
+  const double beams = std::max(1.0, std::round(rays * resolution));
+  sweep.samples = static_cast<int>(std::min(beams, most_beams + 1.0));
+  if (sweep.lower > sweep.upper) {
+    findings.error(element.GetLineNum(), fmt::format("{} of <{}> is {}, above {}, which is {}", name("min_angle"),
+                                                     element.Name(), sweep.lower, name("max_angle"), sweep.upper));
+  } else if (sweep.samples == 1) {
+    sweep.lower = sweep.upper = 0.5 * (sweep.lower + sweep.upper);
+  } else if (sweep.lower == sweep.upper) {
+    findings.error(element.GetLineNum(),
+                   fmt::format("the {} beams of <{}> all have the angle {}", beams, element.Name(), sweep.lower),
+                   fmt::format("give a {} above {}, or one sample", name("max_angle"), name("min_angle")));
+  }
+}
+
+/// <horizontal> or <vertical>.
 Sweep read_sweep(const XMLElement& element, int samples, double most_angle, Findings& findings) {
   report_ignored(element, {"samples", "resolution", "min_angle", "max_angle"}, findings);
   const int errors_before = findings.error_count();
@@ -46,19 +65,40 @@ Sweep read_sweep(const XMLElement& element, int samples, double most_angle, Find
   const int rays = read_count_or(&element, "samples", samples, most_beams, findings);
   const double resolution = read_positive_or(&element, "resolution", 1.0, most_beams, findings);
   if (findings.error_count() > errors_before) return sweep;
-  const double beams = std::max(1.0, std::round(rays * resolution));
-  sweep.samples = static_cast<int>(std::min(beams, most_beams + 1.0));
-  if (sweep.lower > sweep.upper) {
-    findings.error(element.GetLineNum(), fmt::format("<min_angle> of <{}> is {}, above <max_angle>, which is {}",
-                                                     element.Name(), sweep.lower, sweep.upper));
-  } else if (sweep.samples == 1) {
-    sweep.lower = sweep.upper = 0.5 * (sweep.lower + sweep.upper);
-  } else if (sweep.lower == sweep.upper) {
-    findings.error(element.GetLineNum(),
-                   fmt::format("the {} beams of <{}> all have the angle {}", beams, element.Name(), sweep.lower),
-                   "give a <max_angle> above <min_angle>, or one sample");
-  }
+  set_samples(
+      element, rays, resolution, [](const char* figure) { return tag(figure); }, sweep, findings);
   return sweep;
+}
+
+/// The same with attributes.
+Sweep read_optical_sweep(const XMLElement& element, double most_angle, Findings& findings) {
+  const int errors_before = findings.error_count();
+  Sweep sweep;
+  sweep.lower = read_number_or(element, "min_angle", 0.0, findings).value_or(0.0);
+  sweep.upper = read_number_or(element, "max_angle", 0.0, findings).value_or(0.0);
+  const auto rays = read_count(element, "samples", most_beams, findings);
+  std::optional<double> resolution = 1.0;
+  if (element.Attribute("resolution") != nullptr)
+    resolution = read_positive(element, "resolution", most_beams, findings);
+  if (std::max(std::abs(sweep.lower), std::abs(sweep.upper)) > most_angle) {
+    findings.error(element.GetLineNum(),
+                   fmt::format("the angles of <{}> are {} and {}; they must be {} to {}", element.Name(), sweep.lower,
+                               sweep.upper, -most_angle, most_angle),
+                   "angles are in radians");
+  }
+  if (findings.error_count() > errors_before) return sweep;
+  set_samples(
+      element, *rays, *resolution, [](const char* figure) { return std::string(figure); }, sweep, findings);
+  return sweep;
+}
+
+/// A scan of too many beams is an error.
+void check_beams(const XMLElement& scan, const RangeSensor& laser, Findings& findings) {
+  const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
+  if (beams > most_beams) {
+    findings.error(scan.GetLineNum(),
+                   fmt::format("a scan has {} beams; {} are the most that are supported", beams, most_beams));
+  }
 }
 
 void read_scan(const XMLElement& scan, RangeSensor& laser, Findings& findings) {
@@ -66,15 +106,10 @@ void read_scan(const XMLElement& scan, RangeSensor& laser, Findings& findings) {
   const XMLElement* horizontal =
       require_child(scan, "horizontal", "it holds samples, min_angle and max_angle", findings);
   if (horizontal == nullptr) return;
-  constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more, for those who round
   laser.yaw = read_sweep(*horizontal, 640, a_turn, findings);
   const XMLElement* vertical = scan.FirstChildElement("vertical");
   if (vertical != nullptr) laser.pitch = read_sweep(*vertical, 1, straight_up, findings);
-  const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
-  if (beams > most_beams) {
-    findings.error(scan.GetLineNum(),
-                   fmt::format("a scan has {} beams; {} are the most that are supported", beams, most_beams));
-  }
+  check_beams(scan, laser, findings);
 }
 
 void read_distances(const XMLElement& range, RangeSensor& laser, Findings& findings) {
@@ -112,6 +147,20 @@ void read_range_sensor(const XMLElement& sensor, RangeSensor& laser, Eigen::Isom
     read_scan(*scan, laser, findings);
   if (const XMLElement* range = require_child(*element, "range", "it holds <min> and <max> [m]", findings))
     read_distances(*range, laser, findings);
+}
+
+void read_optical_range_sensor(const XMLElement& sensor, const XMLElement& ray, RangeSensor& laser,
+                               Eigen::Isometry3d& pose, Findings& findings) {
+  pose.linear() = pose.linear() * device_axes_of_optical();
+  constexpr double any = std::numeric_limits<double>::infinity();
+  laser.scan_rate = 1.0;  // Choreonoid's default
+  if (sensor.Attribute("update_rate") != nullptr)
+    laser.scan_rate = read_positive(sensor, "update_rate", any, findings).value_or(1.0);
+  report_ignored(ray, {"horizontal", "vertical"}, findings);
+  laser.yaw = read_optical_sweep(*ray.FirstChildElement("horizontal"), a_turn, findings);
+  if (const XMLElement* vertical = ray.FirstChildElement("vertical"))
+    laser.pitch = read_optical_sweep(*vertical, straight_up, findings);
+  check_beams(ray, laser, findings);
 }
 
 }  // namespace rehearse::urdf

@@ -23,7 +23,7 @@ struct Rule {
 /// An element means the same wherever it may stand, so the table goes by its name alone.
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> table = {
-      {"robot", {"name"}, {}, {"link", "joint", "material", "gazebo"}},
+      {"robot", {"name"}, {}, {"link", "joint", "material", "gazebo", "sensor"}},
       {"link", {"name"}, {"inertial"}, {"visual", "collision", "contact"}},
       {"inertial", {}, {"origin", "mass", "inertia"}, {}},
       {"mass", {"value"}, {}, {}},

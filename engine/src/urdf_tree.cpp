@@ -1,4 +1,3 @@
-#include "urdf_devices.h"
 #include "urdf_draft.h"
 
 #include <fmt/format.h>
@@ -177,37 +176,6 @@ void add_links(const Draft& draft, const Graph& graph, int root, Model& model) {
   }
 }
 
-/// Index in the model of the link that a sensor's block refers to, or -1.
-int link_of(const DeviceDraft& device, const std::map<std::string_view, int>& links,
-            const std::map<std::string_view, int>& joints) {
-  const auto link = links.find(device.reference);
-  const auto joint = joints.find(device.reference);
-  const bool takes_joint = joint != joints.end() && (device.prefers_joint || link == links.end());
-  if (takes_joint) return joint->second;
-  return link == links.end() ? -1 : link->second;
-}
-
-void add_devices(const Draft& draft, Model& model, Findings& findings) {
-  std::map<std::string_view, int> links;
-  std::map<std::string_view, int> joints;
-  for (std::size_t i = 0; i < model.links.size(); ++i) {
-    links.emplace(model.links[i].name, static_cast<int>(i));
-    if (i > 0) joints.emplace(model.links[i].joint.name, static_cast<int>(i));
-  }
-  for (const DeviceDraft& device : draft.devices) {
-    const int link = link_of(device, links, joints);
-    if (link < 0) {
-      findings.error(device.device.line, fmt::format("{} {} is on {}, which is not a link", word_for(device.device),
-                                                     in_quotes(device.device.name), in_quotes(device.reference)));
-      continue;
-    }
-    model.devices.push_back(device.device);
-    model.devices.back().link = link;
-  }
-  std::stable_sort(model.devices.begin(), model.devices.end(),
-                   [](const Device& a, const Device& b) { return a.link < b.link; });
-}
-
 void set_tracks(const Draft& draft, Model& model, Findings& findings) {
   for (const TrackDraft& track : draft.tracks) {
     const int link = model.find_joint(track.reference);
@@ -250,7 +218,7 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
   if (draft.is_static && !model.joints.empty())
     findings.warning(draft.static_line, "<static> fixes the root link to the world; the joints move nevertheless");
   apply_surfaces(draft, model, findings);
-  add_devices(draft, model, findings);
+  place_devices(draft, model, findings);
   set_tracks(draft, model, findings);
   resolve_mimics(draft, model, findings);
   return model;

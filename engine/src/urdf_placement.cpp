@@ -1,0 +1,83 @@
+#include "urdf_devices.h"
+#include "urdf_draft.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+namespace rehearse::urdf {
+namespace {
+
+/// The links of a model by name, and by the name of the joint above them.
+struct Names {
+  explicit Names(const Model& model) {
+    for (std::size_t i = 0; i < model.links.size(); ++i) {
+      links.emplace(model.links[i].name, static_cast<int>(i));
+      if (i > 0) joints.emplace(model.links[i].joint.name, static_cast<int>(i));
+    }
+  }
+
+  static int find(const std::map<std::string_view, int>& names, std::string_view name) {
+    const auto found = names.find(name);
+    return found == names.end() ? -1 : found->second;
+  }
+
+  /// Index of the link that a device's reference means, or -1.
+  int link_of(const DeviceDraft& device) const {
+    const int link = find(links, device.reference);
+    const int joint = find(joints, device.reference);
+    switch (device.meaning) {
+      case Reference::link: return link;
+      case Reference::joint: return joint;
+      case Reference::link_else_joint: return link >= 0 ? link : joint;
+      case Reference::joint_else_link: return joint >= 0 ? joint : link;
+    }
+    REHEARSE_ASSERT(false, "a Reference outside its enumeration");
+  }
+
+  std::map<std::string_view, int> links;
+  std::map<std::string_view, int> joints;
+};
+
+/// A device keeps its pose in its own link, so it can have the parent's axes only where the joint doesn't turn them.
+void turn_to_parents_axes(const Link& link, Device& device, Findings& findings) {
+  if (link.joint.type == JointType::revolute || link.joint.type == JointType::continuous) {
+    findings.warning(device.line,
+                     fmt::format("sensor {} measures along the axes of its own link {}, not along those of the "
+                                 "parent link, which joint {} turns",
+                                 in_quotes(device.name), in_quotes(link.name), in_quotes(link.joint.name)));
+  } else if (link.parent >= 0) {
+    device.pose.linear() = link.joint.origin.linear().transpose();
+  }
+}
+
+void settle(const DeviceDraft& draft, const Model& model, Device& device, Findings& findings) {
+  const Link& link = model.links[static_cast<std::size_t>(device.link)];
+  if (draft.has_parents_axes) turn_to_parents_axes(link, device, findings);
+  if (auto* contact = std::get_if<ContactSensor>(&device.kind))
+    contact->collision = find_feeling_shape(draft, link, findings);
+}
+
+}  // namespace
+
+void place_devices(const Draft& draft, Model& model, Findings& findings) {
+  const Names names(model);
+  for (const DeviceDraft& device : draft.devices) {
+    const int link = names.link_of(device);
+    if (link < 0) {
+      findings.error(device.device.line, fmt::format("{} {} is on {}, which is not a {}", word_for(device.device),
+                                                     in_quotes(device.device.name), in_quotes(device.reference),
+                                                     device.meaning == Reference::joint ? "joint" : "link"));
+      continue;
+    }
+    Device& placed = model.devices.emplace_back(device.device);
+    placed.link = link;
+    settle(device, model, placed, findings);
+  }
+  std::stable_sort(model.devices.begin(), model.devices.end(),
+                   [](const Device& a, const Device& b) { return a.link < b.link; });
+}
+
+}  // namespace rehearse::urdf
