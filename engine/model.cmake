@@ -47,6 +47,7 @@ rehearse_add_library(model
   src/urdf_surfaces.cpp
   src/urdf_text.cpp
   src/urdf_tracks.cpp
+  src/urdf_transmissions.cpp
   src/urdf_tree.cpp
   src/urdf_values.cpp)
 target_include_directories(rehearse_model PUBLIC

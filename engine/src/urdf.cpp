@@ -24,11 +24,22 @@ using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
 using urdf::Findings;
 
+/// Of the form, not of the robot.
+void check_version(const XMLElement& robot, Findings& findings) {
+  const char* text = robot.Attribute("version");
+  const std::string_view version = text == nullptr ? "1.0" : text;
+  if (version == "1.0" || version == "1" || version == "1.1") return;
+  findings.warning(robot.GetLineNum(),
+                   fmt::format("the file is of URDF version {}; it is read as 1.1", urdf::in_quotes(version)));
+}
+
 /// Everything of the robot that our own pass reads, with the document brought to what urdfdom may see of it.
 urdf::Draft read_draft(XMLElement& robot, urdf::Meshes& meshes, Findings& findings) {
   urdf::Draft draft;
   draft.name = urdf::read_name(robot, "name", findings).value_or("");
   urdf::prune_to_schema(robot, findings);
+  check_version(robot, findings);
+  urdf::note_transmissions(robot, findings);
   urdf::read_surfaces(robot, draft, findings);
   draft.devices = urdf::read_devices(robot, findings);
   draft.tracks = urdf::read_tracks(robot, findings);
@@ -60,14 +71,33 @@ void straighten_blanks(XMLElement& element) {
   }
 }
 
+/// What only our own pass reads.
+bool is_ours_alone(std::string_view element) {
+  for (const char* name : {"gazebo", "sensor", "transmission", "material", "contact"}) {
+    if (element == name) return true;
+  }
+  return false;
+}
+
+/// urdfdom knows no quaternions.
+void write_as_rpy(const Eigen::Matrix3d& rotation, XMLElement& origin) {
+  const Eigen::Vector3d rpy = urdf::rpy_from_rotation(rotation);
+  origin.DeleteAttribute("quat_xyzw");
+  origin.SetAttribute("rpy", fmt::format("{} {} {}", rpy.x(), rpy.y(), rpy.z()).c_str());
+}
+
 /// Takes out what urdfdom reads worse than we do, or not at all, and writes the rest as it likes it.
 void prepare_for_urdfdom(XMLElement& element) {
   straighten_blanks(element);
+  element.DeleteAttribute("version");
+  if (auto* origin = element.FirstChildElement("origin"); origin && origin->Attribute("quat_xyzw") != nullptr) {
+    Findings told_before("", false);
+    write_as_rpy(urdf::read_origin(element, told_before).linear(), *origin);
+  }
   XMLElement* next = nullptr;
   for (XMLElement* child = element.FirstChildElement(); child != nullptr; child = next) {
     next = child->NextSiblingElement();
-    const std::string_view name = child->Name();
-    if (name == "gazebo" || name == "material" || name == "contact" || name == "sensor") {
+    if (is_ours_alone(child->Name())) {
       element.DeleteChild(child);
     } else {
       prepare_for_urdfdom(*child);

@@ -108,6 +108,9 @@ void read_surfaces(const tinyxml2::XMLElement& robot, Draft& draft, Findings& fi
 /// A <contact> of a <link>.
 void read_contact(const tinyxml2::XMLElement& contact, Surface& surface, Findings& findings);
 
+/// One note of all <transmission> elements, with their joints and hardware interfaces.
+void note_transmissions(const tinyxml2::XMLElement& robot, Findings& findings);
+
 /// Gives the links what the draft's surfaces say; a warning for a reference to what isn't a link.
 void apply_surfaces(const Draft& draft, Model& model, Findings& findings);
 

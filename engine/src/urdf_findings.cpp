@@ -52,8 +52,8 @@ void Findings::note(int line, std::string message, std::string hint) {
   add(Severity::note, line, std::move(message), std::move(hint));
 }
 
-void Findings::ignored(int line, const std::string& kind) {
-  Passed& passed = ignored_[kind];
+void Findings::counted(int line, const std::string& sentence) {
+  Passed& passed = counted_[sentence];
   if (passed.count++ == 0) passed.line = line;
 }
 
@@ -75,9 +75,9 @@ Diagnostics Findings::report() const {
   Diagnostics report;
   std::copy_if(found_.begin(), found_.end(), std::back_inserter(report),
                [](const Diagnostic& diagnostic) { return diagnostic.severity != Severity::error; });
-  for (const auto& [kind, passed] : ignored_) {
+  for (const auto& [sentence, passed] : counted_) {
     const std::string times = passed.count > 1 ? fmt::format(", here and in {} other places", passed.count - 1) : "";
-    report.push_back({Severity::note, file_, passed.line, 0, fmt::format("{} is ignored{}", kind, times), {}});
+    report.push_back({Severity::note, file_, passed.line, 0, sentence + times, {}});
   }
   sort_by_line(report);
   return report;

@@ -22,7 +22,10 @@ class Findings {
   void note(int line, std::string message, std::string hint = {});
 
   /// Something of this kind was passed over. Becomes one note a kind, with a count, at the first such place.
-  void ignored(int line, const std::string& kind);
+  void ignored(int line, const std::string& kind) { counted(line, kind + " is ignored"); }
+
+  /// The same with a sentence of its own.
+  void counted(int line, const std::string& sentence);
 
   bool has_error() const { return error_count_ > 0; }
   int error_count() const { return error_count_; }
@@ -45,7 +48,7 @@ class Findings {
   bool strict_;
   int error_count_ = 0;
   Diagnostics found_;
-  std::map<std::string, Passed> ignored_;  // by kind
+  std::map<std::string, Passed> counted_;  // by sentence
 };
 
 inline constexpr std::size_t longest_quote = 60;   // [bytes]

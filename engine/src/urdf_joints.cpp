@@ -21,7 +21,8 @@ std::optional<JointType> read_type(const XMLElement& element, Findings& findings
   if (type == "floating") return JointType::free;
   const std::string what =
       text == nullptr ? "a joint without a type" : fmt::format("unknown joint type {}", in_quotes(type));
-  findings.error(element.GetLineNum(), type == "planar" ? "planar joints aren't supported" : what,
+  const bool is_known = type == "planar" || type == "spherical" || type == "ball";
+  findings.error(element.GetLineNum(), is_known ? fmt::format("{} joints aren't supported", type) : what,
                  "fixed, revolute, continuous, prismatic, or floating below a root link 'world'");
   return std::nullopt;
 }
@@ -94,6 +95,12 @@ void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
     findings.warning(limit.GetLineNum(), fmt::format("joint {} can't move: its lower and upper limits are both {}",
                                                      in_quotes(joint.name), *lower));
   }
+  if (*lower != *upper && (*lower > 0.0 || *upper < 0.0)) {
+    findings.warning(
+        limit.GetLineNum(),
+        fmt::format("joint {} can't be at 0: its range is {} to {}", in_quotes(joint.name), *lower, *upper),
+        "a scenario that doesn't state its displacement starts it at the nearest limit");
+  }
   joint.lower = *lower;
   joint.upper = *upper;
 }
@@ -140,6 +147,16 @@ void read_dynamics(XMLElement& element, Joint& joint, Findings& findings) {
   if (dynamics->FirstAttribute() == nullptr) element.DeleteChild(dynamics);
 }
 
+/// Soft limits are a matter of somebody's controller. urdfdom refuses one without k_velocity.
+void read_safety_controller(XMLElement& element, Findings& findings) {
+  XMLElement* safety = element.FirstChildElement("safety_controller");
+  if (safety == nullptr) return;
+  for (const char* figure : {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"})
+    static_cast<void>(read_number_or(*safety, figure, 0.0, findings));
+  findings.counted(safety->GetLineNum(), "a <safety_controller> isn't enforced");
+  element.DeleteChild(safety);
+}
+
 std::optional<MimicDraft> read_mimic(XMLElement& element, const Joint& joint, Findings& findings) {
   XMLElement* mimic = element.FirstChildElement("mimic");
   if (mimic == nullptr) return std::nullopt;
@@ -171,6 +188,7 @@ std::optional<JointDraft> read_joint(XMLElement& element, Findings& findings) {
   const auto parent = read_end(element, "parent", joint.name, findings);
   const auto child = read_end(element, "child", joint.name, findings);
   joint.origin = read_origin(element, findings);
+  read_safety_controller(element, findings);
   const auto type = read_type(element, findings);
   if (type) {
     joint.type = *type;

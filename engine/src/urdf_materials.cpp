@@ -18,6 +18,7 @@ struct Mention {
   const XMLElement* element = nullptr;
   std::string name;
   std::optional<Color> color;
+  bool has_texture = false;
 };
 
 std::vector<const XMLElement*> all_materials(const XMLElement& robot) {
@@ -47,8 +48,18 @@ std::optional<Color> read_color(const XMLElement& material, Findings& findings) 
   return clamped.cast<float>();
 }
 
+/// Pictures come with meshes only.
+bool warn_of_texture(const XMLElement& material, Findings& findings) {
+  const XMLElement* texture = material.FirstChildElement("texture");
+  if (texture == nullptr) return false;
+  const char* file = texture->Attribute("filename");
+  findings.warning(texture->GetLineNum(),
+                   fmt::format("the <texture> {} of a material isn't drawn", in_quotes(file == nullptr ? "" : file)));
+  return true;
+}
+
 Mention read_mention(const XMLElement& element, Findings& findings) {
-  Mention mention{&element, "", read_color(element, findings)};
+  Mention mention{&element, "", read_color(element, findings), warn_of_texture(element, findings)};
   if (const char* name = element.Attribute("name")) {
     mention.name = name;
   } else if (mention.color) {
@@ -93,7 +104,7 @@ Materials::Materials(const XMLElement& robot, Findings& findings) {
       if (!mention.name.empty()) known[mention.name] = *mention.color;
     } else if (const auto found = known.find(mention.name); found != known.end()) {
       colors_[mention.element] = found->second;
-    } else if (!mention.name.empty()) {
+    } else if (!mention.name.empty() && !mention.has_texture) {
       findings.warning(mention.element->GetLineNum(),
                        fmt::format("material {} has no colour anywhere in the file", in_quotes(mention.name)));
     }

@@ -23,7 +23,7 @@ struct Rule {
 /// An element means the same wherever it may stand, so the table goes by its name alone.
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> table = {
-      {"robot", {"name"}, {}, {"link", "joint", "material", "gazebo", "sensor"}},
+      {"robot", {"name", "version"}, {}, {"link", "joint", "material", "gazebo", "sensor", "transmission"}},
       {"link", {"name"}, {"inertial"}, {"visual", "collision", "contact"}},
       {"inertial", {}, {"origin", "mass", "inertia"}, {}},
       {"mass", {"value"}, {}, {}},
@@ -35,15 +35,20 @@ const std::vector<Rule>& rules() {
       {"stiffness", {"value"}, {}, {}},
       {"damping", {"value"}, {}, {}},
       {"restitution", {"value"}, {}, {}},
-      {"material", {"name"}, {"color"}, {}},
+      {"material", {"name"}, {"color", "texture"}, {}},
+      {"texture", {"filename"}, {}, {}},
       {"color", {"rgba"}, {}, {}},
-      {"joint", {"name", "type"}, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}, {}},
+      {"joint",
+       {"name", "type"},
+       {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller"},
+       {}},
       {"origin", {"xyz", "rpy", "quat_xyzw"}, {}, {}},
       {"parent", {"link"}, {}, {}},
       {"child", {"link"}, {}, {}},
       {"axis", {"xyz"}, {}, {}},
       {"limit", {"lower", "upper", "effort", "velocity"}, {}, {}},
       {"dynamics", {"damping", "friction"}, {}, {}},
+      {"safety_controller", {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"}, {}, {}},
       {"mimic", {"joint", "multiplier", "offset"}, {}, {}},
   };
   return table;

@@ -11,7 +11,8 @@ namespace rehearse::urdf {
 
 /// Walks <robot> along the table of known elements. Unknown elements, attributes and stray text are reported as ignored
 /// and removed, so that what is left is all that anybody reads; an element that may stand once and stands twice is an
-/// error. <gazebo> blocks, sensors and the content of <geometry> are left as they are, for their own readers.
+/// error. <gazebo> blocks, sensors, transmissions and the content of <geometry> are left as they are, for their own
+/// readers.
 void prune_to_schema(tinyxml2::XMLElement& robot, Findings& findings);
 
 }  // namespace rehearse::urdf

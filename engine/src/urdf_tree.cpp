@@ -95,7 +95,7 @@ int find_root(const Draft& draft, const Graph& graph, Findings& findings) {
   if (roots.size() == 1) return roots.front();
   if (roots.empty()) return -1;  // a loop, which has been told
   std::string names;
-  constexpr std::size_t most_names = 5;
+  constexpr std::size_t most_names = 20;
   for (std::size_t i = 0; i < std::min(roots.size(), most_names); ++i) {
     names += (i == 0 ? "" : ", ") + in_quotes(draft.links[index(roots[i])].link.name);
   }

@@ -57,6 +57,23 @@ std::optional<std::vector<double>> read_numbers(const XMLElement& element, const
   return numbers;
 }
 
+/// The rotation by quat_xyzw; identity, with an error, if there is none.
+Eigen::Matrix3d read_quaternion(const XMLElement& origin, Findings& findings) {
+  const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+  if (origin.Attribute("rpy") != nullptr) {
+    findings.error(origin.GetLineNum(), "quat_xyzw beside rpy in one <origin>", "give one of them");
+    return none;
+  }
+  const auto xyzw = read_vector4(origin, "quat_xyzw", findings);
+  if (!xyzw) return none;
+  const double length = xyzw->stableNorm();
+  if (length == 0.0) {
+    findings.error(origin.GetLineNum(), "quat_xyzw of <origin> is zero", "0 0 0 1 is no rotation");
+    return none;
+  }
+  return Eigen::Quaterniond(Eigen::Vector4d(*xyzw / length)).toRotationMatrix();
+}
+
 }  // namespace
 
 std::string_view text_of(const XMLElement& element) {
@@ -107,13 +124,11 @@ Eigen::Isometry3d read_origin(const XMLElement& element, Findings& findings) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const XMLElement* origin = element.FirstChildElement("origin");
   if (origin == nullptr) return pose;
-  if (origin->Attribute("quat_xyzw") != nullptr) {
-    findings.error(origin->GetLineNum(), "quat_xyzw of <origin> isn't supported", "give the rotation as rpy");
-  }
   const auto xyz = read_vector_or(*origin, "xyz", Eigen::Vector3d::Zero(), findings);
   const auto rpy = read_vector_or(*origin, "rpy", Eigen::Vector3d::Zero(), findings);
   if (xyz) pose.translation() = *xyz;
   if (rpy) pose.linear() = rotation_from_rpy(*rpy);
+  if (origin->Attribute("quat_xyzw") != nullptr) pose.linear() = read_quaternion(*origin, findings);
   return pose;
 }
 
@@ -179,6 +194,14 @@ Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy) {
   return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
           Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
       .toRotationMatrix();
+}
+
+Eigen::Vector3d rpy_from_rotation(const Eigen::Matrix3d& r) {
+  const double yaw = std::atan2(r(1, 0), r(0, 0));
+  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+  const double s = std::sin(yaw), c = std::cos(yaw);
+  const double roll = std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1));
+  return {roll, pitch, yaw};
 }
 
 }  // namespace rehearse::urdf

@@ -37,7 +37,8 @@ std::optional<Eigen::Vector3d> read_vector(const tinyxml2::XMLElement& element, 
 std::optional<Eigen::Vector4d> read_vector4(const tinyxml2::XMLElement& element, const char* attribute,
                                             Findings& findings);
 
-/// The pose in `element`'s child <origin xyz rpy>; identity if there is none. Malformed: an error, and identity.
+/// The pose in `element`'s child <origin>: xyz, and rpy or, since URDF 1.1, quat_xyzw of any length but 0; identity if
+/// there is none. Malformed: an error, and identity.
 Eigen::Isometry3d read_origin(const tinyxml2::XMLElement& element, Findings& findings);
 
 /// A name: the attribute is there, not empty, UTF-8 without control characters. Else an error, and nothing.
@@ -61,5 +62,9 @@ Eigen::Isometry3d read_text_pose(const tinyxml2::XMLElement& element, Findings& 
 
 /// Rotation by roll about x, then pitch about y, then yaw about z, all of the fixed frame [rad]: Rz Ry Rx.
 Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy);
+
+/// The reverse, good to rounding at any pitch: what is left of the rotation when yaw and pitch are taken off is the
+/// roll.
+Eigen::Vector3d rpy_from_rotation(const Eigen::Matrix3d& rotation);
 
 }  // namespace rehearse::urdf

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -78,6 +80,38 @@ TEST(UrdfLoader, RollsThenPitchesThenYawsAboutFixedAxes) {
                                     about(0.3, Eigen::Vector3d::UnitX()))
                                        .toRotationMatrix();
   EXPECT_TRUE(model.links[0].visuals[0].pose.linear().isApprox(expected));
+}
+
+TEST(UrdfLoader, ARotationCanBeAQuaternionOfAnyLength) {
+  // About z, x and y by a right angle each, about (1, 2, 3) by 1 rad, and one with which pitch is 90 degrees.
+  const std::vector<Eigen::Quaterniond> rotations = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitZ())),
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitX())),
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitY())),
+      Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 2, 3).normalized())),
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) *
+                         Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitY()) *
+                         Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()))};
+  for (const Eigen::Quaterniond& q : rotations) {
+    char text[200];
+    std::snprintf(text, sizeof text, "<origin quat_xyzw='%.17g %.17g %.17g %.17g'/>", 2 * q.x(), 2 * q.y(), 2 * q.z(),
+                  2 * q.w());
+    const Model model = load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm", text)));
+    EXPECT_TRUE(model.links[1].joint.origin.linear().isApprox(q.toRotationMatrix(), 1e-14)) << text;
+  }
+}
+
+TEST(UrdfLoader, VersionsThatItKnowsAreNoWarning) {
+  for (const char* version : {"1", "1.0", "1.1"})
+    EXPECT_EQ(
+        to_string(load("<robot name='r' version='" + std::string(version) + "'><link name='world'/></robot>").report),
+        "");
+}
+
+TEST(UrdfLoader, NamesAllRoots) {
+  std::string links;
+  for (int i = 0; i < 8; ++i) links += link("l" + std::to_string(i));
+  EXPECT_THAT(refusal(robot(links)), HasSubstr("8 root links: 'l0', 'l1', 'l2', 'l3', 'l4', 'l5', 'l6', 'l7' ("));
 }
 
 TEST(UrdfLoader, AnAbsentAxisIsX) {
@@ -249,13 +283,37 @@ TEST(UrdfMaterials, TheSameColourTwiceIsOnlyNoted) {
 }
 
 TEST(UrdfReport, CountsWhatIsIgnoredOnceAKind) {
-  const Model model = load(robot(
-      "\n<transmission name='a'/>\n<transmission name='b'/>\n<link name='world'><visual><geometry><sphere radius='1'/>"
-      "</geometry></visual></link>\n<gazebo><plugin/></gazebo>\n<!-- said --> unsaid"));
+  const Model model =
+      load(robot("\n<mystery name='a'/>\n<mystery name='b'/>\n<link name='world'><visual><geometry><sphere radius='1'/>"
+                 "</geometry></visual></link>\n<gazebo><plugin/></gazebo>\n<!-- said --> unsaid"));
   const std::string report = to_string(model.report);
-  EXPECT_THAT(report, HasSubstr("test.urdf:2: note: <robot><transmission> is ignored, here and in 1 other places\n"));
+  EXPECT_THAT(report, HasSubstr("test.urdf:2: note: <robot><mystery> is ignored, here and in 1 other places\n"));
   EXPECT_THAT(report, HasSubstr("test.urdf:5: note: <gazebo><plugin> is ignored\n"));
   EXPECT_THAT(report, HasSubstr("note: text between the elements of <robot> is ignored\n"));
+}
+
+TEST(UrdfReport, ListsTransmissionsInOneNote) {
+  const auto transmission = [](const std::string& name, const std::string& more) {
+    return "\n<transmission name='t'><type>SimpleTransmission</type><joint name='" + name +
+           "'><hardwareInterface>EffortJointInterface</hardwareInterface></joint><actuator name='m'>" + more +
+           "</actuator></transmission>";
+  };
+  const std::string two = transmission("hip", "<mechanicalReduction>1.0</mechanicalReduction>") +
+                          transmission("knee", "<mechanicalReduction>50</mechanicalReduction>");
+  EXPECT_EQ(to_string(load(robot(link("world", "") + two)).report),
+            "test.urdf:2: note: 2 transmissions are passed over, commands go straight to the joints: 'hip' by "
+            "EffortJointInterface; 'knee' by EffortJointInterface, reduction 50\n");
+  std::string many;
+  for (int i = 0; i < 10; ++i) many += "<transmission/>";
+  EXPECT_THAT(to_string(load(robot(link("world", "") + many)).report), HasSubstr("no joint; no joint; and 2 more\n"));
+}
+
+TEST(UrdfReport, NotesThatSoftLimitsArentEnforced) {
+  const std::string safe = "<safety_controller soft_lower_limit='-1' k_position='2'/>";
+  const Model model = load(robot(link("base") + link("a") + link("b") + joint("A", "continuous", "base", "a", safe) +
+                                 joint("B", "continuous", "base", "b", safe)));
+  EXPECT_EQ(to_string(model.report),
+            "test.urdf:1: note: a <safety_controller> isn't enforced, here and in 1 other places\n");
 }
 
 TEST(UrdfReport, StandsInDocumentOrder) {
