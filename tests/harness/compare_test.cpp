@@ -293,6 +293,33 @@ TEST_F(Compare, NamesTheFirstEventThatIsNotTheGoldens) {
   EXPECT_THAT(comparison.first->note, HasSubstr("event 2 is \"tick 2, warning, Robot/Pd: saturated\", expected"));
 }
 
+TEST_F(Compare, TellsInWhichTickALinkHasFewerOrMoreContacts) {
+  const auto contact = [](double force) { return msg::Contact{{}, {}, {0, 0, force}, {}, 0.001}; };
+  for (SmallTrace* trace : {&golden_, &actual_})
+    for (auto& tick : trace->ticks) tick.contacts = {contact(10)};
+  golden_.ticks[1].contacts = {contact(5), contact(5)};
+  for (const bool fewer : {true, false}) {  // the second point is a column of one of them only
+    const Comparison comparison = compared();
+    ASSERT_TRUE(comparison.first);
+    EXPECT_EQ(comparison.first->tick, 1);
+    EXPECT_EQ(comparison.first->channel, "/Robot/Pd/input/FOOT/contacts");
+    EXPECT_EQ(comparison.first->element, "contacts/count");
+    EXPECT_EQ(comparison.first->expected, fewer ? 2.0 : 1.0);
+    EXPECT_EQ(comparison.first->actual, fewer ? 1.0 : 2.0);
+    EXPECT_EQ(comparison.first->stage, Stage::inputs);
+    std::swap(golden_, actual_);
+  }
+}
+
+TEST_F(Compare, AllowsTheForceOfAContactTheTolerance) {
+  golden_.ticks[1].contacts = actual_.ticks[1].contacts = {msg::Contact{{}, {}, {0, 0, 10}, {}, 0.001}};
+  actual_.ticks[1].contacts->front().force.z += 1e-5;
+  EXPECT_TRUE(compared().within);
+  EXPECT_FALSE(compared().equal);
+  actual_.ticks[1].contacts->front().force.z += 1e-3;
+  EXPECT_EQ(compared().first->element, "contacts/0/force/z");
+}
+
 TEST_F(Compare, CountsThePixelsThatDiffer) {
   actual_.ticks[1].image.pixels[3] = 103;
   const Comparison comparison = compared();

@@ -272,6 +272,19 @@ TEST_F(Golden, DigestTellsAllBeamsOfAScanInOneLine) {
   EXPECT_THAT(*digest, Not(HasSubstr("ranges/")));
 }
 
+TEST_F(Golden, DigestTellsAllContactsOfALinkInOneLine) {
+  SmallTrace run;
+  const auto contact = [](double force, double depth) { return msg::Contact{{}, {}, {0, 0, force}, {}, depth}; };
+  run.ticks[0].contacts.emplace();
+  run.ticks[1].contacts = {contact(7, 0.001), contact(-20, 0.002)};
+  run.ticks[2].contacts = {contact(10, 0.003)};
+  const auto digest = digest_of(run.load(folder_ / "run.mcap"));
+  ASSERT_TRUE(digest);
+  EXPECT_THAT(*digest, HasSubstr("  contacts/count [-] first 0 last 1 min 0 max 2\n"
+                                 "  at a point at most 20 N along an axis, 0.003 m deep\n"));
+  EXPECT_THAT(*digest, Not(HasSubstr("contacts/0")));
+}
+
 TEST_F(Golden, DigestChangesWithASinglePixel) {
   SmallTrace run;
   const auto before = digest_of(run.load(folder_ / "run.mcap"));

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,7 @@ struct SmallTick {
   Image image{4, 2, std::vector<std::uint8_t>(24, 100)};
   std::vector<float> depth{1.0F, 2.0F, 3.0F, 4.0F};
   std::vector<float> ranges{1.0F, std::numeric_limits<float>::infinity(), 2.0F};  // [m]
+  std::optional<std::vector<msg::Contact>> contacts = std::nullopt;               // not recorded unless given
 };
 
 struct SmallTrace {
@@ -122,6 +124,9 @@ inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick
   std::memcpy(depth.data.data(), tick.depth.data(), 16);
   to.write("/Robot/Eye/depth", time, depth, {{"unit", "m"}});
   to.write("/Robot/Pd/input/joints", time, msg::JointState{header, {"KNEE"}, {tick.input_q}, {}, {}}, joint_units);
+  if (tick.contacts)
+    to.write("/Robot/Pd/input/FOOT/contacts", time, msg::Contacts{header, *tick.contacts},
+             {{"unit:position", "m"}, {"unit:force", "N"}, {"unit:depth", "m"}});
   to.write("/Robot/Pd/output/joints", time, msg::JointState{header, {"KNEE"}, {}, {}, {tick.u}}, joint_units);
   to.write("/tick", time,
            msg::Tick{header.stamp, tick.tick, tick.state_hash, tick.state_hash, tick.output_hash, {tick.result}});

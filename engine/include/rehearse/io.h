@@ -36,7 +36,8 @@ struct LinkReading {
 
 /// What a device says, if it said anything since the last tick.
 /// `values` by kind: ForceSensor force [N] then torque about the sensor's origin [N·m]; Gyro angular velocity [rad/s];
-/// Accelerometer specific force [m/s²]; Imu angular velocity then specific force; all in the device frame.
+/// Accelerometer specific force [m/s²]; Imu angular velocity then specific force; ContactSensor number of points, then
+/// force on the link [N]; all in the device frame.
 /// A camera has no values but pictures, a range sensor none but ranges.
 struct DeviceReading {
   bool fresh = false;        // new since the last tick
