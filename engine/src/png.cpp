@@ -1,4 +1,4 @@
-// Encoding is our own few lines around libdeflate, because a camera's frames are encoded while the simulation waits;
+// Encoding is our own few lines around libdeflate, because a camera's frames shall be encoded faster than drawn;
 // decoding is libpng's, because it must take whatever others write.
 #include <rehearse/png.h>
 
@@ -20,6 +20,9 @@ using Bytes = std::vector<std::uint8_t>;
 //   level 1, unfiltered  0.95 ms  32 kB        level 2, filter Up  1.39 ms  27 kB
 //   level 1, filter Up   2.25 ms  27 kB        level 6, filter Up  1.76 ms  24 kB
 // Rendered surfaces are nearly even, so the filters gain little; at level 1 they even defeat the search for long runs.
+// Of textured meshes on a checkered floor, up close (201 kB, 2.6 ms), Sub gains 13 % for 0.5 ms, and Paeth no more for
+// three times as long. The raw pixels through zstd are 20 % larger at level 1, in less than half the time; but every
+// tool shows a PNG, and the time is that of the trace's own thread.
 constexpr int compression_level = 1;
 constexpr std::uint8_t unfiltered = 0;
 

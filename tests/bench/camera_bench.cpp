@@ -1,4 +1,5 @@
 // What a recorded camera frame costs over drawing it.
+#include "../engine/renderer/mesh_shapes.h"
 
 #include <rehearse/vision.h>
 
@@ -16,12 +17,33 @@ Eigen::Isometry3d pose_of_link(const LinkReading& link) {
   return pose;
 }
 
+/// The floor, and on it, before SR1's eyes, textured meshes of 60000 triangles.
+std::shared_ptr<const Model> with_meshes(const Model& floor) {
+  std::vector<std::array<std::uint8_t, 4>> texels;
+  for (int i = 0; i < 256 * 256; ++i) {
+    const auto shade = static_cast<std::uint8_t>(i % 32 < 2 || i / 256 % 32 < 2 ? 60 : 180 + i * 7919 % 23);
+    texels.push_back({shade, shade, static_cast<std::uint8_t>(shade / 2), 255});
+  }
+  const Mesh mesh = mesh_of({with_texture(ball(0.3, 70), texture_of(256, 256, texels)),
+                             with_color(moved(cuboid({0.5, 0.2, 0.3}), {0, 0, 0.4f}), {0.9f, 0.5f, 0.1f, 1.0f})});
+  Model model = floor;
+  for (const Eigen::Vector3d& place :
+       {Eigen::Vector3d(1.5, -0.5, 1), Eigen::Vector3d(2, 0.6, 1.2), Eigen::Vector3d(3, 0, 1)}) {
+    Shape shape;
+    shape.geometry = mesh;
+    shape.pose.translation() = place;
+    model.links[0].visuals.push_back(shape);
+  }
+  return std::make_shared<const Model>(std::move(model));
+}
+
 /// SR1's two cameras, drawn and recorded as in a session, or only drawn.
 class Cameras {
  public:
-  Cameras() : world_(Sr1Run::instance().make_world()), renderer_(must(Renderer::create())) {
-    const Scenario& scenario = Sr1Run::instance().scenario();
-    recorded_ = scenario;
+  explicit Cameras(bool meshes) : world_(Sr1Run::instance().make_world()), renderer_(must(Renderer::create())) {
+    recorded_ = Sr1Run::instance().scenario();
+    if (meshes) recorded_.bodies[0].model = with_meshes(*recorded_.bodies[0].model);
+    const Scenario& scenario = recorded_;
     recorded_.cameras.reset();  // all
     world_->step();
     seen_ = world_->sense();
@@ -93,8 +115,8 @@ class Cameras {
 
 /// Work: Vision::look() and Recorder::record_state(). Base: Renderer::draw_only() of the same cameras in the same
 /// scene.
-void recorded_frame_over_bare_draw(benchmark::State& state) {
-  Cameras cameras;
+void measure_recorded_frames(benchmark::State& state, bool meshes) {
+  Cameras cameras(meshes);
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);  // OSMesa draws in a thread of its own
   for (auto _ : state) {
     cameras.begin_file();
@@ -102,7 +124,11 @@ void recorded_frame_over_bare_draw(benchmark::State& state) {
   }
   pairs.report(state, static_cast<double>(cameras.count()), static_cast<double>(cameras.count()));
 }
+void recorded_frame_over_bare_draw(benchmark::State& state) { measure_recorded_frames(state, false); }
 BENCHMARK(recorded_frame_over_bare_draw)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+void recorded_frame_of_meshes_over_bare_draw(benchmark::State& state) { measure_recorded_frames(state, true); }
+BENCHMARK(recorded_frame_of_meshes_over_bare_draw)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rehearse

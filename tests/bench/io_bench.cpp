@@ -7,7 +7,7 @@
 namespace rehearse {
 namespace {
 
-constexpr std::int64_t slice = 100;         // ticks measured at a time
+constexpr std::int64_t slice = 100;          // ticks measured at a time
 constexpr std::int64_t copies = 50 * slice;  // so that both sides take about as long
 
 /// Work: displacements and velocities of SR1's 29 joints in, their efforts out. Base: World::actuate() and
