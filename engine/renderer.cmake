@@ -10,6 +10,7 @@ rehearse_add_library(png src/png.cpp)
 target_link_libraries(rehearse_png PUBLIC Rehearse::model PRIVATE PNG::PNG PkgConfig::libdeflate fmt::fmt)
 
 rehearse_add_library(renderer
+  src/closed_surface.cpp
   src/renderer.cpp
   src/renderer_gl.cpp
   src/renderer_items.cpp

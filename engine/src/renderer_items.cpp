@@ -1,5 +1,7 @@
 #include "renderer_items.h"
 
+#include "closed_surface.h"
+
 #include <rehearse/diagnostic.h>
 
 #include <algorithm>
@@ -90,24 +92,26 @@ const ItemMaker::KnownMesh& ItemMaker::know(const std::shared_ptr<const MeshData
   const auto known = std::find_if(meshes_.begin(), meshes_.end(), [&](const auto& m) { return m.data == mesh; });
   if (known != meshes_.end()) return *known;
   KnownMesh taken{mesh, {}};
-  for (const MeshPart& part : mesh->parts) taken.parts.push_back(take_in(part));
+  const std::vector<bool> closed = closed_parts(*mesh);
+  for (std::size_t i = 0; i < mesh->parts.size(); ++i) taken.parts.push_back(take_in(mesh->parts[i], closed[i]));
   meshes_.push_back(std::move(taken));
   return meshes_.back();
 }
 
-ItemMaker::KnownPart ItemMaker::take_in(const MeshPart& part) {
+ItemMaker::KnownPart ItemMaker::take_in(const MeshPart& part, bool closed) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& vertex : part.vertices) box.extend(vertex);
   KnownPart known{0, false, Eigen::Vector3d::Zero(), 0.0};
   if (!box.isEmpty()) known.centre = box.center().cast<double>();
   for (const Eigen::Vector3f& vertex : part.vertices)
     known.radius = std::max(known.radius, a_little_more * (vertex.cast<double>() - known.centre).norm());
-  gl::Skin skin{gl::Skin::Kind::two_sided};
+  gl::Skin skin{gl::Skin::Kind::mesh, !closed};
   if (part.texture && !part.texture_coordinates.empty()) {
     const KnownTexture& texture = know(part.texture);
     skin.kind = texture.shines_through ? gl::Skin::Kind::cut_out : gl::Skin::Kind::textured;
     skin.texture = texture.name;
     known.shines_through = texture.shines_through;
+    skin.both_sides = !closed || texture.shines_through;
   }
   known.batch = add_batch(painter_.add(part), skin);
   return known;

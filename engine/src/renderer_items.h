@@ -68,7 +68,7 @@ class ItemMaker {
   std::size_t add_batch(std::size_t mesh, const gl::Skin& skin);
   const KnownTexture& know(const std::shared_ptr<const Texture>& texture);
   const KnownMesh& know(const std::shared_ptr<const MeshData>& mesh);
-  KnownPart take_in(const MeshPart& part);
+  KnownPart take_in(const MeshPart& part, bool closed);
 
   gl::Painter& painter_;
   std::vector<Batch> batches_;

@@ -48,7 +48,7 @@ unsigned link_program(const Parts& vertex, const Parts& fragment) {
 const char* handed_on(Skin::Kind kind) {
   switch (kind) {
     case Skin::Kind::even:
-    case Skin::Kind::two_sided: return hands_on_nothing;
+    case Skin::Kind::mesh: return hands_on_nothing;
     case Skin::Kind::checkered: return hands_on_shape_point;
     case Skin::Kind::textured:
     case Skin::Kind::cut_out: return hands_on_texture_point;
@@ -61,7 +61,7 @@ Parts skin_parts(Skin::Kind kind) {
   switch (kind) {
     case Skin::Kind::even: return {one_sided, one_color};
     case Skin::Kind::checkered: return {one_sided, two_colors};
-    case Skin::Kind::two_sided: return {two_sided, one_color};
+    case Skin::Kind::mesh: return {two_sided, one_color};
     case Skin::Kind::textured: return {two_sided, picture_colors, whole_picture};
     case Skin::Kind::cut_out: return {two_sided, picture_colors, cut_picture};
   }
@@ -234,7 +234,7 @@ void Painter::paint(std::size_t mesh, const Skin& skin, std::span<const Instance
   use(skin);
   glBindBuffer(GL_ARRAY_BUFFER, instances_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size_bytes()), instances.data(), GL_STREAM_DRAW);
-  if (!skin.has_two_sides()) {
+  if (!skin.both_sides) {
     glEnable(GL_CULL_FACE);
     // the far sides of solid shapes cast their shadows: near sides would speckle themselves
     glCullFace(pass_ == Pass::shadow ? GL_FRONT : GL_BACK);

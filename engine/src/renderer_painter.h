@@ -18,20 +18,19 @@ namespace rehearse::gl {
 /// What a surface is drawn with, beside the colour of its instance.
 struct Skin {
   enum class Kind {
-    even,       // of one colour; only its outside is there, as for all solids
-    checkered,  // squares of a second colour between those of the first; only its outside is there
-    two_sided,  // of one colour, and lit on the side that is seen
-    textured,   // the same with a picture, whose colours are multiplied with its own
+    even,       // of one colour
+    checkered,  // squares of a second colour between those of the first
+    mesh,       // of one colour, and lit as if the side that is seen were the outside, as are the next
+    textured,   // a picture, whose colours are multiplied with its own
     cut_out,    // the same; where picture and colour together have no opacity nothing is there
   };
   static constexpr std::size_t kinds = 5;
 
   Kind kind = Kind::even;
+  bool both_sides = false;              // else only the outside is there
   unsigned texture = 0;                 // of a picture: as Painter::add gave it
   std::array<float, 3> second_color{};  // of a checkered one: red, green, blue
   float squares_per_meter = 1.0f;       // of a checkered one
-
-  bool has_two_sides() const { return kind != Kind::even && kind != Kind::checkered; }
 };
 
 /// One shape as the vertex shader reads it, in the camera's frame.
@@ -67,7 +66,7 @@ struct View {
   std::array<float, 3> sun{};  // direction towards the sun in the camera's frame
   Matrix4 shadow_from_view{};  // fine only: to the coordinates of the shadow map, 0 to 1
   float blur = 0.0f;           // fine only: of the edges of shadows, in those coordinates
-  float lift = 0.0f;           // fine only: how far above a surface of two sides its shadow is looked up [m]
+  float lift = 0.0f;           // fine only: how far above a mesh its shadow is looked up [m]
   std::vector<Lamp> lamps{};   // at most Renderer::max_lights
 };
 

@@ -125,7 +125,7 @@ vec3 facing_normal() { return normalize(surface_normal); }
 float height_of_shadow() { return 0.0; }
 )";
 
-// Of a mesh, which may be open, or wound the wrong way round: whichever side is seen is the outside. The triangle tells
+// Of a mesh, which may be open, or have its normals turned: whichever side is seen is the outside. The triangle tells
 // which that is; a vertex's normal, being a mean, may look away from a viewer who sees its triangle.
 inline constexpr char two_sided[] = R"(
 uniform float shadow_lift;

@@ -4,12 +4,13 @@
 // next one, whatever their sizes. One thread per Renderer; several Renderers may stand beside each other.
 //
 // Solid shapes hide what is behind them; one with an opacity below 1 lets it shine through, and one of opacity 0 isn't
-// there at all. Of boxes and round shapes only outsides are drawn: a camera inside of one looks out of it. A mesh may
-// be open, or wound the wrong way round: both of its sides are drawn, and whichever is seen is lit. Its parts have
-// their own colours and textures; those that let light through are mixed like shapes. Squares of a checkered shape have
-// its opacity; where they are smaller than pixels, their mean is seen. Light comes from the sky, from a sun that stands
-// still in the world, from the camera, and from the lights that were added; these cast no shadows. A picture without
-// lights, or with all of them off, has the same pixels as if there were no such thing.
+// there at all. Of solids only outsides are drawn: a camera inside of one looks out of it. An object of a mesh is a
+// solid if it is closed and faces outwards; of others, open or wound the wrong way round, both sides are drawn, and
+// whichever is seen is lit. The parts of a mesh have their own colours and textures; those that let light through are
+// mixed like shapes. Squares of a checkered shape have its opacity; where they are smaller than pixels, their mean is
+// seen. Light comes from the sky, from a sun that stands still in the world, from the camera, and from the lights that
+// were added; these cast no shadows. A picture without lights, or with all of them off, has the same pixels as if
+// there were no such thing.
 //
 // Boxes are exact. Round shapes are made of flat faces whose distance from the axis or centre is within 0.08 % of the
 // radius of the true one, half of it inside and half outside.

@@ -82,9 +82,9 @@ inline MeshPart ball(double radius, std::uint32_t rings) {
   for (std::uint32_t ring = 0; ring <= rings; ++ring) {
     const double polar = std::numbers::pi * ring / rings;
     for (std::uint32_t i = 0; i <= segments; ++i) {
-      const double around = 2.0 * std::numbers::pi * i / segments;
-      const Eigen::Vector3d normal(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
-                                   std::cos(polar));
+      const double around = 2.0 * std::numbers::pi * (i % segments) / segments;  // closed: the same bits come round
+      const double r = ring % rings == 0 ? 0.0 : std::sin(polar);
+      const Eigen::Vector3d normal(r * std::cos(around), r * std::sin(around), std::cos(polar));
       part.normals.push_back(normal.cast<float>());
       part.vertices.push_back((radius * normal).cast<float>());
       part.texture_coordinates.emplace_back(static_cast<float>(i) / static_cast<float>(segments),

@@ -127,6 +127,38 @@ TEST(RendererMesh, ShowsTheInsideOfAnOpenSurface) {
   }
 }
 
+/// The hue that a camera sees from inside, with something blue outside.
+Hue hue_from_inside(const std::vector<MeshPart>& parts) {
+  Shape outside = shape_at(Box{{9, 9, 1}}, {0, 0, -6});
+  outside.color = blue;
+  return hue(pixel(seen({shape_at(mesh_of(parts), {0, 0, 0}), outside}, camera_of(1, 1, 0.1), red).color, 0, 0));
+}
+
+TEST(RendererMesh, ThatIsClosedLetsACameraLookOutOfIt) {
+  EXPECT_EQ(hue_from_inside({cuboid({1, 1, 1})}), Hue::bluish);
+  EXPECT_EQ(hue_from_inside({ball(0.5, 10)}), Hue::bluish);
+  EXPECT_EQ(hue_from_inside({with_normals_turned(ball(0.5, 10))}), Hue::bluish);
+}
+
+TEST(RendererMesh, ThatIsOpenOrWoundBackwardsIsSeenFromInsideToo) {
+  MeshPart open = cuboid({1, 1, 1});
+  open.triangles.pop_back();
+  EXPECT_EQ(hue_from_inside({open}), Hue::reddish);
+  EXPECT_EQ(hue_from_inside({wound_backwards(cuboid({1, 1, 1}))}), Hue::reddish);
+  MeshPart turned_face = cuboid({1, 1, 1});
+  std::swap(turned_face.triangles.back()[0], turned_face.triangles.back()[1]);
+  EXPECT_EQ(hue_from_inside({turned_face}), Hue::reddish);
+}
+
+TEST(RendererMesh, IsClosedByAllPartsOfAnObjectTogether) {
+  MeshPart sides = cuboid({1, 1, 1}), ends = sides;  // z is the last axis, so the last four triangles are its ends
+  sides.triangles.resize(8);
+  ends.triangles.erase(ends.triangles.begin(), ends.triangles.begin() + 8);
+  EXPECT_EQ(hue_from_inside({sides, ends}), Hue::bluish);
+  ends.object = 1;
+  EXPECT_EQ(hue_from_inside({sides, ends}), Hue::reddish);
+}
+
 TEST(RendererMesh, OfABoxLooksLikeTheBox) {
   const Eigen::Vector3d size(0.6, 0.4, 0.8);
   for (const Eigen::Vector3d& eye :
