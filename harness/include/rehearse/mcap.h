@@ -4,9 +4,9 @@
 // compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here
 // knows what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
 //
-// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own composes
-// what was put off, compresses, checksums and writes finished chunks. The bytes of the file depend on the calls and their arguments, on
-// nothing else.
+// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own
+// composes what was put off, compresses, checksums and writes finished chunks. The bytes of the file depend on the
+// calls and their arguments, on nothing else.
 //
 // Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
 // damaged file before it says where the damage is. Neither class may be used from two threads at a time.
@@ -139,8 +139,8 @@ class Writer {
   Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
 
   /// The same for a message that takes long to compose, as a picture to encode: the Writer's thread will call `compose`
-  /// once, when the chunk is finished. What it gives depends only on what it was made of, which nobody changes; it throws
-  /// nothing. `held`: the memory that waits with it [bytes].
+  /// once, when the chunk is finished. What it gives depends only on what it was made of, which nobody changes; it
+  /// throws nothing. `held`: the memory that waits with it [bytes].
   Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                            std::size_t held, std::function<std::vector<std::byte>()> compose);
 
