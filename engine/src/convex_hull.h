@@ -9,7 +9,8 @@
 
 namespace rehearse {
 
-/// A hull has no more vertices than that. Two hulls of 128 vertices that touch cost about 60 µs a step.
+/// A hull has no more vertices than that. Two hulls of 128 vertices that touch cost up to 0.1 ms a step, of 64 about
+/// 10 µs; on a box 0.04 and 0.014 ms, a cylinder 0.05 and 0.02 ms, a sphere 2 and 1 µs.
 inline constexpr std::size_t max_hull_vertices = 128;
 /// What is as flat as a sheet is taken to be that thick [m].
 inline constexpr double sheet_thickness = 1e-3;

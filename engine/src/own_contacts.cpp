@@ -1,5 +1,6 @@
 // Which links of a body touch each other.
 
+#include <algorithm>
 #include <set>
 
 #include "shape_contacts.h"
@@ -7,28 +8,34 @@
 
 namespace rehearse {
 
-/// Both say so, or the whole body does, and no joint holds one to the other's rigid group.
-bool SimulatedBody::may_touch_own(int link, int other) const {
-  const std::vector<Link>& links = model().links;
-  if (!description_.self_collision && !(links[link].collides_with_own && links[other].collides_with_own)) return false;
-  if (move_together(link, other)) return false;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (links[i].parent < 0 || move_together(static_cast<int>(i), links[i].parent)) continue;
-    const int child = groups_[i], parent = groups_[links[i].parent];
-    if ((child == groups_[link] && parent == groups_[other]) || (child == groups_[other] && parent == groups_[link]))
-      return false;
-  }
-  return true;
+namespace {
+
+using Pair = std::pair<int, int>;
+
+/// The rigid groups that a joint holds together, the smaller number first.
+std::set<Pair> joined_groups(const std::vector<Link>& links, const std::vector<int>& groups) {
+  std::set<Pair> joined;
+  for (std::size_t i = 0; i < links.size(); ++i)
+    if (links[i].parent >= 0) joined.insert(std::minmax(groups[i], groups[links[i].parent]));
+  return joined;
 }
 
+}  // namespace
+
 void SimulatedBody::pair_own_shapes() {
-  std::set<std::pair<int, int>> overlapping;  // links
+  const std::vector<Link>& links = model().links;
+  const std::set<Pair> joined = joined_groups(links, groups_);
+  const auto may_touch = [&](int a, int b) {
+    const bool wanted = description_.self_collision || (links[a].collides_with_own && links[b].collides_with_own);
+    return wanted && !move_together(a, b) && !joined.count(std::minmax(groups_[a], groups_[b]));
+  };
+  std::set<Pair> overlapping;  // links
   std::vector<std::pair<std::size_t, std::size_t>> wanted;
   std::vector<dContactGeom> one(1);
   for (std::size_t a = 0; a < shapes_.size(); ++a) {
     for (std::size_t b = a + 1; b < shapes_.size(); ++b) {
       const int link = shapes_[a].link, other = shapes_[b].link;
-      if (!may_touch_own(link, other)) continue;
+      if (!may_touch(link, other)) continue;
       wanted.emplace_back(a, b);
       if (collide_shapes(shapes_[a], shapes_[b], one) > 0) overlapping.emplace(link, other);
     }
@@ -38,7 +45,7 @@ void SimulatedBody::pair_own_shapes() {
   if (overlapping.empty()) return;
   std::string names;
   for (const auto& [link, other] : overlapping)
-    names += (names.empty() ? "'" : ", '") + model().links[link].name + "' and '" + model().links[other].name + "'";
+    names += (names.empty() ? "'" : ", '") + links[link].name + "' and '" + links[other].name + "'";
   Diagnostic remark = error("body '" + description_.name + "': these links overlap when all joints are at zero, so " +
                             "they don't touch each other: " + names);
   remark.severity = Severity::warning;

@@ -1,6 +1,8 @@
 #include "simulated_body.h"
 
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "geoms.h"
@@ -119,8 +121,7 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::V
 namespace {
 
 /// What is missing for contact with the body's meshes.
-Diagnostics check_meshes(const WorldBody& description) {
-  const std::string body = "body '" + description.name + "': ";
+Diagnostics check_meshes(const WorldBody& description, const std::string& body) {
   Diagnostics findings;
   if (description.trimesh && !root_is_fixed(description))
     findings.push_back(error(body + "only a fixed body can be touched as a trimesh, and this one moves",
@@ -131,6 +132,29 @@ Diagnostics check_meshes(const WorldBody& description) {
       if (mesh && (!mesh->data || !mesh->hulls))
         findings.push_back(error(body + "link '" + link.name + "' has a mesh for its collision that wasn't loaded"));
     }
+  }
+  return findings;
+}
+
+/// Numbers that no surface can have.
+Diagnostics check_surfaces(const WorldBody& description, const std::string& body) {
+  constexpr double smallest = std::numeric_limits<double>::min();
+  Diagnostics findings;
+  for (const Link& link : description.model->links) {
+    const Surface& surface = link.surface;
+    const auto check = [&](const std::optional<double>& number, const char* name, double least, double most) {
+      if (number && !(*number >= least && *number <= most))
+        findings.push_back(error(body + "the " + name + " of link '" + link.name + "' makes no sense"));
+    };
+    check(surface.friction, "friction", 0.0, unlimited);
+    check(surface.second_friction, "second friction", 0.0, unlimited);
+    check(surface.stiffness, "contact stiffness", smallest, std::numeric_limits<double>::max());
+    check(surface.damping, "contact damping", 0.0, std::numeric_limits<double>::max());
+    check(surface.min_depth, "depth of contacts", 0.0, std::numeric_limits<double>::max());
+    check(surface.max_velocity, "correcting velocity", 0.0, unlimited);
+    check(surface.restitution, "restitution", 0.0, 1.0);
+    check(surface.friction_direction ? std::optional(surface.friction_direction->norm()) : std::nullopt,
+          "direction of friction", 0.999, 1.001);
   }
   return findings;
 }
@@ -146,7 +170,8 @@ Diagnostics check_dynamics(const WorldBody& description) {
                              std::to_string(description.joints.size()) + " initial displacements were given"));
     return findings;
   }
-  findings = check_meshes(description);
+  findings = check_meshes(description, body);
+  for (Diagnostic& finding : check_surfaces(description, body)) findings.push_back(std::move(finding));
   if (description.kinematic) return findings;
   const RigidGroups groups = group_links(model);
   for (std::size_t i = 0; i < groups.first_links.size(); ++i) {

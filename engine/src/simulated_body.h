@@ -116,7 +116,6 @@ class SimulatedBody {
  private:
   /// Force, then torque, of a force sensor by device index.
   virtual std::vector<double> force_reading(std::size_t device) const = 0;
-  bool may_touch_own(int link, int other) const;
 
   /// What a contact sensor measured in the last step. World axes, so that it is turned like what other sensors measure.
   struct ContactSum {

@@ -35,6 +35,8 @@ class BodyReader {
   void read_name(const Keys& keys, ScenarioBody& body);
   void read_dynamics(const YamlNode& node, ScenarioBody& body);
   void read_packages(const YamlNode& node, ScenarioBody& body);
+  void read_contact(const Keys& keys, ScenarioBody& body);
+  void check_contact(const Keys& keys, const ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
   void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
   std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file, const UrdfOptions& options);
@@ -55,7 +57,8 @@ class BodyReader {
 void BodyReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, "a body",
                   {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass", "fixed", "dynamics",
-                   "joint_limits", "effort_limits", "position", "rotation", "joints", "controllers"});
+                   "joint_limits", "effort_limits", "collision", "self_collision", "position", "rotation", "joints",
+                   "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -68,12 +71,14 @@ void BodyReader::read(const YamlNode& node) {
     findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
                       "a kinematic body takes no efforts");
   if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
+  read_contact(keys, body);
   read_model(keys, body);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
   if (body.model != nullptr) {
     check_root(keys, body);
+    check_contact(keys, body);
     read_joints(findings_, node, keys.find("joints"), body);
   }
   if (const YamlNode* controllers = keys.find("controllers"))
@@ -116,6 +121,28 @@ void BodyReader::read_packages(const YamlNode& node, ScenarioBody& body) {
     else if (directory)
       body.packages[entry.name] = *directory;
   }
+}
+
+void BodyReader::read_contact(const Keys& keys, ScenarioBody& body) {
+  keys.flag("self_collision", body.self_collision);
+  const YamlNode* node = keys.find("collision");
+  if (node == nullptr) return;
+  const bool is_word = node->kind == YamlNode::Kind::scalar;
+  body.trimesh = is_word && node->text == "trimesh";
+  if (!body.trimesh && !(is_word && node->text == "hull"))
+    expected(findings_, *node, "collision",
+             "hull (meshes are touched as their convex hulls) or trimesh (as they are)");
+}
+
+// After check_root(): the model has its say in whether the body is fixed.
+void BodyReader::check_contact(const Keys& keys, const ScenarioBody& body) {
+  if (body.trimesh && !body.fixed)
+    findings_.error(*keys.find("collision"), fmt::format("only a fixed body can be touched as a trimesh, but {} moves",
+                                                         body.name),
+                    "expected fixed: true, or collision: hull");
+  if (body.self_collision && body.kinematic)
+    findings_.warning(*keys.find("self_collision"), "self_collision does nothing: the body is kinematic",
+                      "nothing pushes a kinematic body");
 }
 
 void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {

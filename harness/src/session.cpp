@@ -24,7 +24,7 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario.bodies)
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
-                      body.joint_limits, body.effort_limits});
+                      body.joint_limits, body.effort_limits, body.trimesh, body.self_collision});
   return bodies;
 }
 
@@ -84,6 +84,7 @@ struct Session::Impl {
   void obey(std::int64_t tick);
   void push();
   Result<void> record_events();
+  Result<void> record_remarks();
 };
 
 Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -118,6 +119,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   impl->obey(-1);
   impl->recorder->declare(*impl->host);
   impl->host->start();
+  if (auto done = impl->record_remarks(); !done) return done.errors();
   if (auto done = impl->record_events(); !done) return done.errors();
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
@@ -166,6 +168,19 @@ void Session::Impl::push() {
   const double now = world->time();
   for (const Push& push : scenario.pushes)
     if (push.from <= now && now < push.until) world->push(push.body, push.link, push.force, push.point, push.torque);
+}
+
+/// What the world has to say of its bodies is an event of the run as well.
+Result<void> Session::Impl::record_remarks() {
+  std::vector<msg::Event> events;
+  for (const Diagnostic& remark : world->remarks()) {
+    msg::Event& event = events.emplace_back();
+    event.severity = to_string(remark.severity);
+    event.source = "world";
+    event.text = remark.message;
+  }
+  append_remarks(events, summary.remarks);
+  return recorder->record_events(events);
 }
 
 Result<bool> Session::step() {

@@ -12,14 +12,17 @@ rehearse_add_test(world_tests LABEL sim
     world/kinematic_test.cpp
     world/limits_test.cpp
     world/mimic_test.cpp
+    world/own_contacts_test.cpp
     world/range_sensor_meshes_test.cpp
     world/range_sensor_test.cpp
     world/rigid_groups_test.cpp
     world/scanner_test.cpp
     world/state_test.cpp
+    world/surfaces_test.cpp
     world/touches_test.cpp
     world/tracks_test.cpp
     world/trimesh_test.cpp
+    world/weightless_links_test.cpp
     world/wrenches_test.cpp
   LIBRARIES Rehearse::world)
 target_include_directories(world_tests PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # contacts of hulls, on their own

@@ -267,5 +267,19 @@ TEST(ScenarioBodies, ReadsAControllerAndItsChildren) {
   EXPECT_EQ(top.children[0].options, "3");
 }
 
+TEST(ScenarioBodies, SayHowTheyAreTouched) {
+  const auto body = [](const std::string& more) {
+    const auto scenario =
+        load_text("rehearse: 1\nduration: 1\nbodies: [{name: B, sphere: {radius: 1}, mass: 1" + more + "}]");
+    EXPECT_TRUE(scenario.ok()) << to_string(scenario.errors());
+    return scenario->bodies[0];
+  };
+  EXPECT_FALSE(body("").trimesh);
+  EXPECT_FALSE(body("").self_collision);
+  EXPECT_FALSE(body(", collision: hull").trimesh);
+  EXPECT_TRUE(body(", fixed: true, collision: trimesh").trimesh);
+  EXPECT_TRUE(body(", self_collision: true").self_collision);
+}
+
 }  // namespace
 }  // namespace rehearse

@@ -23,6 +23,7 @@ rehearse_add_test(session_tests LABEL sim
     session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
+    session/self_collision_test.cpp
     session/traps_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::cnoid Rehearse::png)
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")

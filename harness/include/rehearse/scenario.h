@@ -52,6 +52,8 @@ struct ScenarioBody {
   bool kinematic = false;                   // it moves as it is commanded, without dynamics
   bool joint_limits = false;                // its joints stop at their limits
   bool effort_limits = false;               // commanded efforts are clamped to their limits
+  bool trimesh = false;                     // meshes of links that never move are touched as they are
+  bool self_collision = false;              // all its links touch each other
   std::vector<double> joints;               // initial displacement by joint id [rad] or [m]
   std::vector<ScenarioController> controllers;
   BodyNoise noise;                          // of its sensors and joints

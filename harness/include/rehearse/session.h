@@ -29,7 +29,7 @@ struct RunSummary {
   std::uintmax_t bytes = 0;           // of the trace file
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung, or the simulation exploded: it ended there
   bool controller_refused = false;    // a controller returned false from configure, initialize or start
-  Diagnostics remarks;                // what controllers did that they should not have; severities warning and error
+  Diagnostics remarks;  // what controllers did that they should not have, and World::remarks(); warnings and errors
 };
 
 /// Runs the scenario and writes the trace. Fails, with nothing written, if it can't begin: a library that doesn't load,
