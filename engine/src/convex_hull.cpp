@@ -220,7 +220,7 @@ std::optional<Thinned> thinned(const Points& points, double rounding) {
     const std::vector<Outsider> left_out = outsiders(points, kept.points, *triangles);
     kept.error = left_out.front().distance;
     if (kept.points.size() >= max_hull_vertices || kept.error <= rounding) return kept;
-    std::size_t wanted = std::min(1 + kept.points.size() / 4, max_hull_vertices - kept.points.size());
+    std::size_t wanted = std::min(1 + kept.points.size() / 10, max_hull_vertices - kept.points.size());
     for (const Outsider& outsider : left_out) {
       if (wanted == 0 || outsider.distance <= rounding) break;
       if (chosen[outsider.point]) continue;
