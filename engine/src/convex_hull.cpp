@@ -418,10 +418,10 @@ class HullMaker {
 Result<ConvexHulls> convex_hulls(const MeshData& mesh) {
   ConvexHulls result;
   const std::map<int, Points> objects = points_of(mesh);
-  if (objects.empty()) return error("mesh '" + mesh.file + "': it has no triangles");
+  if (objects.empty()) return error("it has no triangles");
   for (const auto& [number, points] : objects) {
     const std::string object = objects.size() > 1 ? fmt::format("object {} ", number) : "it ";
-    auto hull = HullMaker("mesh '" + mesh.file + "': " + object, result.remarks).make(points);
+    auto hull = HullMaker(object, result.remarks).make(points);
     if (!hull) return hull.errors();
     result.hulls.push_back(std::move(*hull));
   }

@@ -26,8 +26,8 @@ struct ConvexHulls {
 /// A hull with more than `max_hull_vertices` is thinned: of its vertices some stay, round by round those that are
 /// farthest outside of the hull of those before. So it lies inside of the true hull, and a remark tells how far a
 /// vertex sticks out of it (of a sphere's radius about 3 %). An object without thickness gets `sheet_thickness`, with a
-/// remark; one that is only a line or a point is an error. Messages begin with "mesh 'FILE': " and tell the object's
-/// number, if there are several.
+/// remark; one that is only a line or a point is an error. Messages speak of "it", or of "object 1" if there are several,
+/// and don't say which mesh.
 Result<ConvexHulls> convex_hulls(const MeshData& mesh);
 
 }  // namespace rehearse

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <system_error>
 #include <tuple>
 
@@ -12,6 +13,11 @@ namespace {
 
 using Key = std::tuple<std::string, std::uintmax_t, std::filesystem::file_time_type, double, double, double>;
 
+struct CachedMesh {
+  MeshReading reading;
+  std::optional<Result<ConvexHulls>> hulls;  // none: nobody asked
+};
+
 class MeshCache {
  public:
   static MeshCache& one() {
@@ -19,20 +25,22 @@ class MeshCache {
     return cache;
   }
 
-  Result<SharedMesh> get(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+  Result<SharedMesh> mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
     const std::lock_guard lock(mutex_);
-    const Key key = key_of(file, scale);
-    std::shared_ptr<const MeshReading> reading;
-    if (const auto known = readings_.find(key); known != readings_.end()) reading = known->second.lock();
-    if (reading == nullptr) {
-      Result<MeshReading> fresh = read_mesh(file, scale);
-      if (!fresh) return fresh.errors();
-      ++count_;
-      std::erase_if(readings_, [](const auto& entry) { return entry.second.expired(); });
-      reading = std::make_shared<const MeshReading>(*std::move(fresh));
-      readings_[key] = reading;
-    }
-    return SharedMesh{{reading, &reading->data}, reading->warnings};
+    const auto found = find(file, scale);
+    if (!found) return found.errors();
+    const MeshReading& reading = (*found)->reading;
+    return SharedMesh{{*found, &reading.data}, reading.warnings};
+  }
+
+  Result<std::shared_ptr<const ConvexHulls>> hulls(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+    const std::lock_guard lock(mutex_);
+    const auto found = find(file, scale);
+    if (!found) return found.errors();
+    auto& hulls = (*found)->hulls;
+    if (!hulls) hulls = convex_hulls((*found)->reading.data);
+    if (!*hulls) return hulls->errors();
+    return std::shared_ptr<const ConvexHulls>(*found, &**hulls);
   }
 
   std::uint64_t count() {
@@ -41,6 +49,19 @@ class MeshCache {
   }
 
  private:
+  Result<std::shared_ptr<CachedMesh>> find(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+    const Key key = key_of(file, scale);
+    if (const auto known = meshes_.find(key); known != meshes_.end())
+      if (std::shared_ptr<CachedMesh> held = known->second.lock()) return held;
+    Result<MeshReading> fresh = read_mesh(file, scale);
+    if (!fresh) return fresh.errors();
+    ++count_;
+    std::erase_if(meshes_, [](const auto& entry) { return entry.second.expired(); });
+    auto read = std::make_shared<CachedMesh>(*std::move(fresh));
+    meshes_[key] = read;
+    return read;
+  }
+
   static Key key_of(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
     std::error_code ignored;
     return {std::filesystem::weakly_canonical(file, ignored).string(),
@@ -52,14 +73,19 @@ class MeshCache {
   }
 
   std::mutex mutex_;
-  std::map<Key, std::weak_ptr<const MeshReading>> readings_;
+  std::map<Key, std::weak_ptr<CachedMesh>> meshes_;
   std::uint64_t count_ = 0;
 };
 
 }  // namespace
 
 Result<SharedMesh> shared_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
-  return MeshCache::one().get(file, scale);
+  return MeshCache::one().mesh(file, scale);
+}
+
+Result<std::shared_ptr<const ConvexHulls>> shared_hulls(const std::filesystem::path& file,
+                                                        const Eigen::Vector3d& scale) {
+  return MeshCache::one().hulls(file, scale);
 }
 
 std::uint64_t meshes_read() { return MeshCache::one().count(); }

@@ -14,15 +14,20 @@ namespace {
 
 constexpr double water = 1000.0;  // [kg/m³]
 
-/// Around the collision shapes of all links of a group, in its frame; around the visible ones if it has no others.
+/// Around the collision shapes of all links of a group, in its frame; around the visible ones if it has no others. But
+/// not around meshes: a replay has none, and has to find the same inertia.
 Eigen::AlignedBox3d box_around(const Model& model, const RigidGroups& groups, int group) {
   Eigen::AlignedBox3d touched, seen;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     if (groups.links[i].group != group) continue;
     const Link& link = model.links[i];
     const Eigen::Isometry3d& pose = groups.links[i].in_group;
-    for (const Shape& shape : link.collisions) touched.extend(bounds(shape.geometry, pose * shape.pose));
-    for (const Shape& shape : link.visuals) seen.extend(bounds(shape.geometry, pose * shape.pose));
+    const auto extend = [&pose](Eigen::AlignedBox3d& box, const std::vector<Shape>& shapes) {
+      for (const Shape& shape : shapes)
+        if (!std::holds_alternative<Mesh>(shape.geometry)) box.extend(bounds(shape.geometry, pose * shape.pose));
+    };
+    extend(touched, link.collisions);
+    extend(seen, link.visuals);
   }
   return touched.isEmpty() ? seen : touched;
 }

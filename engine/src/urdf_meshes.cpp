@@ -64,7 +64,22 @@ std::optional<Mesh> Meshes::load(const XMLElement& element, Mesh mesh, Use use) 
     }
   }
   mesh.data = std::move(loaded->data);
+  if (use == Use::collision && !take_hulls(line, place->file, mesh)) return std::nullopt;
   return mesh;
+}
+
+bool Meshes::take_hulls(int line, const std::filesystem::path& file, Mesh& mesh) {
+  const std::string which = fmt::format("the mesh {}", in_quotes(mesh.file, longest_path));
+  const auto hulls = shared_hulls(file, mesh.scale);
+  if (!hulls) {
+    findings_.error(line, fmt::format("{} can't be used for contact: {}", which, hulls.errors().front().message),
+                    "contact takes a mesh for the convex hull of each of its objects");
+    return false;
+  }
+  for (const Diagnostic& remark : (*hulls)->remarks)
+    findings_.warning(line, fmt::format("{}: {}", which, remark.message), remark.hint);
+  mesh.hulls = {*hulls, &(*hulls)->hulls};
+  return true;
 }
 
 /// A warning goes into recordings, so it can't say where on this machine it was looked for.

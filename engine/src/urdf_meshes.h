@@ -28,6 +28,7 @@ class Meshes {
  private:
   std::optional<Eigen::Vector3d> read_scale(tinyxml2::XMLElement& element);
   std::optional<Mesh> load(const tinyxml2::XMLElement& element, Mesh mesh, Use use);
+  bool take_hulls(int line, const std::filesystem::path& file, Mesh& mesh);
   void refuse(int line, const std::string& file, const Diagnostic& reason, bool is_found);
 
   const UrdfOptions& options_;

@@ -113,7 +113,7 @@ TEST(ConvexHull, OfManyVerticesIsThinnedAndSaysHowFar) {
   EXPECT_LT(deepest, 0.04 * 0.1);
   ASSERT_EQ(made.remarks.size(), 1u);
   EXPECT_EQ(made.remarks[0].severity, Severity::warning);
-  EXPECT_THAT(made.remarks[0].message, ::testing::ContainsRegex("^mesh 'thing.stl': it has a hull of [0-9]+ vertices: "
+  EXPECT_THAT(made.remarks[0].message, ::testing::ContainsRegex("^it has a hull of [0-9]+ vertices: "
                                                                 "contact takes 128 of them"));
 }
 
@@ -125,7 +125,7 @@ TEST(ConvexHull, OfASheetIsAMillimetreThick) {
   for (const Vector3d& vertex : hull.vertices) EXPECT_NEAR(std::abs(vertex.z() - 1.0), 0.0005, 1e-9);
   expect_sound(hull, 1e-6);
   ASSERT_EQ(made.remarks.size(), 1u);
-  EXPECT_EQ(made.remarks[0].message, "mesh 'thing.stl': it is flat: contact takes it to be 1 mm thick");
+  EXPECT_EQ(made.remarks[0].message, "it is flat: contact takes it to be 1 mm thick");
 }
 
 TEST(ConvexHull, RefusesALineAPointAndNothing) {
@@ -134,12 +134,12 @@ TEST(ConvexHull, RefusesALineAPointAndNothing) {
     return hulls ? std::string() : hulls.errors().front().message;
   };
   EXPECT_EQ(message(part_of({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}, 1)),
-            "mesh 'thing.stl': object 1 is a line and can't be touched");
+            "object 1 is a line and can't be touched");
   EXPECT_EQ(message(part_of({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}, {{0, 1, 2}}, 1)),
-            "mesh 'thing.stl': object 1 is a single point and can't be touched");
-  EXPECT_EQ(message(part_of({{1, 2, 3}}, {}, 1)), "mesh 'thing.stl': object 1 has no triangles");
+            "object 1 is a single point and can't be touched");
+  EXPECT_EQ(message(part_of({{1, 2, 3}}, {}, 1)), "object 1 has no triangles");
   EXPECT_EQ(message(part_of({{0, 0, 0}, {1, 0, 0}, {std::nan(""), 1, 0}}, {{0, 1, 2}}, 1)),
-            "mesh 'thing.stl': object 1 has a vertex that is not finite");
+            "object 1 has a vertex that is not finite");
 }
 
 TEST(ConvexHull, StandsThinPlatesAndCrookedCones) {
