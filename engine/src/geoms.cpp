@@ -51,8 +51,8 @@ MadeGeom make_trimesh(const MeshData& mesh) {
                               static_cast<int>(arrays->vertices.size() / 3), arrays->indices.data(),
                               static_cast<int>(arrays->indices.size()), 3 * sizeof(dTriIndex));
   // hulls on it need the angles between its triangles: ODE aborts without them
-  const dintptr accuracy = dTRIDATAPREPROCESS_FACE_ANGLES_EXTRA__DEFAULT;
-  dGeomTriMeshDataPreprocess2(arrays->tree, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, &accuracy);
+  const int done = dGeomTriMeshDataPreprocess2(arrays->tree, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
+  REHEARSE_ASSERT(done != 0, "ODE prepares the triangles");
   return {dCreateTriMesh(nullptr, arrays->tree, nullptr, nullptr, nullptr), nullptr, arrays};
 }
 

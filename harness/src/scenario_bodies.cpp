@@ -130,15 +130,14 @@ void BodyReader::read_contact(const Keys& keys, ScenarioBody& body) {
   const bool is_word = node->kind == YamlNode::Kind::scalar;
   body.trimesh = is_word && node->text == "trimesh";
   if (!body.trimesh && !(is_word && node->text == "hull"))
-    expected(findings_, *node, "collision",
-             "hull (meshes are touched as their convex hulls) or trimesh (as they are)");
+    expected(findings_, *node, "collision", "hull (meshes are touched as their convex hulls) or trimesh (as they are)");
 }
 
 // After check_root(): the model has its say in whether the body is fixed.
 void BodyReader::check_contact(const Keys& keys, const ScenarioBody& body) {
   if (body.trimesh && !body.fixed)
-    findings_.error(*keys.find("collision"), fmt::format("only a fixed body can be touched as a trimesh, but {} moves",
-                                                         body.name),
+    findings_.error(*keys.find("collision"),
+                    fmt::format("only a fixed body can be touched as a trimesh, but {} moves", body.name),
                     "expected fixed: true, or collision: hull");
   if (body.self_collision && body.kinematic)
     findings_.warning(*keys.find("self_collision"), "self_collision does nothing: the body is kinematic",

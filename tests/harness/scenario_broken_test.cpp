@@ -134,7 +134,7 @@ const Broken all_broken[] = {
     {"push_of_nobody", 5, 17, "there is no body 'Bux'.*'Box'"},
     {"push_without_body", 5, 10, "a push has no 'body'"},
     {"packages_list", 4, 52, "packages is a list.*a map of NAME: DIRECTORY"},
-    {"packages_empty", 4, 61, "things is ''.*the directory of a package"},
+    {"packages_empty", 4, 61, "things is the text ''.*the directory of a package"},
     {"packages_of_a_shape", 4, 60, "packages are given for a body without a model file"},
     {"packages_that_differ", 5, 22, "the model '../models/pendulum.urdf' has other packages in a body above"},
     {"push_on_unknown_link", 5, 28, "Box has no link 'Lid'.*known links: Box"},
