@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
-#include <algorithm>
 #include <charconv>
+#include <set>
 
 namespace rehearse::urdf {
 namespace {
@@ -17,13 +17,6 @@ using tinyxml2::XMLElement;
 
 constexpr std::string_view ending = "_collision";
 constexpr std::string_view lump = "_fixed_joint_lump__";
-
-/// The shape of that name, or -1.
-int find_shape(const Link& link, std::string_view name) {
-  const auto found = std::find_if(link.collisions.begin(), link.collisions.end(),
-                                  [&](const Shape& shape) { return !shape.name.empty() && shape.name == name; });
-  return found == link.collisions.end() ? -1 : static_cast<int>(found - link.collisions.begin());
-}
 
 /// Takes "_collision" or "_collision_N" off the end. N, 0 without; nothing if the name ends otherwise.
 std::optional<int> take_ending(std::string_view& name) {
@@ -43,20 +36,31 @@ std::optional<int> take_ending(std::string_view& name) {
 
 /// The shape that Gazebo calls so, or -1: its own name; LINK_collision and LINK_collision_N; and the same, or the
 /// shape's name with "_collision", behind OTHER_LINK_fixed_joint_lump__. What stands before a "::" is a scope.
-int find_shape_of_gazebo(const Link& link, std::string_view name) {
+int find_shape_of_gazebo(const Link& link, const ShapeNames& shapes, std::string_view name) {
   if (const std::size_t scope = name.rfind("::"); scope != std::string_view::npos) name = name.substr(scope + 2);
-  if (const int exact = find_shape(link, name); exact >= 0) return exact;
+  if (const int exact = shapes.find(name); exact >= 0) return exact;
   if (const std::size_t lumped = name.find(lump); lumped != std::string_view::npos) {
     name = name.substr(lumped + lump.size());
-    if (const int exact = find_shape(link, name); exact >= 0) return exact;
+    if (const int exact = shapes.find(name); exact >= 0) return exact;
   }
   const auto number = take_ending(name);
   if (!number) return -1;
-  if (const int named = find_shape(link, name); named >= 0) return named;
+  if (const int named = shapes.find(name); named >= 0) return named;
   return name == link.name && *number < static_cast<int>(link.collisions.size()) ? *number : -1;
 }
 
 }  // namespace
+
+ShapeNames::ShapeNames(const Link& link) {
+  for (std::size_t i = 0; i < link.collisions.size(); ++i) {
+    if (!link.collisions[i].name.empty()) shapes_.emplace(link.collisions[i].name, static_cast<int>(i));
+  }
+}
+
+int ShapeNames::find(std::string_view name) const {
+  const auto found = shapes_.find(name);
+  return found == shapes_.end() ? -1 : found->second;
+}
 
 void read_contact_sensor(const XMLElement& sensor, DeviceDraft& draft, Findings& findings) {
   const XMLElement* contact = sensor.FirstChildElement("contact");
@@ -68,7 +72,7 @@ void read_contact_sensor(const XMLElement& sensor, DeviceDraft& draft, Findings&
   }
 }
 
-int find_feeling_shape(const DeviceDraft& draft, const Link& link, Findings& findings) {
+int find_feeling_shape(const DeviceDraft& draft, const Link& link, const ShapeNames& names, Findings& findings) {
   const std::string sensor = "contact sensor " + in_quotes(draft.device.name);
   const std::string all = fmt::format("; all shapes of link {} feel", in_quotes(link.name));
   if (link.collisions.empty()) {
@@ -76,18 +80,18 @@ int find_feeling_shape(const DeviceDraft& draft, const Link& link, Findings& fin
                      fmt::format("{} feels nothing: link {} has no collision shape", sensor, in_quotes(link.name)));
     return -1;
   }
-  std::vector<int> shapes;
+  std::set<int> shapes;
   for (const std::string& name : draft.collisions) {
-    const int shape = find_shape_of_gazebo(link, name);
+    const int shape = find_shape_of_gazebo(link, names, name);
     if (shape < 0) {
       findings.warning(draft.device.line, fmt::format("{} names the collision shape {}, which link {} doesn't have{}",
                                                       sensor, in_quotes(name), in_quotes(link.name), all));
       return -1;
     }
-    if (std::find(shapes.begin(), shapes.end(), shape) == shapes.end()) shapes.push_back(shape);
+    shapes.insert(shape);
   }
   if (shapes.empty() || shapes.size() == link.collisions.size()) return -1;
-  if (shapes.size() == 1) return shapes.front();
+  if (shapes.size() == 1) return *shapes.begin();
   findings.warning(draft.device.line, fmt::format("{} names {} of {} collision shapes{}", sensor, shapes.size(),
                                                   link.collisions.size(), all));
   return -1;

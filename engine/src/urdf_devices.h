@@ -11,6 +11,7 @@
 #include "urdf_findings.h"
 
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -70,9 +71,21 @@ void read_force_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, F
 /// Reads the names of collision shapes in <contact>.
 void read_contact_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, Findings& findings);
 
+/// The collision shapes of a link by name.
+class ShapeNames {
+ public:
+  explicit ShapeNames(const Link& link);
+
+  /// Index of the first shape of that name, or -1.
+  int find(std::string_view name) const;
+
+ private:
+  std::map<std::string_view, int> shapes_;
+};
+
 /// Index of the one collision shape of the link that a contact sensor means, or -1 for all of them; a warning where it
 /// means something else.
-int find_feeling_shape(const DeviceDraft& draft, const Link& link, Findings& findings);
+int find_feeling_shape(const DeviceDraft& draft, const Link& link, const ShapeNames& names, Findings& findings);
 
 /// A light of that type as it is without figures; null if we have no such type.
 std::optional<Light> light_of_type(std::string_view type);

@@ -53,17 +53,23 @@ void turn_to_parents_axes(const Link& link, Device& device, Findings& findings) 
   }
 }
 
-void settle(const DeviceDraft& draft, const Model& model, Device& device, Findings& findings) {
+/// By link index, of those that have been asked for.
+using AllShapeNames = std::map<int, ShapeNames>;
+
+void settle(const DeviceDraft& draft, const Model& model, AllShapeNames& names, Device& device, Findings& findings) {
   const Link& link = model.links[static_cast<std::size_t>(device.link)];
   if (draft.has_parents_axes) turn_to_parents_axes(link, device, findings);
-  if (auto* contact = std::get_if<ContactSensor>(&device.kind))
-    contact->collision = find_feeling_shape(draft, link, findings);
+  if (auto* contact = std::get_if<ContactSensor>(&device.kind)) {
+    const ShapeNames& of_link = names.try_emplace(device.link, link).first->second;
+    contact->collision = find_feeling_shape(draft, link, of_link, findings);
+  }
 }
 
 }  // namespace
 
 void place_devices(const Draft& draft, Model& model, Findings& findings) {
   const Names names(model);
+  AllShapeNames shape_names;
   for (const DeviceDraft& device : draft.devices) {
     const int link = names.link_of(device);
     if (link < 0) {
@@ -74,7 +80,7 @@ void place_devices(const Draft& draft, Model& model, Findings& findings) {
     }
     Device& placed = model.devices.emplace_back(device.device);
     placed.link = link;
-    settle(device, model, placed, findings);
+    settle(device, model, shape_names, placed, findings);
   }
   std::stable_sort(model.devices.begin(), model.devices.end(),
                    [](const Device& a, const Device& b) { return a.link < b.link; });

@@ -20,10 +20,11 @@
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, in SDF's words: type imu,
 //   accelerometer, gyroscope (or gyro), force_torque (reference: link, or joint = its child link), contact, camera,
 //   multicamera, ray (or gpu_ray, lidar, gpu_lidar), and depth, depth_camera, rgbd or rgbd_camera (cameras that measure
-//   depth); and `<sensor>` in `<robot>`, with the same words or, as the ROS wiki has it, with attributes. Read are `<pose>` (x y z roll pitch yaw in
-//   the link frame), and of a camera `<update_rate>`, `<camera><pose>`, `<horizontal_fov>`, `<image><width>, <height>`,
-//   `<clip><near>, <far>`, with SDF's defaults (1.047 rad, 320 x 240, 0.1 m, 100 m; 30 Hz). SDF's camera looks along +x
-//   with +z up; Device::pose is already turned to look along -z with +y up.
+//   depth); and `<sensor>` in `<robot>`, with the same words or, as the ROS wiki has it, with attributes. Read are
+//   `<pose>` (x y z roll pitch yaw in the link frame), and of a camera `<update_rate>`, `<camera><pose>`,
+//   `<horizontal_fov>`, `<image><width>, <height>`, `<clip><near>, <far>`, with SDF's defaults (1.047 rad, 320 x 240,
+//   0.1 m, 100 m; 30 Hz). SDF's camera looks along +x with +z up; Device::pose is already turned to look along -z with
+//   +y up.
 //   Two children are ours: `<sensor><id>N</id>` is Device::id, and `<camera><vertical_fov>` [rad] may stand instead of
 //   `<horizontal_fov>`.
 // - What hostile files can cost is bounded by the limits below.

@@ -88,6 +88,49 @@ TEST(HostileUrdf, AChainOfAllAllowedLinksLoads) {
   EXPECT_EQ(load(robot(text)).joints.size(), static_cast<std::size_t>(max_urdf_links - 1));
 }
 
+TEST(HostileUrdf, SixtyMebibytesOfOneAttributeLoad) {
+  const std::string value(std::size_t{60} << 20, 'x');
+  const std::string text = robot("<link name='world' remark='" + value + "'/>");
+  EXPECT_EQ(quickly([&] { return load(text); }).links.size(), 1u);
+}
+
+TEST(HostileUrdf, SixtyMebibytesOfNumbersAreRefused) {
+  EXPECT_THAT(quick_refusal(still("<visual><origin xyz='" + repeated("1 ", 30 << 20) + "'/></visual>")),
+              HasSubstr("not three numbers"));
+}
+
+TEST(HostileUrdf, AHundredThousandMaterialsLoad) {
+  std::string text = link("world", "");
+  for (int i = 0; i < 100'000; ++i) text += "<material name='m" + std::to_string(i) + "'/>";
+  EXPECT_EQ(quickly([&] { return load(robot(text)); }).report.size(), 100'000u);
+}
+
+TEST(HostileUrdf, AHundredThousandSensorsLoad) {
+  std::string text = link("world", "") + "<gazebo reference='world'>";
+  for (int i = 0; i < 100'000; ++i) text += "<sensor name='s" + std::to_string(i) + "' type='imu'/>";
+  EXPECT_EQ(quickly([&] { return load(robot(text + "</gazebo>")); }).devices.size(), 100'000u);
+}
+
+TEST(HostileUrdf, AHundredThousandBlocksOfNobodyLoad) {
+  const std::string text = link("world", "") + repeated("<gazebo reference='x'/>", 100'000);
+  EXPECT_EQ(quickly([&] { return load(robot(text)); }).report.size(), 100'000u);
+}
+
+TEST(HostileUrdf, ContactSensorsOfTenThousandShapesLoad) {
+  std::string shapes, names;
+  for (int i = 0; i < 10'000; ++i) {
+    const std::string name = "c" + std::to_string(i);
+    shapes += "<collision name='" + name + "'><geometry><sphere radius='1'/></geometry></collision>";
+    names += "<collision>" + name + "</collision>";
+  }
+  std::string sensors;
+  for (int i = 0; i < 3; ++i)
+    sensors += "<sensor name='s" + std::to_string(i) + "' type='contact'><contact>" + names + "</contact></sensor>";
+  for (int i = 3; i < 50'000; ++i) sensors += "<sensor name='s" + std::to_string(i) + "' type='contact'/>";
+  const std::string text = link("world", shapes) + "<gazebo reference='world'>" + sensors + "</gazebo>";
+  EXPECT_EQ(quickly([&] { return load(robot(text)); }).devices.size(), 50'000u);
+}
+
 TEST(HostileUrdf, MoreLinksThanAllowedAreRefused) {
   std::string text;
   for (int i = 0; i <= max_urdf_links; ++i) text += link("l" + std::to_string(i), "");
