@@ -70,7 +70,7 @@ void read_optical_camera(const XMLElement& sensor, const XMLElement& element, Ca
     camera.frame_rate = read_positive(sensor, "update_rate", any, findings).value_or(1.0);
   report_ignored(element, {"image"}, findings);
   const XMLElement& image = *element.FirstChildElement("image");
-  camera.depth = image.Attribute("depth_format") != nullptr;
+  camera.depth = camera.depth || image.Attribute("depth_format") != nullptr;
   const auto width = read_count(image, "width", max_image_side, findings);
   const auto height = read_count(image, "height", max_image_side, findings);
   const auto across = read_positive(image, "hfov", widest, findings);

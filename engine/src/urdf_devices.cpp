@@ -76,6 +76,11 @@ std::vector<std::string_view> known_children(const XMLElement& element, std::vec
   return of_kind;
 }
 
+std::string name_or(const XMLElement& element, const std::string& fallback, Findings& findings) {
+  const char* name = element.Attribute("name");
+  return name == nullptr || *name == '\0' ? fallback : read_name(element, "name", findings).value_or(fallback);
+}
+
 /// A camera for each <camera> of the sensor, named after both if it is a multicamera.
 void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vector<DeviceDraft>& devices,
                   Findings& findings) {
@@ -90,10 +95,7 @@ void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vect
   for (int i = 0; element != nullptr; element = element->NextSiblingElement("camera"), ++i) {
     DeviceDraft draft = common;
     if (is_multiple) {
-      const char* name = element->Attribute("name");
-      draft.device.name +=
-          "_" +
-          (name == nullptr || *name == '\0' ? std::to_string(i) : read_name(*element, "name", findings).value_or(""));
+      draft.device.name += "_" + name_or(*element, std::to_string(i), findings);
       draft.device.line = element->GetLineNum();
       if (draft.device.id >= 0) draft.device.id += i;
     } else if (i > 0) {

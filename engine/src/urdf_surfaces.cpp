@@ -123,18 +123,18 @@ void read_block(const XMLElement& block, Draft& draft, Findings& findings) {
   const char* reference = block.Attribute("reference");
   SurfaceDraft surface;
   surface.reference = reference == nullptr ? "" : reference;
+  const bool is_of_robot = surface.reference.empty();
   surface.line = block.GetLineNum();
   for (const auto* child = block.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (is_device(child->Name())) {
       surface.has_devices = true;
-    } else if (reference == nullptr ? !read_robot_option(*child, draft, findings)
-                                    : !read_option(*child, surface, findings)) {
-      const bool needs_link = reference == nullptr && find_figure(gazebo_figures(), child->Name()) != nullptr;
+    } else if (is_of_robot ? !read_robot_option(*child, draft, findings) : !read_option(*child, surface, findings)) {
+      const bool needs_link = is_of_robot && find_figure(gazebo_figures(), child->Name()) != nullptr;
       findings.ignored(child->GetLineNum(),
                        fmt::format("<gazebo>{}{}", tag(child->Name()), needs_link ? " without a link" : ""));
     }
   }
-  if (reference != nullptr) draft.surfaces.push_back(std::move(surface));
+  if (!is_of_robot) draft.surfaces.push_back(std::move(surface));
 }
 
 template <class Value>

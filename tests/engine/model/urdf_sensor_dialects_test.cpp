@@ -117,6 +117,9 @@ TEST(UrdfOpticalCamera, MayHaveATypeAndMeasureDepth) {
   const std::string image = "width='64' height='48' hfov='1' depth_format='mono16'";
   EXPECT_EQ(type_name(only_device(with(optical_camera(image)))), "RangeCamera");
   EXPECT_EQ(type_name(only_device(with(optical_camera(image, "type='camera'")))), "RangeCamera");
+  const std::string color = "width='64' height='48' hfov='1'";
+  EXPECT_EQ(type_name(only_device(with(optical_camera(color, "type='depth'")))), "RangeCamera");
+  EXPECT_EQ(type_name(only_device(with(optical_camera(color, "type='camera'")))), "Camera");
 }
 
 TEST(UrdfOpticalCamera, TakesOnePictureASecondUnlessToldOtherwise) {
