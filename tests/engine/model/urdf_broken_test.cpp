@@ -207,7 +207,8 @@ const std::vector<Mistake> repairs = {
 /// Loaded as they are, with this one warning, strict or not.
 const std::vector<Mistake> warnings = {
     {"center_of_mass_in_millimetres", 9, "the centre of mass of link 'arm' is far outside its shapes: 500 m"},
-    {"contact_of_two_shapes", 9, "contact sensor 'skin' names 2 of 3 collision shapes; all shapes of link 'world' feel"},
+    {"contact_of_two_shapes", 9,
+     "contact sensor 'skin' names 2 of 3 collision shapes; all shapes of link 'world' feel"},
     {"contact_of_unknown_shape", 9, "names the collision shape 'side', which link 'world' doesn't have"},
     {"contact_without_shapes", 5, "contact sensor 'skin' feels nothing: link 'world' has no collision shape"},
     {"force_direction_reversed", 18, "sensor 'force' is to measure what the parent link does to its child"},
