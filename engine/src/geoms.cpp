@@ -9,7 +9,10 @@ struct OdeConvex {
   std::vector<unsigned int> polygons;  // each: how many vertices, and which
 };
 
-MadeGeom make_hull(const ConvexHull& hull) {
+MadeGeom make_hull(ConvexHull hull) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& vertex : hull.vertices) middle += vertex / static_cast<double>(hull.vertices.size());
+  for (Eigen::Vector3d& vertex : hull.vertices) vertex -= middle;
   const auto polytope = std::make_shared<const Polytope>(hull);
   const auto arrays = std::make_shared<OdeConvex>();
   for (const Plane& plane : polytope->planes())
@@ -23,7 +26,7 @@ MadeGeom make_hull(const ConvexHull& hull) {
   const dGeomID geom =
       dCreateConvex(nullptr, arrays->planes.data(), static_cast<unsigned int>(hull.faces.size()), arrays->points.data(),
                     static_cast<unsigned int>(hull.vertices.size()), arrays->polygons.data());
-  return {geom, polytope, arrays};
+  return {geom, polytope, arrays, middle};
 }
 
 /// The triangles of a mesh as ODE wants them, and ODE's tree of them.

@@ -50,11 +50,10 @@ void KinematicBody::create_shapes(dWorldID world) {
         bodies_[i] = dBodyCreate(world);
         dBodySetKinematic(bodies_[i]);
       }
-      const Isometry3d& pose = link.collisions[shape].pose;
-      for (const dGeomID geom : add_shape(static_cast<int>(i), static_cast<int>(shape), belt)) {
+      for (const auto& [geom, in_link] : add_shape(static_cast<int>(i), static_cast<int>(shape), belt)) {
         dGeomSetBody(geom, bodies_[i]);
-        dGeomSetOffsetPosition(geom, pose.translation().x(), pose.translation().y(), pose.translation().z());
-        dGeomSetOffsetRotation(geom, OdeRotation(pose.linear()).r);
+        dGeomSetOffsetPosition(geom, in_link.translation().x(), in_link.translation().y(), in_link.translation().z());
+        dGeomSetOffsetRotation(geom, OdeRotation(in_link.linear()).r);
       }
     }
   }

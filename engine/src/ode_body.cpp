@@ -130,9 +130,8 @@ void OdeBody::create_shapes() {
     const Joint& joint = model().links[i].joint;
     const int belt = joint.type == JointType::track ? slots_[joint.id].index : -1;
     for (std::size_t shape = 0; shape < model().links[i].collisions.size(); ++shape) {
-      const Isometry3d in_group = links_[i].in_group * model().links[i].collisions[shape].pose;
-      for (const dGeomID geom : add_shape(static_cast<int>(i), static_cast<int>(shape), belt))
-        place_shape(geom, group, in_group);
+      for (const AddedGeom& added : add_shape(static_cast<int>(i), static_cast<int>(shape), belt))
+        place_shape(added.geom, group, links_[i].in_group * added.in_link);
     }
   }
 }

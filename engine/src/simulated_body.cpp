@@ -43,12 +43,13 @@ SimulatedBody::~SimulatedBody() {
   for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // ODE's bodies and joints go with its world
 }
 
-std::vector<dGeomID> SimulatedBody::add_shape(int link, int collision, int belt) {
-  const Geometry& geometry = model().links[link].collisions[collision].geometry;
+std::vector<SimulatedBody::AddedGeom> SimulatedBody::add_shape(int link, int collision, int belt) {
+  const Shape& shape = model().links[link].collisions[collision];
   const bool never_moves = groups_[link] == 0 && root_is_fixed(description_);
-  std::vector<dGeomID> geoms;
-  for (MadeGeom& made : make_geoms(geometry, description_.trimesh && never_moves)) {
-    geoms.push_back(made.geom);
+  std::vector<AddedGeom> geoms;
+  for (MadeGeom& made : make_geoms(shape.geometry, description_.trimesh && never_moves)) {
+    geoms.push_back({made.geom, shape.pose});
+    geoms.back().in_link.translation() += shape.pose.linear() * made.origin;
     shapes_.push_back({made.geom, link, belt, collision, std::move(made.polytope), std::move(made.kept)});
   }
   return geoms;

@@ -102,8 +102,12 @@ class SimulatedBody {
 
  protected:
   const Model& model() const { return *description_.model; }
-  /// Makes the geoms of a collision shape, each to be placed by the caller where the shape is.
-  std::vector<dGeomID> add_shape(int link, int collision, int belt = -1);
+  struct AddedGeom {
+    dGeomID geom;
+    Eigen::Isometry3d in_link;
+  };
+  /// Makes the geoms of a collision shape, to be placed by the caller.
+  std::vector<AddedGeom> add_shape(int link, int collision, int belt = -1);
   /// Sets own_pairs(). All joints must be at zero.
   void pair_own_shapes();
   void feel(int link);

@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string_view>
+#include <tuple>
 
 namespace rehearse::urdf {
 namespace {
@@ -175,6 +176,7 @@ void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, F
   DeviceDraft draft;
   draft.device.kind = *kind;
   draft.device.line = element.GetLineNum();
+  draft.is_of_robot = is_of_robot(element);
   const auto name = read_name(element, "name", findings);
   if (!name) return;
   draft.device.name = *name;
@@ -195,6 +197,31 @@ void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, F
 std::string_view id_group(const Device& device) {
   if (std::holds_alternative<Light>(device.kind)) return "light";
   return std::holds_alternative<Camera>(device.kind) ? "camera" : type_name(device);
+}
+
+/// A robot for several simulators describes its sensors for each of them. One that has the name, the kind and the place
+/// of an earlier one is left out.
+void drop_repetitions(std::vector<DeviceDraft>& devices, Findings& findings) {
+  std::map<std::tuple<std::string, std::string, std::string_view>, const DeviceDraft*> first_of;
+  std::vector<DeviceDraft> kept;
+  kept.reserve(devices.size());
+  for (DeviceDraft& draft : devices) {
+    const Device& device = draft.device;
+    const auto place = first_of.find({device.name, draft.reference, type_name(device)});
+    if (place == first_of.end()) {
+      kept.push_back(std::move(draft));
+      const DeviceDraft& last = kept.back();
+      first_of.emplace(std::tuple(last.device.name, last.reference, type_name(last.device)), &last);
+    } else if (place->second->is_of_robot != draft.is_of_robot) {
+      findings.ignored(device.line, "a sensor's second description, in <robot> or <gazebo>,");
+    } else {
+      findings.repair(device.line,
+                      fmt::format("a second {} {} of the same kind at the same place, after the one in line {}; "
+                                  "it is left out",
+                                  word_for(device), in_quotes(device.name), place->second->device.line));
+    }
+  }
+  devices = std::move(kept);
 }
 
 void report_doubles(const std::vector<DeviceDraft>& devices, Findings& findings) {
@@ -296,6 +323,7 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
                        "write <sensor name=\"...\" type=\"...\">");
     }
   }
+  drop_repetitions(devices, findings);
   report_doubles(devices, findings);
   return devices;
 }

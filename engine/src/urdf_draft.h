@@ -48,6 +48,7 @@ struct DeviceDraft {
   Device device;  // all but the link; its pose is in the frame of what `reference` names
   std::string reference;
   Reference meaning = Reference::link_else_joint;
+  bool is_of_robot = false;             // it stands in <robot> itself, not in a <gazebo> block
   bool has_parents_axes = false;        // a force sensor that measures along the axes of the joint's parent link
   std::vector<std::string> collisions;  // of a contact sensor: the shapes that feel, as written; empty: all
 };

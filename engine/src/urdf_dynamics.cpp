@@ -19,16 +19,26 @@ constexpr double greatest_joint_offset = 10.0;  // [m]
 
 /// A rigid group that moves, or may, and has mass.
 struct Group {
-  const Link& first;
+  const Link& link;  // the heaviest of it, to name it by
   const Inertial& inertial;
 };
+
+const Link& heaviest(const Model& model, const RigidGroups& groups, std::size_t group) {
+  const Link* found = &model.links[static_cast<std::size_t>(groups.first_links[group])];
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    if (groups.links[i].group != static_cast<int>(group)) continue;
+    if (model.links[i].inertial.mass > found->inertial.mass) found = &model.links[i];
+  }
+  return *found;
+}
 
 std::vector<Group> moving_groups(const Model& model, const RigidGroups& groups, const UrdfOptions& options) {
   std::vector<Group> moving;
   for (std::size_t i = 0; i < groups.first_links.size(); ++i) {
     const Link& first = model.links[static_cast<std::size_t>(groups.first_links[i])];
     const bool is_fixed = first.joint.type == JointType::fixed || (i == 0 && options.fixed_root);
-    if (!is_fixed && groups.inertials[i].mass > 0.0) moving.push_back({first, groups.inertials[i]});
+    if (!is_fixed && groups.inertials[i].mass > 0.0)
+      moving.push_back({heaviest(model, groups, i), groups.inertials[i]});
   }
   return moving;
 }
@@ -39,17 +49,17 @@ double gyration(const Inertial& inertial) {
 }
 
 void check_inertia(const Group& group, Findings& findings) {
-  const auto& [first, inertial] = group;
+  const auto& [link, inertial] = group;
   if (inertial.inertia.isZero(0.0)) {
-    findings.error(first.line, fmt::format("moving link {} has mass but no inertia", in_quotes(first.name)),
+    findings.error(link.line, fmt::format("moving link {} has mass but no inertia", in_quotes(link.name)),
                    "a solid box of a x b x c has ixx = m (b² + c²) / 12, and so on");
   } else if (!is_positive_definite(inertial.inertia)) {
-    findings.error(first.line,
-                   fmt::format("the inertia of moving link {} isn't positive definite", in_quotes(first.name)),
+    findings.error(link.line,
+                   fmt::format("the inertia of moving link {} isn't positive definite", in_quotes(link.name)),
                    "its three principal moments must be above 0");
   } else if (gyration(inertial) < smallest_gyration) {
-    findings.warning(first.line, fmt::format("the inertia of moving link {} is that of {:.3g} kg within {:.1g} m",
-                                             in_quotes(first.name), inertial.mass, gyration(inertial)));
+    findings.warning(link.line, fmt::format("the inertia of moving link {} is that of {:.3g} kg within {:.1g} m",
+                                            in_quotes(link.name), inertial.mass, gyration(inertial)));
   }
 }
 
@@ -110,10 +120,10 @@ void check_mass_ratio(const std::vector<Group>& groups, Findings& findings) {
     most = std::max(most, group.inertial.mass);
   }
   if (lightest == nullptr || most <= greatest_mass_ratio * lightest->inertial.mass) return;
-  findings.warning(lightest->first.line,
+  findings.warning(lightest->link.line,
                    fmt::format("link {} has {:.3g} kg and another has {:.3g} kg: joints between bodies so "
                                "different give way",
-                               in_quotes(lightest->first.name), lightest->inertial.mass, most));
+                               in_quotes(lightest->link.name), lightest->inertial.mass, most));
 }
 
 /// One note for all links of a kind, at the first of them.

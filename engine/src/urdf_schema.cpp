@@ -101,7 +101,14 @@ void prune(XMLElement& element, const Rule& rule, Findings& findings) {
       element.DeleteChild(child);
       continue;
     }
-    if (is_single && !seen.insert(name).second) {
+    const bool is_second = is_single && !seen.insert(name).second;
+    if (is_second && name == "material") {
+      findings.repair(inner->GetLineNum(),
+                      fmt::format("a second <material> in one <{}>; the first counts", rule.element));
+      element.DeleteChild(child);
+      continue;
+    }
+    if (is_second) {
       findings.error(inner->GetLineNum(), fmt::format("a second <{}> in one <{}>", name, rule.element));
     }
     if (const Rule* inner_rule = find_rule(name)) prune(*inner, *inner_rule, findings);

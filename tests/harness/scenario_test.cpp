@@ -1,6 +1,8 @@
 // What a scenario says as a whole: the fixtures, the defaults, the order and number of its mistakes, its warnings.
 #include "scenario_files.h"
 
+#include <rehearse/urdf.h>
+
 #include <gmock/gmock.h>
 
 #include <numbers>

@@ -124,8 +124,11 @@ TEST(UrdfMesh, WithoutItsPictureIsWarnedOfForVisualsOnly) {
   const std::string text = still("<visual>" + shape + "</visual>\n<collision>" + shape + "</collision>");
   const Result<Model> model = parse_urdf(text, FIXTURES_DIR "/broken/meshes/any.urdf");
   ASSERT_TRUE(model) << to_string(model.errors());
-  ASSERT_EQ(model->report.size(), 1u) << to_string(model->report);
+  ASSERT_EQ(model->report.size(), 2u) << to_string(model->report);
   EXPECT_EQ(model->report[0].line, 1);
+  EXPECT_NE(model->report[0].message.find("photo.png"), std::string::npos);
+  EXPECT_EQ(model->report[1].line, 2) << "contact takes the flat one to be a sheet";
+  EXPECT_EQ(model->report[1].message.find("photo.png"), std::string::npos);
 }
 
 }  // namespace

@@ -46,6 +46,11 @@ TEST(UrdfSurfaces, MayHaveTheWordsOfSdf) {
   EXPECT_EQ(arm.max_velocity, 0.1);
 }
 
+TEST(UrdfSurfaces, MayHaveTheirNumbersInAttributes) {
+  EXPECT_EQ(arm_surface("<mu1 value='10.0'/>").friction, 10.0);
+  EXPECT_EQ(arm_surface("<kp value='1e6'></kp>").stiffness, 1e6);
+}
+
 TEST(UrdfSurfaces, HaveNoDirectionIfItIsZero) { EXPECT_FALSE(arm_surface("<fdir1>0 0 0</fdir1>").friction_direction); }
 
 TEST(UrdfSurfaces, AreGatheredFromSeveralBlocks) {

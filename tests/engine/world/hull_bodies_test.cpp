@@ -117,7 +117,7 @@ TEST_P(HullBodies, APileOfStonesComesToRest) {
                                Sphere{0.1}, 1.0, {0.03 * i, 0.02 * (i % 3), 0.15 + 0.22 * i}));
   }
   const auto world = make_world(settings(), bodies);
-  run(*world, 4000);
+  run(*world, 8000);
   for (int i = 1; i <= 6; ++i) {
     EXPECT_GT(link_of(*world, 0, i).position.z(), 0.03);
     EXPECT_LT(link_of(*world, 0, i).velocity.norm(), 0.1);
