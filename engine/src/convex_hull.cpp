@@ -374,9 +374,9 @@ class HullMaker {
   }
 
  private:
-  void remark(std::string message, std::string hint) {
+  void remark(Severity severity, std::string message, std::string hint) {
     Diagnostic remark = error(object_ + std::move(message), std::move(hint));
-    remark.severity = Severity::warning;
+    remark.severity = severity;
     remarks_.push_back(std::move(remark));
   }
 
@@ -390,7 +390,7 @@ class HullMaker {
       for (const double side : {-0.5, 0.5}) both.push_back(point + side * sheet_thickness * normal);
     points = std::move(both);
     std::sort(points.begin(), points.end(), before);
-    remark(fmt::format("is flat: contact takes it to be {} mm thick", 1e3 * sheet_thickness),
+    remark(Severity::warning, fmt::format("is flat: contact takes it to be {} mm thick", 1e3 * sheet_thickness),
            "take a box for its collision");
   }
 
@@ -403,7 +403,9 @@ class HullMaker {
   }
 
   void tell_thinned(const Points& points, const Thinned& fewer) {
-    remark(fmt::format("has a hull of {} vertices: contact takes {} of them, outside of which the others are up to "
+    // a note: most meshes of real robots are finer than contact needs
+    remark(Severity::note,
+           fmt::format("has a hull of {} vertices: contact takes {} of them, outside of which the others are up to "
                        "{:.2g} mm",
                        points.size(), fewer.points.size(), 1e3 * fewer.error),
            "take a simpler mesh, or simple shapes, for its collision");

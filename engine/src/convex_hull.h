@@ -17,7 +17,7 @@ inline constexpr double sheet_thickness = 1e-3;
 
 struct ConvexHulls {
   std::vector<ConvexHull> hulls;  // one a number of MeshPart::object, ascending
-  Diagnostics remarks;            // of severity warning: objects that contact takes for something else than they are
+  Diagnostics remarks;            // objects that contact takes for something else than they are: notes and warnings
 };
 
 /// The convex hull of each object of a mesh. Triangles of a hull that lie in one plane, to a millionth of its size, are

@@ -10,7 +10,6 @@
 #include <map>
 #include <optional>
 #include <string_view>
-#include <tuple>
 
 namespace rehearse::urdf {
 namespace {
@@ -199,26 +198,25 @@ std::string_view id_group(const Device& device) {
   return std::holds_alternative<Camera>(device.kind) ? "camera" : type_name(device);
 }
 
-/// A robot for several simulators describes its sensors for each of them. One that has the name, the kind and the place
-/// of an earlier one is left out.
+/// A robot for several simulators describes its sensors for each of them: what has the name and the place of an earlier
+/// one is left out if it stands there for another reader, or if it is of the same kind.
 void drop_repetitions(std::vector<DeviceDraft>& devices, Findings& findings) {
-  std::map<std::tuple<std::string, std::string, std::string_view>, const DeviceDraft*> first_of;
+  std::map<std::pair<std::string, std::string>, std::size_t> first_of;  // by name and reference
   std::vector<DeviceDraft> kept;
   kept.reserve(devices.size());
   for (DeviceDraft& draft : devices) {
     const Device& device = draft.device;
-    const auto place = first_of.find({device.name, draft.reference, type_name(device)});
-    if (place == first_of.end()) {
-      kept.push_back(std::move(draft));
-      const DeviceDraft& last = kept.back();
-      first_of.emplace(std::tuple(last.device.name, last.reference, type_name(last.device)), &last);
-    } else if (place->second->is_of_robot != draft.is_of_robot) {
+    const auto [place, is_new] = first_of.emplace(std::pair(device.name, draft.reference), kept.size());
+    const DeviceDraft* first = is_new ? nullptr : &kept[place->second];
+    if (first != nullptr && first->is_of_robot != draft.is_of_robot) {
       findings.ignored(device.line, "a sensor's second description, in <robot> or <gazebo>,");
-    } else {
+    } else if (first != nullptr && type_name(first->device) == type_name(device)) {
       findings.repair(device.line,
-                      fmt::format("a second {} {} of the same kind at the same place, after the one in line {}; "
-                                  "it is left out",
-                                  word_for(device), in_quotes(device.name), place->second->device.line));
+                      fmt::format("a second {} {} of the same kind at the same place, after the one in line "
+                                  "{}; it is left out",
+                                  word_for(device), in_quotes(device.name), first->device.line));
+    } else {
+      kept.push_back(std::move(draft));
     }
   }
   devices = std::move(kept);

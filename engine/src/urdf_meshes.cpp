@@ -76,8 +76,13 @@ bool Meshes::take_hulls(int line, const std::filesystem::path& file, Mesh& mesh)
                     "contact takes a mesh for the convex hull of each of its objects");
     return false;
   }
-  for (const Diagnostic& remark : (*hulls)->remarks)
-    findings_.warning(line, fmt::format("{}: {}", which, remark.message), remark.hint);
+  for (const Diagnostic& remark : (*hulls)->remarks) {
+    const std::string message = fmt::format("{}: {}", which, remark.message);
+    if (remark.severity == Severity::note)
+      findings_.note(line, message, remark.hint);
+    else
+      findings_.warning(line, message, remark.hint);
+  }
   mesh.hulls = {*hulls, &(*hulls)->hulls};
   return true;
 }

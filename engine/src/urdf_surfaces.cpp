@@ -80,17 +80,11 @@ void read_direction(const XMLElement& element, Surface& surface, Findings& findi
   if (!direction.isZero(0.0)) surface.friction_direction = direction.stableNormalized();
 }
 
-/// SDF has the number in the element; many write it as an attribute `value`.
-std::optional<double> read_figure(const XMLElement& element, Findings& findings) {
-  return element.Attribute("value") != nullptr && text_of(element).empty() ? read_number(element, "value", findings)
-                                                                           : read_text_number(element, findings);
-}
-
 /// A child of a block that has a reference; false if it is none of ours.
 bool read_option(const XMLElement& element, SurfaceDraft& draft, Findings& findings) {
   const std::string_view name = element.Name();
   if (const Figure* figure = find_figure(gazebo_figures(), name)) {
-    if (const auto value = read_figure(element, findings)) set(*figure, *value, element, draft.surface, findings);
+    if (const auto value = read_text_number(element, findings)) set(*figure, *value, element, draft.surface, findings);
   } else if (name == "fdir1") {
     read_direction(element, draft.surface, findings);
   } else if (is_one_of(name, {"selfCollide", "self_collide"})) {

@@ -78,6 +78,7 @@ Eigen::Matrix3d read_quaternion(const XMLElement& origin, Findings& findings) {
 
 std::string_view text_of(const XMLElement& element) {
   const char* text = element.GetText();
+  if (text == nullptr) text = element.Attribute("value");
   return text == nullptr ? std::string_view() : trimmed(text);
 }
 

@@ -44,7 +44,8 @@ Eigen::Isometry3d read_origin(const tinyxml2::XMLElement& element, Findings& fin
 /// A name: the attribute is there, not empty, UTF-8 without control characters. Else an error, and nothing.
 std::optional<std::string> read_name(const tinyxml2::XMLElement& element, const char* attribute, Findings& findings);
 
-/// The element's text without blanks around it; empty if it has none.
+/// The element's text without blanks around it. If it has none: its attribute `value`, as many write what SDF has as
+/// text; empty if it has neither.
 std::string_view text_of(const tinyxml2::XMLElement& element);
 
 /// The number that is the element's text, as SDF has it. Malformed: an error, and nothing.

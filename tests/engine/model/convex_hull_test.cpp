@@ -112,7 +112,7 @@ TEST(ConvexHull, OfManyVerticesIsThinnedAndSaysHowFar) {
   for (const auto& face : hull.faces) deepest = std::max(deepest, 0.1 + above(hull, face, {3, 0, 0}));
   EXPECT_LT(deepest, 0.04 * 0.1);
   ASSERT_EQ(made.remarks.size(), 1u);
-  EXPECT_EQ(made.remarks[0].severity, Severity::warning);
+  EXPECT_EQ(made.remarks[0].severity, Severity::note);
   EXPECT_THAT(made.remarks[0].message, ::testing::ContainsRegex("^it has a hull of [0-9]+ vertices: "
                                                                 "contact takes 128 of them"));
 }

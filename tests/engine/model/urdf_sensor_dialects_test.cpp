@@ -33,7 +33,7 @@ const Device& only_device(const Model& model) {
 
 TEST(UrdfSensorsOfRobot, ThatGazeboHasTooAreOneSensor) {
   const Model model = with(block("hand", "<sensor name='s' type='imu'><pose>1 0 0 0 0 0</pose></sensor>") +
-                           "<sensor name='s' type='imu'><parent link='hand'/></sensor>");
+                           "<sensor name='s' type='accelerometer'><parent link='hand'/></sensor>");
   EXPECT_EQ(only_device(model).pose.translation(), Eigen::Vector3d(1, 0, 0)) << "the first counts";
   ASSERT_EQ(model.report.size(), 1u) << to_string(model.report);
   EXPECT_EQ(model.report[0].severity, Severity::note);
