@@ -57,7 +57,7 @@ class MeshCache {
     if (!fresh) return fresh.errors();
     ++count_;
     std::erase_if(meshes_, [](const auto& entry) { return entry.second.expired(); });
-    auto read = std::make_shared<CachedMesh>(*std::move(fresh));
+    auto read = std::make_shared<CachedMesh>(CachedMesh{*std::move(fresh), std::nullopt});
     meshes_[key] = read;
     return read;
   }

@@ -42,7 +42,7 @@ void read_attenuation(const XMLElement& element, Light& light, Findings& finding
 }
 
 /// SDF's angles are those of the whole cone, ours those from its axis.
-void read_cone(const XMLElement& element, Light::Cone& cone, Findings& findings) {
+void read_cone(const XMLElement& element, LightCone& cone, Findings& findings) {
   report_ignored(element, {"inner_angle", "outer_angle", "falloff"}, findings);
   constexpr double all_around = 6.2832;  // [rad]
   const int errors_before = findings.error_count();
@@ -60,7 +60,7 @@ void read_cone(const XMLElement& element, Light::Cone& cone, Findings& findings)
   cone.cut_off_angle = static_cast<float>(0.5 * outer);
 }
 
-void read_direction(const XMLElement& element, Light::Cone& cone, Findings& findings) {
+void read_direction(const XMLElement& element, LightCone& cone, Findings& findings) {
   const auto direction = read_text_numbers(element, 3, findings);
   if (!direction) return;
   cone.direction = Eigen::Vector3d(direction->data());

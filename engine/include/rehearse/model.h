@@ -162,20 +162,20 @@ struct RangeSensor {
   int beams() const { return yaw.samples * pitch.samples; }
 };
 
-/// Its state as numbers is on (1 or 0), red, green, blue, intensity, constant, linear, quadratic; a spot's goes on with
-/// direction x, y, z, beam width, cut-off angle, cut-off exponent.
-///
+/// What makes a light a spot. Angles are measured from the direction.
+struct LightCone {
+  Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  // in the device frame; of any length but 0
+  float beam_width = 1.570796f;                           // within it the light is at full strength [rad]
+  float cut_off_angle = 0.785398f;                        // beyond it there is none [rad]
+  float cut_off_exponent = 1.0f;                          // kept for controllers; no picture depends on it
+};
+
 /// A lamp that shines into pictures, from its device frame's origin. At a distance d [m] its light is divided by
 /// constant + linear * d + quadratic * d². The figures are float because a controller's are.
+///
+/// Its state as numbers is on (1 or 0), red, green, blue, intensity, constant, linear, quadratic; a spot's goes on with
+/// direction x, y, z, beam width, cut-off angle, cut-off exponent.
 struct Light {
-  /// What makes it a spot. Angles are measured from the direction.
-  struct Cone {
-    Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  // in the device frame; of any length but 0
-    float beam_width = 1.570796f;                           // within it the light is at full strength [rad]
-    float cut_off_angle = 0.785398f;                        // beyond it there is none [rad]
-    float cut_off_exponent = 1.0f;                          // kept for controllers; no picture depends on it
-  };
-
   bool on = true;
   Eigen::Vector3f color = Eigen::Vector3f::Ones();  // red, green, blue, 0 to 1
   float intensity = 1.0f;                           // times the colour: its strength
@@ -183,7 +183,7 @@ struct Light {
   float linear = 0.0f;       // [1/m]
   float quadratic = 0.0f;    // [1/m²]
   double range = unlimited;  // beyond it there is no light [m]
-  std::optional<Cone> cone;  // none: it shines in all directions
+  std::optional<LightCone> cone;  // none: it shines in all directions
 };
 
 /// Feels whether its link touches anything. In each step it measures four numbers: at how many points, and the force
