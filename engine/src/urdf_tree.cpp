@@ -176,21 +176,6 @@ void add_links(const Draft& draft, const Graph& graph, int root, Model& model) {
   }
 }
 
-/// One warning for all parts of a kind. Channels of a recording are named after links and devices, and a replay splits
-/// their names at each slash. Joints have none of their own.
-template <class Part>
-void warn_of_slashes(const std::vector<Part>& parts, std::string_view kind, Findings& findings) {
-  const auto has_slash = [](const Part& part) { return part.name.find('/') != std::string::npos; };
-  const auto count = std::count_if(parts.begin(), parts.end(), has_slash);
-  if (count == 0) return;
-  const Part& first = *std::find_if(parts.begin(), parts.end(), has_slash);
-  findings.warning(first.line,
-                   fmt::format("{} {} with a '/' in the name, first {}: a replay doesn't find what controllers "
-                               "read of them",
-                               count, kind, in_quotes(first.name)),
-                   "rename those that a controller reads");
-}
-
 void set_tracks(const Draft& draft, Model& model, Findings& findings) {
   for (const TrackDraft& track : draft.tracks) {
     const int link = model.find_joint(track.reference);
@@ -234,8 +219,6 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
     findings.warning(draft.static_line, "<static> fixes the root link to the world; the joints move nevertheless");
   apply_surfaces(draft, model, findings);
   place_devices(draft, model, findings);
-  warn_of_slashes(model.links, "link(s)", findings);
-  warn_of_slashes(model.devices, "device(s)", findings);
   set_tracks(draft, model, findings);
   resolve_mimics(draft, model, findings);
   return model;

@@ -98,7 +98,7 @@ Stage stage_of(std::string_view topic) {
   if (topic.find("/output/") != std::string_view::npos || topic == "/tick" || topic == "/events")
     return Stage::controller;
   if (kind == "image" || kind == "depth" || kind == "camera_info") return Stage::renderer;
-  if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "contact")
+  if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "measured_joints" || kind == "contact")
     return Stage::sensors;
   return Stage::physics;
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "camera_info.h"
+#include "topic_segment.h"
 #include "trace/range_messages.h"
 
 namespace rehearse {
@@ -34,7 +35,7 @@ std::string scan_frame(const std::string& body, const Device& device) { return b
 DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body,
                                const Device& device)
     : device_(&device), frame_(body.name + "/" + device.name) {
-  const std::string topic = "/" + frame_ + "/";
+  const std::string topic = "/" + body.name + "/" + topic_segment(device.name) + "/";
   if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
     frame_ = scan_frame(body.name, device);
     measured_ = is_planar(*laser) ? output.channel<msg::LaserScan>(topic + "scan", scan_units)

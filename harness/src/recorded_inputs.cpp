@@ -13,6 +13,7 @@
 
 #include "contact_messages.h"
 #include "joint_arrays.h"
+#include "topic_segment.h"
 #include "trace/range_messages.h"
 
 namespace rehearse {
@@ -20,13 +21,13 @@ namespace {
 
 Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
 
-/// A topic's segments, without the leading slash.
+/// The names in a topic, without the leading slash.
 std::vector<std::string> segments(std::string_view topic) {
   std::vector<std::string> parts;
   while (!topic.empty()) {
     if (topic.front() == '/') topic.remove_prefix(1);
     const std::size_t slash = topic.find('/');
-    parts.emplace_back(topic.substr(0, slash));
+    parts.push_back(name_of_segment(topic.substr(0, slash)));
     topic = slash == std::string_view::npos ? std::string_view() : topic.substr(slash);
   }
   return parts;
@@ -79,7 +80,7 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& rea
       const ScenarioBody& body = scenario.bodies[b];
       if (parts.empty() || parts[0] != body.name) continue;
       const int index = static_cast<int>(b);
-      if (parts.size() == 2 && parts[1] == "joints") {
+      if (parts.size() == 2 && parts[1] == (body.noise.disturbs_joints() ? "measured_joints" : "joints")) {
         add_joints(index, channel);
       } else if (parts.size() == 3 && body.model->find_device(parts[1]) >= 0) {
         add_device(index, body.model->find_device(parts[1]), parts[2], channel);

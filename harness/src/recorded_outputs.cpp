@@ -1,5 +1,7 @@
 #include "recorded_outputs.h"
 
+#include "topic_segment.h"
+
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/messages.h>
@@ -87,7 +89,7 @@ RecordedOutputs::RecordedOutputs(const HostedController& hosted, const Scenario&
     if (!channel.topic.starts_with(prefix)) continue;
     const std::string rest = channel.topic.substr(prefix.size());
     const std::size_t slash = rest.find('/');
-    const std::string owner = slash == std::string::npos ? "" : rest.substr(0, slash);
+    const std::string owner = slash == std::string::npos ? "" : name_of_segment(rest.substr(0, slash));
     Channel& added = by_id_[id];
     added.topic = channel.topic;
     added.metadata = channel.metadata;

@@ -10,6 +10,7 @@
 #include "contact_messages.h"
 #include "device_recorder.h"
 #include "mesh_digests.h"
+#include "topic_segment.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
 
@@ -77,7 +78,7 @@ struct ControllerChannels {
 };
 
 struct BodyChannels {
-  std::uint16_t joints = 0, pose = 0, twist = 0;  // 0: none
+  std::uint16_t joints = 0, measured_joints = 0, pose = 0, twist = 0;  // 0: none
   msg::JointState joint_message;
   msg::PoseStamped pose_message;
   msg::TwistStamped twist_message;
@@ -105,7 +106,10 @@ struct Recorder::Impl : TraceOutput {
   Result<void> attach_sources();
   void declare_body(const ScenarioBody& body);
   void declare_side(const std::string& prefix, const Model& model, const IoLayout& layout, SideChannels& side);
-  Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen);
+  Result<void> write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
+                            const std::vector<JointReading>& joints);
+  Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
+                          const std::vector<JointReading>& read);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
   Result<void> write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values);
@@ -165,7 +169,7 @@ void Recorder::declare(const ControllerHost& host) {
     impl.declare_side("/" + hosted.label + "/input/", *body.model, hosted.io->inputs(), channels.input);
     for (const int link : hosted.io->contact_links())
       channels.contacts.push_back(impl.channel<msg::Contacts>(
-          "/" + hosted.label + "/input/" + body.model->links[link].name + "/contacts", contact_units));
+          "/" + hosted.label + "/input/" + topic_segment(body.model->links[link].name) + "/contacts", contact_units));
     impl.declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
     channels.devices.assign(body.model->devices.size(), 0);
   }
@@ -189,9 +193,11 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
       channels.joint_message.name.push_back(model.links[model.joints[id]].joint.name);
     }
     channels.joints = channel<msg::JointState>(topic + "joints", joint_metadata(model, all));
+    if (body.noise.disturbs_joints())
+      channels.measured_joints = channel<msg::JointState>(topic + "measured_joints", joint_metadata(model, all));
   }
   if (root_moves(body)) {
-    const std::string root = topic + model.links[0].name;
+    const std::string root = topic + topic_segment(model.links[0].name);
     channels.pose = channel<msg::PoseStamped>(root + "/pose", pose_units);
     channels.twist = channel<msg::TwistStamped>(root + "/twist", twist_units);
     channels.pose_message.header.frame_id = "world";
@@ -241,7 +247,7 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
         if (quantity == field.quantity) side.joints.slots.push_back({field.offset, array, index});
       continue;
     }
-    const std::string topic = prefix + model.links[field.link].name;
+    const std::string topic = prefix + topic_segment(model.links[field.link].name);
     std::uint16_t id = 0;
     switch (field.quantity) {
       case Quantity::pose: id = channel<msg::PoseStamped>(topic + "/pose", pose_units); break;
@@ -253,31 +259,37 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
   }
 }
 
-Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen) {
+Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen, const Observation& read) {
   for (std::size_t i = 0; i < seen.bodies.size(); ++i)
-    if (auto done = impl_->write_body(tick, i, seen.bodies[i]); !done) return done;
+    if (auto done = impl_->write_body(tick, i, seen.bodies[i], read.bodies[i].joints); !done) return done;
   if (seen.joystick)
     if (auto done = impl_->write_joystick(tick, *seen.joystick); !done) return done;
   if (tick % impl_->transform_interval != 0) return {};
   return impl_->write_transforms(tick, seen);
 }
 
-Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen) {
-  BodyChannels& channels = bodies[index];
-  if (channels.joints) {
-    msg::JointState& message = channels.joint_message;
-    const std::size_t count = seen.joints.size();
-    message.header.stamp = stamp(tick);
-    message.position.resize(count);
-    message.velocity.resize(count);
-    message.effort.resize(count);
-    for (std::size_t id = 0; id < count; ++id) {
-      message.position[id] = seen.joints[id].q;
-      message.velocity[id] = seen.joints[id].dq;
-      message.effort[id] = seen.joints[id].u;
-    }
-    if (auto done = write(channels.joints, tick, message); !done) return done;
+Result<void> Recorder::Impl::write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
+                                          const std::vector<JointReading>& joints) {
+  msg::JointState& message = channels.joint_message;
+  message.header.stamp = stamp(tick);
+  message.position.resize(joints.size());
+  message.velocity.resize(joints.size());
+  message.effort.resize(joints.size());
+  for (std::size_t id = 0; id < joints.size(); ++id) {
+    message.position[id] = joints[id].q;
+    message.velocity[id] = joints[id].dq;
+    message.effort[id] = joints[id].u;
   }
+  return write(channel, tick, message);
+}
+
+Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
+                                        const std::vector<JointReading>& read) {
+  BodyChannels& channels = bodies[index];
+  if (channels.joints)
+    if (auto done = write_joints(tick, channels, channels.joints, seen.joints); !done) return done;
+  if (channels.measured_joints)
+    if (auto done = write_joints(tick, channels, channels.measured_joints, read); !done) return done;
   if (channels.pose) {
     const LinkReading& root = seen.links[0];
     channels.pose_message.header.stamp = channels.twist_message.header.stamp = stamp(tick);
@@ -347,8 +359,8 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
       if (!channel)  // most controllers command no device: its channel appears with the first command
-        channel = impl.channel<msg::DeviceState>("/" + hosted.label + "/output/" + model.devices[output.device].name +
-                                                 "/state");
+        channel = impl.channel<msg::DeviceState>("/" + hosted.label + "/output/" +
+                                                 topic_segment(model.devices[output.device].name) + "/state");
       msg::DeviceState state;
       state.header = {impl.stamp(tick),
                       impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};

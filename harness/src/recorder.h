@@ -42,8 +42,9 @@ class Recorder {
 
   /// Makes the channels; the controllers' tables are fixed by now.
   void declare(const ControllerHost& host);
-  /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick.
-  Result<void> record_state(std::int64_t tick, const Observation& seen);
+  /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick. `read`: the same as
+  /// controllers read it, which differs where joints have noise.
+  Result<void> record_state(std::int64_t tick, const Observation& seen, const Observation& read);
   /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);

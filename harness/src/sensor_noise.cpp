@@ -36,4 +36,8 @@ bool JointNoise::changes_nothing() const {
   return std::all_of(quantities.begin(), quantities.end(), [](const Noise& noise) { return noise.changes_nothing(); });
 }
 
+bool BodyNoise::disturbs_joints() const {
+  return std::any_of(joints.begin(), joints.end(), [](const JointNoise& noise) { return !noise.changes_nothing(); });
+}
+
 }  // namespace rehearse

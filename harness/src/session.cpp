@@ -194,7 +194,7 @@ Result<bool> Session::step() {
   const Observation& read = run.as_read(tick);
   const bool alive = run.host->control(tick, read);  // input, control, output of each controller
   run.host->output(ControllerHost::Timing::same_step, run.command);
-  if (auto done = run.recorder->record_state(tick, run.seen); !done) return done.errors();
+  if (auto done = run.recorder->record_state(tick, run.seen, read); !done) return done.errors();
   const TickHashes hashes{run.world->state_hash(), run.host->input_hash(read), run.host->output_hash()};
   if (auto done = run.recorder->record_tick(tick, run.host.get(), hashes); !done) return done.errors();
   if (auto done = run.record_events(); !done) return done.errors();
@@ -226,7 +226,7 @@ Result<RunSummary> Session::finish() {
   if (!run.summary.failure && run.host->failure()) run.summary.failure = *run.host->failure();
   if (!run.summary.failure) {  // the state after the last step closes a complete run
     run.sense(tick);
-    if (auto done = run.recorder->record_state(tick, run.seen); !done) return done.errors();
+    if (auto done = run.recorder->record_state(tick, run.seen, run.as_read(tick)); !done) return done.errors();
     if (auto done = run.recorder->record_tick(tick, nullptr, {run.world->state_hash(), 0, 0}); !done)
       return done.errors();
   }

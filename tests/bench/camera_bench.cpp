@@ -72,7 +72,7 @@ class Cameras {
     constexpr std::int64_t period = 34;  // ticks: each call captures, and the captures of the one before arrive
     tick_ += period;
     vision_->look(tick_, seen_);
-    must_succeed(recorder_->record_state(tick_, seen_));
+    must_succeed(recorder_->record_state(tick_, seen_, seen_));
   }
 
   /// A new file now and then, so that measuring for long fills no disk.

@@ -224,6 +224,32 @@ TEST_F(Render, ShowsTheLookOfTheScenario) {
   EXPECT_EQ(strongest(60, 60), 2);
 }
 
+TEST_F(Render, FindsMeshesWhereItIsTold) {
+  const std::string model = (fixtures / "models/mesh_arm/mesh_arm.urdf").string();
+  std::string text = read_file(model);
+  for (std::size_t at = 0; (at = text.find("package://mesh_arm/", at)) != std::string::npos;)
+    text.replace(at, 19, "package://elsewhere/");
+  std::ofstream(folder() / "arm.urdf") << text;
+  EXPECT_THAT(rehearse({"render", "arm.urdf", "-o", "a.png"}).err, HasSubstr("there is no package 'elsewhere'"));
+  fs::create_directory_symlink(fixtures / "models/mesh_arm/meshes", folder() / "meshes");  // of relative paths
+  done({"render", "arm.urdf", "-o", "a.png", "--package", "elsewhere=" + (fixtures / "models/mesh_arm").string()});
+  done({"render", model, "-o", "b.png"});
+  EXPECT_TRUE(read_file(folder() / "a.png") == read_file(folder() / "b.png"));
+  fs::remove(folder() / "meshes");
+  done({"render", "arm.urdf", "-o", "c.png", "--allow-missing-meshes"});
+  EXPECT_FALSE(read_file(folder() / "c.png") == read_file(folder() / "b.png")) << "only what could be had is drawn";
+}
+
+TEST_F(Render, DrawsJointsWhereTheyCanBe) {
+  std::ofstream(folder() / "arm.urdf")
+      << "<robot name='r'>"
+      << "<link name='a'/>"
+      << "<link name='b'><visual><geometry><sphere radius='0.1'/></geometry></visual></link>"
+      << "<joint name='slide' type='prismatic'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/>"
+      << "<limit lower='2' upper='3' effort='1' velocity='1'/></joint></robot>";
+  EXPECT_THAT(done({"render", "arm.urdf", "-o", "a.png"}).out, ContainsRegex("towards .*,2 m")) << "not at 0";
+}
+
 TEST_F(Render, GivesTheSamePictureTwice) {
   for (const char* file : {"a.png", "b.png"}) done({"render", sr1_scenario.string(), "-o", file});
   EXPECT_TRUE(read_file(folder() / "a.png") == read_file(folder() / "b.png"));

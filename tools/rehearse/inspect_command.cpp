@@ -217,29 +217,11 @@ Exit run(const Settings& settings) {
   return Exit::done;
 }
 
-void take_package(UrdfOptions& urdf, const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw CLI::ValidationError("--package", fmt::format("'{}' is not NAME=DIR", text));
-  const std::string name = text.substr(0, equals);
-  if (!urdf.packages.emplace(name, text.substr(equals + 1)).second)
-    throw CLI::ValidationError("--package", fmt::format("'{}' is given twice", name));
-}
-
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
   options.add_option("MODEL", settings->model, "a URDF file")->required()->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "what would be repaired is an error");
-  const auto take_packages = [settings](const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) take_package(settings->urdf, text);
-  };
-  options
-      .add_option_function<std::vector<std::string>>("--package", take_packages,
-                                                     "the directory that package://NAME means")
-      ->type_name("NAME=DIR")
-      ->allow_extra_args(false);
-  options.add_flag("--allow-missing-meshes", settings->urdf.allow_missing_meshes,
-                   "meshes that can't be had are left out, with a warning");
+  add_mesh_options(options, settings->urdf);
   add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
              [=](double mass) { settings->urdf.default_mass = mass; });
   add_json_flag(options, settings->json);

@@ -28,6 +28,15 @@ void take_controller(HostOptions& host, const std::string& text) {
     throw CLI::ValidationError("--controller", fmt::format("'{}' is given twice", name));
 }
 
+void take_package(UrdfOptions& urdf, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw CLI::ValidationError("--package", fmt::format("'{}' is not NAME=DIR", text));
+  const std::string name = text.substr(0, equals);
+  if (!urdf.packages.emplace(name, text.substr(equals + 1)).second)
+    throw CLI::ValidationError("--package", fmt::format("'{}' is given twice", name));
+}
+
 }  // namespace
 
 double parse_number(const std::string& option, std::string_view text, double lowest, double highest) {
@@ -62,6 +71,19 @@ void add_host_options(CLI::App& options, HostOptions& host) {
       ->allow_extra_args(false);
   add_number(options, "--call-limit", "a controller's call that takes longer has hung [s of wall time] (10)", 0.01,
              86400.0, [&host](double limit) { host.call_limit = limit; });
+}
+
+void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
+  const auto take_packages = [&urdf](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) take_package(urdf, text);
+  };
+  options
+      .add_option_function<std::vector<std::string>>("--package", take_packages,
+                                                     "the directory that package://NAME means")
+      ->type_name("NAME=DIR")
+      ->allow_extra_args(false);
+  options.add_flag("--allow-missing-meshes", urdf.allow_missing_meshes,
+                   "meshes that can't be had are left out, with a warning");
 }
 
 void add_json_flag(CLI::App& options, bool& json) {

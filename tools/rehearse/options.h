@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rehearse/host_options.h>
+#include <rehearse/urdf.h>
 
 #include <CLI/App.hpp>
 #include <cstdint>
@@ -23,6 +24,9 @@ void add_integer(CLI::App& options, const std::string& option, const std::string
 
 /// --controller NAME=LIB, as often as one likes, and --call-limit S.
 void add_host_options(CLI::App& options, HostOptions& host);
+
+/// --package NAME=DIR, as often as one likes, and --allow-missing-meshes.
+void add_mesh_options(CLI::App& options, UrdfOptions& urdf);
 
 /// --json.
 void add_json_flag(CLI::App& options, bool& json);

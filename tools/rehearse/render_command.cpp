@@ -33,6 +33,7 @@ const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);
 struct Settings {
   std::string input;
   std::string picture;
+  UrdfOptions urdf;                            // of a model
   std::optional<Eigen::Vector3d> eye, target;  // [m]
   Camera camera;
 };
@@ -58,14 +59,24 @@ struct Scene {
   Look look;
 };
 
-Result<Scene> load_scene(const std::string& file) {
+/// Each joint at 0, or where it can be nearest to it.
+std::vector<double> rest_posture(const Model& model) {
+  std::vector<double> q;
+  for (const int link : model.joints) {
+    const Joint& joint = model.links[link].joint;
+    q.push_back(std::clamp(0.0, joint.lower, joint.upper));
+  }
+  return q;
+}
+
+Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
   Scene scene;
   if (is_model(file)) {
-    Result<Model> model = load_urdf(file);
+    Result<Model> model = load_urdf(file, options);
     if (!model) return model.errors();
-    const std::vector<double> at_zero(model->joints.size(), 0.0);
     const auto shared = std::make_shared<const Model>(*std::move(model));
-    scene.models.push_back({shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), at_zero), false});
+    scene.models.push_back(
+        {shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), rest_posture(*shared)), false});
     return scene;
   }
   const Result<Scenario> scenario = Scenario::load(file);
@@ -104,7 +115,7 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
 }
 
 Exit run(Settings& settings) {
-  const auto scene = load_scene(settings.input);
+  const auto scene = load_scene(settings.input, settings.urdf);
   if (!scene) return refuse(scene.errors());
   if (const auto few = check_lights(scene->models); !few) return refuse(few.errors());
   if (const auto allowed = check_output(settings.picture, png_magic, "PNG picture"); !allowed)
@@ -152,10 +163,14 @@ std::function<Exit()> declare(CLI::App& options) {
   settings->camera.width = 960;
   settings->camera.height = 720;
   settings->camera.field_of_view = 35.0 * std::numbers::pi / 180.0;
-  options.add_option("SCENARIO|MODEL", settings->input, "a scenario as it starts, or a model with its joints at zero")
+  options
+      .add_option("SCENARIO|MODEL", settings->input,
+                  "a scenario as it starts, or a model with its joints at 0, or as near as they can be")
       ->required()
       ->type_name("");
   options.add_option("-o,--output", settings->picture, "the picture to write")->required()->type_name("PNG");
+  settings->urdf.kinematic = true;  // a picture weighs nothing
+  add_mesh_options(options, settings->urdf);
   add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,
               [=](std::int64_t width) { settings->camera.width = static_cast<int>(width); });
   add_integer(options, "--height", "of the picture [pixels] (720)", 1, largest_side,

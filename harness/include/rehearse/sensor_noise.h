@@ -58,6 +58,9 @@ struct JointNoise {
 struct BodyNoise {
   std::vector<DeviceNoise> devices;  // by device index
   std::vector<JointNoise> joints;    // by joint id
+
+  /// Whether controllers read any joint otherwise than it is.
+  bool disturbs_joints() const;
 };
 
 /// The number of the standard normal distribution below which a share of `probability`, above 0 and below 1, lies.

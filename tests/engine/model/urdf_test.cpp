@@ -316,17 +316,6 @@ TEST(UrdfReport, NotesThatSoftLimitsArentEnforced) {
             "test.urdf:1: note: a <safety_controller> isn't enforced, here and in 1 other places\n");
 }
 
-TEST(UrdfReport, WarnsOnceAKindOfNamesWithSlashes) {
-  const Model model =
-      load(robot(link("ns/base") + link("ns/arm") + joint("ns/hinge", "continuous", "ns/base", "ns/arm") +
-                 "<gazebo reference='ns/arm'>\n<sensor name='ns/imu' type='imu'/></gazebo>"));
-  EXPECT_EQ(to_string(model.report),
-            "test.urdf:1: warning: 2 link(s) with a '/' in the name, first 'ns/base': a replay doesn't find what "
-            "controllers read of them (rename those that a controller reads)\n"
-            "test.urdf:2: warning: 1 device(s) with a '/' in the name, first 'ns/imu': a replay doesn't find what "
-            "controllers read of them (rename those that a controller reads)\n");
-}
-
 TEST(UrdfReport, StandsInDocumentOrder) {
   const Model model = load(robot("\n<mystery/>\n<link name='base'>" + std::string(some_inertial) +
                                  "</link>\n<link name='arm' color='red'>" + some_inertial + "</link>\n" +

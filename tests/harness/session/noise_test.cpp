@@ -129,6 +129,18 @@ TEST_F(NoisyRuns, LetJointsBeReadWrongAndRecordedRight) {
   EXPECT_EQ(driven.max("Rig/SHOULDER/q"), 0.0);
 }
 
+TEST_F(NoisyRuns, ReplayWithTheJointsAsTheyWereRead) {
+  const Trace trace = record_run(
+      "rehearse: 1\nduration: 0.2\ncameras: none\nbodies:\n  - name: Rig\n    model: rig.urdf\n"
+      "    controllers: [{name: C, library: HingePd}]\n"
+      "noise:\n  - {joint: Rig/SHOULDER, displacement: {stddev: 0.01}}\n");
+  EXPECT_GT(deviation_of(trace.values("Rig/C/output/SHOULDER/u")), 0.1) << "the controller acts on what it reads";
+  EXPECT_EQ(trace.values("Rig/C/input/SHOULDER/q").at(7), trace.values("Rig/measured_joints/SHOULDER/q").at(7));
+  const auto report = replay_run();
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_TRUE(report->equal()) << (report->first ? to_string(*report->first) : to_string(*report->failure));
+}
+
 TEST_F(NoisyRuns, ReplayWithTheSameReadings) {
   run("  - {sensor: \"Rig/*\", angular_velocity: {stddev: 0.1}, acceleration: {stddev: 0.1}, force: {bias: 1},\n"
       "     color: {stddev: 3}, depth: {stddev: 0.01}, dropout: 0.2}\n"

@@ -46,6 +46,18 @@ TEST_F(Replay, DeliversEveryKindOfNumberBitForBit) {
   expect_equal(rig(behaviour("C", "feel"), "cameras: none\n", "0.2"));
 }
 
+TEST_F(Replay, FindsLinksWhoseNamesHaveSlashes) {
+  std::string namespaced = rig_urdf;
+  for (std::size_t at = 0; (at = namespaced.find("\"ARM\"", at)) != std::string::npos; at += 6)
+    namespaced.replace(at, 5, "\"left/ARM\"");
+  namespaced.insert(namespaced.find("<sensor name=\"Gyro\""), "<sensor name=\"head/100%\" type=\"gyroscope\"/>");
+  write("rig.urdf", namespaced);
+  expect_equal(rig(behaviour("C", "feel"), "cameras: none\n", "0.2"));
+  const Trace trace = *Trace::load(path("run.mcap"));
+  EXPECT_NE(trace.find_channel("/Rig/C/input/left%2FARM/pose"), nullptr);
+  EXPECT_NE(trace.find_channel("/Rig/head%2F100%25/imu"), nullptr);
+}
+
 TEST_F(Replay, DeliversPicturesAndPointsBitForBit) {
   expect_equal(rig(behaviour("C", "look"), "", "0.05"));
   const std::vector<double> sums = Trace::load(path("run.mcap"))->values("Rig/C/output/SHOULDER/u");
