@@ -125,6 +125,7 @@ const std::vector<Mistake> errors = {
     {"mimic_of_itself", 7, "joint 'hinge' mimics itself"},
     {"mimic_without_joint", 12, "<mimic> has no joint"},
     {"moving_without_mass", 9, "link 'arm' moves but has no mass"},
+    {"nested_100000_deep", 3, "elements are nested deeper than 90 levels"},
     {"no_links", 0, "the robot has no links"},
     {"not_xml", 1, "this is not XML: it begins with"},
     {"number_infinite", 11, "value of <mass> is 'inf', not a number"},
