@@ -84,9 +84,13 @@ Assimp::IOStream* MeshInput::Open(const char* path, const char* mode) {
     missing_.push_back(std::filesystem::path(path).lexically_relative(file_.parent_path()).string());
     return nullptr;
   }
-  return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size());
+  open_.push_back(
+      std::make_unique<Assimp::MemoryIOStream>(reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()));
+  return open_.back().get();
 }
 
-void MeshInput::Close(Assimp::IOStream* stream) { delete stream; }
+void MeshInput::Close(Assimp::IOStream* stream) {
+  std::erase_if(open_, [stream](const auto& open) { return open.get() == stream; });
+}
 
 }  // namespace rehearse

@@ -53,6 +53,7 @@ class MeshInput : public Assimp::IOSystem {
   std::filesystem::path file_;
   std::unique_ptr<std::string> own_;
   std::map<std::string, std::unique_ptr<std::string>> others_;
+  std::vector<std::unique_ptr<Assimp::IOStream>> open_;  // assimp forgets to close some when it fails
   std::vector<std::string> missing_;
   std::uint64_t hash_;
 };
