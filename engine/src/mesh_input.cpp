@@ -20,6 +20,19 @@ Diagnostic of_file(const std::filesystem::path& file, std::string message, std::
   return diagnostic;
 }
 
+/// Bytes in memory. It is in the list of those that are open for as long as it exists.
+class Stream : public Assimp::MemoryIOStream {
+ public:
+  Stream(const std::string& bytes, std::vector<Assimp::IOStream*>& open)
+      : MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), open_(open) {
+    open_.push_back(this);
+  }
+  ~Stream() override { open_.erase(std::find(open_.begin(), open_.end(), this)); }
+
+ private:
+  std::vector<Assimp::IOStream*>& open_;
+};
+
 }  // namespace
 
 Result<std::string> read_mesh_file(const std::filesystem::path& file) {
@@ -49,6 +62,10 @@ MeshInput::MeshInput(const std::filesystem::path& file, std::string bytes)
     : file_(file),
       own_(std::make_unique<std::string>(std::move(bytes))),
       hash_(XXH3_64bits(own_->data(), own_->size())) {}
+
+MeshInput::~MeshInput() {
+  while (!open_.empty()) delete open_.back();
+}
 
 void MeshInput::replace(std::string bytes) { *own_ = std::move(bytes); }
 
@@ -84,13 +101,9 @@ Assimp::IOStream* MeshInput::Open(const char* path, const char* mode) {
     missing_.push_back(std::filesystem::path(path).lexically_relative(file_.parent_path()).string());
     return nullptr;
   }
-  open_.push_back(
-      std::make_unique<Assimp::MemoryIOStream>(reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()));
-  return open_.back().get();
+  return new Stream(*bytes, open_);
 }
 
-void MeshInput::Close(Assimp::IOStream* stream) {
-  std::erase_if(open_, [stream](const auto& open) { return open.get() == stream; });
-}
+void MeshInput::Close(Assimp::IOStream* stream) { delete stream; }
 
 }  // namespace rehearse

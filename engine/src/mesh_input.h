@@ -23,6 +23,9 @@ class MeshInput : public Assimp::IOSystem {
  public:
   /// `bytes`: the content of `file`, whatever is on the disk.
   MeshInput(const std::filesystem::path& file, std::string bytes);
+  ~MeshInput() override;
+  MeshInput(const MeshInput&) = delete;
+  MeshInput& operator=(const MeshInput&) = delete;
 
   /// Puts `bytes` in the place of the file's own, for assimp alone: the digest stays that of what was there.
   void replace(std::string bytes);
@@ -53,7 +56,7 @@ class MeshInput : public Assimp::IOSystem {
   std::filesystem::path file_;
   std::unique_ptr<std::string> own_;
   std::map<std::string, std::unique_ptr<std::string>> others_;
-  std::vector<std::unique_ptr<Assimp::IOStream>> open_;  // assimp forgets to close some when it fails
+  std::vector<Assimp::IOStream*> open_;  // assimp closes a stream, deletes it or, when it fails, forgets it
   std::vector<std::string> missing_;
   std::uint64_t hash_;
 };
