@@ -85,6 +85,25 @@ struct BodyChannels {
   std::vector<DeviceRecorder> devices;
 };
 
+/// Of all bodies of that file: they may have loaded it with different options, and so with different repairs. What a
+/// later one has in common with those before is told once.
+std::string load_report(const Scenario& scenario, const std::string& model_file) {
+  std::string text;
+  std::set<std::string> told;
+  for (const ScenarioBody& body : scenario.bodies) {
+    if (body.model_file != model_file) continue;
+    std::vector<std::string> lines;
+    for (Diagnostic finding : body.model->report) {
+      finding.file = model_file;
+      lines.push_back(to_string({finding}));
+    }
+    for (const std::string& line : lines)
+      if (told.count(line) == 0) text += line;
+    told.insert(lines.begin(), lines.end());
+  }
+  return text;
+}
+
 bool root_moves(const ScenarioBody& body) { return !body.fixed && body.model->links[0].joint.type == JointType::free; }
 
 }  // namespace
@@ -143,10 +162,8 @@ Result<void> Recorder::Impl::attach_sources() {
     if (auto done = writer->add_attachment(body.model_file, "application/xml", bytes_of(body.model->source_text));
         !done)
       return done;
-    Diagnostics report = body.model->report;
-    for (Diagnostic& finding : report) finding.file = body.model_file;
-    const std::string text = to_string(report);
-    if (auto done = writer->add_attachment(body.model_file + ".report", "text/plain", bytes_of(text)); !done)
+    const std::string report = load_report(scenario, body.model_file);
+    if (auto done = writer->add_attachment(body.model_file + ".report", "text/plain", bytes_of(report)); !done)
       return done;
     const std::string meshes = mesh_digests(*body.model);
     if (meshes.empty()) continue;

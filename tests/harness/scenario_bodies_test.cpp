@@ -214,13 +214,8 @@ TEST(ScenarioBodies, LoadsAModelAsEachBodyWantsIt) {
 }
 
 TEST(ScenarioBodies, WarnsOfSensorsFasterThanTheSteps) {
-  std::string model = slider;
-  model.insert(
-      model.find("</robot>"),
-      "<gazebo reference='CART'><sensor name='Eye' type='camera'><update_rate>2000</update_rate><camera/></sensor>"
-      "<sensor name='Slow' type='camera'><update_rate>1000</update_rate><camera/></sensor></gazebo>");
-  write_file("seeing.urdf", model);
-  const std::string text = "rehearse: 1\nduration: 1\nbodies: [{name: S, model: seeing.urdf}]\n";
+  const std::string model = (fixtures / "broken/scenario_model_camera_faster_than_steps.urdf").string();
+  const std::string text = "rehearse: 1\nduration: 1\nbodies: [{name: S, model: " + model + "}]\n";
   EXPECT_EQ(
       to_string(loaded(text).warnings).substr(to_string(loaded(text).warnings).find(":3:10")),
       ":3:10: warning: S/Eye is to measure at 2000 Hz, but there are 1000 steps in a second: it measures in each of "

@@ -51,6 +51,25 @@ TEST_F(Recording, HoldsTheDigestsOfMeshesAndIsReplayedWithoutThem) {
   EXPECT_TRUE(replayed->equal());
 }
 
+TEST_F(Recording, HoldsTheRepairsOfEveryBodyOfAModel) {
+  write("stand.urdf",
+        "<robot name='stand'><link name='base'><visual><geometry><sphere radius='1'/></geometry></visual>"
+        "</link></robot>");
+  const auto report = [this](const std::string& bodies) {
+    const Trace trace = record_run("rehearse: 1\nduration: 0.01\nbodies:\n" + bodies);
+    const auto& data = trace.find_attachment("stand.urdf.report")->data;
+    return std::string(reinterpret_cast<const char*>(data.data()), data.size());
+  };
+  const std::string fixed = "  - {name: A, model: stand.urdf, fixed: true}\n",
+                    free = "  - {name: B, model: stand.urdf}\n";
+  const std::string repair = "root link 'base' has no mass; it is fixed to the world";
+  EXPECT_THAT(report(fixed), Not(HasSubstr(repair)));
+  EXPECT_THAT(report(free), HasSubstr(repair));
+  const std::string both = report(fixed + free);
+  EXPECT_THAT(both, HasSubstr(repair));
+  EXPECT_EQ(both.find("nothing touches them"), both.rfind("nothing touches them")) << "what is common is told once";
+}
+
 TEST_F(Recording, OfAnotherFolderGivesTheSameBytes) {
   record_run(with_camera(), "a.mcap");
   const std::filesystem::path there = path("elsewhere");
