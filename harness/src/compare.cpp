@@ -88,14 +88,23 @@ int rank_of(Stage stage) {
 
 }  // namespace
 
+bool CompareOptions::takes(Stage stage) const {
+  return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
+}
+
 bool comes_before(const Divergence& a, const Divergence& b) {
   return a.tick != b.tick ? a.tick < b.tick : rank_of(a.stage) < rank_of(b.stage);
 }
 
-Stage stage_of(std::string_view topic) {
+Stage stage_of(std::string_view topic, std::string_view element) {
   const std::string_view kind = topic.substr(topic.rfind('/') + 1);
+  if (topic == "/tick") {
+    if (element == "state_hash") return Stage::physics;
+    if (element == "input_hash") return Stage::inputs;
+    return Stage::controller;
+  }
   if (topic.find("/input/") != std::string_view::npos || topic == "/joy") return Stage::inputs;
-  if (topic.find("/output/") != std::string_view::npos || topic == "/tick" || topic == "/events")
+  if (topic.find("/output/") != std::string_view::npos || topic == "/events")
     return Stage::controller;
   if (kind == "image" || kind == "depth" || kind == "camera_info") return Stage::renderer;
   if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "measured_joints" || kind == "contact")
@@ -231,8 +240,8 @@ std::string failure_of(const Trace& trace) {
 void compare_lengths(ComparedTraces& traces, ChannelComparison& result) {
   if (traces.clock.empty() || traces.actual_clock.empty()) return;
   const std::uint64_t golden_end = traces.clock.last_time(), actual_end = traces.actual_clock.last_time();
-  traces.end = std::min(golden_end, actual_end);
-  if (golden_end == actual_end) return;
+  traces.end = std::min({golden_end, actual_end, traces.end});
+  if (golden_end == actual_end || traces.end < std::min(golden_end, actual_end)) return;
   const bool early = actual_end < golden_end;
   const std::string failure = failure_of(early ? traces.actual : traces.golden);
   Divergence divergence;
@@ -308,10 +317,20 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
       [](const ChannelComparison& a, const ChannelComparison& b) { return comes_before(*a.first_bit, *b.first_bit); });
 }
 
+/// A part of the loop that is compared makes some of the channel's values. Checkpoints are compared by the state's hash;
+/// a run of some parts only needs none.
+bool takes(const CompareOptions& options, const TraceChannel& channel) {
+  if (channel.type == msg::Tick::type_name) return true;  // each element decides
+  if (channel.type == msg::Checkpoint::type_name) return options.stages.empty();
+  return options.takes(stage_of(channel.topic));
+}
+
 }  // namespace
 
-Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules) {
-  ComparedTraces traces{golden, actual, rules, TickClock(golden), TickClock(actual)};
+Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
+                   const CompareOptions& options) {
+  ComparedTraces traces{golden, actual, rules, options, TickClock(golden), TickClock(actual)};
+  if (options.until) traces.end = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9));
   Comparison comparison;
   std::vector<ChannelComparison> channels;
   const auto result_for = [&](const std::string& topic) -> ChannelComparison& {
@@ -321,10 +340,10 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     return result;
   };
   compare_lengths(traces, result_for("/tick"));
-  compare_events(traces, result_for("/events"));
+  if (options.takes(stage_of("/events"))) compare_events(traces, result_for("/events"));
   std::set<std::string_view> compared;
   for (const TraceChannel& channel : golden.channels()) {
-    if (!compared.insert(channel.topic).second) continue;
+    if (!compared.insert(channel.topic).second || !takes(options, channel)) continue;
     ChannelComparison& result = result_for(channel.topic);
     if (const TraceChannel* other = actual.find_channel(channel.topic))
       compare_channel(traces, channel, *other, result);
@@ -333,7 +352,7 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     if (is_picture(channel)) comparison.pictures += result.values;
   }
   for (const TraceChannel& channel : actual.channels())
-    if (compared.insert(channel.topic).second)
+    if (compared.insert(channel.topic).second && takes(options, channel))
       report_lone_channel(traces, channel, "the channel is extra: the golden hasn't it", result_for(channel.topic));
   comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));

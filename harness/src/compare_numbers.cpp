@@ -47,6 +47,7 @@ class NumberJudge {
 
  private:
   void match_columns();
+  bool takes(const TraceChannel& channel, std::string_view element) const;
   void structure(const TraceChannel& channel, const std::string& element, std::string note);
   double scale_of(std::size_t golden_column) const;
   void group_orientations();
@@ -78,6 +79,11 @@ void NumberJudge::structure(const TraceChannel& channel, const std::string& elem
   findings_.structure(divergence);
 }
 
+bool NumberJudge::takes(const TraceChannel& channel, std::string_view element) const {
+  return channel.type != msg::Tick::type_name || element == "tick" ||
+         traces_.options.takes(stage_of(channel.topic, element));
+}
+
 void NumberJudge::match_columns() {
   const TraceChannel &golden = channel_.golden, &actual = channel_.actual;
   std::map<std::string_view, std::size_t> of_actual;
@@ -85,6 +91,11 @@ void NumberJudge::match_columns() {
   same_columns_ = golden.columns.size() == actual.columns.size();
   for (std::size_t i = 0; i < golden.columns.size(); ++i) {
     const TraceColumn& expected = golden.columns[i];
+    if (!takes(golden, expected.element)) {
+      of_actual.erase(expected.element);
+      same_columns_ = false;
+      continue;
+    }
     const auto found = of_actual.find(expected.element);
     if (found == of_actual.end()) {
       same_columns_ = false;
@@ -104,7 +115,7 @@ void NumberJudge::match_columns() {
   }
   if (!may_be_missing(golden))
     for (const auto& [element, at] : of_actual)
-      structure(actual, std::string(element), "is extra: the golden hasn't it");
+      if (takes(actual, element)) structure(actual, std::string(element), "is extra: the golden hasn't it");
   const bool transforms = golden.type == msg::TFMessage::type_name;  // named by the frame, like the pose of a link
   for (Column& column : columns_) {
     if (column.kind != CellKind::floating) continue;
@@ -189,9 +200,7 @@ void NumberJudge::compare_cell(const Column& column, std::size_t golden_row, std
   if (column.hash) {
     if (findings_.result().first_bit) return;
     Divergence divergence = place(column, golden_row);
-    divergence.stage = column.element == "input_hash"    ? Stage::inputs
-                       : column.element == "output_hash" ? Stage::controller
-                                                         : Stage::physics;
+    divergence.stage = stage_of(divergence.channel, column.element);
     divergence.note = "isn't that of the golden";
     findings_.mark(divergence);
     return;

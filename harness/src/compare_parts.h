@@ -34,9 +34,10 @@ struct ComparedTraces {
   const Trace& golden;
   const Trace& actual;
   const std::vector<ToleranceRule>& rules;
+  const CompareOptions& options;
   TickClock clock;  // of the golden
   TickClock actual_clock;
-  std::uint64_t end = std::numeric_limits<std::uint64_t>::max();  // the last time that both runs reached [ns]
+  std::uint64_t end = std::numeric_limits<std::uint64_t>::max();  // the last time that is compared: both runs reached it [ns]
 };
 
 /// A channel of both traces, their messages matched by time.

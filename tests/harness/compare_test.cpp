@@ -22,8 +22,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// A golden and a run that starts as its copy.
 class Compare : public ::testing::Test {
  protected:
-  Comparison compared(const std::vector<ToleranceRule>& rules = {}) {
-    return compare(golden_.load(folder_ / "golden.mcap"), actual_.load(folder_ / "actual.mcap"), rules);
+  Comparison compared(const std::vector<ToleranceRule>& rules = {}, const CompareOptions& options = {}) {
+    return compare(golden_.load(folder_ / "golden.mcap"), actual_.load(folder_ / "actual.mcap"), rules, options);
   }
   static ToleranceRule rule(std::string channel) {
     ToleranceRule made;
@@ -217,6 +217,50 @@ TEST_F(Compare, WrapsAJointWhoseChannelSaysSo) {
 TEST_F(Compare, DoesNotWrapAJointOfWhichNobodySaysSo) {
   actual_.ticks[1].q = 0.5 + 2.0 * M_PI;
   EXPECT_FALSE(compared().within);
+}
+
+TEST_F(Compare, LeavesOutWhatOtherPartsOfTheLoopMake) {
+  actual_.ticks[1].u = 12.5;
+  actual_.ticks[1].output_hash = 2;
+  actual_.ticks[1].result = false;
+  actual_.ticks[2].force = 651.0;
+  CompareOptions options;
+  options.stages = {Stage::physics, Stage::sensors, Stage::renderer};
+  const Comparison comparison = compared({}, options);
+  ASSERT_TRUE(comparison.first);
+  EXPECT_EQ(comparison.first->channel, "/Robot/Foot/wrench");
+  EXPECT_EQ(comparison.first_bit->channel, "/Robot/Foot/wrench") << "the hash of the outputs isn't looked at";
+  options.stages = {Stage::renderer};
+  EXPECT_TRUE(compared({}, options).equal);
+  options.stages = {Stage::controller};
+  EXPECT_EQ(compared({}, options).first->channel, "/Robot/Pd/output/joints");
+}
+
+TEST_F(Compare, LooksAtTheHashOfTheStateWhereverPhysicsIsCompared) {
+  actual_.ticks[1].state_hash = 2;
+  CompareOptions options;
+  options.stages = {Stage::physics};
+  EXPECT_EQ(compared({}, options).first_bit->element, "state_hash");
+  options.stages = {Stage::sensors};
+  EXPECT_TRUE(compared({}, options).equal);
+}
+
+TEST_F(Compare, ComparesUpToATimeInclusive) {
+  actual_.ticks[2].q = 0.75;
+  CompareOptions options;
+  options.until = 0.001;
+  EXPECT_TRUE(compared({}, options).equal);
+  options.until = 0.002;
+  EXPECT_EQ(compared({}, options).first->tick, 2);
+}
+
+TEST_F(Compare, DoesNotMindAnEndAfterTheTimeItComparesTo) {
+  actual_.ticks.pop_back();
+  CompareOptions options;
+  options.until = 0.0005;
+  EXPECT_TRUE(compared({}, options).equal);
+  options.until = 0.002;
+  EXPECT_FALSE(compared({}, options).within);
 }
 
 TEST_F(Compare, CallsAMissingTickAFindingWithItsPlace) {

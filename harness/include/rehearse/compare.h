@@ -57,10 +57,22 @@ struct Comparison {
   std::vector<std::string> remarks;
 };
 
-Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules);
+/// What of two traces is compared.
+struct CompareOptions {
+  /// Values that these parts of the loop make; the channels of the others are left out altogether. Empty: all.
+  std::vector<Stage> stages;
+  /// Messages up to this time, inclusive [s]; none: as long as both runs go. A run that is shorter is a finding all the
+  /// same, unless both reach this time.
+  std::optional<double> until;
 
-/// Which part of the loop makes the values of a topic, by its name.
-Stage stage_of(std::string_view topic);
+  bool takes(Stage stage) const;
+};
+
+Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
+                   const CompareOptions& options = {});
+
+/// Which part of the loop makes the values of a topic, by its name. The hashes and results in /tick have each their own.
+Stage stage_of(std::string_view topic, std::string_view element = {});
 
 /// The tolerances of the scenario that the trace carries; none if it carries none.
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace);
