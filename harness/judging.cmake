@@ -2,6 +2,7 @@
 find_package(nlohmann_json 3.10 REQUIRED)
 
 target_sources(rehearse_harness PRIVATE
+  src/blame.cpp
   src/check.cpp
   src/compare.cpp
   src/compare_numbers.cpp
@@ -12,5 +13,6 @@ target_sources(rehearse_harness PRIVATE
   src/golden_files.cpp
   src/golden_list.cpp
   src/picture_difference.cpp
+  src/plant_level.cpp
   src/recorded_picture.cpp)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)

@@ -47,6 +47,15 @@ class CaptureCycle {
     ++captures_;
   }
 
+  /// As if it had captured since the beginning of its series until this tick, in the state that it was switched to, but nothing of it will arrive.
+  void begin_at(std::int64_t tick) {
+    under_way_.clear();
+    current_ = {};
+    cleared_ = false;
+    for (std::int64_t past = first_tick_; past < tick; ++past)
+      if (is_due(past)) ++captures_;
+  }
+
   /// In this tick. Off: what it captured is taken away. On again: it captures at the next tick.
   void switch_to(bool on, std::int64_t tick) {
     if (on == on_) return;

@@ -26,6 +26,7 @@ class KinematicBody final : public SimulatedBody {
   bool finite() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override { place(); }
+  void nudge(std::uint64_t) override {}  // it moves exactly as it is told
 
  private:
   std::vector<double> force_reading(std::size_t) const override { return std::vector<double>(6, 0.0); }  // none acts

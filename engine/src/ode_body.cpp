@@ -1,5 +1,8 @@
 #include "ode_body.h"
 
+#include <cmath>
+#include <limits>
+
 #include "ode_math.h"
 
 namespace rehearse {
@@ -349,6 +352,19 @@ void OdeBody::visit_state(StateVisitor& visitor) {
   for (auto& wrench : wrenches_) visitor.visit(wrench.data(), 6 * sizeof(double));
   for (Track& track : tracks_) visitor.visit(track.speed);
   visit_contact_sensors(visitor);
+}
+
+void OdeBody::nudge(std::uint64_t bits) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  for (RigidGroup& group : groups_) {
+    if (!group.body) continue;
+    Vector3d position = vector(dBodyGetPosition(group.body));
+    for (double& coordinate : position) {
+      if (coordinate != 0.0) coordinate = std::nextafter(coordinate, bits & 1 ? infinite : -infinite);
+      bits = bits >> 1 | bits << 63;
+    }
+    dBodySetPosition(group.body, position.x(), position.y(), position.z());
+  }
 }
 
 void OdeBody::after_restore() {

@@ -44,6 +44,10 @@ void Scanner::look(std::int64_t tick, Observation& observation) {
   }
 }
 
+void Scanner::begin_at(std::int64_t tick) {
+  for (ActiveSensor& sensor : impl_->sensors) sensor.cycle.begin_at(tick);
+}
+
 void Scanner::switch_sensors(std::int64_t tick, const Command& command) {
   for (ActiveSensor& sensor : impl_->sensors) {
     const DeviceCommand& wanted = command.bodies[sensor.body].devices[sensor.device];

@@ -80,6 +80,8 @@ class SimulatedBody {
   /// may read or write. After writing, call after_restore().
   virtual void visit_state(StateVisitor& visitor) = 0;
   virtual void after_restore() = 0;
+  /// Moves its rigid bodies by a last bit, up or down as the bits say.
+  virtual void nudge(std::uint64_t bits) = 0;
 
   const WorldBody& description() const { return description_; }
   /// In link order, shapes in their link's order.

@@ -125,6 +125,10 @@ void Vision::look(std::int64_t tick, Observation& observation) {
   }
 }
 
+void Vision::begin_at(std::int64_t tick) {
+  for (ActiveCamera& camera : impl_->cameras) camera.cycle.begin_at(tick);
+}
+
 void Vision::obey(std::int64_t tick, const Command& command) {
   for (const ShownLight& light : impl_->lights) {
     const DeviceCommand& wanted = command.bodies[light.body].devices[light.device];

@@ -244,6 +244,14 @@ Result<void> World::restore(std::span<const std::byte> state) {
   return {};
 }
 
+void World::nudge(std::uint32_t pattern) {
+  for (std::size_t i = 0; i < impl_->bodies.size(); ++i) {
+    const std::uint64_t number = i;
+    impl_->bodies[i]->nudge(XXH3_64bits_withSeed(&number, sizeof number, pattern));
+  }
+  impl_->observed = false;
+}
+
 std::string World::engine_description() {
   initialise_ode();
   const std::string configuration = dGetConfiguration();

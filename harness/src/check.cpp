@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "blame.h"
+#include "plant_level.h"
 #include "report_json.h"
 
 namespace rehearse {
@@ -34,54 +36,90 @@ HostOptions host_options(const Scenario& scenario, const HostOptions& given) {
   return options;
 }
 
-/// Which part changed, when the controller is known to be the same or isn't known.
-std::string closed_verdict(const Comparison& comparison, LevelState controller) {
-  if (comparison.within || controller != LevelState::equal) return verdict(comparison);
-  const Divergence& first = *comparison.first;
-  // what is beyond tolerance first may follow from something that is within it
-  const bool follows = first.stage == Stage::controller || first.stage == Stage::inputs;
-  const Stage guilty = follows ? comparison.first_bit->stage : first.stage;
-  if (guilty == Stage::controller && comparison.first_bit->element != "output_hash" && first.note.empty())
-    return fmt::format(
-        "the controller repeats its recorded commands, but in a run of its own it doesn't: it depends on "
-        "something that is no input of its; it {}",
-        verdict(comparison));
-  return fmt::format("{} changed, the controller did not: the run {}", to_string(guilty), verdict(comparison));
-}
+/// One check under way.
+struct Check {
+  const Scenario& scenario;
+  const Trace& golden;
+  fs::path actual;
+  const CheckOptions& options;
+  const Simulation& simulation;
+  CheckReport report;
 
-void judge_controller(const Result<ReplayReport>& replay, CheckReport& report) {
-  report.controller = LevelState::differs;
-  if (!replay) {
-    report.verdict = "the controllers can't be fed with the golden's inputs: " + replay.errors()[0].message;
-    return;
-  }
-  report.replay = *replay;
-  report.first = replay->first;
-  if (replay->equal()) {
-    report.controller = LevelState::equal;
-  } else if (replay->first) {
-    report.verdict = "the controller changed: fed with the golden's inputs, it differs at " + to_string(*replay->first);
-  } else {
-    report.verdict = "the controller changed: fed with the golden's inputs, " + replay->failure->message;
-  }
-}
+  fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
+  Result<void> check_controller();
+  Result<void> check_plant();
+  Result<void> check_closed();
+  void blame();
+  void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
+};
 
-void judge_closed(Comparison comparison, CheckReport& report) {
-  report.closed = state_of(comparison);
-  if (report.controller != LevelState::differs) {
-    report.verdict = closed_verdict(comparison, report.controller);
-    report.first = comparison.first ? comparison.first : comparison.first_bit;
-  }
-  report.comparison = std::move(comparison);
-}
-
+/// The run that closed compares. First of all, because it knows best why a run can't begin.
 Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
-                            const RecordRun& record) {
-  std::error_code failed;
-  if (actual.has_parent_path()) fs::create_directories(actual.parent_path(), failed);
-  if (failed)
-    return error(fmt::format("the folder {} can't be made: {}", actual.parent_path().string(), failed.message()));
-  return record(scenario, actual, options.run);
+                            const Simulation& simulation) {
+  if (auto made = make_folder_of(actual); !made) return made.errors();
+  return simulation.record(scenario, actual, options.run);
+}
+
+Result<void> Check::check_controller() {
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = host_options(scenario, options.run);
+  auto replayed = replay(golden.file(), replaying);
+  if (!replayed && !options.closed) return replayed.errors();
+  report.controller = LevelState::differs;
+  if (!replayed) {
+    report.controller_problem = replayed.errors()[0].message;
+    return {};
+  }
+  if (replayed->equal()) report.controller = LevelState::equal;
+  report.replay = *std::move(replayed);
+  return {};
+}
+
+Result<void> Check::check_plant() {
+  const fs::path file = plant_trace();
+  PlantOptions running;
+  running.progress = options.run.progress;
+  auto level = compare_plant(simulation, scenario, golden, file, running);
+  report.plant = LevelState::differs;
+  if (!level) {
+    report.plant_problem = level.errors()[0].message;
+    return {};
+  }
+  report.plant = state_of(level->comparison);
+  if (report.plant == LevelState::differs) {
+    tell_files(level->trace, level->comparison, file, "the golden's commands in this world");
+  } else {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    remove_picture_differences(file);
+  }
+  report.plant_run = std::move(level->run);
+  report.plant_comparison = std::move(level->comparison);
+  return {};
+}
+
+Result<void> Check::check_closed() {
+  const auto fresh = Trace::load(actual);
+  if (!fresh) return fresh.errors();
+  Comparison comparison = compare(golden, *fresh, scenario.tolerances);
+  report.closed = state_of(comparison);
+  if (report.closed == LevelState::differs) tell_files(*fresh, comparison, actual, "this run");
+  report.comparison = std::move(comparison);
+  return {};
+}
+
+void Check::tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what) {
+  report.message += fmt::format(
+      "{}{}: {}{}", report.message.empty() ? "" : "\n", what, file.string(),
+      picture_lines(write_picture_differences(golden, fresh, comparison, scenario.tolerances, file)));
+}
+
+/// Names the part that changed.
+void Check::blame() {
+  const Blame found = find_guilty(
+      {scenario, golden, simulation, host_options(scenario, options.run), plant_trace().concat(".again")}, report);
+  report.verdict = found.sentence;
+  report.first = found.place;
 }
 
 }  // namespace
@@ -109,49 +147,38 @@ bool CheckReport::within() const {
 }
 
 Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& golden, const fs::path& actual,
-                                   const CheckOptions& options, const RecordRun& record) {
-  CheckReport report;
+                                   const CheckOptions& options, const Simulation& simulation) {
   const auto expected = Trace::load(golden);
   if (!expected) return expected.errors();
-  if (options.closed) {  // first, because it knows best why a run can't begin
-    auto run = make_run(scenario, actual, options, record);
-    if (!run) return run.errors();
-    report.run = std::move(*run);
-  }
-  if (options.controller) {
-    ReplayOptions replaying;
-    static_cast<HostOptions&>(replaying) = host_options(scenario, options.run);
-    const auto replayed = replay(golden, replaying);
-    if (!replayed && !options.closed) return replayed.errors();
-    judge_controller(replayed, report);
-  }
+  Check check{scenario, *expected, actual, options, simulation, {}};
   if (options.closed) {
-    const auto fresh = Trace::load(actual);
-    if (!fresh) return fresh.errors();
-    judge_closed(compare(*expected, *fresh, scenario.tolerances), report);
-    if (!report.within())
-      report.message = fmt::format(
-          "this run: {}{}", actual.string(),
-          picture_lines(write_picture_differences(*expected, *fresh, *report.comparison, scenario.tolerances, actual)));
-  } else if (report.controller == LevelState::equal) {
-    report.verdict = fmt::format("the controller repeats {} recorded ticks bit for bit", report.replay->ticks);
+    auto run = make_run(scenario, actual, options, simulation);
+    if (!run) return run.errors();
+    check.report.run = std::move(*run);
   }
-  std::error_code ignored;
-  if (report.within()) {
+  if (options.controller)
+    if (auto done = check.check_controller(); !done) return done.errors();
+  if (options.plant)
+    if (auto done = check.check_plant(); !done) return done.errors();
+  if (options.closed)
+    if (auto done = check.check_closed(); !done) return done.errors();
+  check.blame();
+  if (check.report.within()) {
+    std::error_code ignored;
     fs::remove(actual, ignored);
     remove_picture_differences(actual);
   }
-  return report;
+  return std::move(check.report);
 }
 
 namespace {
 
 /// There is no golden yet: the run becomes it, or waits to be.
 Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
-                                 const CheckOptions& options, const RecordRun& record) {
+                                 const CheckOptions& options, const Simulation& simulation) {
   CheckReport report;
   const fs::path actual = store.pending_file(scenario.golden);
-  auto run = make_run(scenario, actual, options, record);
+  auto run = make_run(scenario, actual, options, simulation);
   if (!run) return run.errors();
   report.run = std::move(*run);
   if (mode == GoldenMode::check) {
@@ -170,16 +197,16 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
 }  // namespace
 
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
-                                 const CheckOptions& options, const RecordRun& record) {
+                                 const CheckOptions& options, const Simulation& simulation) {
   const std::string& name = scenario.golden;
   if (name.empty()) {
     Diagnostic finding = error("the scenario names no golden to compare with", "golden: Suite.Test");
     finding.file = scenario.file;
     return finding;
   }
-  if (!store.has(name)) return first_golden(scenario, store, mode, options, record);
+  if (!store.has(name)) return first_golden(scenario, store, mode, options, simulation);
   const fs::path actual = store.pending_file(name);
-  auto report = check_scenario(scenario, store.trace_file(name), actual, options, record);
+  auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
   if (!report) return report;
   const bool waits = options.closed && !report->within();
   if (waits && mode == GoldenMode::accept) {

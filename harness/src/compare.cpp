@@ -103,6 +103,7 @@ Stage stage_of(std::string_view topic, std::string_view element) {
     if (element == "input_hash") return Stage::inputs;
     return Stage::controller;
   }
+  if (topic == "/tf" && element.find("/scan/") != std::string_view::npos) return Stage::sensors;
   if (topic.find("/input/") != std::string_view::npos || topic == "/joy") return Stage::inputs;
   if (topic.find("/output/") != std::string_view::npos || topic == "/events")
     return Stage::controller;
@@ -240,8 +241,8 @@ std::string failure_of(const Trace& trace) {
 void compare_lengths(ComparedTraces& traces, ChannelComparison& result) {
   if (traces.clock.empty() || traces.actual_clock.empty()) return;
   const std::uint64_t golden_end = traces.clock.last_time(), actual_end = traces.actual_clock.last_time();
-  traces.end = std::min({golden_end, actual_end, traces.end});
-  if (golden_end == actual_end || traces.end < std::min(golden_end, actual_end)) return;
+  const std::uint64_t asked = std::exchange(traces.end, std::min({golden_end, actual_end, traces.end}));
+  if (golden_end == actual_end || asked <= std::min(golden_end, actual_end)) return;
   const bool early = actual_end < golden_end;
   const std::string failure = failure_of(early ? traces.actual : traces.golden);
   Divergence divergence;
@@ -257,28 +258,39 @@ void compare_lengths(ComparedTraces& traces, ChannelComparison& result) {
   Findings(result).structure(divergence);
 }
 
-std::vector<std::string> remarks_of(const Trace& golden, const Trace& actual) {
-  std::vector<std::string> remarks;
+/// Whether a fact of the provenance decides how numbers are rounded.
+bool is_arithmetic(const std::string& fact) {
+  constexpr std::string_view facts[] = {"rehearse", "physics", "libc", "compiler", "renderer"};
+  return fact.starts_with("pinned.") || std::find(std::begin(facts), std::end(facts), fact) != std::end(facts);
+}
+
+/// What isn't as it was when the golden was recorded.
+void compare_circumstances(const Trace& golden, const Trace& actual, const CompareOptions& options,
+                           Comparison& comparison) {
+  std::vector<std::string>& remarks = comparison.remarks;
   const auto same = [](const mcap::Attachment& a, const mcap::Attachment& b) {
     return std::equal(a.data.begin(), a.data.end(), b.data.begin(), b.data.end());
   };
   for (const mcap::Attachment& attachment : golden.attachments()) {
     if (attachment.name.ends_with(".report")) continue;
     const mcap::Attachment* other = actual.find_attachment(attachment.name);
+    if (other && same(attachment, *other)) continue;
+    comparison.changed_files.push_back(attachment.name);
     if (!other)
       remarks.push_back(fmt::format("{} was part of the golden's run only", attachment.name));
-    else if (!same(attachment, *other))
+    else
       remarks.push_back(fmt::format("{} is not what it was when the golden was recorded", attachment.name));
   }
   const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
-  if (!before || !now) return remarks;
+  if (!before || !now) return;
   for (const auto& [fact, value] : *before) {
+    if (fact.starts_with("controller.") && !options.takes(Stage::controller)) continue;
     const auto found = now->find(fact);
-    if (found == now->end() || found->second != value)
-      remarks.push_back(
-          fmt::format("{} was \"{}\" and is \"{}\"", fact, value, found == now->end() ? "" : found->second));
+    if (found != now->end() && found->second == value) continue;
+    remarks.push_back(
+        fmt::format("{} was \"{}\" and is \"{}\"", fact, value, found == now->end() ? "" : found->second));
+    comparison.same_arithmetic = comparison.same_arithmetic && !is_arithmetic(fact);
   }
-  return remarks;
 }
 
 /// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
@@ -356,7 +368,7 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
       report_lone_channel(traces, channel, "the channel is extra: the golden hasn't it", result_for(channel.topic));
   comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));
-  comparison.remarks = remarks_of(golden, actual);
+  compare_circumstances(golden, actual, options, comparison);
   return comparison;
 }
 

@@ -187,6 +187,7 @@ void NumberJudge::compare_row(std::size_t golden_row, std::size_t actual_row) {
 Divergence NumberJudge::place(const Column& column, std::size_t golden_row) const {
   Divergence divergence = place_of(traces_, channel_.golden, channel_.golden.times[golden_row]);
   divergence.element = column.element;
+  divergence.stage = stage_of(divergence.channel, column.element);
   divergence.unit = column.unit;
   return divergence;
 }
@@ -200,7 +201,6 @@ void NumberJudge::compare_cell(const Column& column, std::size_t golden_row, std
   if (column.hash) {
     if (findings_.result().first_bit) return;
     Divergence divergence = place(column, golden_row);
-    divergence.stage = stage_of(divergence.channel, column.element);
     divergence.note = "isn't that of the golden";
     findings_.mark(divergence);
     return;

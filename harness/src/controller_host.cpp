@@ -349,10 +349,13 @@ bool ControllerHost::pass_infos() {
 
 void ControllerHost::output(Timing timing, Command& command) {
   for (HostedController& hosted : controllers_) {
-    const HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
-    const Timing own = leader.io->isNoDelayMode() ? Timing::same_step : Timing::next_step;
+    const Timing own = is_delayed(hosted) ? Timing::next_step : Timing::same_step;
     if (own == timing) apply(hosted, command);
   }
+}
+
+bool ControllerHost::is_delayed(const HostedController& hosted) const {
+  return !(hosted.parent >= 0 ? controllers_[hosted.parent] : hosted).io->isNoDelayMode();
 }
 
 void ControllerHost::tell(const HostedController& hosted, const DeviceOutput& output, Command& command) {

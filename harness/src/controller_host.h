@@ -62,6 +62,8 @@ class ControllerHost {
   /// Inputs, control(), outputs of all. False if one failed: the run ends here.
   bool control(std::int64_t tick, const Observation& seen);
   enum class Timing { same_step, next_step };
+  /// What it commands acts one tick late: it asked for nothing else, nor did its parent.
+  bool is_delayed(const HostedController& hosted) const;
   /// Writes the outputs of the controllers without (or with) delay into the command, in order; the last one wins,
   /// external wrenches add up. A number that isn't finite is reported once and never passed on: what was commanded
   /// before stays.

@@ -34,7 +34,7 @@ std::string environment(const char* variable) {
 
 }  // namespace
 
-mcap::StringMap provenance(const Scenario& scenario, const ControllerHost& host, const std::string& physics,
+mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer) {
   const SolverSettings& solver = scenario.solver;
   mcap::StringMap facts{
@@ -55,7 +55,8 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost& host,
       {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
   if (!renderer.empty()) facts["renderer"] = renderer;
-  for (const HostedController& hosted : host.controllers())
+  if (!host) return facts;
+  for (const HostedController& hosted : host->controllers())
     facts["controller." + hosted.label] =
         hosted.library->file().filename().string() + " " + hosted.library->content_hash();
   return facts;

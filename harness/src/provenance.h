@@ -11,8 +11,8 @@
 namespace rehearse {
 
 /// Versions of Rehearse, C library and compiler, processor, what is pinned, seed and solver, and the controllers' files
-/// by name and content. `physics` and `renderer` describe themselves; empty: not used.
-mcap::StringMap provenance(const Scenario& scenario, const ControllerHost& host, const std::string& physics,
+/// by name and content; no controllers if `host` is null. `physics` and `renderer` describe themselves; empty: not used.
+mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer);
 
 }  // namespace rehearse

@@ -60,6 +60,7 @@ struct JointChannel {
 
 /// Inputs or outputs of one controller.
 struct SideChannels {
+  mcap::StringMap metadata;  // of each channel, besides units
   JointChannel joints;
   std::uint16_t accelerations = 0;  // channel; 0: none
   msg::JointAccelerations acceleration_message;
@@ -104,6 +105,13 @@ std::string load_report(const Scenario& scenario, const std::string& model_file)
   return text;
 }
 
+/// Of the channel of a device's states. What was said in initialize() acts before the run.
+mcap::StringMap first_words_metadata(const ControllerChannels& channels, const DeviceOutput& first) {
+  mcap::StringMap metadata = channels.output.metadata;
+  if (first.told) metadata["since"] = "initialize";
+  return metadata;
+}
+
 bool root_moves(const ScenarioBody& body) { return !body.fixed && body.model->links[0].joint.type == JointType::free; }
 
 }  // namespace
@@ -124,6 +132,7 @@ struct Recorder::Impl : TraceOutput {
 
   Result<void> attach_sources();
   void declare_body(const ScenarioBody& body);
+  void declare_controllers(const ControllerHost& host);
   void declare_side(const std::string& prefix, const Model& model, const IoLayout& layout, SideChannels& side);
   Result<void> write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
                             const std::vector<JointReading>& joints);
@@ -173,23 +182,14 @@ Result<void> Recorder::Impl::attach_sources() {
   return {};
 }
 
-void Recorder::declare(const ControllerHost& host) {
+void Recorder::declare(const ControllerHost* host) {
   Impl& impl = *impl_;
   for (const ScenarioBody& body : impl.scenario.bodies) impl.declare_body(body);
   if (impl.scenario.joystick)
     impl.joystick_channel =
         impl.channel<msg::Joy>("/joy", {{"axes", fmt::format("{}", fmt::join(joystick_axes, " "))},
                                         {"buttons", fmt::format("{}", fmt::join(joystick_buttons, " "))}});
-  for (const HostedController& hosted : host.controllers()) {
-    ControllerChannels& channels = impl.controllers.emplace_back();
-    const ScenarioBody& body = impl.scenario.bodies[hosted.body];
-    impl.declare_side("/" + hosted.label + "/input/", *body.model, hosted.io->inputs(), channels.input);
-    for (const int link : hosted.io->contact_links())
-      channels.contacts.push_back(impl.channel<msg::Contacts>(
-          "/" + hosted.label + "/input/" + topic_segment(body.model->links[link].name) + "/contacts", contact_units));
-    impl.declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
-    channels.devices.assign(body.model->devices.size(), 0);
-  }
+  if (host) impl.declare_controllers(*host);
   impl.transform_channel =
       impl.channel<msg::TFMessage>("/tf", {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
   impl.checkpoint_channel = impl.channel<msg::Checkpoint>("/checkpoint");
@@ -197,6 +197,20 @@ void Recorder::declare(const ControllerHost& host) {
   impl.tick_channel = impl.channel<msg::Tick>("/tick");
   impl.transform_interval =
       std::max<std::int64_t>(1, std::llround(1.0 / (transforms_per_second * impl.scenario.time_step)));
+}
+
+void Recorder::Impl::declare_controllers(const ControllerHost& host) {
+  for (const HostedController& hosted : host.controllers()) {
+    ControllerChannels& channels = controllers.emplace_back();
+    const ScenarioBody& body = scenario.bodies[hosted.body];
+    declare_side("/" + hosted.label + "/input/", *body.model, hosted.io->inputs(), channels.input);
+    for (const int link : hosted.io->contact_links())
+      channels.contacts.push_back(channel<msg::Contacts>(
+          "/" + hosted.label + "/input/" + topic_segment(body.model->links[link].name) + "/contacts", contact_units));
+    channels.output.metadata = {{"delay", host.is_delayed(hosted) ? "true" : "false"}};
+    declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
+    channels.devices.assign(body.model->devices.size(), 0);
+  }
 }
 
 void Recorder::Impl::declare_body(const ScenarioBody& body) {
@@ -225,6 +239,10 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
 
 void Recorder::Impl::declare_side(const std::string& prefix, const Model& model, const IoLayout& layout,
                                   SideChannels& side) {
+  const auto with = [&side](mcap::StringMap units) {
+    units.insert(side.metadata.begin(), side.metadata.end());
+    return units;
+  };
   std::vector<int> joints;  // in link order, each once
   std::set<Quantity> used;
   for (const IoField& field : layout.fields) {
@@ -253,7 +271,7 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
     side.accelerations = channel<msg::JointAccelerations>(prefix + "joint_accelerations", std::move(units));
   }
   if (used.count(Quantity::q) || used.count(Quantity::dq) || used.count(Quantity::u))
-    side.joints.channel = channel<msg::JointState>(prefix + "joints", joint_metadata(model, joints));
+    side.joints.channel = channel<msg::JointState>(prefix + "joints", with(joint_metadata(model, joints)));
 
   std::size_t index = 0;
   for (const IoField& field : layout.fields) {
@@ -267,10 +285,10 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
     const std::string topic = prefix + topic_segment(model.links[field.link].name);
     std::uint16_t id = 0;
     switch (field.quantity) {
-      case Quantity::pose: id = channel<msg::PoseStamped>(topic + "/pose", pose_units); break;
-      case Quantity::twist: id = channel<msg::TwistStamped>(topic + "/twist", twist_units); break;
-      case Quantity::acceleration: id = channel<msg::AccelStamped>(topic + "/accel", acceleration_units); break;
-      default: id = channel<msg::WrenchStamped>(topic + "/wrench", wrench_units); break;
+      case Quantity::pose: id = channel<msg::PoseStamped>(topic + "/pose", with(pose_units)); break;
+      case Quantity::twist: id = channel<msg::TwistStamped>(topic + "/twist", with(twist_units)); break;
+      case Quantity::acceleration: id = channel<msg::AccelStamped>(topic + "/accel", with(acceleration_units)); break;
+      default: id = channel<msg::WrenchStamped>(topic + "/wrench", with(wrench_units)); break;
     }
     side.links.push_back({id, field});
   }
@@ -376,8 +394,9 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
       if (!channel)  // most controllers command no device: its channel appears with the first command
-        channel = impl.channel<msg::DeviceState>("/" + hosted.label + "/output/" +
-                                                 topic_segment(model.devices[output.device].name) + "/state");
+        channel = impl.channel<msg::DeviceState>(
+            "/" + hosted.label + "/output/" + topic_segment(model.devices[output.device].name) + "/state",
+            first_words_metadata(channels, output));
       msg::DeviceState state;
       state.header = {impl.stamp(tick),
                       impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};

@@ -40,8 +40,8 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Makes the channels; the controllers' tables are fixed by now.
-  void declare(const ControllerHost& host);
+  /// Makes the channels; the controllers' tables are fixed by now. Null: there are none.
+  void declare(const ControllerHost* host);
   /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick. `read`: the same as
   /// controllers read it, which differs where joints have noise.
   Result<void> record_state(std::int64_t tick, const Observation& seen, const Observation& read);

@@ -59,4 +59,10 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   return scenario;
 }
 
+Result<Scenario> recorded_scenario(const Trace& trace) {
+  const auto reader = mcap::Reader::open(trace.file());
+  if (!reader) return reader.errors();
+  return scenario_of(**reader);
+}
+
 }  // namespace rehearse

@@ -28,7 +28,7 @@ class Check : public ::testing::Test {
     ASSERT_TRUE(report.golden_written) << report.verdict;
   }
   CheckReport check(GoldenMode mode = GoldenMode::check, const CheckOptions& options = {}) {
-    auto report = check_golden(scenario_, store_, mode, options, rehearse::record);
+    auto report = check_golden(scenario_, store_, mode, options, {rehearse::record, run_plant});
     EXPECT_TRUE(report) << to_string(report.errors());
     return *report;
   }
@@ -38,15 +38,18 @@ class Check : public ::testing::Test {
   Scenario scenario_;
 };
 
-TEST_F(Check, FindsAnUnchangedProgramEqualOnBothLevels) {
+TEST_F(Check, FindsAnUnchangedProgramEqualOnAllLevels) {
   make_golden();
   const CheckReport report = check();
   EXPECT_EQ(report.controller, LevelState::equal) << report.verdict;
   EXPECT_EQ(report.closed, LevelState::equal) << report.verdict;
-  EXPECT_EQ(report.plant, LevelState::skipped);
+  EXPECT_EQ(report.plant, LevelState::equal) << report.verdict;
+  EXPECT_EQ(report.plant_run->restored, 1);
+  EXPECT_EQ(report.plant_run->from_the_start, "");
   EXPECT_TRUE(report.equal());
   EXPECT_THAT(report.verdict, HasSubstr("equal bit for bit: 50 ticks"));
   EXPECT_FALSE(fs::exists(store_.pending_file("Robot.Stands")));
+  EXPECT_FALSE(fs::exists(folder_ / "pending/plant/Robot.Stands.mcap"));
 }
 
 TEST_F(Check, BlamesPhysicsIfTheControllerRepeatsItself) {
@@ -54,10 +57,13 @@ TEST_F(Check, BlamesPhysicsIfTheControllerRepeatsItself) {
   scenario_.gravity.z() = -9.9;
   const CheckReport report = check();
   EXPECT_EQ(report.controller, LevelState::equal);
+  EXPECT_EQ(report.plant, LevelState::differs);
   EXPECT_EQ(report.closed, LevelState::differs);
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.verdict,
-              HasSubstr("physics changed, the controller did not: the run differs at tick 1 (0.001 s)"));
+  EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not: under the golden's commands, the "
+                                        "world differs at tick 1 (0.001 s)"));
+  EXPECT_THAT(report.verdict, HasSubstr("scenario and models are what they were: the simulation itself changed"));
+  EXPECT_TRUE(fs::exists(folder_ / "pending/plant/Robot.Stands.mcap"));
   EXPECT_THAT(report.message, HasSubstr("rehearse golden accept Robot.Stands"));
   EXPECT_TRUE(fs::exists(store_.pending_file("Robot.Stands")));
 }
@@ -65,11 +71,28 @@ TEST_F(Check, BlamesPhysicsIfTheControllerRepeatsItself) {
 TEST_F(Check, ComparesOnlyTheLevelThatIsAskedFor) {
   make_golden();
   CheckOptions options;
-  options.closed = false;
+  options.closed = options.plant = false;
   const CheckReport report = check(GoldenMode::check, options);
   EXPECT_EQ(report.controller, LevelState::equal);
+  EXPECT_EQ(report.plant, LevelState::skipped);
   EXPECT_EQ(report.closed, LevelState::skipped);
   EXPECT_EQ(report.verdict, "the controller repeats 50 recorded ticks bit for bit");
+  std::swap(options.controller, options.plant);
+  const CheckReport of_plant = check(GoldenMode::check, options);
+  EXPECT_EQ(of_plant.plant, LevelState::equal);
+  EXPECT_EQ(of_plant.controller, LevelState::skipped);
+  EXPECT_THAT(of_plant.verdict, HasSubstr("the world under the recorded commands: equal bit for bit: 50 ticks"));
+}
+
+TEST_F(Check, BlamesByDoingThePartsAgainIfOnlyTheWholeIsAskedFor) {
+  make_golden();
+  scenario_.gravity.z() = -9.9;
+  CheckOptions options;
+  options.controller = options.plant = false;
+  const CheckReport report = check(GoldenMode::check, options);
+  EXPECT_EQ(report.controller, LevelState::skipped);
+  EXPECT_EQ(report.plant, LevelState::skipped);
+  EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not"));
 }
 
 TEST_F(Check, WithoutAGoldenDiffersAndSaysHowToGetOne) {
@@ -88,7 +111,7 @@ TEST_F(Check, ReplacesTheGoldenIfToldSo) {
 
 TEST_F(Check, NeedsAScenarioThatNamesItsGolden) {
   scenario_.golden = "";
-  const auto report = check_golden(scenario_, store_, GoldenMode::check, {}, rehearse::record);
+  const auto report = check_golden(scenario_, store_, GoldenMode::check, {}, {rehearse::record, run_plant});
   ASSERT_FALSE(report);
   EXPECT_THAT(report.errors()[0].message, HasSubstr("names no golden"));
 }
@@ -97,7 +120,7 @@ TEST_F(Check, ReportsEachLevelAsJson) {
   make_golden();
   EXPECT_THAT(to_json(check()), HasSubstr(R"("levels": {
     "controller": "equal",
-    "plant": "skipped",
+    "plant": "equal",
     "closed": "equal"
   },
   "first": null)"));

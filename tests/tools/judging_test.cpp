@@ -59,7 +59,7 @@ TEST_F(Check, PassesARunThatIsAsItsGolden) {
   accept_golden();
   const Outcome outcome = done({"check", scenario_});
   EXPECT_THAT(outcome.out, StartsWith("sr1_minimum: equal bit for bit: 100 ticks, "));
-  EXPECT_THAT(outcome.out, HasSubstr("\n  closed loop: equal; controller on recorded inputs: equal; "));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  controller on recorded inputs: equal; world under recorded commands: equal; closed loop: equal; "));
   EXPECT_FALSE(exists(pending_file));
 }
 
@@ -77,7 +77,7 @@ TEST_F(Check, AnswersInJson) {
   EXPECT_EQ(report["equal"], true);
   EXPECT_EQ(report["within"], true);
   EXPECT_EQ(report["first"], nullptr);
-  EXPECT_EQ(report["levels"], nlohmann::json({{"controller", "equal"}, {"plant", "skipped"}, {"closed", "equal"}}));
+  EXPECT_EQ(report["levels"], nlohmann::json({{"controller", "equal"}, {"plant", "equal"}, {"closed", "equal"}}));
 }
 
 TEST_F(Check, AnswersForSeveralScenariosInOneObject) {
@@ -114,7 +114,9 @@ TEST_F(Check, ComparesTheAskedLevelsOnly) {
   EXPECT_EQ(report["levels"]["closed"], "skipped");
   const nlohmann::json all = done({"check", scenario_, "--json", "--level", "controller,plant,closed"}).json();
   EXPECT_EQ(all["levels"]["closed"], "equal");
-  EXPECT_EQ(all["levels"]["plant"], "skipped");
+  EXPECT_EQ(all["levels"]["plant"], "equal");
+  const nlohmann::json plant = done({"check", scenario_, "--json", "--level", "plant"}).json();
+  EXPECT_EQ(plant["levels"], nlohmann::json({{"controller", "skipped"}, {"plant", "equal"}, {"closed", "skipped"}}));
 }
 
 TEST_F(Check, ComparesWithATraceThatIsNamed) {

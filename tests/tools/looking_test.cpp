@@ -34,7 +34,7 @@ TEST_F(Info, TellsAPersonWhatIsInATrace) {
   EXPECT_THAT(text, ContainsRegex("\n  /SR1/joints  +sensor_msgs/msg/JointState  +201  +1000 Hz  +"));
   EXPECT_THAT(text, HasSubstr("\n  scenario.yaml, application/yaml, "));
   EXPECT_THAT(text, HasSubstr("\n  seed: 0\n"));
-  EXPECT_THAT(text, HasSubstr("\nmetadata 'rehearse.outcome'\n  complete: true\n"));
+  EXPECT_THAT(text, HasSubstr("\nmetadata 'rehearse.outcome'\n  checkpoints: exact\n  complete: true\n"));
 }
 
 TEST_F(Info, TellsAProgramAllOfIt) {

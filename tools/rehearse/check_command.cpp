@@ -75,14 +75,15 @@ Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (!settings.golden.empty())
-    return check_scenario(scenario, settings.golden, pending_folder() / (scenario.name + ".mcap"), options, record);
+    return check_scenario(scenario, settings.golden, pending_folder() / (scenario.name + ".mcap"), options,
+                          {record, run_plant});
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
   // check_golden knows best what to say of a scenario that names none
   const auto folder = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
   if (!folder) return folder.errors();
   GoldenStore store(*folder);
-  return check_golden(scenario, store, *mode, options, record);
+  return check_golden(scenario, store, *mode, options, {record, run_plant});
 }
 
 bool failed(const CheckReport& report) {
@@ -98,9 +99,14 @@ Exit exit_of(const CheckReport& report) {
 void tell(const Checked& checked, double seconds) {
   const CheckReport& report = checked.report;
   fmt::print("{}: {}\n", checked.scenario, report.verdict);
-  fmt::print("  closed loop: {}; controller on recorded inputs: {}; {:.1f} s\n", to_string(report.closed),
-             to_string(report.controller), seconds);
-  if (report.comparison) fmt::print("{}", table(*report.comparison));
+  fmt::print("  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}; {:.1f} s\n",
+             to_string(report.controller), to_string(report.plant), to_string(report.closed), seconds);
+  if (report.plant_run && !report.plant_run->from_the_start.empty())
+    fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
+  if (report.plant == LevelState::differs && report.plant_comparison)
+    fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
+  if (report.comparison) fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "",
+                                    table(*report.comparison));
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   std::fflush(stdout);  // before what stderr says of it
   if (report.run) tell_remarks(*report.run);
@@ -161,18 +167,18 @@ Exit run(const Settings& settings) {
 }
 
 void take_levels(const std::vector<std::string>& levels, CheckOptions& check) {
-  check.controller = check.closed = false;
+  check.controller = check.plant = check.closed = false;
   for (const std::string& level : levels) {
     if (level == "controller") {
       check.controller = true;
+    } else if (level == "plant") {
+      check.plant = true;
     } else if (level == "closed") {
       check.closed = true;
-    } else if (level != "plant") {  // which this version skips, and says so
-      throw CLI::ValidationError("--level", fmt::format("'{}' is not closed, controller or plant", level));
+    } else {
+      throw CLI::ValidationError("--level", fmt::format("'{}' is not controller, plant or closed", level));
     }
   }
-  if (!check.controller && !check.closed)
-    throw CLI::ValidationError("--level", "plant alone compares nothing in this version; have closed or controller");
 }
 
 std::function<Exit()> declare(CLI::App& options) {
@@ -186,7 +192,8 @@ std::function<Exit()> declare(CLI::App& options) {
   options
       .add_option_function<std::vector<std::string>>(
           "--level", [=](const std::vector<std::string>& levels) { take_levels(levels, settings->check); },
-          "what to compare: closed, controller (both); plant is skipped in this version")
+          "what to compare: controller (recorded inputs, no physics), plant (recorded commands, no controller), closed "
+          "(the whole loop); all three if not given")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LEVEL");

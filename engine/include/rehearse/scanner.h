@@ -26,6 +26,9 @@ class Scanner {
   /// Puts the scans that arrive at this tick into the observation, then scans what is due, in the world as it is now.
   /// To be called once for each tick, in order.
   void look(std::int64_t tick, Observation& observation);
+  /// The next tick that is looked at, instead of the one after the last: scans go on in their cycle, but none that began
+  /// before it arrives.
+  void begin_at(std::int64_t tick);
   /// Controllers switch sensors on and off. Off: its scan is taken away. On again: it scans at the next tick.
   void switch_sensors(std::int64_t tick, const Command& command);
 

@@ -32,6 +32,9 @@ class Vision {
   /// Puts the pictures that arrive at this tick into the observation, then captures those that are due, from the poses
   /// in it. To be called once for each tick, in order.
   void look(std::int64_t tick, Observation& observation);
+  /// The next tick that is looked at, instead of the one after the last: captures go on in their cycle, but no picture
+  /// that was captured before it arrives.
+  void begin_at(std::int64_t tick);
   /// What controllers said in this tick to cameras and lights. A camera that is switched off loses its picture; on
   /// again it captures at the next tick. A light is in its new state from the next capture on. Tick -1: before the run.
   void obey(std::int64_t tick, const Command& command);

@@ -104,6 +104,10 @@ class World {
   /// Fails if `state` is not of a world like this one.
   Result<void> restore(std::span<const std::byte> state);
 
+  /// Moves what moves freely by a last bit: each coordinate of each rigid body's position to the next number above or
+  /// below, as the bits of a hash of `pattern` say; zeros stay. What that makes of a run is what rounding can make of it.
+  void nudge(std::uint32_t pattern);
+
   /// The version of ODE that was linked and its precision, for provenance.
   static std::string engine_description();
 

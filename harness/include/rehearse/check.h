@@ -1,15 +1,17 @@
 // Check: a scenario against its golden, on several levels, so that the guilty part can be named.
 //
 // controller: the golden's inputs into the controllers, without physics; their commands have to be the same bits.
-// plant: the golden's commands into the world, from checkpoint to checkpoint. Not compared in this version: skipped.
+// plant: the golden's commands into the world, set back at each checkpoint; state, sensors and frames compared.
 // closed: the whole run again, compared within the scenario's tolerances.
 //
-// If closed differs and controller doesn't, something else than the controller changed. This library does not simulate:
-// whoever checks hands in what records a run (session.h: record).
+// Nothing amplifies a difference on the first two levels for longer than from one checkpoint to the next, so they tell
+// what changed: the controller, or the physics, the sensors, the renderer. This library does not simulate: whoever
+// checks hands in what makes the runs (session.h: record; plant_run.h: run_plant).
 #pragma once
 
 #include <rehearse/compare.h>
 #include <rehearse/golden.h>
+#include <rehearse/plant_run.h>
 #include <rehearse/replay.h>
 #include <rehearse/scenario.h>
 #include <rehearse/session.h>
@@ -34,13 +36,18 @@ std::string_view to_string(LevelState state);
 
 struct CheckOptions {
   bool controller = true;
+  bool plant = true;
   bool closed = true;
-  RecordOptions run;  // of both levels
+  RecordOptions run;  // of all levels
 };
 
-/// What makes a fresh recording of a scenario.
-using RecordRun =
-    std::function<Result<RunSummary>(const Scenario&, const std::filesystem::path& trace, const RecordOptions&)>;
+/// What simulates: makes a fresh recording of a scenario, and a run of its world under recorded commands.
+struct Simulation {
+  std::function<Result<RunSummary>(const Scenario&, const std::filesystem::path& trace, const RecordOptions&)> record;
+  std::function<Result<PlantSummary>(const Scenario&, const Trace& recording, const std::filesystem::path& trace,
+                                     const PlantOptions&)>
+      run_plant;
+};
 
 struct CheckReport {
   LevelState controller = LevelState::skipped;
@@ -49,25 +56,30 @@ struct CheckReport {
   std::string verdict;                   // one sentence, without a full stop; names the guilty part
   std::string message;                   // for a person: where the run's trace is, what to do next; may be empty
   std::optional<Divergence> first;       // on the level that tells most; none if all are equal
-  std::optional<ReplayReport> replay;    // of level controller
-  std::optional<Comparison> comparison;  // of level closed
-  std::optional<RunSummary> run;         // of level closed
+  std::optional<ReplayReport> replay;          // of level controller
+  std::optional<PlantSummary> plant_run;       // of level plant
+  std::optional<Comparison> plant_comparison;  // of level plant; the golden's commands are not compared
+  std::optional<Comparison> comparison;        // of level closed
+  std::optional<RunSummary> run;               // of level closed
+  std::string controller_problem;  // why the controllers couldn't be fed; empty: they could
+  std::string plant_problem;       // why the world couldn't be moved by the golden's commands; empty: it could
   bool golden_written = false;
 
   bool equal() const;   // every level that was compared
   bool within() const;  // no level differs
 };
 
-/// Compares a scenario's behaviour now with a golden recording. The fresh trace is written to `actual`, and removed if
-/// it is within. Fails if the golden can't be read or the run can't begin.
+/// Compares a scenario's behaviour now with a golden recording. The fresh trace is written to `actual`, that of the
+/// plant level to `plant/` beside it; each is removed if it is within. Fails if the golden can't be read or the run
+/// can't begin.
 Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesystem::path& golden,
                                    const std::filesystem::path& actual, const CheckOptions& options,
-                                   const RecordRun& record);
+                                   const Simulation& simulation);
 
 /// The same with the golden that the scenario names, and with that golden's life: a missing one fails, or is written,
 /// as the mode says; a run that differs waits in the store's pending folder, or replaces the golden.
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
-                                 const CheckOptions& options, const RecordRun& record);
+                                 const CheckOptions& options, const Simulation& simulation);
 
 /// An object with verdict, equal, within, levels (controller, plant, closed) and first, as in compare.h.
 std::string to_json(const CheckReport& report);

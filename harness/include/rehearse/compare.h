@@ -53,6 +53,8 @@ struct Comparison {
   std::optional<Divergence> first_bit;      // in any bit, hashes included
   std::optional<Divergence> worst;          // by times its tolerance, then by difference
   std::vector<ChannelComparison> channels;  // all that differ in any way, by their first_bit
+  std::vector<std::string> changed_files;  // attachments that are not what they were in the golden
+  bool same_arithmetic = true;  // versions and pins that bits depend on are the golden's
   /// What explains a difference or makes one likely: another scenario, model, controller, library. Sentences.
   std::vector<std::string> remarks;
 };

@@ -38,6 +38,7 @@ struct RunSummary {
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace,
                           const RecordOptions& options = {});
 
+/// One run, a tick at a time.
 class Session {
  public:
   static Result<std::unique_ptr<Session>> create(const Scenario& scenario, const std::filesystem::path& trace,

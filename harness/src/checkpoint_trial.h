@@ -1,0 +1,42 @@
+// CheckpointTrial: tells whether the checkpoints of a run are exact.
+//
+// Some of them are restored into a second world, which then makes the same step as the run's own: the states after it
+// must be the same bits. Tried are the first checkpoint and those whose number is a power of two, so that a long run
+// pays for a dozen steps, not for a second run.
+#pragma once
+
+#include <rehearse/scenario.h>
+#include <rehearse/world.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace rehearse {
+
+class CheckpointTrial {
+ public:
+  /// The scenario must outlive this.
+  explicit CheckpointTrial(const Scenario& scenario) : scenario_(scenario) {}
+
+  /// The run has saved its checkpoint of that number, counted from 0.
+  void begin(std::int64_t number, std::span<const std::byte> state);
+  /// The run is about to step under this command.
+  void step(const Command& command);
+  /// The run has stepped.
+  void compare(const World& world);
+
+  /// "exact", or "inexact: ..." with the first that wasn't.
+  std::string verdict() const { return finding_.empty() ? exact : "inexact: " + finding_; }
+  static constexpr const char* exact = "exact";
+
+ private:
+  const Scenario& scenario_;
+  std::unique_ptr<World> twin_;
+  bool under_way_ = false;
+  std::string finding_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,118 @@
+#include "plant.h"
+
+#include <rehearse/clock.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace rehearse {
+namespace {
+
+std::vector<std::shared_ptr<const Model>> models_of(const Scenario& scenario) {
+  std::vector<std::shared_ptr<const Model>> models;
+  for (const ScenarioBody& body : scenario.bodies) models.push_back(body.model);
+  return models;
+}
+
+/// Null if no camera runs: then nothing needs a renderer.
+Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
+  std::vector<std::vector<bool>> active;
+  bool any = false;
+  for (const ScenarioBody& body : scenario.bodies) {
+    std::vector<bool>& of_body = active.emplace_back();
+    for (const Device& device : body.model->devices) {
+      of_body.push_back(std::holds_alternative<Camera>(device.kind) && scenario.runs_camera(body.name, device.name));
+      any |= of_body.back();
+    }
+  }
+  if (!any) return std::unique_ptr<Vision>();
+  return Vision::create(scenario.time_step, models_of(scenario), std::move(active), scenario.look);
+}
+
+}  // namespace
+
+std::vector<WorldBody> world_bodies(const Scenario& scenario) {
+  std::vector<WorldBody> bodies;
+  for (const ScenarioBody& body : scenario.bodies)
+    bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
+                      body.joint_limits, body.effort_limits, body.trimesh, body.self_collision});
+  return bodies;
+}
+
+WorldSettings world_settings(const Scenario& scenario) {
+  return {scenario.time_step, scenario.gravity, scenario.seed, scenario.solver};
+}
+
+Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario) { return create(scenario, scenario); }
+
+Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario& noise_of) {
+  std::unique_ptr<Plant> plant(new Plant(scenario, noise_of));
+  auto world = World::create(world_settings(scenario), world_bodies(scenario));
+  if (!world) return world.errors();
+  plant->world_ = std::move(*world);
+  plant->scanner_ = std::make_unique<Scanner>(*plant->world_, scenario.time_step, models_of(scenario));
+  auto vision = make_vision(scenario);
+  if (!vision) return vision.errors();
+  plant->vision_ = std::move(*vision);
+  return plant;
+}
+
+void Plant::sense() {
+  const std::int64_t tick = world_->tick();
+  seen_ = world_->sense();
+  if (scenario_.joystick) seen_.joystick = scenario_.joystick->at(time_of(tick, scenario_.time_step));
+  if (vision_) vision_->look(tick, seen_);
+  scanner_->look(tick, seen_);
+  noise_.disturb_devices(tick, seen_);
+  for (std::size_t body = 0; body < told_.size(); ++body)
+    for (std::size_t device = 0; device < told_[body].size(); ++device)
+      if (std::optional<DeviceReading> light = std::exchange(told_[body][device], std::nullopt))
+        seen_.bodies[body].devices[device] = std::move(*light);
+  if (!noise_.has_joints()) return;
+  read_ = seen_;
+  noise_.disturb_joints(tick, read_);
+}
+
+bool step_world(World& world, const Scenario& scenario, const Command& command) {
+  world.actuate(command);
+  const double now = world.time();
+  for (const Push& push : scenario.pushes)
+    if (push.from <= now && now < push.until) world.push(push.body, push.link, push.force, push.point, push.torque);
+  return world.step();
+}
+
+bool Plant::step(Command& command) {
+  const bool alive = step_world(*world_, scenario_, command);
+  for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+  return alive;
+}
+
+void Plant::obey(std::int64_t tick, Command& command) {
+  if (vision_) vision_->obey(tick, command);
+  scanner_->switch_sensors(tick, command);
+  told_.assign(command.bodies.size(), {});
+  for (std::size_t body = 0; body < told_.size(); ++body) {
+    told_[body].resize(command.bodies[body].devices.size());
+    for (std::size_t device = 0; device < told_[body].size(); ++device) {
+      DeviceCommand& wanted = command.bodies[body].devices[device];
+      const bool fresh = std::exchange(wanted.fresh, false);
+      if (!fresh || !std::holds_alternative<Light>(scenario_.bodies[body].model->devices[device].kind)) continue;
+      DeviceReading& reading = told_[body][device].emplace();
+      reading.fresh = true;
+      reading.measured_at = time_of(tick + 1, scenario_.time_step);
+      reading.values = wanted.values;
+    }
+  }
+}
+
+Result<void> Plant::begin_at(std::int64_t tick, std::span<const std::byte> state) {
+  if (auto restored = world_->restore(state); !restored) return restored;
+  if (world_->tick() != tick)
+    return error("the checkpoint of tick " + std::to_string(tick) + " holds the state of tick " +
+                 std::to_string(world_->tick()));
+  if (vision_) vision_->begin_at(tick);
+  scanner_->begin_at(tick);
+  return {};
+}
+
+}  // namespace rehearse

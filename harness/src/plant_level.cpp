@@ -1,0 +1,30 @@
+#include "plant_level.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+
+namespace rehearse {
+
+Result<void> make_folder_of(const std::filesystem::path& file) {
+  std::error_code failed;
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), failed);
+  if (failed)
+    return error(fmt::format("the folder {} can't be made: {}", file.parent_path().string(), failed.message()));
+  return {};
+}
+
+Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& scenario, const Trace& golden,
+                                 const std::filesystem::path& file, const PlantOptions& options) {
+  if (auto made = make_folder_of(file); !made) return made.errors();
+  auto run = simulation.run_plant(scenario, golden, file, options);
+  if (!run) return run.errors();
+  auto trace = Trace::load(file);
+  if (!trace) return trace.errors();
+  CompareOptions what;
+  what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
+  if (options.until) what.until = time_of(*options.until, scenario.time_step);
+  Comparison comparison = compare(golden, *trace, scenario.tolerances, what);
+  return PlantLevel{*std::move(run), *std::move(trace), std::move(comparison)};
+}
+
+}  // namespace rehearse

@@ -1,0 +1,23 @@
+// The plant level of a check: a golden's commands into the world, and what comes of it against the golden.
+#pragma once
+
+#include <rehearse/check.h>
+
+#include <filesystem>
+
+namespace rehearse {
+
+struct PlantLevel {
+  PlantSummary run;
+  Trace trace;
+  Comparison comparison;  // of what the plant makes: state, sensors, pictures; up to PlantOptions::until
+};
+
+/// Writes the run's trace to `file`, whose folder is made if there is none.
+Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& scenario, const Trace& golden,
+                                 const std::filesystem::path& file, const PlantOptions& options);
+
+/// Makes the folder of a file that is to be written.
+Result<void> make_folder_of(const std::filesystem::path& file);
+
+}  // namespace rehearse

@@ -1,0 +1,59 @@
+// RecordedCommands: what the controllers of a recording commanded, tick by tick, as commands to the world. What moves a
+// simulation without its controllers.
+#pragma once
+
+#include <rehearse/io.h>
+#include <rehearse/scenario.h>
+#include <rehearse/trace.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rehearse {
+
+class RecordedCommands {
+ public:
+  /// Finds the controllers' outputs. Fails if the trace has commands to something that the scenario hasn't: a body, a
+  /// controller, a joint, a device; all of them in one go. Scenario and trace must outlive this.
+  static Result<RecordedCommands> find(const Scenario& scenario, const Trace& trace);
+
+  /// Before the first tick: joints are driven as the controllers drive them, and stay where they begin; devices hear
+  /// what was said to them in initialize().
+  Command initial() const;
+  enum class Timing { same_step, next_step };
+  /// Writes what was commanded in a tick by the controllers without (or with) delay into the command; the last one wins,
+  /// external wrenches add up, numbers that aren't finite are left out. Ticks must come in ascending order.
+  void put(std::int64_t tick, Timing timing, Command& command);
+
+ private:
+  /// One number of a joint's command.
+  struct JointCell {
+    std::size_t column = 0;
+    int joint = 0;  // id
+    double JointCommand::*number = nullptr;
+    Drive drive = drive_none;
+  };
+  enum class Kind { joints, wrench, root, device };
+  struct Source {
+    Kind kind = Kind::joints;
+    const TraceChannel* channel = nullptr;
+    int body = 0;
+    int target = 0;  // link or device index
+    bool delayed = true;
+    bool before_the_run = false;   // its first message was said in initialize()
+    std::vector<JointCell> cells;  // of joints
+    std::size_t next = 0;          // row
+  };
+
+  explicit RecordedCommands(const Scenario& scenario) : scenario_(scenario) {}
+  Result<void> add(const ScenarioController& controller, int body, bool delay, const TraceChannel& channel,
+                   std::string_view rest);
+  Result<void> add_joints(Source& source);
+  void put_row(const Source& source, std::size_t row, Command& command) const;
+
+  const Scenario& scenario_;
+  std::vector<Source> sources_;  // in the order of the controllers
+};
+
+}  // namespace rehearse
