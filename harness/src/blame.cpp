@@ -88,8 +88,13 @@ Blame Detective::controller(const Evidence& evidence) const {
   if (!evidence.replay->first)
     return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message, std::nullopt};
   const Divergence& first = *evidence.replay->first;
-  std::string sentence = "the controller changed: fed with the golden's inputs, it differs at " + to_string(first);
-  return {std::move(sentence), first};
+  if (first.stage == Stage::inputs) return {"the golden is not what was recorded: at " + to_string(first), first};
+  if (evidence.replay->same_libraries)
+    return {"the controller is the one that was recorded, but fed with the golden's inputs it differs at " +
+                to_string(first) +
+                "; it depends on something that is no input of its: uninitialised memory, the clock, chance",
+            first};
+  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first), first};
 }
 
 /// Where the plant comes apart. What sensors and cameras tell follows from the state, and may leave its tolerance before

@@ -342,7 +342,7 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
     if (!msg::decode(reader, color)) return mismatch();
     reading.measured_at = measured_at(color.header.stamp);
     reading.image = nullptr;
-    if (color.data.empty()) return {};  // it was switched off
+    if (color.data.empty()) return reading.depth = nullptr, Result<void>();  // it was switched off
     auto image = decode_png(color.data);
     if (!image) return mismatch();
     reading.image = std::make_shared<const Image>(std::move(*image));

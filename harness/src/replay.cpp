@@ -34,7 +34,9 @@ class Replayer {
   Diagnostics unrecorded_inputs() const;
   bool on_message(const mcap::Message& message);
   bool finish_tick();
+  void compare_inputs();
   void compare_results();
+  bool same_libraries() const;
   void differs(Divergence&& found);
   void take_events();
 
@@ -53,6 +55,7 @@ class Replayer {
   std::uint64_t now_ = 0;  // log time of the tick being gathered [ns]
   std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
   bool tick_differs_ = false;
+  std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
   Diagnostics errors_;
   ReplayReport report_;
 };
@@ -135,6 +138,7 @@ Result<ReplayReport> Replayer::run() {
   take_events();
   report_.failure = host_.failure();
   report_.controller_refused = host_.any_refused();
+  report_.same_libraries = same_libraries();
   return report_;
 }
 
@@ -162,6 +166,7 @@ bool Replayer::finish_tick() {
   if (last_state || now_ >= until_) return false;  // after the last step only the state is recorded
   tick_differs_ = false;
   if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
+  compare_inputs();
   if (now_ >= from_) {
     for (const RecordedOutputs& outputs : outputs_)
       report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
@@ -175,6 +180,34 @@ bool Replayer::finish_tick() {
   const std::int64_t all = scenario_.ticks();
   if (options_.progress && report_.ticks % std::max<std::int64_t>(1, all / 100) == 0)
     options_.progress(report_.ticks, all);
+  return true;
+}
+
+/// A controller that reads more or less than the recorded one has other hashes from the first tick on: then they tell
+/// nothing. Else another hash later on means that the recorded inputs are not those of the run.
+void Replayer::compare_inputs() {
+  if (reads_the_same_ && !*reads_the_same_) return;
+  const bool same = host_.input_hash(inputs_.observation()) == tick_.input_hash;
+  if (!reads_the_same_) reads_the_same_ = same;
+  if (same || !*reads_the_same_ || now_ < from_) return;
+  Divergence found;
+  found.channel = "/tick";
+  found.element = "input_hash";
+  found.stage = Stage::inputs;
+  found.note = "what the recording holds of the inputs is not what the controllers were fed with when it was made";
+  differs(std::move(found));
+  reads_the_same_ = false;  // said once
+}
+
+bool Replayer::same_libraries() const {
+  const mcap::StringMap* facts = nullptr;
+  for (const mcap::Metadata& metadata : trace_.metadata())
+    if (metadata.name == "rehearse") facts = &metadata.values;
+  for (const HostedController& hosted : host_.controllers()) {
+    const auto recorded = facts ? facts->find("controller." + hosted.label) : mcap::StringMap::const_iterator();
+    if (!facts || recorded == facts->end() || !recorded->second.ends_with(" " + hosted.library->content_hash()))
+      return false;
+  }
   return true;
 }
 

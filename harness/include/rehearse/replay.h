@@ -1,5 +1,6 @@
 // Replay: recorded inputs into the controllers, without physics and without a renderer; their commands compared with
-// the recorded ones, bit for bit.
+// the recorded ones, bit for bit. That they are fed with what was recorded is checked by the hash of all inputs in each
+// tick, as long as they read the same things as then.
 //
 // The controllers run from the beginning of the recording: their own memory is part of what is replayed. The libraries
 // may be others than those recorded. Links neither ODE nor OSMesa.
@@ -33,6 +34,7 @@ struct ReplayReport {
   std::optional<Divergence> worst;    // by absolute difference
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   bool controller_refused = false;
+  bool same_libraries = false;  // every controller's file is, byte by byte, the one that was recorded
   Diagnostics remarks;
 
   bool equal() const { return !first && !failure; }

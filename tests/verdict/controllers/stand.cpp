@@ -1,0 +1,78 @@
+// A PD controller that holds every joint where it begins, and leans against what its gyro feels. Built once as it should
+// be, and once with each fault that the table of faults knows: FAULT is one of the names below.
+#include <cnoid/RateGyroSensor>
+#include <cnoid/SimpleController>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+namespace {
+
+enum Fault { none, gain, sign, late, swapped, stale, uninitialised };
+
+/// Memory that was used before, and is handed out again as it is.
+double* used_memory() {
+  constexpr std::size_t count = 24;
+  volatile std::size_t size = count * sizeof(double);
+  auto* garbage = static_cast<double*>(std::malloc(size));
+  for (std::size_t i = 0; i < count; ++i)
+    garbage[i] = static_cast<double>(std::chrono::steady_clock::now().time_since_epoch().count() % 1000003) * 1e-9;
+  std::free(garbage);
+  return static_cast<double*>(std::malloc(size));
+}
+
+class Stand : public cnoid::SimpleController {
+ public:
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io_ = io;
+    body_ = io->body();
+    for (int i = 0; i < body_->numJoints(); ++i) {
+      cnoid::Link* joint = body_->joint(i);
+      joint->setActuationMode(cnoid::Link::JointEffort);
+      io->enableIO(joint);
+      io->enableInput(joint, cnoid::Link::JointVelocity);
+      wanted_.push_back(joint->q());
+    }
+    gyro_ = body_->findDevice<cnoid::RateGyroSensor>();
+    io->enableInput(gyro_);
+    effort_.assign(wanted_.size(), 0.0);
+    last_ = wanted_;
+    if (FAULT == uninitialised) offset_ = used_memory();
+    return true;
+  }
+
+  bool control() override {
+    const std::vector<double> before = effort_;
+    for (int i = 0; i < body_->numJoints(); ++i) {
+      const cnoid::Link* joint = body_->joint(i);
+      const bool knee = joint->jointName() == "RLEG_KNEE";
+      const double p = knee && FAULT == gain ? 8000.0 * 1.001 : 8000.0;
+      const double d = knee && FAULT == sign ? -100.0 : 100.0;
+      const double q = knee && FAULT == stale ? last_[i] : joint->q();
+      last_[i] = joint->q();
+      effort_[i] = p * (wanted_[i] - q) - d * joint->dq();
+      if (joint->jointName().find("ANKLE_P") != std::string::npos) effort_[i] -= 5.0 * gyro_->w().y();
+      if (knee && FAULT == uninitialised) effort_[i] += offset_[12];
+    }
+    const std::vector<double>& sent = FAULT == late ? before : effort_;
+    for (int i = 0; i < body_->numJoints(); ++i) body_->joint(i)->u() = sent[i];
+    if (FAULT == swapped) std::swap(body_->link("RLEG_KNEE")->u(), body_->link("LLEG_KNEE")->u());
+    return true;
+  }
+
+ private:
+  cnoid::SimpleControllerIO* io_ = nullptr;
+  cnoid::Body* body_ = nullptr;
+  cnoid::RateGyroSensor* gyro_ = nullptr;
+  std::vector<double> wanted_;  // [rad]
+  std::vector<double> last_;    // [rad]
+  std::vector<double> effort_;  // [N·m]
+  double* offset_ = nullptr;    // [N·m]; kept for good
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(Stand)

@@ -1,0 +1,56 @@
+// Copies of recordings from which something is missing, or in which something stands for something else: faults of the
+// loop itself, which no controller and no model can have.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rehearse::testing {
+
+/// What becomes of a message: its bytes, other bytes, or nothing.
+using Mutilation = std::function<std::optional<std::vector<std::byte>>(const mcap::Message&)>;
+
+inline std::optional<std::vector<std::byte>> untouched(const mcap::Message& message) {
+  return std::vector<std::byte>(message.data.begin(), message.data.end());
+}
+
+/// Replaces the file by a copy in which every message is what `change` makes of it.
+inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation& change) {
+  const std::filesystem::path whole = file.string() + ".whole";
+  std::filesystem::rename(file, whole);
+  auto reader = mcap::Reader::open(whole);
+  if (!reader) return reader.errors();
+  auto opened = mcap::Writer::create(file);
+  if (!opened) return opened.errors();
+  mcap::Writer& writer = **opened;
+  for (const mcap::Attachment& attachment : (*reader)->attachments())
+    if (auto done = writer.add_attachment(attachment.name, attachment.media_type, attachment.data); !done) return done;
+  for (const mcap::Metadata& metadata : (*reader)->metadata())
+    if (auto done = writer.add_metadata(metadata.name, metadata.values); !done) return done;
+  std::vector<std::uint16_t> ids;
+  for (const auto& [id, channel] : (*reader)->channels()) {
+    const mcap::Schema& schema = (*reader)->schemas().at(channel.schema_id);
+    const std::string_view text(reinterpret_cast<const char*>(schema.data.data()), schema.data.size());
+    ids.resize(std::max<std::size_t>(ids.size(), id + 1));
+    ids[id] = writer.add_channel(writer.add_schema(schema.name, schema.encoding, text), channel.topic,
+                                 channel.message_encoding, channel.metadata);
+  }
+  Result<void> written;
+  const auto read = (*reader)->for_each_message([&](const mcap::Message& message) {
+    if (const auto bytes = change(message))
+      written = writer.write(ids[message.channel->id], message.log_time, message.publish_time, *bytes);
+    return written.ok();
+  });
+  if (!read) return read;
+  if (!written) return written;
+  std::filesystem::remove(whole);
+  return writer.close();
+}
+
+}  // namespace rehearse::testing
