@@ -171,6 +171,11 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
   if (auto begun = run.begin(); !begun) return begun.errors();
 
   const std::int64_t end = last_tick_of(recording, scenario.time_step);
+  if (end < 0) {
+    Diagnostic finding = error("it has no ticks: nothing of the run was recorded");
+    finding.file = recording.file();
+    return finding;
+  }
   const std::int64_t last = std::min(end, options.until.value_or(end));
   const std::int64_t stride = std::max<std::int64_t>(1, (last - options.from) / 100);
   for (bool going_on = last >= options.from; going_on;) {

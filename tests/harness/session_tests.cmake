@@ -20,12 +20,14 @@ rehearse_add_test(session_tests LABEL sim
     session/lifecycle_test.cpp
     session/lights_test.cpp
     session/noise_test.cpp
+    session/plant_test.cpp
     session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
     session/self_collision_test.cpp
     session/traps_test.cpp
-  LIBRARIES Rehearse::simulation Rehearse::cnoid Rehearse::png)
+  LIBRARIES Rehearse::simulation Rehearse::world Rehearse::cnoid Rehearse::png)
+target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/harness/src)
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 
 add_test_controller(Behaviours

@@ -1,7 +1,9 @@
 // A folder, a robot, and verbs to record and replay small scenarios, for tests of the closed loop.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/messages.h>
+#include <rehearse/plant_run.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
@@ -101,20 +103,37 @@ class RunTest : public ::testing::Test {
     return {};
   }
 
-  /// Records into `file` in the test's folder; the summary is in summary_.
+  /// Records into `file` in the test's folder; the summary is in summary_. Whatever the controllers did, their recorded
+  /// commands alone have to move the world in the same way.
   Trace record_run(const std::string& text, const std::string& file = "run.mcap", double call_limit = 10.0) {
     RecordOptions options;
     options.call_limit = call_limit;
-    auto summary = record(load(text), path(file), options);
+    const Scenario scenario = load(text);
+    auto summary = record(scenario, path(file), options);
     if (!summary) {
       ADD_FAILURE() << to_string(summary.errors());
       return {};
     }
     summary_ = *summary;
     auto trace = Trace::load(path(file));
-    if (trace) return *std::move(trace);
-    ADD_FAILURE() << to_string(trace.errors());
-    return {};
+    if (!trace) {
+      ADD_FAILURE() << to_string(trace.errors());
+      return {};
+    }
+    if (!summary_.failure) expect_the_same_without_controllers(scenario, *trace);
+    return *std::move(trace);
+  }
+
+  void expect_the_same_without_controllers(const Scenario& scenario, const Trace& recording) const {
+    const auto run = run_plant(scenario, recording, path("plant.mcap"));
+    ASSERT_TRUE(run.ok()) << to_string(run.errors());
+    EXPECT_FALSE(run->failure);
+    const auto trace = Trace::load(path("plant.mcap"));
+    ASSERT_TRUE(trace.ok()) << to_string(trace.errors());
+    CompareOptions what;
+    what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
+    const Comparison comparison = compare(recording, *trace, {}, what);
+    EXPECT_TRUE(comparison.equal) << "under the recorded commands: " << verdict(comparison) << "\n" << table(comparison);
   }
 
   /// Replays `file`, with other libraries if given.

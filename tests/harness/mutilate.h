@@ -20,8 +20,10 @@ inline std::optional<std::vector<std::byte>> untouched(const mcap::Message& mess
   return std::vector<std::byte>(message.data.begin(), message.data.end());
 }
 
-/// Replaces the file by a copy in which every message is what `change` makes of it.
-inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation& change) {
+/// Replaces the file by a copy in which every message is what `change` makes of it, and the outcome says what `outcome`
+/// does.
+inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation& change,
+                             const mcap::StringMap& outcome = {}) {
   const std::filesystem::path whole = file.string() + ".whole";
   std::filesystem::rename(file, whole);
   auto reader = mcap::Reader::open(whole);
@@ -31,8 +33,11 @@ inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation
   mcap::Writer& writer = **opened;
   for (const mcap::Attachment& attachment : (*reader)->attachments())
     if (auto done = writer.add_attachment(attachment.name, attachment.media_type, attachment.data); !done) return done;
-  for (const mcap::Metadata& metadata : (*reader)->metadata())
+  for (mcap::Metadata metadata : (*reader)->metadata()) {
+    if (metadata.name == "rehearse.outcome")
+      for (const auto& [fact, value] : outcome) metadata.values[fact] = value;
     if (auto done = writer.add_metadata(metadata.name, metadata.values); !done) return done;
+  }
   std::vector<std::uint16_t> ids;
   for (const auto& [id, channel] : (*reader)->channels()) {
     const mcap::Schema& schema = (*reader)->schemas().at(channel.schema_id);
