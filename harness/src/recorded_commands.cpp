@@ -62,8 +62,8 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
   }
   for (const TraceChannel& channel : trace.channels())
     if (channel.topic.find("/output/") != std::string::npos && taken.count(channel.topic) == 0)
-      findings.push_back(error(fmt::format("it has commands on {}, and {} has no such controller", channel.topic,
-                                           scenario.name)));
+      findings.push_back(error(fmt::format("the recording has commands on {}, but {} has no such controller",
+                                           channel.topic, scenario.name)));
   for (Diagnostic& finding : findings) finding.file = trace.file();
   if (!findings.empty()) return findings;
   return commands;
@@ -82,7 +82,8 @@ Result<void> RecordedCommands::add(const ScenarioController& controller, int bod
   const std::string owner = slash == std::string_view::npos ? "" : name_of_segment(rest.substr(0, slash));
   const std::string_view kind = slash == std::string_view::npos ? rest : rest.substr(slash + 1);
   const auto unknown = [&](const char* what) {
-    return error(fmt::format("'{}' commands {} '{}', which '{}' hasn't", controller.name, what, owner, commanded.name));
+    return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' hasn't", controller.name, what, owner,
+                             commanded.name));
   };
   if (kind == "joints") {
     if (auto added = add_joints(source); !added) return added;
@@ -114,7 +115,7 @@ Result<void> RecordedCommands::add_joints(Source& source) {
     const std::string quantity = element.substr(slash + 1), joint = element.substr(0, slash);
     const int link = model.find_joint(joint);
     if (link < 0 || model.links[link].joint.id < 0) {
-      findings.push_back(error(fmt::format("it commands joint '{}', which '{}' hasn't", joint,
+      findings.push_back(error(fmt::format("the recording commands joint '{}', which '{}' hasn't", joint,
                                            scenario_.bodies[source.body].name)));
       continue;
     }

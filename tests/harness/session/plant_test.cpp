@@ -125,12 +125,12 @@ TEST_F(PlantRun, NamesCommandsToWhatTheScenarioHasNot) {
   std::string other = swinging();
   other.replace(other.find("name: Pd"), 8, "name: Pq");
   EXPECT_EQ(problem(run_plant(load(other), recording, path("moved.mcap"))),
-            path("run.mcap").string() + ": error: it has commands on /Rig/Pd/output/joints, and run has no such controller\n");
+            path("run.mcap").string() + ": error: the recording has commands on /Rig/Pd/output/joints, but run has no such controller\n");
   std::string urdf = rig_urdf;
   urdf.replace(urdf.find("\"SHOULDER\""), 10, "\"ELBOW\"");
   write("rig.urdf", urdf);
   EXPECT_THAT(problem(run_plant(load(swinging()), recording, path("moved.mcap"))),
-              HasSubstr("it commands joint 'SHOULDER', which 'Rig' hasn't"));
+              HasSubstr("the recording commands joint 'SHOULDER', which 'Rig' hasn't"));
 }
 
 TEST_F(PlantRun, BeginsAtCheckpointsOnly) {
