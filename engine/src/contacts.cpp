@@ -82,9 +82,10 @@ TouchedSurface surface_of(const Side& side) {
   return {surface, direction};
 }
 
-void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const ContactLaw& law,
+/// True if they touch. Two that no force moves don't.
+bool collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const ContactLaw& law,
              std::vector<dContactGeom>& found, Touches& touches) {
-  if (!a.yields() && !b.yields()) return;
+  if (!a.yields() && !b.yields()) return false;
   const int count = collide_shapes(a.shape, b.shape, found);
   for (int i = 0; i < count; ++i) {
     dContact contact{};
@@ -96,33 +97,38 @@ void collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, 
     if (a.body.feels(a.shape.link) || b.body.feels(b.shape.link))
       touches.keep(joint, contact.geom, {a.body, a.shape}, {b.body, b.shape});
   }
+  return count > 0;
 }
 
 }  // namespace
 
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const ContactLaw& law, int max_contacts, Touches& touches) {
+                  const ContactLaw& law, int max_contacts, Touches& touches, std::vector<LinkPair>& pairs) {
   touches.clear();
+  pairs.clear();
   std::vector<BodyBounds> bounds;
   bounds.reserve(bodies.size());
   for (const auto& body : bodies) bounds.push_back(bounds_of(*body));
   std::vector<dContactGeom> found(max_contacts);
+  const auto meet = [&](std::size_t i, std::size_t shape, std::size_t j, std::size_t other) {
+    const BodyShape &a = bodies[i]->shapes()[shape], &b = bodies[j]->shapes()[other];
+    if (!collide(world, group, {*bodies[i], a}, {*bodies[j], b}, law, found, touches)) return;
+    pairs.push_back(LinkPair::of(static_cast<int>(i), a.link, static_cast<int>(j), b.link));
+  };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (const auto& [a, b] : bodies[i]->own_pairs())
-      if (overlap(bounds[i].shapes[a], bounds[i].shapes[b]))
-        collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[i], bodies[i]->shapes()[b]}, law, found,
-                touches);
+      if (overlap(bounds[i].shapes[a], bounds[i].shapes[b])) meet(i, a, i, b);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (!overlap(bounds[i].all, bounds[j].all)) continue;
       for (std::size_t a = 0; a < bounds[i].shapes.size(); ++a) {
         if (!overlap(bounds[i].shapes[a], bounds[j].all)) continue;
         for (std::size_t b = 0; b < bounds[j].shapes.size(); ++b)
-          if (overlap(bounds[i].shapes[a], bounds[j].shapes[b]))
-            collide(world, group, {*bodies[i], bodies[i]->shapes()[a]}, {*bodies[j], bodies[j]->shapes()[b]}, law,
-                    found, touches);
+          if (overlap(bounds[i].shapes[a], bounds[j].shapes[b])) meet(i, a, j, b);
       }
     }
   }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
 }  // namespace rehearse

@@ -54,6 +54,7 @@ struct World::Impl {
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<SimulatedBody>> bodies;
   Touches touches;  // refers to the bodies
+  std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
   bool exploded = false;  // ODE broke off a step
@@ -170,6 +171,8 @@ void World::watch(int body, int link) {
   impl_->observed = false;
 }
 
+const std::vector<LinkPair>& World::touching() const { return impl_->touching; }
+
 void World::actuate(const Command& command) {
   REHEARSE_ASSERT(command.bodies.size() == impl_->bodies.size(), "a command has an entry for each body");
   impl_->command = command;
@@ -197,7 +200,8 @@ bool World::step() {
   Impl& impl = *impl_;
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
-  add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts, impl.touches);
+  add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts, impl.touches,
+               impl.touching);
   {
     OwnRandom random(impl.random);
     impl.exploded =
@@ -240,6 +244,7 @@ Result<void> World::restore(std::span<const std::byte> state) {
     body->after_restore();
     body->forget_touches();
   }
+  impl_->touching.clear();
   impl_->observed = false;
   return {};
 }

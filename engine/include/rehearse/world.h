@@ -15,6 +15,7 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
+#include <rehearse/link_pair.h>
 #include <rehearse/model.h>
 #include <rehearse/solver_settings.h>
 
@@ -79,6 +80,11 @@ class World {
   /// it, running belts included. Two things that no force moves have no contacts. Watching changes nothing in the
   /// simulation, and contacts are not part of its state: after restore() the lists are empty until the next step.
   void watch(int body, int link);
+
+  /// Which links touched in the last step, where they were at its beginning; ascending, each pair once. Two things that
+  /// no force moves don't touch. It is no part of the state: before the first step, and after restore() until the next
+  /// one, there are none. Valid until the next call of step() or restore().
+  const std::vector<LinkPair>& touching() const;
 
   /// What drives the joints from the coming step on, until another command comes, and the external wrenches that act on
   /// the links during the coming step only. Every number in it must be finite.
