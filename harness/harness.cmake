@@ -5,6 +5,7 @@ find_package(Threads REQUIRED)
 rehearse_add_library(harness
   src/camera_info.cpp
   src/cnoid_body.cpp
+  src/contact_recorder.cpp
   src/controller_host.cpp
   src/controller_io.cpp
   src/usable_outputs.cpp

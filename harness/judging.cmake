@@ -5,10 +5,16 @@ target_sources(rehearse_harness PRIVATE
   src/blame.cpp
   src/check.cpp
   src/compare.cpp
+  src/compare_envelope.cpp
+  src/compare_events.cpp
+  src/compare_json.cpp
   src/compare_numbers.cpp
   src/compare_pictures.cpp
+  src/compare_provenance.cpp
   src/compare_report.cpp
+  src/compare_structure.cpp
   src/digest.cpp
+  src/event_sequences.cpp
   src/golden.cpp
   src/golden_files.cpp
   src/golden_list.cpp

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "compare_parts.h"
@@ -18,8 +17,7 @@ namespace rehearse {
 TickClock::TickClock(const Trace& trace) {
   for (const TraceChannel& channel : trace.channels()) {
     if (channel.type != msg::Tick::type_name || channel.columns.empty()) continue;
-    std::size_t column = 0;
-    while (column < channel.columns.size() && channel.columns[column].element != "tick") ++column;
+    const std::size_t column = column_of(channel, "tick");
     for (std::size_t row = 0; row < channel.rows(); ++row) {
       times_.push_back(channel.times[row]);
       ticks_.push_back(column < channel.columns.size() ? static_cast<std::int64_t>(channel.bits(row, column))
@@ -46,8 +44,8 @@ bool Findings::count(double difference, double tolerance, bool beyond) {
 }
 
 void Findings::describe(const Divergence& divergence, bool beyond) {
-  if (!result_.first_bit) result_.first_bit = divergence;
-  if (beyond && !result_.first) result_.first = divergence;
+  mark(divergence);
+  if (beyond && (!result_.first || comes_before(divergence, *result_.first))) result_.first = divergence;
   const double times = times_tolerance(divergence.difference, divergence.tolerance);
   if (times < worst_times_ || (times == worst_times_ && divergence.difference <= worst_difference_)) return;
   const auto or_infinite = [](double value) {
@@ -65,11 +63,6 @@ void Findings::structure(const Divergence& divergence) {
 
 void Findings::mark(const Divergence& divergence) {
   if (!result_.first_bit || comes_before(divergence, *result_.first_bit)) result_.first_bit = divergence;
-}
-
-double times_tolerance(double difference, double tolerance) {
-  if (difference == 0.0) return 0.0;
-  return tolerance > 0.0 ? difference / tolerance : std::numeric_limits<double>::infinity();
 }
 
 namespace {
@@ -105,10 +98,10 @@ Stage stage_of(std::string_view topic, std::string_view element) {
   }
   if (topic == "/tf" && element.find("/scan/") != std::string_view::npos) return Stage::sensors;
   if (topic.find("/input/") != std::string_view::npos || topic == "/joy") return Stage::inputs;
-  if (topic.find("/output/") != std::string_view::npos || topic == "/events")
-    return Stage::controller;
+  if (topic.find("/output/") != std::string_view::npos || topic == "/events") return Stage::controller;
   if (kind == "image" || kind == "depth" || kind == "camera_info") return Stage::renderer;
-  if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "measured_joints" || kind == "contact")
+  if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "measured_joints" ||
+      kind == "contact")
     return Stage::sensors;
   return Stage::physics;
 }
@@ -128,6 +121,27 @@ std::string unit_of(const TraceChannel& channel, const std::string& element) {
   return unit ? *unit : "";
 }
 
+std::size_t column_of(const TraceChannel& channel, std::string_view element) {
+  const auto found = std::find_if(channel.columns.begin(), channel.columns.end(),
+                                  [&](const TraceColumn& column) { return column.element == element; });
+  return static_cast<std::size_t>(found - channel.columns.begin());
+}
+
+const std::string& series_of(const TraceChannel& channel, const TraceColumn& column) {
+  return channel.type == msg::TFMessage::type_name ? column.element : column.series;
+}
+
+std::string_view series_of(const TraceChannel& channel) {
+  const std::string_view topic = channel.topic;
+  return topic.starts_with('/') ? topic.substr(1) : topic;
+}
+
+std::string_view body_of(std::string_view topic) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  const std::size_t slash = topic.find('/');
+  return slash == std::string_view::npos ? std::string_view() : topic.substr(0, slash);
+}
+
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time) {
   const TickClock& clock =
       !traces.clock.has(time) && traces.actual_clock.has(time) ? traces.actual_clock : traces.clock;
@@ -141,21 +155,22 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
 
 namespace {
 
-MatchedChannel match(const TraceChannel& golden, const TraceChannel& actual, std::uint64_t end) {
+MatchedChannel match(const ComparedTraces& traces, const TraceChannel& golden, const TraceChannel& actual) {
   MatchedChannel matched{golden, actual, {}, golden.times == actual.times, {}, {}};
   std::size_t g = 0, a = 0;
   while (g < golden.times.size() || a < actual.times.size()) {
     const std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
     const std::uint64_t expected = g < golden.times.size() ? golden.times[g] : never;
     const std::uint64_t seen = a < actual.times.size() ? actual.times[a] : never;
-    if (std::min(expected, seen) > end) break;
+    if (std::min(expected, seen) > traces.end) break;
     if (expected == seen) {
       matched.pairs.emplace_back(g++, a++);
-    } else if (expected < seen) {
-      matched.missing.push_back(g++);
-    } else {
-      matched.extra.push_back(a++);
+      continue;
     }
+    const bool lacking = expected < seen;
+    std::vector<std::size_t>& lone = lacking ? matched.missing : matched.extra;
+    if (!traces.in_a_lone_tick(std::min(expected, seen))) lone.push_back(lacking ? g : a);
+    ++(lacking ? g : a);
   }
   return matched;
 }
@@ -174,130 +189,37 @@ void report_unmatched(const ComparedTraces& traces, const MatchedChannel& channe
   findings.result().extra = static_cast<std::int64_t>(channel.extra.size());
 }
 
-bool only_describes_itself(const TraceChannel& channel) {
-  // A checkpoint is what the state's hash is made of; events are compared as a sequence.
-  return channel.type == msg::Checkpoint::type_name || channel.type == msg::Event::type_name;
+/// A checkpoint is what the state's hash is made of; events are compared as sequences.
+bool is_compared_elsewhere(const TraceChannel& channel) {
+  return channel.type == msg::Checkpoint::type_name || channel.type == msg::Event::type_name ||
+         channel.type == msg::ContactChange::type_name;
 }
 
 /// One channel that both traces have.
 void compare_channel(const ComparedTraces& traces, const TraceChannel& golden, const TraceChannel& actual,
                      ChannelComparison& result) {
   Findings findings(result);
-  const bool both_speak = !golden.times.empty() && !actual.times.empty();  // one that says nothing has no columns either
-  if (golden.type != actual.type || (both_speak && golden.columns.empty() != actual.columns.empty())) {
+  if (golden.type != actual.type || golden.columns.empty() != actual.columns.empty()) {
     Divergence divergence = place_of(traces, golden, golden.times.empty() ? 0 : golden.times.front());
     divergence.note = golden.type == actual.type ? "one trace has numbers here, the other has none"
                                                  : fmt::format("is of type {}, expected {}", actual.type, golden.type);
     return findings.structure(divergence);
   }
-  const MatchedChannel matched = match(golden, actual, traces.end);
+  if (is_compared_elsewhere(golden) && golden.type != msg::Checkpoint::type_name) return;
+  const MatchedChannel matched = match(traces, golden, actual);
   report_unmatched(traces, matched, findings);
-  if (only_describes_itself(golden) || matched.pairs.empty()) return;
+  if (is_compared_elsewhere(golden)) return;
   if (golden.columns.empty())
     compare_payloads(traces, matched, findings);
   else
     compare_numbers(traces, matched, findings);
 }
 
-void report_lone_channel(const ComparedTraces& traces, const TraceChannel& channel, const char* note,
-                         ChannelComparison& result) {
-  Divergence divergence = place_of(traces, channel, channel.times.empty() ? 0 : channel.times.front());
-  divergence.note = note;
-  Findings(result).structure(divergence);
-}
-
-std::string text_of(const msg::Event& event) {
-  return fmt::format("tick {}, {}, {}: {}", event.tick, event.severity, event.source, event.text);
-}
-
-/// What happened, one after the other: the first that isn't what happened in the golden.
-void compare_events(const ComparedTraces& traces, ChannelComparison& result) {
-  const std::vector<msg::Event>&golden = traces.golden.events(), &actual = traces.actual.events();
-  Findings findings(result);
-  for (std::size_t i = 0; i < std::max(golden.size(), actual.size()); ++i) {
-    const bool there = i < actual.size(), expected = i < golden.size();
-    if (there && expected && text_of(golden[i]) == text_of(actual[i])) continue;
-    const msg::Event& event = there && (!expected || actual[i].tick <= golden[i].tick) ? actual[i] : golden[i];
-    if (event.stamp.to_ns() > traces.end) return;  // only one of the runs came so far
-    Divergence divergence;
-    divergence.tick = event.tick;
-    divergence.time = static_cast<double>(event.stamp.to_ns()) * 1e-9;
-    divergence.channel = result.channel;
-    divergence.stage = Stage::controller;
-    divergence.note =
-        fmt::format("event {} is {}, expected {}", i + 1, there ? "\"" + text_of(actual[i]) + "\"" : "missing",
-                    expected ? "\"" + text_of(golden[i]) + "\"" : "none");
-    return findings.structure(divergence);
-  }
-}
-
-std::string failure_of(const Trace& trace) {
-  const mcap::StringMap* outcome = trace.find_metadata("rehearse.outcome");
-  if (!outcome) return "the recording was cut off";
-  const auto failure = outcome->find("failure");
-  return failure == outcome->end() ? "" : failure->second;
-}
-
-/// One run is longer than the other: everything is compared up to the shorter one's end, and this says so.
-void compare_lengths(ComparedTraces& traces, ChannelComparison& result) {
-  if (traces.clock.empty() || traces.actual_clock.empty()) return;
-  const std::uint64_t golden_end = traces.clock.last_time(), actual_end = traces.actual_clock.last_time();
-  const std::uint64_t asked = std::exchange(traces.end, std::min({golden_end, actual_end, traces.end}));
-  if (golden_end == actual_end || asked <= std::min(golden_end, actual_end)) return;
-  const bool early = actual_end < golden_end;
-  const std::string failure = failure_of(early ? traces.actual : traces.golden);
-  Divergence divergence;
-  divergence.tick = (early ? traces.actual_clock : traces.clock).tick_at(traces.end);
-  divergence.time = static_cast<double>(traces.end) * 1e-9;
-  divergence.channel = result.channel;
-  divergence.stage = failure.starts_with("controller") ? Stage::controller
-                     : failure.empty()                 ? Stage::inputs
-                                                       : Stage::physics;
-  divergence.note = fmt::format("the {} ends here{}, the {} goes on to tick {}", early ? "run" : "golden",
-                                failure.empty() ? "" : " (" + failure + ")", early ? "golden" : "run",
-                                (early ? traces.clock : traces.actual_clock).tick_at(std::max(golden_end, actual_end)));
-  Findings(result).structure(divergence);
-}
-
-/// Whether a fact of the provenance decides how numbers are rounded.
-bool is_arithmetic(const std::string& fact) {
-  constexpr std::string_view facts[] = {"rehearse", "physics", "libc", "compiler", "renderer"};
-  return fact.starts_with("pinned.") || std::find(std::begin(facts), std::end(facts), fact) != std::end(facts);
-}
-
-/// What isn't as it was when the golden was recorded.
-void compare_circumstances(const Trace& golden, const Trace& actual, const CompareOptions& options,
-                           Comparison& comparison) {
-  std::vector<std::string>& remarks = comparison.remarks;
-  const auto same = [](const mcap::Attachment& a, const mcap::Attachment& b) {
-    return std::equal(a.data.begin(), a.data.end(), b.data.begin(), b.data.end());
-  };
-  for (const mcap::Attachment& attachment : golden.attachments()) {
-    if (attachment.name.ends_with(".report")) continue;
-    const mcap::Attachment* other = actual.find_attachment(attachment.name);
-    if (other && same(attachment, *other)) continue;
-    comparison.changed_files.push_back(attachment.name);
-    if (!other)
-      remarks.push_back(fmt::format("{} was part of the golden's run only", attachment.name));
-    else
-      remarks.push_back(fmt::format("{} is not what it was when the golden was recorded", attachment.name));
-  }
-  const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
-  if (!before || !now) return;
-  for (const auto& [fact, value] : *before) {
-    if (fact.starts_with("controller.") && !options.takes(Stage::controller)) continue;
-    const auto found = now->find(fact);
-    if (found != now->end() && found->second == value) continue;
-    remarks.push_back(
-        fmt::format("{} was \"{}\" and is \"{}\"", fact, value, found == now->end() ? "" : found->second));
-    comparison.same_arithmetic = comparison.same_arithmetic && !is_arithmetic(fact);
-  }
-}
-
 /// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
 std::int64_t compared_ticks(const ComparedTraces& traces) {
   std::int64_t messages = 0;
-  while (messages < std::ssize(traces.clock.times()) && traces.clock.times()[messages] <= traces.end) ++messages;
+  for (const std::uint64_t time : traces.clock.times())
+    if (time <= traces.end && traces.actual_clock.has(time)) ++messages;
   std::int64_t recorded = messages;
   if (const mcap::StringMap* outcome = traces.golden.find_metadata("rehearse.outcome")) {
     const auto ticks = outcome->find("ticks");
@@ -307,24 +229,44 @@ std::int64_t compared_ticks(const ComparedTraces& traces) {
   return std::min(messages, recorded);
 }
 
+Agreement agreement_of(const Comparison& comparison) {
+  if (!comparison.within) return Agreement::beyond;
+  if (comparison.equal) return Agreement::equal;
+  const bool all_noise = comparison.differing > 0 && comparison.in_noise == comparison.differing;
+  return all_noise ? Agreement::in_noise : Agreement::within;
+}
+
 /// Sums up what was found in the channels.
 void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   const auto take = [](std::optional<Divergence>& best, const std::optional<Divergence>& other) {
     if (other && (!best || comes_before(*other, *best))) best = other;
   };
-  const auto badness = [](const Divergence& d) { return times_tolerance(d.difference, d.tolerance); };
+  const auto badness = [](const Divergence& d) {
+    const double times = times_tolerance(d.difference, d.tolerance);
+    return std::isnan(times) ? std::numeric_limits<double>::infinity() : times;
+  };
+  std::set<std::string> differing;
   for (ChannelComparison& channel : channels) {
     comparison.values += channel.values;
+    if (channel.of_events) comparison.events += channel.values;
     comparison.differing += channel.differing;
+    comparison.in_noise += channel.in_noise;
     comparison.beyond += channel.beyond;
+    comparison.blanked += channel.blanked;
     take(comparison.first, channel.first);
     take(comparison.first_bit, channel.first_bit);
     if (channel.worst && (!comparison.worst || badness(*channel.worst) > badness(*comparison.worst)))
       comparison.worst = channel.worst;
-    if (channel.first_bit) comparison.channels.push_back(std::move(channel));
+    if (channel.first_bit) differing.insert(channel.channel);
   }
+  for (const ChannelComparison& channel : channels)
+    if (!channel.of_events && differing.insert(channel.channel).second)
+      comparison.equal_channels.push_back(channel.channel);
+  std::erase_if(channels, [](const ChannelComparison& channel) { return !channel.first_bit; });
+  comparison.channels = std::move(channels);
   comparison.equal = !comparison.first_bit;
   comparison.within = !comparison.first;
+  comparison.agreement = agreement_of(comparison);
   std::stable_sort(
       comparison.channels.begin(), comparison.channels.end(),
       [](const ChannelComparison& a, const ChannelComparison& b) { return comes_before(*a.first_bit, *b.first_bit); });
@@ -338,38 +280,72 @@ bool takes(const CompareOptions& options, const TraceChannel& channel) {
   return options.takes(stage_of(channel.topic));
 }
 
+/// Nothing is compared, and this is why.
+Comparison refusal(const Diagnostic& reason) {
+  Comparison comparison;
+  comparison.agreement = Agreement::beyond;
+  Divergence& first = comparison.first.emplace();
+  first.stage = Stage::inputs;
+  first.note = fmt::format("{}: {}; {}", reason.file, reason.message, reason.hint);
+  comparison.first_bit = comparison.first;
+  return comparison;
+}
+
 }  // namespace
+
+std::string_view to_string(Agreement agreement) {
+  switch (agreement) {
+    case Agreement::equal: return "equal";
+    case Agreement::in_noise: return "in noise";
+    case Agreement::within: return "within";
+    case Agreement::beyond: return "beyond";
+  }
+  return "";
+}
 
 Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
                    const CompareOptions& options) {
+  for (const Trace* trace : {&golden, &actual})
+    if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
   ComparedTraces traces{golden, actual, rules, options, TickClock(golden), TickClock(actual)};
   if (options.until) traces.end = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9));
   Comparison comparison;
   std::vector<ChannelComparison> channels;
-  const auto result_for = [&](const std::string& topic) -> ChannelComparison& {
+  const auto add = [&](const std::string& topic) -> ChannelComparison& {
     ChannelComparison& result = channels.emplace_back();
     result.channel = topic;
     result.stage = stage_of(topic);
     return result;
   };
-  compare_lengths(traces, result_for("/tick"));
-  if (options.takes(stage_of("/events"))) compare_events(traces, result_for("/events"));
+  const auto taken = [&](const TraceChannel& channel) { return takes(options, channel); };
+  compare_ticks(traces, add("/tick"));
+  std::vector<ChannelComparison> of_events;  // after the values: of two findings of a tick, a value tells more
+  compare_events(
+      traces,
+      [&](const std::string& topic) -> ChannelComparison& {
+        ChannelComparison& result = of_events.emplace_back();
+        result.channel = topic;
+        result.stage = stage_of(topic);
+        result.of_events = true;
+        return result;
+      },
+      comparison.event_differences);
+  compare_lone_channels(traces, taken, add, comparison.remarks);
   std::set<std::string_view> compared;
   for (const TraceChannel& channel : golden.channels()) {
-    if (!compared.insert(channel.topic).second || !takes(options, channel)) continue;
-    ChannelComparison& result = result_for(channel.topic);
-    if (const TraceChannel* other = actual.find_channel(channel.topic))
-      compare_channel(traces, channel, *other, result);
-    else
-      report_lone_channel(traces, channel, "the channel is missing", result);
+    const TraceChannel* other = actual.find_channel(channel.topic);
+    if (!compared.insert(channel.topic).second || !taken(channel) || !other) continue;
+    ChannelComparison& result = add(channel.topic);
+    compare_channel(traces, channel, *other, result);
     if (is_picture(channel)) comparison.pictures += result.values;
   }
-  for (const TraceChannel& channel : actual.channels())
-    if (compared.insert(channel.topic).second && takes(options, channel))
-      report_lone_channel(traces, channel, "the channel is extra: the golden hasn't it", result_for(channel.topic));
+  channels.insert(channels.end(), of_events.begin(), of_events.end());
   comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));
-  compare_circumstances(golden, actual, options, comparison);
+  const std::vector<std::string> of_provenance = provenance_remarks(golden, actual);
+  comparison.remarks.insert(comparison.remarks.end(), of_provenance.begin(), of_provenance.end());
+  if (comparison.first) comparison.explanation = explanation_of(comparison.first->stage, golden, actual);
+  comparison.warnings = unmatched_rules(traces);
   return comparison;
 }
 

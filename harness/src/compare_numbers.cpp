@@ -1,14 +1,18 @@
 // Tables of numbers against each other. Most rows of most comparisons are equal, so bytes are compared before numbers
 // are.
+#include <fmt/format.h>
 #include <rehearse/messages.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <optional>
 
+#include "compare_envelope.h"
 #include "compare_parts.h"
 
 namespace rehearse {
@@ -22,8 +26,13 @@ struct Column {
   std::string element;
   std::string unit;
   double tolerance = 0.0;
+  double noise = -1.0;  // below it nothing means anything; negative: not known
+  double lead = 0.0;    // [s]
+  double lag = 0.0;     // [s]
   bool hash = false;
   bool wraps = false;
+  const std::vector<BlankedSpan>* blanked = nullptr;  // when it isn't judged; null: it always is
+  std::shared_ptr<const Envelope> envelope = nullptr;  // made when it is needed first
 };
 
 /// Four columns x, y, z, w that are one orientation.
@@ -48,12 +57,20 @@ class NumberJudge {
  private:
   void match_columns();
   bool takes(const TraceChannel& channel, std::string_view element) const;
+  void report_lone(const TraceChannel& channel, const std::vector<std::string>& elements, const std::string& note);
   void structure(const TraceChannel& channel, const std::string& element, std::string note);
+  void find_tolerance(Column& column) const;
   double scale_of(std::size_t golden_column) const;
   void group_orientations();
   void compare_row(std::size_t golden_row, std::size_t actual_row);
-  void compare_cell(const Column& column, std::size_t golden_row, std::size_t actual_row);
+  void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
+  void mark_hash(const Column& column, std::size_t golden_row);
+  double beside(Column& column, std::size_t golden_row, double actual) const;
   void compare_orientation(const Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
+  double beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const;
+  void compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
+                     const Quaternion& actual);
+  bool count(const Column& column, std::size_t golden_row, double difference, bool& beyond);
   Divergence place(const Column& column, std::size_t golden_row) const;
 
   const ComparedTraces& traces_;
@@ -84,22 +101,35 @@ bool NumberJudge::takes(const TraceChannel& channel, std::string_view element) c
          traces_.options.takes(stage_of(channel.topic, element));
 }
 
+/// All that one of the traces lacks is one finding.
+void NumberJudge::report_lone(const TraceChannel& channel, const std::vector<std::string>& elements,
+                              const std::string& note) {
+  constexpr std::size_t most_named = 3;
+  if (elements.empty()) return;
+  std::string others;
+  for (std::size_t i = 1; i < std::min(elements.size(), most_named); ++i) others += ", " + elements[i];
+  if (elements.size() > most_named) others += ", ...";
+  structure(channel, elements.front(),
+            elements.size() == 1 ? note : fmt::format("{}; {} elements in all{}", note, elements.size(), others));
+}
+
 void NumberJudge::match_columns() {
   const TraceChannel &golden = channel_.golden, &actual = channel_.actual;
   std::map<std::string_view, std::size_t> of_actual;
   for (std::size_t i = 0; i < actual.columns.size(); ++i) of_actual.emplace(actual.columns[i].element, i);
   same_columns_ = golden.columns.size() == actual.columns.size();
+  std::vector<std::string> missing, extra, of_another_kind;
   for (std::size_t i = 0; i < golden.columns.size(); ++i) {
     const TraceColumn& expected = golden.columns[i];
+    const auto found = of_actual.find(expected.element);
     if (!takes(golden, expected.element)) {
-      of_actual.erase(expected.element);
+      if (found != of_actual.end()) of_actual.erase(found);
       same_columns_ = false;
       continue;
     }
-    const auto found = of_actual.find(expected.element);
     if (found == of_actual.end()) {
       same_columns_ = false;
-      if (!may_be_missing(golden)) structure(golden, expected.element, "is missing");
+      if (!may_be_missing(golden)) missing.push_back(expected.element);
       continue;
     }
     const std::size_t at = found->second;
@@ -107,23 +137,44 @@ void NumberJudge::match_columns() {
     same_columns_ = same_columns_ && at == i;
     if (actual.columns[at].kind != expected.kind) {
       same_columns_ = false;
-      structure(golden, expected.element, "is a number of another kind than in the golden");
+      of_another_kind.push_back(expected.element);
       continue;
     }
-    columns_.push_back({i, at, expected.kind, expected.element, unit_of(golden, expected.element), 0.0,
-                        is_hash(golden, expected.element), golden.metadata.count("wrap:" + expected.element) > 0});
+    if (is_result_of_control(golden, expected.element)) continue;
+    Column& column = columns_.emplace_back();
+    column.golden = i;
+    column.actual = at;
+    column.kind = expected.kind;
+    column.element = expected.element;
+    column.unit = unit_of(golden, expected.element);
+    column.hash = is_hash(golden, expected.element);
+    column.wraps = golden.metadata.count("wrap:" + expected.element) > 0;
+    find_tolerance(column);
   }
   if (!may_be_missing(golden))
-    for (const auto& [element, at] : of_actual)
-      if (takes(actual, element)) structure(actual, std::string(element), "is extra: the golden hasn't it");
-  const bool transforms = golden.type == msg::TFMessage::type_name;  // named by the frame, like the pose of a link
-  for (Column& column : columns_) {
-    if (column.kind != CellKind::floating) continue;
-    const std::string& series = transforms ? column.element : golden.columns[column.golden].series;
-    const Tolerance tolerance = tolerance_of(series, column.unit, traces_.rules);
-    column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(column.golden) : 0.0);
-  }
+    for (const TraceColumn& column : actual.columns)  // in their own order
+      if (of_actual.count(column.element) && takes(actual, column.element)) extra.push_back(column.element);
+  report_lone(golden, missing, "is missing");
+  report_lone(golden, of_another_kind, "is a number of another kind than in the golden");
+  report_lone(actual, extra, "is extra: the golden hasn't it");
   group_orientations();
+}
+
+void NumberJudge::find_tolerance(Column& column) const {
+  const TraceChannel& golden = channel_.golden;
+  const std::string& series = series_of(golden, golden.columns[column.golden]);
+  if (!traces_.blanked.empty()) {
+    const bool transforms = golden.type == msg::TFMessage::type_name;
+    const auto spans = traces_.blanked.find(body_of(transforms ? column.element : golden.topic));
+    if (spans != traces_.blanked.end()) column.blanked = &spans->second;
+  }
+  if (column.kind != CellKind::floating) return;
+  const Tolerance tolerance = tolerance_of(series, column.unit, traces_.rules);
+  column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(column.golden) : 0.0);
+  column.lead = tolerance.lead;
+  column.lag = tolerance.lag;
+  const auto noise = traces_.options.noise_floors.find(series);
+  if (noise != traces_.options.noise_floors.end()) column.noise = noise->second;
 }
 
 /// The largest magnitude in the golden; of an element x, y or z the largest norm of the three.
@@ -180,7 +231,7 @@ void NumberJudge::compare_rows() {
 }
 
 void NumberJudge::compare_row(std::size_t golden_row, std::size_t actual_row) {
-  for (const Column& column : columns_) compare_cell(column, golden_row, actual_row);
+  for (Column& column : columns_) compare_cell(column, golden_row, actual_row);
   for (const Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
 }
 
@@ -192,29 +243,62 @@ Divergence NumberJudge::place(const Column& column, std::size_t golden_row) cons
   return divergence;
 }
 
-double angle_between_turns(double difference) { return std::abs(std::remainder(difference, 2.0 * std::numbers::pi)); }
+constexpr double turn = 2.0 * std::numbers::pi;  // [rad]
 
-void NumberJudge::compare_cell(const Column& column, std::size_t golden_row, std::size_t actual_row) {
+bool is_blanked(const std::vector<BlankedSpan>* spans, std::uint64_t time) {
+  return spans && std::any_of(spans->begin(), spans->end(),
+                              [time](const BlankedSpan& span) { return span.from <= time && time <= span.until; });
+}
+
+/// Counts a cell whose bits differ; true if it is to be described. Takes back `beyond` where it isn't judged.
+bool NumberJudge::count(const Column& column, std::size_t golden_row, double difference, bool& beyond) {
+  if (difference <= column.noise) ++findings_.result().in_noise;
+  if (beyond && is_blanked(column.blanked, channel_.golden.times[golden_row])) {
+    beyond = false;
+    ++findings_.result().differing;
+    ++findings_.result().blanked;
+    if (!findings_.result().first_bit) findings_.mark(place(column, golden_row));
+    return false;
+  }
+  return findings_.count(difference, column.tolerance, beyond);
+}
+
+void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
+  if (findings_.result().first_bit) return;
+  Divergence divergence = place(column, golden_row);
+  divergence.note = "isn't that of the golden";
+  findings_.mark(divergence);
+}
+
+/// How far a number is from all that the golden is within lead and lag.
+double NumberJudge::beside(Column& column, std::size_t golden_row, double actual) const {
+  if (!column.envelope)
+    column.envelope = std::make_shared<Envelope>(channel_.golden, column.golden, column.lead, column.lag);
+  const double expected = channel_.golden.number(golden_row, column.golden);
+  if (column.wraps) actual = expected + std::remainder(actual - expected, turn);
+  return column.envelope->distance(golden_row, actual);
+}
+
+void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row) {
   const std::uint64_t expected_bits = channel_.golden.bits(golden_row, column.golden);
   const std::uint64_t actual_bits = channel_.actual.bits(actual_row, column.actual);
   if (expected_bits == actual_bits) return;
-  if (column.hash) {
-    if (findings_.result().first_bit) return;
-    Divergence divergence = place(column, golden_row);
-    divergence.note = "isn't that of the golden";
-    findings_.mark(divergence);
-    return;
-  }
+  if (column.hash) return mark_hash(column, golden_row);
   const double expected = channel_.golden.number(golden_row, column.golden);
   const double actual = channel_.actual.number(actual_row, column.actual);
   double difference = std::abs(actual - expected);
   bool beyond = true;
   if (column.kind == CellKind::floating) {
     if (std::isnan(expected) && std::isnan(actual)) difference = 0.0;
-    if (column.wraps) difference = angle_between_turns(difference);
+    if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
+    if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(difference)) {
+      const double from_envelope = beside(column, golden_row, actual);
+      beyond = !(from_envelope <= column.tolerance);
+      if (!beyond) difference = from_envelope;  // what is judged is what is told
+    }
   }
-  if (!findings_.count(difference, column.tolerance, beyond)) return;
+  if (!count(column, golden_row, difference, beyond)) return;
   Divergence divergence = place(column, golden_row);
   divergence.expected = expected;
   divergence.actual = actual;
@@ -224,17 +308,18 @@ void NumberJudge::compare_cell(const Column& column, std::size_t golden_row, std
   findings_.describe(divergence, beyond);
 }
 
-/// The angle of the rotation from one unit quaternion (x, y, z, w) to the other, 0 to pi [rad].
-double angle_between(const std::array<double, 4>& a, const std::array<double, 4>& b) {
-  const double w = a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  const double x = a[3] * b[0] - b[3] * a[0] - (a[1] * b[2] - a[2] * b[1]);
-  const double y = a[3] * b[1] - b[3] * a[1] - (a[2] * b[0] - a[0] * b[2]);
-  const double z = a[3] * b[2] - b[3] * a[2] - (a[0] * b[1] - a[1] * b[0]);
-  return 2.0 * std::atan2(std::sqrt(x * x + y * y + z * z), std::abs(w));
+double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {
+  const auto golden_at = [&](std::size_t row) {
+    Quaternion q{};
+    for (std::size_t i = 0; i < 4; ++i) q[i] = channel_.golden.number(row, orientation.columns[i].golden);
+    return q;
+  };
+  const Column& column = orientation.columns[0];
+  return distance_from_path(channel_.golden.times, golden_row, column.lead, column.lag, golden_at, actual);
 }
 
 void NumberJudge::compare_orientation(const Orientation& orientation, std::size_t golden_row, std::size_t actual_row) {
-  std::array<double, 4> expected{}, actual{};
+  Quaternion expected{}, actual{};
   std::size_t most = 4;  // the element that differs most stands for all four
   bool same_nan = true;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -248,19 +333,52 @@ void NumberJudge::compare_orientation(const Orientation& orientation, std::size_
   double angle = angle_between(expected, actual);
   if (std::isnan(angle) && same_nan) angle = 0.0;
   const Column& column = orientation.columns[most];
-  const bool beyond = !(angle <= column.tolerance);
-  if (!findings_.count(angle, column.tolerance, beyond)) return;
+  bool beyond = !(angle <= column.tolerance);
+  if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(angle)) {
+    const double from_path = beside(orientation, golden_row, actual);
+    beyond = !(from_path <= column.tolerance);
+    if (!beyond) angle = from_path;
+  }
+  if (count(column, golden_row, angle, beyond)) {
+    Divergence divergence = place(column, golden_row);
+    divergence.expected = expected[most];
+    divergence.actual = actual[most];
+    divergence.difference = angle;
+    divergence.tolerance = column.tolerance;
+    divergence.ulps = ulps_between(expected[most], actual[most]);
+    divergence.unit = "rad";
+    findings_.describe(divergence, beyond);
+  }
+  compare_norms(orientation, golden_row, expected, actual);
+}
+
+/// The angle says nothing of a quaternion that is no rotation.
+void NumberJudge::compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
+                                const Quaternion& actual) {
+  const double norm = norm_of(actual), wanted = norm_of(expected);
+  Column column = orientation.columns[0];
+  column.tolerance = std::max(column.tolerance, default_tolerance("quaternion").atol);
+  const double difference = std::abs(norm - wanted);
+  if (difference <= column.tolerance || std::isnan(difference)) return;
+  bool beyond = true;
+  if (!count(column, golden_row, difference, beyond)) return;
   Divergence divergence = place(column, golden_row);
-  divergence.expected = expected[most];
-  divergence.actual = actual[most];
-  divergence.difference = angle;
+  divergence.element.back() = 'n';
+  divergence.element += "orm";
+  divergence.unit.clear();
+  divergence.expected = wanted;
+  divergence.actual = norm;
+  divergence.difference = difference;
   divergence.tolerance = column.tolerance;
-  divergence.ulps = ulps_between(expected[most], actual[most]);
-  divergence.unit = "rad";
+  divergence.ulps = ulps_between(wanted, norm);
   findings_.describe(divergence, beyond);
 }
 
 }  // namespace
+
+bool is_result_of_control(const TraceChannel& channel, std::string_view element) {
+  return channel.type == msg::Tick::type_name && element.starts_with("controller_results/");
+}
 
 void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings) {
   NumberJudge(traces, channel, findings).compare_rows();

@@ -6,7 +6,9 @@
 
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,6 +31,12 @@ class TickClock {
   std::vector<std::int64_t> ticks_;
 };
 
+/// A span of time in which the numbers of a body are not judged; both ends are part of it [ns].
+struct BlankedSpan {
+  std::uint64_t from = 0;
+  std::uint64_t until = 0;
+};
+
 /// Two traces and what decides how they are compared.
 struct ComparedTraces {
   const Trace& golden;
@@ -37,7 +45,15 @@ struct ComparedTraces {
   const CompareOptions& options;
   TickClock clock;  // of the golden
   TickClock actual_clock;
-  std::uint64_t end = std::numeric_limits<std::uint64_t>::max();  // the last time that is compared: both runs reached it [ns]
+  /// The last time that is compared: both runs reached it [ns].
+  std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
+  /// By the name of a body, in the order of time.
+  std::map<std::string, std::vector<BlankedSpan>, std::less<>> blanked = {};
+
+  /// A tick that only one of the runs has is one finding: no message of it is another.
+  bool in_a_lone_tick(std::uint64_t time) const {
+    return !clock.empty() && !actual_clock.empty() && clock.has(time) != actual_clock.has(time);
+  }
 };
 
 /// A channel of both traces, their messages matched by time.
@@ -50,7 +66,7 @@ struct MatchedChannel {
   std::vector<std::size_t> extra;                          // messages of actual only
 };
 
-/// Collects the divergences of one channel, in order of time: counts them, keeps the first and the worst.
+/// Collects the divergences of one channel: counts them, keeps the first and the worst.
 class Findings {
  public:
   explicit Findings(ChannelComparison& result) : result_(result) {}
@@ -60,7 +76,7 @@ class Findings {
   void describe(const Divergence& divergence, bool beyond);
   /// Something that isn't a matter of two values: missing, extra, of another kind. Fails the channel.
   void structure(const Divergence& divergence);
-  /// A hash: other bits, but nothing that passes or fails.
+  /// Other bits, but nothing that passes or fails: a hash, or a value that isn't judged.
   void mark(const Divergence& divergence);
   ChannelComparison& result() { return result_; }
 
@@ -70,20 +86,53 @@ class Findings {
   double worst_difference_ = -1.0;
 };
 
-/// How many times its tolerance a difference is; infinity where none is allowed.
-double times_tolerance(double difference, double tolerance);
-
 /// Order of causes: by tick, then by stage. Equal places keep the order in which they were found.
 bool comes_before(const Divergence& a, const Divergence& b);
 
 /// The unit that a channel's metadata states for an element; empty if none.
 std::string unit_of(const TraceChannel& channel, const std::string& element);
 
+/// The column of that element, or columns.size().
+std::size_t column_of(const TraceChannel& channel, std::string_view element);
+
+/// The name by which rules know a column. A transform is named by its frame, like the pose of a link.
+const std::string& series_of(const TraceChannel& channel, const TraceColumn& column);
+
+/// The name by which rules know the messages of a channel that has no columns: its topic without the first slash.
+std::string_view series_of(const TraceChannel& channel);
+
+/// "SR1" of "/SR1/LeftForce/wrench" and of "SR1/WAIST"; empty if there is but one segment.
+std::string_view body_of(std::string_view topic);
+
 /// A divergence of that channel at that time, without values.
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time);
+
+/// What control() returned is compared as events.
+bool is_result_of_control(const TraceChannel& channel, std::string_view element);
 
 void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
 void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
 bool is_picture(const TraceChannel& channel);
+
+/// Makes an entry of the comparison's channels; what it returns holds until the next call.
+using AddChannel = std::function<ChannelComparison&(const std::string& topic)>;
+
+/// Sets traces.end. One run may be longer than the other: everything is compared up to the shorter one's end, and this
+/// says so. And the ticks that only one of them has.
+void compare_ticks(ComparedTraces& traces, ChannelComparison& result);
+/// What only one trace has, one entry for each body, controller, device or channel. `takes` tells which are compared.
+void compare_lone_channels(const ComparedTraces& traces, const std::function<bool(const TraceChannel&)>& takes,
+                           const AddChannel& add, std::vector<std::string>& remarks);
+/// Sequences of events. Sets traces.blanked.
+void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences);
+
+/// Fails if a trace is of a version that this program doesn't know: nothing in it is known to mean what it seems to.
+Result<void> check_version(const Trace& trace);
+/// What the two were recorded of and with that isn't the same, a sentence each.
+std::vector<std::string> provenance_remarks(const Trace& golden, const Trace& actual);
+/// What of that can explain a difference that this part of the loop made: "another ODE"; empty if nothing.
+std::string explanation_of(Stage stage, const Trace& golden, const Trace& actual);
+/// Rules that match nothing in either trace.
+Diagnostics unmatched_rules(const ComparedTraces& traces);
 
 }  // namespace rehearse

@@ -1,17 +1,17 @@
-// What a comparison found, in words, as a table, and as JSON.
+// What a comparison found, in words and as a table.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
+#include <map>
 
 #include "compare_parts.h"
-#include "report_json.h"
 
 namespace rehearse {
 namespace {
 
-using nlohmann::ordered_json;
+constexpr std::size_t line_width = 120;
+constexpr std::size_t rows_shown = 8, remarks_shown = 3;
 
 std::string counted(std::int64_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
@@ -21,84 +21,203 @@ std::string place_text(const Divergence& d) {
   return fmt::format("tick {} ({} s), {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
 }
 
-std::string worst_text(const ChannelComparison& channel) {
-  if (!channel.worst) return channel.first_bit->note;
-  const Divergence& worst = *channel.worst;
-  const double times = times_tolerance(worst.difference, worst.tolerance);
-  const std::string unit = worst.unit.empty() || worst.unit == "pixels" ? "" : " " + worst.unit;
-  if (!std::isfinite(times)) return fmt::format("{:.3g}{} at tick {}", worst.difference, unit, worst.tick);
-  return fmt::format("{:.3g}{} at tick {}, {:.3g} times its tolerance", worst.difference, unit, worst.tick, times);
+/// Channels of one kind whose numbers mean the same: one line of the table.
+struct Row {
+  Stage stage = Stage::physics;
+  std::string name;                                // of the channels: a pattern
+  std::vector<const ChannelComparison*> channels;  // by their first difference
+  std::int64_t count = 0;                          // of channels
+  std::int64_t values = 0, differing = 0, beyond = 0;
+  const ChannelComparison* worst = nullptr;
+};
+
+/// The topic with a star for whose it is: "/SR1/*/wrench", "/SR1/Walker/input/*/pose".
+std::string pattern_of(const std::string& topic) {
+  const std::size_t last = topic.rfind('/');
+  if (last == 0 || last == std::string::npos) return topic;
+  const std::size_t before = topic.rfind('/', last - 1);
+  const std::string owner = topic.substr(before + 1, last - before - 1);
+  if (before == 0) return topic.substr(0, 1) + "*" + topic.substr(last);  // of a body itself
+  return owner == "input" || owner == "output" ? topic : topic.substr(0, before + 1) + "*" + topic.substr(last);
 }
 
-ordered_json number(double value) {
-  if (std::isnan(value)) return "NaN";
-  if (std::isinf(value)) return value > 0 ? "Infinity" : "-Infinity";
-  return value;
+double badness(const ChannelComparison& channel) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  if (!channel.worst) return channel.first ? infinite : -1.0;
+  const double times = times_tolerance(channel.worst->difference, channel.worst->tolerance);
+  return std::isnan(times) ? infinite : times;
+}
+
+/// One line for each pattern, by the first difference in it.
+std::vector<Row> rows_of(const Comparison& comparison) {
+  std::vector<Row> rows;
+  std::map<std::pair<int, std::string>, std::size_t> known;
+  for (const ChannelComparison& channel : comparison.channels) {
+    std::string pattern = pattern_of(channel.channel);
+    if (channel.of_events) pattern += " events";
+    const auto [at, is_new] = known.emplace(std::pair(static_cast<int>(channel.stage), pattern), rows.size());
+    if (is_new) rows.emplace_back();
+    Row& row = rows[at->second];
+    row.stage = channel.stage;
+    row.name = std::move(pattern);
+    row.channels.push_back(&channel);
+    row.count += channel.channels;
+    row.values += channel.values;
+    row.differing += channel.differing;
+    row.beyond += channel.beyond;
+    if (!row.worst || badness(channel) > badness(*row.worst)) row.worst = &channel;
+  }
+  for (Row& row : rows) {
+    if (row.channels.size() == 1) {
+      row.name = row.channels[0]->channel;
+      if (row.channels[0]->of_events) row.name += " events";
+      if (row.count > 1) row.name = row.name.substr(0, row.name.find('/', 1)) + "/...";
+    }
+    if (row.count > 1) row.name += fmt::format(" ({})", row.count);
+  }
+  return rows;
+}
+
+/// The middle of what is too long is left out; no character of UTF-8 is cut.
+std::string shortened(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  const auto is_inside = [&text](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };
+  std::size_t head = (most - 3) / 2, tail = text.size() - (most - 3 - head);
+  while (head > 0 && is_inside(head)) --head;
+  while (tail < text.size() && is_inside(tail)) ++tail;
+  return text.substr(0, head) + "..." + text.substr(tail);
+}
+
+/// Whose of the pattern's star it is, as far as the pattern doesn't say.
+std::string element_of(const Row& row, const Divergence& d) {
+  if (row.channels.size() == 1) return d.element;
+  const std::size_t last = d.channel.rfind('/'), before = d.channel.rfind('/', last - 1);
+  const std::string owner = d.channel.substr(before + 1, last - before - 1);
+  return d.element.empty() ? owner : owner + " " + d.element;
+}
+
+std::string worst_text(const Row& row) {
+  const ChannelComparison& channel = *row.worst;
+  const Divergence& worst = channel.worst ? *channel.worst : channel.first ? *channel.first : *channel.first_bit;
+  if (!worst.note.empty()) {
+    const std::string element = element_of(row, worst);
+    return fmt::format("tick {}: {}{}{}", worst.tick, element, element.empty() ? "" : " ", worst.note);
+  }
+  const double times = times_tolerance(worst.difference, worst.tolerance);
+  const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
+  std::string text = element_of(row, worst);
+  text += fmt::format("{}{:.3g}{} at tick {}", text.empty() ? "" : " ", worst.difference, unit, worst.tick);
+  if (std::isfinite(times)) text += fmt::format(", {:.2g} x", times);
+  return text;
+}
+
+std::string rows_text(const std::vector<Row>& rows) {
+  std::size_t width = 7;
+  for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i)
+    width = std::min<std::size_t>(38, std::max(width, rows[i].name.size()));
+  const auto line = [&](auto stage, const std::string& name, auto first, auto values, auto differing, auto beyond,
+                        const std::string& worst) {
+    return fmt::format("  {:<10}  {:<{}}  {:>10} {:>9} {:>9} {:>9}  {}\n", stage, shortened(name, width), width, first,
+                       values, differing, beyond, worst);
+  };
+  std::string text =
+      line("stage", "channel", "first tick", "values", "differ", "beyond", "worst, and how many times its tolerance");
+  for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i) {
+    const Row& row = rows[i];
+    const std::size_t used = 2 + 10 + 2 + width + 2 + 10 + 3 * 10 + 2;
+    text += line(to_string(row.stage), row.name, row.channels[0]->first_bit->tick, row.values, row.differing, row.beyond,
+                 shortened(worst_text(row), std::max<std::size_t>(30, line_width - used)));
+  }
+  if (rows.size() > rows_shown) {
+    std::int64_t others = 0;
+    for (std::size_t i = rows_shown; i < rows.size(); ++i) others += rows[i].count;
+    text += fmt::format("  and {}\n", counted(others, "more channel"));
+  }
+  return text;
+}
+
+/// "bit-equal: 12 channels (/SR1/*/wrench, ...)"
+std::string equal_text(const Comparison& comparison) {
+  if (comparison.equal_channels.empty()) return "  bit-equal: nothing\n";
+  std::vector<std::pair<std::string, int>> patterns;
+  for (const std::string& topic : comparison.equal_channels) {
+    const std::string pattern = pattern_of(topic);
+    const auto known = std::find_if(patterns.begin(), patterns.end(), [&](const auto& p) { return p.first == pattern; });
+    if (known == patterns.end())
+      patterns.emplace_back(pattern, 1);
+    else
+      ++known->second;
+  }
+  std::string text =
+      fmt::format("  bit-equal: {} (", counted(std::ssize(comparison.equal_channels), "channel"));
+  std::string list;
+  for (const auto& [pattern, count] : patterns) {
+    std::string item = pattern;
+    if (count == 1)
+      item = *std::find_if(comparison.equal_channels.begin(), comparison.equal_channels.end(),
+                           [&, &wanted = pattern](const std::string& topic) { return pattern_of(topic) == wanted; });
+    else
+      item += fmt::format(" ({})", count);
+    if (text.size() + list.size() + item.size() + 8 > line_width) {
+      list += list.empty() ? "..." : ", ...";
+      break;
+    }
+    list += (list.empty() ? "" : ", ") + item;
+  }
+  return text + list + ")\n";
+}
+
+std::string remarks_text(const std::vector<std::string>& remarks) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(remarks_shown, remarks.size()); ++i) text += "  note: " + remarks[i] + "\n";
+  if (remarks.size() > remarks_shown)
+    text += fmt::format("  and {}\n", counted(std::ssize(remarks) - static_cast<std::int64_t>(remarks_shown),
+                                              "more note"));
+  return text;
+}
+
+std::string blanked_text(const Comparison& comparison) {
+  if (comparison.blanked == 0) return "";
+  return fmt::format("; {} beside events that are off by what they may be {} not judged",
+                     counted(comparison.blanked, "value"), comparison.blanked == 1 ? "was" : "were");
 }
 
 }  // namespace
 
-ordered_json json_of(const std::optional<Divergence>& divergence) {
-  if (!divergence) return nullptr;
-  const Divergence& d = *divergence;
-  const bool of_numbers = d.note.empty();
-  ordered_json object{{"tick", d.tick}, {"time", d.time}, {"channel", d.channel}, {"element", d.element}};
-  object["expected"] = of_numbers ? number(d.expected) : ordered_json();
-  object["actual"] = of_numbers ? number(d.actual) : ordered_json();
-  const bool comparable = of_numbers && d.ulps != std::numeric_limits<std::uint64_t>::max();
-  object["ulps"] = comparable ? ordered_json(d.ulps) : ordered_json();
-  object["stage"] = to_string(d.stage);
-  return object;
-}
-
-std::string text_of(const ordered_json& object) {
-  // a file name that isn't UTF-8 must not make the report fail
-  return object.dump(2, ' ', false, ordered_json::error_handler_t::replace);
-}
-
 std::string verdict(const Comparison& comparison) {
-  if (!comparison.within) return "differs at " + to_string(*comparison.first);
+  if (!comparison.within) {
+    if (comparison.first->channel.empty()) return "can't be compared: " + comparison.first->note;
+    const std::string reason =
+        comparison.explanation.empty()
+            ? ""
+            : "; what may explain it is not what it was for the golden: " + comparison.explanation;
+    return "differs at " + to_string(*comparison.first) + reason;
+  }
   if (comparison.equal)
     return fmt::format("equal bit for bit: {}, {}, {}", counted(comparison.ticks, "tick"),
-                       counted(comparison.values - comparison.pictures, "number"),
+                       counted(comparison.values - comparison.pictures - comparison.events, "number"),
                        counted(comparison.pictures, "picture"));
   const std::string since = fmt::format("bits differ from {} on", place_text(*comparison.first_bit));
-  if (!comparison.worst) return fmt::format("within tolerance: every value is the same, but {}", since);
+  const std::string how = comparison.agreement == Agreement::in_noise ? "within the noise floor" : "within tolerance";
+  if (!comparison.worst)
+    return fmt::format("{}: every value is the same, but {}{}", how, since, blanked_text(comparison));
   const Divergence& worst = *comparison.worst;
-  return fmt::format("within tolerance: {} of {} values differ, the worst by {:.2g} of its tolerance ({}); {}",
+  return fmt::format("{}: {} of {} values differ, the worst by {:.2g} of its tolerance ({}); {}{}", how,
                      comparison.differing, comparison.values, times_tolerance(worst.difference, worst.tolerance),
-                     place_text(worst), since);
+                     place_text(worst), since, blanked_text(comparison));
 }
 
 std::string table(const Comparison& comparison) {
-  constexpr std::size_t channels_shown = 7, remarks_shown = 2;
-  if (comparison.equal) return {};
-  std::string text = fmt::format("  {:<11}{:>9}{:>9}{:>9}  {:<44} {}\n", "stage", "values", "differ", "beyond",
-                                 "channel, by first difference", "worst");
-  std::size_t shown = 0;
-  for (const ChannelComparison& channel : comparison.channels) {
-    if (shown++ == channels_shown) break;
-    text += fmt::format("  {:<11}{:>9}{:>9}{:>9}  {:<44} {}\n", to_string(channel.stage), channel.values,
-                        channel.differing, channel.beyond,
-                        fmt::format("{} @{}", channel.channel, channel.first_bit->tick), worst_text(channel));
+  std::string text;
+  if (!comparison.equal && !comparison.channels.empty()) {
+    text += rows_text(rows_of(comparison)) + equal_text(comparison);
+    const auto& worst = comparison.worst;
+    const bool told = comparison.first && worst && to_string(*worst) == to_string(*comparison.first);
+    if (worst && !told && !comparison.within) text += "  worst: " + to_string(*worst) + "\n";
+    text += remarks_text(comparison.remarks);
   }
-  if (comparison.channels.size() > channels_shown)
-    text += fmt::format("  and {} more\n",
-                        counted(static_cast<std::int64_t>(comparison.channels.size() - channels_shown), "channel"));
-  for (std::size_t i = 0; i < std::min(remarks_shown, comparison.remarks.size()); ++i)
-    text += "  note: " + comparison.remarks[i] + "\n";
-  if (comparison.remarks.size() > remarks_shown)
-    text += fmt::format("  and {} more\n",
-                        counted(static_cast<std::int64_t>(comparison.remarks.size() - remarks_shown), "note"));
+  for (const Diagnostic& warning : comparison.warnings) text += "  " + to_string(warning) + "\n";
   return text;
-}
-
-std::string to_json(const Comparison& comparison) {
-  const ordered_json object{{"verdict", verdict(comparison)},
-                            {"equal", comparison.equal},
-                            {"within", comparison.within},
-                            {"first", json_of(comparison.first ? comparison.first : comparison.first_bit)}};
-  return text_of(object);
 }
 
 }  // namespace rehearse

@@ -38,18 +38,42 @@ std::uint64_t ulps_between(double a, double b) {
   return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
 }
 
+double relative_difference(const Divergence& d) {
+  const bool of_these_two = d.note.empty() && d.difference == std::abs(d.actual - d.expected);
+  return of_these_two ? d.difference / std::abs(d.expected) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double times_tolerance(double difference, double tolerance) {
+  if (difference == 0.0) return 0.0;
+  return tolerance > 0.0 ? difference / tolerance : std::numeric_limits<double>::infinity();
+}
+
+namespace {
+
+/// Exact as long as a person would count them.
+std::string ulps_text(std::uint64_t ulps) {
+  constexpr std::uint64_t countable = 1'000'000;
+  if (ulps == 1) return "1 ULP";
+  return ulps <= countable ? fmt::format("{} ULPs", ulps) : fmt::format("{:.2g} ULPs", static_cast<double>(ulps));
+}
+
+}  // namespace
+
 std::string to_string(const Divergence& d) {
   const std::string place =
       fmt::format("tick {} ({} s): {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
   if (!d.note.empty()) return fmt::format("{}: {} (stage: {})", place, d.note, to_string(d.stage));
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
+  if (std::isnan(d.difference))
+    return fmt::format("{} is {}{}, expected {}{} (not comparable; stage: {})", place, d.actual, unit, d.expected, unit,
+                       to_string(d.stage));
+  const double share = relative_difference(d);
+  const std::string relative = std::isfinite(share) ? fmt::format("relative {:.3g}, ", share) : "";
   const std::string bound = d.tolerance > 0.0 ? fmt::format(", {:.3g} times the tolerance of {:g}{}",
                                                             d.difference / d.tolerance, d.tolerance, unit)
                                               : "";
-  const std::string ulps =
-      d.ulps == std::numeric_limits<std::uint64_t>::max() ? "not comparable" : fmt::format("{} ULPs", d.ulps);
-  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}; stage: {})", place, d.actual, unit, d.expected,
-                     unit, d.difference, unit, ulps, bound, to_string(d.stage));
+  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}; stage: {})", place, d.actual, unit,
+                     d.expected, unit, d.difference, unit, relative, ulps_text(d.ulps), bound, to_string(d.stage));
 }
 
 }  // namespace rehearse

@@ -136,6 +136,7 @@ Result<bool> PlantRun::step(std::int64_t last) {
   const std::int64_t tick = plant->tick();
   plant->sense();
   if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done.errors();
+  if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done) return done.errors();
   if (auto done = recorder->record_tick(tick, nullptr, {plant->world().state_hash(), 0, 0}); !done)
     return done.errors();
   if (tick >= last) return false;

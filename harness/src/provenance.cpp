@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "trace_version.h"
+
 namespace rehearse {
 namespace {
 
@@ -38,7 +40,8 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
                            const std::string& renderer) {
   const SolverSettings& solver = scenario.solver;
   mcap::StringMap facts{
-      {"trace_version", "1"},
+      {"trace_version", std::to_string(trace_version)},
+      {"trace_revision", std::to_string(trace_revision)},
       {"rehearse", REHEARSE_VERSION},
       {"scenario", scenario.name},
       {"seed", std::to_string(scenario.seed)},

@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <set>
 
 #include "contact_messages.h"
+#include "contact_recorder.h"
 #include "device_recorder.h"
 #include "mesh_digests.h"
 #include "topic_segment.h"
@@ -29,7 +31,7 @@ std::span<const std::byte> bytes_of(const std::string& text) { return std::as_by
 const char* length_unit(const Joint& joint) { return is_linear(joint.type) ? "m" : "rad"; }
 const char* effort_unit(const Joint& joint) { return is_linear(joint.type) ? "N" : "N·m"; }
 
-/// Units of a JointState's elements, and which of them wrap around.
+/// Units of a JointState's elements. None of them wraps around: angles are counted on and on.
 mcap::StringMap joint_metadata(const Model& model, const std::vector<int>& joints) {
   mcap::StringMap metadata;
   for (const int id : joints) {
@@ -40,6 +42,19 @@ mcap::StringMap joint_metadata(const Model& model, const std::vector<int>& joint
     metadata["unit:" + joint.name + "/u"] = effort_unit(joint);
   }
   return metadata;
+}
+
+/// The bounds that the simulation keeps the joints of this body to.
+void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
+  const auto state = [&metadata](const std::string& element, double lower, double upper) {
+    if (std::isfinite(lower) || std::isfinite(upper))
+      metadata["limits:" + element] = fmt::format("{} {}", lower, upper);
+  };
+  for (const int link : body.model->joints) {
+    const Joint& joint = body.model->links[link].joint;
+    if (body.joint_limits) state(joint.name + "/q", joint.lower, joint.upper);
+    if (body.effort_limits) state(joint.name + "/u", -joint.effort, joint.effort);
+  }
 }
 
 const mcap::StringMap pose_units{{"unit:position", "m"}, {"unit:orientation", "quaternion"}};
@@ -120,6 +135,7 @@ struct Recorder::Impl : TraceOutput {
   const Scenario& scenario;
   std::vector<BodyChannels> bodies;
   std::vector<ControllerChannels> controllers;
+  std::optional<ContactRecorder> contact_recorder;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
   std::uint16_t joystick_channel = 0;   // 0: none
   std::int64_t transform_interval = 1;  // [ticks]
@@ -192,6 +208,7 @@ void Recorder::declare(const ControllerHost* host) {
   if (host) impl.declare_controllers(*host);
   impl.transform_channel =
       impl.channel<msg::TFMessage>("/tf", {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
+  impl.contact_recorder.emplace(impl, impl.scenario);
   impl.checkpoint_channel = impl.channel<msg::Checkpoint>("/checkpoint");
   impl.event_channel = impl.channel<msg::Event>("/events");
   impl.tick_channel = impl.channel<msg::Tick>("/tick");
@@ -223,7 +240,9 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
       all.push_back(static_cast<int>(id));
       channels.joint_message.name.push_back(model.links[model.joints[id]].joint.name);
     }
-    channels.joints = channel<msg::JointState>(topic + "joints", joint_metadata(model, all));
+    mcap::StringMap metadata = joint_metadata(model, all);
+    add_limits(body, metadata);
+    channels.joints = channel<msg::JointState>(topic + "joints", std::move(metadata));
     if (body.noise.disturbs_joints())
       channels.measured_joints = channel<msg::JointState>(topic + "measured_joints", joint_metadata(model, all));
   }
@@ -453,6 +472,10 @@ Result<void> Recorder::Impl::write_link(std::int64_t tick, const SideChannels::L
       return write(to.channel, tick, msg::AccelStamped{header, {vector(values), vector(values + 3)}});
     default: return write(to.channel, tick, msg::WrenchStamped{header, {vector(values), vector(values + 3)}});
   }
+}
+
+Result<void> Recorder::record_contacts(std::int64_t tick, const std::vector<LinkPair>& touching) {
+  return impl_->contact_recorder->write(*impl_, tick, touching);
 }
 
 Result<void> Recorder::record_checkpoint(std::int64_t tick, std::span<const std::byte> state) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <rehearse/io.h>
+#include <rehearse/link_pair.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>
@@ -45,6 +46,9 @@ class Recorder {
   /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick. `read`: the same as
   /// controllers read it, which differs where joints have noise.
   Result<void> record_state(std::int64_t tick, const Observation& seen, const Observation& read);
+  /// Which links touch after the last step, as World::touching() tells; what has changed since the last call is
+  /// written.
+  Result<void> record_contacts(std::int64_t tick, const std::vector<LinkPair>& touching);
   /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);

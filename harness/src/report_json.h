@@ -1,6 +1,7 @@
 // Verdicts as JSON: what the reports of comparisons and checks have in common. Internal.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/divergence.h>
 
 #include <nlohmann/json.hpp>
@@ -9,8 +10,11 @@
 
 namespace rehearse {
 
-/// Null, or tick, time, channel, element, expected, actual, ulps and stage.
+/// Null, or an object as to_json(Divergence).
 nlohmann::ordered_json json_of(const std::optional<Divergence>& divergence);
+
+/// An object as to_json(Comparison).
+nlohmann::ordered_json json_of(const Comparison& comparison);
 
 /// Indented, without a final newline.
 std::string text_of(const nlohmann::ordered_json& object);

@@ -101,8 +101,11 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
   cameras.push_back(*name);
 }
 
+/// What is off by more than a second isn't late, it is something else.
+constexpr Range any_time_tolerance{0.0, 1.0, "[s]"};
+
 void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a tolerance", {"channel", "atol", "rtol", "pixel_share", "pixel_delta", "pixel_window"});
+  const Keys keys(findings, node, "a tolerance", {"channel", "atol", "rtol", "lead", "lag", "ticks", "pixel_share", "pixel_delta", "pixel_window"});
   if (!keys.is_map()) return;
   ToleranceRule rule;
   rule.place = {scenario.file, node.line, node.column};
@@ -114,12 +117,16 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
   }
   keys.number("atol", {0.0, 1e9}, rule.atol);
   keys.number("rtol", {0.0, 1.0}, rule.rtol);
+  keys.number("lead", any_time_tolerance, rule.lead);
+  keys.number("lag", any_time_tolerance, rule.lag);
+  if (const YamlNode* ticks = keys.find("ticks"))
+    if (const auto count = read_integer(findings, *ticks, "ticks", 0, 1000)) rule.ticks = static_cast<int>(*count);
   keys.number("pixel_share", {0.0, 1.0}, rule.pixel_share);
   keys.number("pixel_delta", {0.0, 255.0}, rule.pixel_delta);
   keys.number("pixel_window", {0.0, 1.0}, rule.pixel_window);
   if (keys.entries().size() == (keys.find("channel") == nullptr ? 0u : 1u))
     findings.error(node, "a tolerance allows nothing",
-                   "expected one of atol, rtol, pixel_share, pixel_delta, pixel_window");
+                   "expected one of atol, rtol, lead, lag, ticks, pixel_share, pixel_delta, pixel_window");
   scenario.tolerances.push_back(std::move(rule));
 }
 

@@ -101,6 +101,7 @@ Result<bool> Session::step() {
   const bool alive = run.host->control(tick, plant.read());  // input, control, output of each controller
   run.host->output(ControllerHost::Timing::same_step, run.command);
   if (auto done = run.recorder->record_state(tick, plant.seen(), plant.read()); !done) return done.errors();
+  if (auto done = run.recorder->record_contacts(tick, plant.world().touching()); !done) return done.errors();
   const TickHashes hashes{plant.world().state_hash(), run.host->input_hash(plant.read()), run.host->output_hash()};
   if (auto done = run.recorder->record_tick(tick, run.host.get(), hashes); !done) return done.errors();
   if (auto done = run.record_events(); !done) return done.errors();
@@ -133,6 +134,7 @@ Result<RunSummary> Session::finish() {
     run.plant->sense();
     if (auto done = run.recorder->record_state(tick, run.plant->seen(), run.plant->read()); !done)
       return done.errors();
+    if (auto done = run.recorder->record_contacts(tick, run.plant->world().touching()); !done) return done.errors();
     if (auto done = run.recorder->record_tick(tick, nullptr, {run.plant->world().state_hash(), 0, 0}); !done)
       return done.errors();
   }

@@ -43,6 +43,9 @@ Tolerance tolerance_of(std::string_view series, std::string_view unit, const std
     if (!matches(rule->channel, series)) continue;
     tolerance.atol = rule->atol.value_or(tolerance.atol);
     tolerance.rtol = rule->rtol.value_or(tolerance.rtol);
+    tolerance.lead = rule->lead.value_or(0.0);
+    tolerance.lag = rule->lag.value_or(0.0);
+    tolerance.ticks = rule->ticks;
     tolerance.pixel_share = rule->pixel_share.value_or(tolerance.pixel_share);
     tolerance.pixel_delta = rule->pixel_delta.value_or(tolerance.pixel_delta);
     tolerance.pixel_window = rule->pixel_window.value_or(tolerance.pixel_window);

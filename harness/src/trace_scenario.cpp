@@ -5,6 +5,8 @@
 
 #include <charconv>
 
+#include "trace_version.h"
+
 namespace rehearse {
 namespace {
 
@@ -42,8 +44,9 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   if (!facts || !source)
     return in_trace(trace, "it is an MCAP file, but not a recording of Rehearse: it has no provenance or no scenario");
   int version = 0;
-  if (!read_number(*facts, "trace_version", version) || version != 1)
-    return in_trace(trace, fmt::format("it is of trace version {}, and this program reads version 1", version),
+  if (!read_number(*facts, "trace_version", version) || version != trace_version)
+    return in_trace(trace,
+                    fmt::format("it is of trace version {}, and this program reads version {}", version, trace_version),
                     "read it with the version of Rehearse that wrote it");
   const Scenario::ModelSource models = [&trace](const std::string& file, const UrdfOptions& options) -> Result<Model> {
     const mcap::Attachment* model = find_attachment(trace, file);

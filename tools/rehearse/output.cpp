@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <limits>
 
 namespace rehearse::tool {
 namespace {
@@ -25,22 +24,7 @@ Json json_of(double number) {
 }
 
 Json json_of(const std::optional<Divergence>& divergence) {
-  if (!divergence) return nullptr;
-  const Divergence& d = *divergence;
-  const bool of_numbers = d.note.empty();
-  const auto number = [of_numbers](double value) { return of_numbers ? json_of(value) : Json(nullptr); };
-  const bool comparable = of_numbers && d.ulps != std::numeric_limits<std::uint64_t>::max();
-  return {{"tick", d.tick},
-          {"time", d.time},
-          {"channel", d.channel},
-          {"element", d.element},
-          {"expected", number(d.expected)},
-          {"actual", number(d.actual)},
-          {"difference", number(d.difference)},
-          {"ulps", comparable ? Json(d.ulps) : Json(nullptr)},
-          {"unit", d.unit},
-          {"note", d.note},
-          {"stage", to_string(d.stage)}};
+  return divergence ? Json::parse(to_json(*divergence)) : Json(nullptr);
 }
 
 Json json_of(const Diagnostics& diagnostics) {

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 /// JSON has no NaN and no infinities: they become the strings "NaN", "Infinity" and "-Infinity".
 Json json_of(double number);
-/// Null if there is none; expected, actual and ulps are null where it isn't a matter of two numbers.
+/// Null if there is none; else as to_json(Divergence).
 Json json_of(const std::optional<Divergence>& divergence);
 Json json_of(const Diagnostics& diagnostics);
 

@@ -4,11 +4,21 @@
 // tolerance (tolerance.h). And the places: the first beyond tolerance, the first where bits differ, the worst.
 //
 // Messages of a channel are matched by their time, tables by the names of their elements. What one trace has and the
-// other lacks (ticks, channels, messages, elements) is a finding with its place. The hashes in /tick are no quantities:
-// they say whether bits are equal and from which tick on they aren't, and fail nothing. Integers, booleans and events
-// are exact. NaN equals NaN of the same tick; -0 and 0 are other bits and the same number. An orientation is compared
-// by the angle between the two, 2 atan2(|v|, |w|) of q_golden^-1 q_actual = (v, w), so q and -q are the same; an angle
-// whose channel says `wrap:<element>` in its metadata is compared modulo one turn.
+// other lacks is a finding with its place: a tick, a body, a controller, a device is one finding, whatever it takes with
+// it. The hashes in /tick are no quantities: they say whether bits are equal and from which tick on they aren't, and
+// fail nothing. Integers and booleans are exact. NaN equals NaN of the same tick; -0 and 0 are other bits and the same
+// number. An orientation is compared by the angle between the two, 2 atan2(|v|, |w|) of q_golden^-1 q_actual = (v, w), so
+// q and -q are the same, and apart from that by its norm; an angle whose channel says `wrap:<element>` in its metadata
+// is compared modulo one turn. Our recordings say so of no joint: they count turns, and a robot that has made one more
+// is somewhere else.
+//
+// Events are compared as sequences, each kind and owner for itself: contacts that begin and end (/contacts), joints at
+// the limits that the simulation keeps them to (`limits:` of a body's /joints), control() that returns false (/tick),
+// and messages (/events). The golden's and the run's are put beside each other in order first; what is missing, extra
+// or in another order is a finding, and so is one that comes more ticks early or late than is allowed. A contact or a
+// limit may be off by one tick: in which of two steps a threshold is crossed, a last bit decides; and what lasts no
+// longer may come or go. All else has to be in the same tick. A rule with `ticks` changes this, and where it lets an
+// event pass that is off, the numbers of the bodies concerned are not judged from the one tick to the other.
 //
 // "First" is by tick; within one tick in the order in which things cause each other there: the state of the bodies,
 // what sensors measure of it, the pictures that arrive, the inputs that are copied from these, the commands made from
@@ -20,6 +30,8 @@
 #include <rehearse/trace.h>
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,36 +39,69 @@
 
 namespace rehearse {
 
-/// What became of one channel.
+/// What became of one channel, or of what several channels lack together.
 struct ChannelComparison {
-  std::string channel;  // topic
+  std::string channel;  // topic; of several the first
   Stage stage = Stage::physics;
-  std::int64_t values = 0;              // compared: numbers, or pictures
+  int channels = 1;                     // that it stands for: a body that is missing takes more than one with it
+  bool of_events = false;               // it counts what happened on the channel, not its values
+  std::int64_t values = 0;              // compared: numbers, pictures, or events
   std::int64_t differing = 0;           // of them, not the same bits
-  std::int64_t beyond = 0;              // of them, beyond tolerance
-  std::int64_t missing = 0;             // messages of the golden that the other trace hasn't
-  std::int64_t extra = 0;               // messages that the golden hasn't
+  std::int64_t in_noise = 0;            // of the differing, not above the noise floor
+  std::int64_t beyond = 0;              // of the differing, beyond tolerance
+  std::int64_t blanked = 0;             // of the differing, not judged: an event nearby is off by what it may be
+  std::int64_t missing = 0;             // messages of the golden that the other trace hasn't, in ticks that it has
+  std::int64_t extra = 0;               // messages that the golden hasn't, likewise
   std::optional<Divergence> first;      // beyond tolerance, or missing
   std::optional<Divergence> first_bit;  // in any bit, or missing
   std::optional<Divergence> worst;      // by times its tolerance, then by difference
 };
 
+/// An event that isn't where the golden has it.
+struct EventDifference {
+  std::string event;                     // name of its sequence, as rules know it: contacts/Box/Box/Floor/Floor
+  std::string what;                      // "begins", "ends"
+  std::optional<std::int64_t> expected;  // tick in the golden; none: it is extra
+  std::optional<std::int64_t> actual;    // tick in the run; none: it is missing
+  bool beyond = false;                   // what is allowed
+};
+
+/// How well two runs agree, by what differs most.
+enum class Agreement {
+  equal,     // bit for bit
+  in_noise,  // nothing is above the noise floors, as far as these are known
+  within,    // tolerance
+  beyond,    // tolerance, or something is missing or extra
+};
+
+/// "equal", "in noise", "within" or "beyond".
+std::string_view to_string(Agreement agreement);
+
 struct Comparison {
   bool equal = false;                       // bit for bit
   bool within = false;                      // nothing beyond tolerance, nothing missing, nothing extra; true if equal
+  Agreement agreement = Agreement::equal;
   std::int64_t ticks = 0;                   // compared
-  std::int64_t values = 0;                  // numbers and pictures compared
+  std::int64_t values = 0;                  // numbers, pictures and events compared
   std::int64_t pictures = 0;                // of these
+  std::int64_t events = 0;                  // of these
   std::int64_t differing = 0;               // of the values, not the same bits
-  std::int64_t beyond = 0;                  // of the values, beyond tolerance
+  std::int64_t in_noise = 0;                // of the differing, not above the noise floor
+  std::int64_t beyond = 0;                  // of the differing, beyond tolerance
+  std::int64_t blanked = 0;                 // of the differing, not judged
   std::optional<Divergence> first;          // beyond tolerance, or missing
   std::optional<Divergence> first_bit;      // in any bit, hashes included
   std::optional<Divergence> worst;          // by times its tolerance, then by difference
+  std::string explanation;                  // what else may have caused the first: another version of a library; or empty
   std::vector<ChannelComparison> channels;  // all that differ in any way, by their first_bit
-  std::vector<std::string> changed_files;  // attachments that are not what they were in the golden
-  bool same_arithmetic = true;  // versions and pins that bits depend on are the golden's
+  std::vector<std::string> equal_channels;  // topics of all that don't, in the golden's order
+  std::vector<EventDifference> event_differences;  // by tick, the first thousand
+  std::vector<std::string> changed_files;   // attachments that are not what they were in the golden
+  bool same_arithmetic = true;              // versions and pins that bits depend on are the golden's
   /// What explains a difference or makes one likely: another scenario, model, controller, library. Sentences.
   std::vector<std::string> remarks;
+  /// What whoever asked will want to mend: rules that match nothing.
+  Diagnostics warnings;
 };
 
 /// What of two traces is compared.
@@ -66,6 +111,9 @@ struct CompareOptions {
   /// Messages up to this time, inclusive [s]; none: as long as both runs go. A run that is shorter is a finding all the
   /// same, unless both reach this time.
   std::optional<double> until;
+  /// Noise floors by series, in its unit, of an orientation's element its angle [rad]: what the run differs by under
+  /// perturbations that mean nothing. A difference up to it is counted as noise; what passes or fails is not changed.
+  std::map<std::string, double, std::less<>> noise_floors;
 
   bool takes(Stage stage) const;
 };
@@ -82,12 +130,13 @@ Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace);
 /// One sentence, without a full stop.
 std::string verdict(const Comparison& comparison);
 
-/// The channels that differ, worst and first of each, and the remarks: at most twelve lines, each with its newline;
-/// empty if the traces are equal.
+/// What differs, alike channels grouped, with counts and the worst of each; the worst of all; what is equal bit for
+/// bit; remarks and warnings. At most sixteen lines beside warnings, each with its newline and, unless names are long,
+/// at most 120 characters. Empty if the traces are equal and there are no warnings.
 std::string table(const Comparison& comparison);
 
-/// An object with verdict, equal, within and first: null, or an object with tick, time, channel, element, expected,
-/// actual, ulps and stage, null where it isn't a matter of two numbers. NaN and infinities are strings.
+/// An object with the same content: verdict, equal, within, agreement, first, first_bit, worst (null, or objects as
+/// to_json(Divergence)), explanation, counts, channels, equal_channels, events, remarks, warnings.
 std::string to_json(const Comparison& comparison);
 
 }  // namespace rehearse

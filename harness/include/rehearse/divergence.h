@@ -34,8 +34,20 @@ struct Divergence {
   Stage stage = Stage::controller;
 };
 
-/// One sentence: tick, time, channel, element, expected, actual, difference, ULPs and stage.
+/// The difference relative to what was expected; NaN where that means nothing: angles between orientations, angles
+/// modulo a turn, what isn't a matter of two numbers.
+double relative_difference(const Divergence& divergence);
+
+/// How many times its tolerance a difference is; infinity where none is allowed.
+double times_tolerance(double difference, double tolerance);
+
+/// One sentence: tick, time, channel, element, expected, actual, absolute and relative difference, ULPs, times the
+/// tolerance, and stage.
 std::string to_string(const Divergence& divergence);
+
+/// An object with all members, and relative and times_tolerance. expected, actual, difference, relative, ulps,
+/// tolerance and times_tolerance are null where it isn't a matter of two numbers; NaN and infinities are strings.
+std::string to_json(const Divergence& divergence);
 
 /// How many steps from one double to the next lead from a to b; 0 for equal bits and for 0 and -0. NaN with anything
 /// but the same bits: the largest value.

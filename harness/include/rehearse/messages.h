@@ -554,6 +554,25 @@ struct Event {
   }
 };
 
+/// Two links begin or cease to touch.
+struct ContactChange {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/ContactChange";
+  Time stamp;
+  std::int64_t tick = 0;  // after the step in which it happened
+  std::string link;       // as SR1/RLEG_ANKLE_R
+  std::string other;
+  bool begins = false;  // else it ends
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("stamp", self.stamp);
+    visit("tick", self.tick);
+    visit("link", self.link);
+    visit("other", self.other);
+    visit("begins", self.begins);
+  }
+};
+
 /// The complete state of the simulation, to go on from.
 struct Checkpoint {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Checkpoint";

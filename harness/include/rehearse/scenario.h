@@ -76,6 +76,9 @@ struct ToleranceRule {
   std::string channel;          // a glob over series names, as `SR1/*/q`; * stands for any text, slashes included
   std::optional<double> atol;   // in the channel's unit
   std::optional<double> rtol;   // of the largest magnitude of the channel in the golden
+  std::optional<double> lead;   // the value may be what the golden becomes up to so much later [s]
+  std::optional<double> lag;    // the value may be what the golden was up to so much before [s]
+  std::optional<int> ticks;     // events: how far they may be from the golden's [ticks]
   std::optional<double> pixel_window;  // images: the same within any square of 16 x 16 pixels, 0 to 1
   std::optional<double> pixel_share;  // images: share of pixels that may differ, 0 to 1
   std::optional<double> pixel_delta;  // images: difference of a colour channel [0..255] that still counts as equal

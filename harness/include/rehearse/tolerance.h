@@ -3,11 +3,18 @@
 // A number x passes against its golden g if |x - g| <= max(atol, rtol * scale). The scale is the largest |g| of its
 // series; of a vector with elements x, y and z, the largest norm: an axis along which nothing moves is not judged by
 // its own noise. A scenario states rules (`tolerances:`); what no rule speaks of has the default of its unit.
+//
+// A rule may allow for time: with `lead` and `lag`, x passes at time t if it is within that bound of anything between the
+// least and the greatest that the golden is from t - lag to t + lead; an orientation, of any that it passes through. The
+// span ends where the record does. With both 0, which is the default, only the same tick counts.
+//
+// Events (contacts, limits, what control() returns, messages) may be off by whole `ticks`.
 #pragma once
 
 #include <rehearse/scenario.h>
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +23,9 @@ namespace rehearse {
 struct Tolerance {
   double atol = 0.0;         // in the unit of the series
   double rtol = 0.0;         // of the scale
+  double lead = 0.0;         // [s]
+  double lag = 0.0;          // [s]
+  std::optional<int> ticks = std::nullopt;  // events: how far off they may be; none: no rule says
   double pixel_share = 0.0;  // pictures: share of the pixels that may differ by more than is allowed to each, 0 to 1
   double pixel_delta = 0.0;  // pictures: difference of a colour [of 255] that still counts as equal
   /// Pictures: the same share within any square of 16 x 16 pixels. It tells an object that is gone from speckle.
@@ -23,6 +33,7 @@ struct Tolerance {
 
   /// The largest difference that passes, for a series of that scale.
   double bound(double scale) const { return std::max(atol, rtol * scale); }
+  bool allows_for_time() const { return lead > 0.0 || lag > 0.0; }
 };
 
 /// True if the pattern matches the whole name. `*` stands for any text, slashes and nothing included; there is no other

@@ -18,7 +18,8 @@
 //   any other with a ros2msg schema               the path of each numeric field, but for header and stamp
 //
 // If that would name two series alike, the later channel's have its whole topic before the element.
-// Pictures, checkpoints and events have no series; their bytes are at hand by number, and events() are decoded.
+// Pictures, checkpoints, events and changes of contact have no series; their bytes are at hand by number, and events()
+// and contact_changes() are decoded.
 //
 // C++17, because tests of controllers include it. Whoever looks into attachments, metadata or events includes mcap.h or
 // messages.h too (C++20).
@@ -46,6 +47,7 @@ struct Attachment;
 struct Metadata;
 }  // namespace mcap
 namespace msg {
+struct ContactChange;
 struct Event;
 }
 
@@ -111,6 +113,7 @@ class Trace {
   const std::vector<mcap::Metadata>& metadata() const;
   const mcap::StringMap* find_metadata(std::string_view name) const;  // null: none
   const std::vector<msg::Event>& events() const;
+  const std::vector<msg::ContactChange>& contact_changes() const;
 
   /// All series, sorted by name.
   const std::map<std::string, SeriesPlace, std::less<>>& series() const { return series_; }
@@ -144,7 +147,8 @@ class Trace {
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;
-  std::shared_ptr<std::vector<msg::Event>> events_;  // never null in a loaded trace
+  std::shared_ptr<std::vector<msg::Event>> events_;  // these are never null in a loaded trace
+  std::shared_ptr<std::vector<msg::ContactChange>> contact_changes_;
 };
 
 }  // namespace rehearse

@@ -24,7 +24,8 @@ class TraceLoader {
 
   Source& source_of(const mcap::Message& message);
   void add_message(const mcap::Message& message);
-  void add_event(const mcap::Message& message);
+  template <class T>
+  void add_decoded(const mcap::Message& message, std::vector<T>& to);
   void name_series();
   void complain(std::string message);
 
@@ -41,6 +42,7 @@ Result<Trace> TraceLoader::load() {
   if (!reader) return reader.errors();
   trace_.file_ = file_.string();
   trace_.events_ = std::make_shared<std::vector<msg::Event>>();
+  trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
   trace_.reader_ = std::move(*reader);
   const auto pass = trace_.reader_->for_each_message([this](const mcap::Message& message) {
     add_message(message);
@@ -103,16 +105,19 @@ void TraceLoader::add_message(const mcap::Message& message) {
     return;
   }
   if (source.keeps_locations) table.locations.push_back(message.location);
-  if (table.type == msg::Event::type_name && table.encoding == "cdr") add_event(message);
+  if (table.encoding != "cdr") return;
+  if (table.type == msg::Event::type_name) add_decoded(message, *trace_.events_);
+  if (table.type == msg::ContactChange::type_name) add_decoded(message, *trace_.contact_changes_);
 }
 
-void TraceLoader::add_event(const mcap::Message& message) {
+template <class T>
+void TraceLoader::add_decoded(const mcap::Message& message, std::vector<T>& to) {
   CdrReader reader(message.data);
-  msg::Event event;
-  if (msg::decode(reader, event)) {
-    trace_.events_->push_back(std::move(event));
+  T decoded;
+  if (msg::decode(reader, decoded)) {
+    to.push_back(std::move(decoded));
   } else {
-    complain(fmt::format("topic {}: an event isn't a valid {}", message.channel->topic, msg::Event::type_name));
+    complain(fmt::format("topic {}: a message isn't a valid {}", message.channel->topic, T::type_name));
   }
 }
 

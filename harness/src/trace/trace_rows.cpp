@@ -107,8 +107,9 @@ void RowWriter::widen(std::size_t added, CellKind kind) {
 }
 
 bool has_no_series(std::string_view type) {
-  constexpr std::array<std::string_view, 4> types{msg::Image::type_name, msg::CompressedImage::type_name,
-                                                  msg::Checkpoint::type_name, msg::Event::type_name};
+  constexpr std::array<std::string_view, 5> types{msg::Image::type_name, msg::CompressedImage::type_name,
+                                                  msg::Checkpoint::type_name, msg::Event::type_name,
+                                                  msg::ContactChange::type_name};
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 

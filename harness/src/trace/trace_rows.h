@@ -50,7 +50,7 @@ Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const 
 /// Types that TRACE_FORMAT.md gives a table of their own; null for all others.
 std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel);
 
-/// Types without series: pictures, checkpoints, events.
+/// Types without series: pictures, checkpoints, events, changes of contact.
 bool has_no_series(std::string_view type);
 
 }  // namespace rehearse

@@ -1,0 +1,30 @@
+// ContactRecorder: which links begin and cease to touch, as messages of a trace.
+#pragma once
+
+#include <rehearse/link_pair.h>
+#include <rehearse/scenario.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trace_output.h"
+
+namespace rehearse {
+
+class ContactRecorder {
+ public:
+  /// Makes the channel.
+  ContactRecorder(TraceOutput& output, const Scenario& scenario);
+  /// What has changed since the last call; before the first nothing touches. `touching` is ascending.
+  Result<void> write(TraceOutput& output, std::int64_t tick, const std::vector<LinkPair>& touching);
+
+ private:
+  Result<void> write_change(TraceOutput& output, std::int64_t tick, const LinkPair& pair, bool begins);
+
+  std::uint16_t channel_;
+  std::vector<std::vector<std::string>> names_;  // by body and link: "Body/LINK"
+  std::vector<LinkPair> touching_;
+};
+
+}  // namespace rehearse

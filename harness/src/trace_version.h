@@ -1,0 +1,14 @@
+// Which form a recording has. Internal; harness/TRACE_FORMAT.md tells what the numbers mean to a reader.
+#pragma once
+
+namespace rehearse {
+
+/// Changes when what is recorded means something else: a reader of another version refuses.
+inline constexpr int trace_version = 1;
+
+/// Within a version, grows when more is recorded; absent from a recording: 1.
+///   2  /contacts; `limits:` of joints
+inline constexpr int trace_revision = 2;
+inline constexpr int revision_of_contacts = 2;
+
+}  // namespace rehearse
