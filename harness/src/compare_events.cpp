@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t most_differences = 1000;  // that are listed
 
+constexpr double never = std::numeric_limits<double>::infinity();  // how far off what only one of the runs has is
+
 /// How far off an event may be if no rule says.
 int default_ticks(EventKind kind) { return kind == EventKind::refusal ? 0 : 1; }
 
@@ -78,7 +80,7 @@ class SequenceJudge {
   void judge_lone(const EventEdge& edge, bool missing) {
     // its partner may come after the end of what is compared
     const bool at_end = last_tick() - edge.tick < allowed_;
-    tell_lone(edge, missing, !at_end, std::numeric_limits<double>::infinity(),
+    tell_lone(edge, missing, !at_end, never,
               fmt::format("{} {} at tick {}, which {}", sequence_.source.what, verb_of(edge), edge.tick,
                           lacks(missing)));
   }
@@ -102,15 +104,16 @@ class SequenceJudge {
     const EventSource& source = sequence_.source;
     if (differences_.size() < most_differences)
       differences_.push_back({name_, std::string(verb_of(edge)), expected, actual, beyond});
-    if (!findings_.count(off, allowed_, beyond)) return;
+    const double allowed = off == never ? 0.0 : allowed_;
+    if (!findings_.count(off, allowed, beyond)) return;
     Divergence divergence;
     divergence.tick = edge.tick;
-    divergence.time = static_cast<double>(edge.time) * 1e-9;
+    divergence.time = static_cast<double>(edge.time) / 1e9;
     divergence.channel = source.channel;
     divergence.element = source.element;
     divergence.stage = stage_of(source.channel);
     divergence.difference = off;
-    divergence.tolerance = allowed_;
+    divergence.tolerance = allowed;
     divergence.unit = "ticks";
     divergence.note = std::move(note);
     findings_.describe(divergence, beyond);
@@ -189,7 +192,7 @@ class MessageJudge {
   Divergence place_of_event(const msg::Event& event) {
     Divergence divergence;
     divergence.tick = event.tick;
-    divergence.time = static_cast<double>(event.stamp.to_ns()) * 1e-9;
+    divergence.time = static_cast<double>(event.stamp.to_ns()) / 1e9;
     divergence.channel = findings_.result().channel;
     divergence.stage = Stage::controller;
     return divergence;

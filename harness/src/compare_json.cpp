@@ -45,6 +45,7 @@ ordered_json object_of(const ChannelComparison& channel) {
   return {{"channel", channel.channel},
           {"stage", to_string(channel.stage)},
           {"channels", channel.channels},
+          {"group", channel.group},
           {"of_events", channel.of_events},
           {"values", channel.values},
           {"differing", channel.differing},

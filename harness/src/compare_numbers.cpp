@@ -141,6 +141,7 @@ void NumberJudge::match_columns() {
       continue;
     }
     if (is_result_of_control(golden, expected.element)) continue;
+    if (traces_.another_step && golden.type == msg::Tick::type_name && expected.element == "tick") continue;
     Column& column = columns_.emplace_back();
     column.golden = i;
     column.actual = at;
@@ -289,6 +290,7 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   double difference = std::abs(actual - expected);
   bool beyond = true;
   if (column.kind == CellKind::floating) {
+    if (may_be_missing(channel_.golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
     if (std::isnan(expected) && std::isnan(actual)) difference = 0.0;
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);

@@ -47,12 +47,15 @@ struct ComparedTraces {
   TickClock actual_clock;
   /// The last time that is compared: both runs reached it [ns].
   std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
+  bool one_goes_on = false;   // beyond that time, where the other has but the state that closes it
+  bool another_step = false;  // their clocks run at different speed: numbers of ticks mean nothing
   /// By the name of a body, in the order of time.
   std::map<std::string, std::vector<BlankedSpan>, std::less<>> blanked = {};
 
-  /// A tick that only one of the runs has is one finding: no message of it is another.
+  /// A tick that only one of the runs has, or the end of one, is one finding: no message of it is another.
   bool in_a_lone_tick(std::uint64_t time) const {
-    return !clock.empty() && !actual_clock.empty() && clock.has(time) != actual_clock.has(time);
+    if (clock.empty() || actual_clock.empty()) return false;
+    return clock.has(time) != actual_clock.has(time) || (one_goes_on && time == end);
   }
 };
 

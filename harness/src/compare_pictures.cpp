@@ -35,7 +35,7 @@ class PictureJudge {
     if (golden->stamp != other->stamp)
       return fail(golden_index,
                   fmt::format("the picture was captured at {} s, expected {} s",
-                              static_cast<double>(other->stamp) * 1e-9, static_cast<double>(golden->stamp) * 1e-9));
+                              static_cast<double>(other->stamp) / 1e9, static_cast<double>(golden->stamp) / 1e9));
     if (!golden->same_size(*other))
       return fail(golden_index, fmt::format("the picture has {} x {} pixels, expected {} x {}", other->width,
                                             other->height, golden->width, golden->height));

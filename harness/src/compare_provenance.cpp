@@ -47,7 +47,7 @@ const std::vector<Fact>& known_facts() {
 
 /// Of these nobody needs to hear: they are compared as such, or describe the file.
 bool is_of_no_interest(const std::string& key) {
-  return key == "trace_version" || key == "trace_revision" || key == "duration" || key == "scenario";
+  return key == "trace_version" || key == "trace_revision" || key == "scenario";
 }
 
 const Fact* find_fact(const std::string& key) {
@@ -82,7 +82,7 @@ std::vector<Change> changed_facts(const Trace& golden, const Trace& actual) {
     const std::string other = stated(*now, key);
     if (value == other || is_of_no_interest(key)) continue;
     const Fact* fact = find_fact(key);
-    Change& change = changes.emplace_back(Change{key, value, other, {}});
+    Change& change = changes.emplace_back(Change{key == "duration" ? "the duration" : key, value, other, {}});
     if (!fact || (key == "processor" && is_pinned_alike(*before, *now))) continue;
     change.name = fact->name;
     if (fact->key.ends_with('.')) change.name += "'" + key.substr(fact->key.size()) + "'";

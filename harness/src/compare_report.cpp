@@ -18,7 +18,7 @@ std::string counted(std::int64_t count, const char* noun) {
 }
 
 std::string place_text(const Divergence& d) {
-  return fmt::format("tick {} ({} s), {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
+  return fmt::format("tick {} ({:.10g} s), {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
 }
 
 /// Channels of one kind whose numbers mean the same: one line of the table.
@@ -48,31 +48,32 @@ double badness(const ChannelComparison& channel) {
   return std::isnan(times) ? infinite : times;
 }
 
+std::string name_of(const ChannelComparison& channel) {
+  if (!channel.group.empty()) return channel.group + "...";
+  return pattern_of(channel.channel) + (channel.of_events ? " events" : "");
+}
+
 /// One line for each pattern, by the first difference in it.
 std::vector<Row> rows_of(const Comparison& comparison) {
   std::vector<Row> rows;
   std::map<std::pair<int, std::string>, std::size_t> known;
   for (const ChannelComparison& channel : comparison.channels) {
-    std::string pattern = pattern_of(channel.channel);
-    if (channel.of_events) pattern += " events";
-    const auto [at, is_new] = known.emplace(std::pair(static_cast<int>(channel.stage), pattern), rows.size());
+    const std::string name = name_of(channel);
+    const auto [at, is_new] = known.emplace(std::pair(static_cast<int>(channel.stage), name), rows.size());
     if (is_new) rows.emplace_back();
     Row& row = rows[at->second];
     row.stage = channel.stage;
-    row.name = std::move(pattern);
+    row.name = name;
+    if (row.channels.empty() || row.channels.back()->channel != channel.channel) row.count += channel.channels;
     row.channels.push_back(&channel);
-    row.count += channel.channels;
     row.values += channel.values;
     row.differing += channel.differing;
     row.beyond += channel.beyond;
     if (!row.worst || badness(channel) > badness(*row.worst)) row.worst = &channel;
   }
   for (Row& row : rows) {
-    if (row.channels.size() == 1) {
-      row.name = row.channels[0]->channel;
-      if (row.channels[0]->of_events) row.name += " events";
-      if (row.count > 1) row.name = row.name.substr(0, row.name.find('/', 1)) + "/...";
-    }
+    const ChannelComparison& first = *row.channels[0];
+    if (row.count == 1) row.name = first.channel + (first.of_events ? " events" : "");
     if (row.count > 1) row.name += fmt::format(" ({})", row.count);
   }
   return rows;
@@ -90,43 +91,43 @@ std::string shortened(const std::string& text, std::size_t most) {
 
 /// Whose of the pattern's star it is, as far as the pattern doesn't say.
 std::string element_of(const Row& row, const Divergence& d) {
-  if (row.channels.size() == 1) return d.element;
+  if (row.count == 1 || row.channels.size() == 1) return d.element;
   const std::size_t last = d.channel.rfind('/'), before = d.channel.rfind('/', last - 1);
   const std::string owner = d.channel.substr(before + 1, last - before - 1);
   return d.element.empty() ? owner : owner + " " + d.element;
 }
 
-std::string worst_text(const Row& row) {
+/// The element, then what can't be done without: how much and when.
+std::string worst_text(const Row& row, std::size_t width) {
+  constexpr std::size_t least = 12;  // of the element
   const ChannelComparison& channel = *row.worst;
   const Divergence& worst = channel.worst ? *channel.worst : channel.first ? *channel.first : *channel.first_bit;
-  if (!worst.note.empty()) {
-    const std::string element = element_of(row, worst);
-    return fmt::format("tick {}: {}{}{}", worst.tick, element, element.empty() ? "" : " ", worst.note);
-  }
+  const std::string element = element_of(row, worst);
+  if (!worst.note.empty())
+    return shortened(fmt::format("tick {}: {}{}{}", worst.tick, element, element.empty() ? "" : " ", worst.note),
+                     std::max(width, 3 * least));
   const double times = times_tolerance(worst.difference, worst.tolerance);
-  const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
-  std::string text = element_of(row, worst);
-  text += fmt::format("{}{:.3g}{} at tick {}", text.empty() ? "" : " ", worst.difference, unit, worst.tick);
+  std::string text = fmt::format("{:.3g}{}{} @{}", worst.difference, worst.unit.empty() ? "" : " ", worst.unit,
+                                 worst.tick);
   if (std::isfinite(times)) text += fmt::format(", {:.2g} x", times);
-  return text;
+  return shortened(element, width > text.size() + 1 + least ? width - text.size() - 1 : least) + " " + text;
 }
 
 std::string rows_text(const std::vector<Row>& rows) {
   std::size_t width = 7;
   for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i)
-    width = std::min<std::size_t>(38, std::max(width, rows[i].name.size()));
+    width = std::min<std::size_t>(34, std::max(width, rows[i].name.size()));
   const auto line = [&](auto stage, const std::string& name, auto first, auto values, auto differing, auto beyond,
                         const std::string& worst) {
-    return fmt::format("  {:<10}  {:<{}}  {:>10} {:>9} {:>9} {:>9}  {}\n", stage, shortened(name, width), width, first,
+    return fmt::format("  {:<10} {:<{}} {:>8} {:>8} {:>8} {:>8}  {}\n", stage, shortened(name, width), width, first,
                        values, differing, beyond, worst);
   };
-  std::string text =
-      line("stage", "channel", "first tick", "values", "differ", "beyond", "worst, and how many times its tolerance");
+  std::string text = line("stage", "channel", "tick", "values", "differ", "beyond", "worst: by how much @tick, x tolerance");
   for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i) {
     const Row& row = rows[i];
-    const std::size_t used = 2 + 10 + 2 + width + 2 + 10 + 3 * 10 + 2;
+    const std::size_t used = 2 + 10 + 1 + width + 4 * 9 + 2;
     text += line(to_string(row.stage), row.name, row.channels[0]->first_bit->tick, row.values, row.differing, row.beyond,
-                 shortened(worst_text(row), std::max<std::size_t>(30, line_width - used)));
+                 worst_text(row, line_width - used));
   }
   if (rows.size() > rows_shown) {
     std::int64_t others = 0;
@@ -190,7 +191,7 @@ std::string verdict(const Comparison& comparison) {
     const std::string reason =
         comparison.explanation.empty()
             ? ""
-            : "; what may explain it is not what it was for the golden: " + comparison.explanation;
+            : "; changed since the golden: " + comparison.explanation;
     return "differs at " + to_string(*comparison.first) + reason;
   }
   if (comparison.equal)

@@ -24,7 +24,7 @@ std::string failure_of(const Trace& trace) {
 Divergence place_of_tick(const TickClock& clock, std::uint64_t time) {
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
-  divergence.time = static_cast<double>(time) * 1e-9;
+  divergence.time = static_cast<double>(time) / 1e9;
   divergence.channel = "/tick";
   divergence.stage = Stage::inputs;
   return divergence;
@@ -35,6 +35,7 @@ void compare_lengths(ComparedTraces& traces, Findings& findings) {
   traces.end = std::min({golden_end, actual_end, traces.end});
   if (golden_end == actual_end || traces.end < std::min(golden_end, actual_end)) return;
   const bool early = actual_end < golden_end;
+  traces.one_goes_on = true;
   const std::string failure = failure_of(early ? traces.actual : traces.golden);
   Divergence divergence = place_of_tick(early ? traces.actual_clock : traces.clock, traces.end);
   divergence.stage = failure.starts_with("controller") ? Stage::controller
@@ -94,7 +95,8 @@ void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
   if (traces.clock.empty() || traces.actual_clock.empty()) return;
   Findings findings(result);
   compare_lengths(traces, findings);
-  if (has_another_step(traces, findings)) return;
+  traces.another_step = has_another_step(traces, findings);
+  if (traces.another_step) return;
   compare_clocks(traces, true, findings);
   compare_clocks(traces, false, findings);
 }
@@ -127,6 +129,7 @@ class LoneChannels {
       const Group group = group_of(channel.topic);
       ChannelComparison& result = add(channel.topic);
       result.channels = static_cast<int>(take(group.prefix));
+      if (result.channels > 1) result.group = group.prefix;
       Divergence divergence = place_of(traces_, channel, channel.times.empty() ? 0 : channel.times.front());
       divergence.note = text_of(group, result.channels);
       Findings(result).structure(divergence);

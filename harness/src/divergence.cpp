@@ -61,7 +61,7 @@ std::string ulps_text(std::uint64_t ulps) {
 
 std::string to_string(const Divergence& d) {
   const std::string place =
-      fmt::format("tick {} ({} s): {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
+      fmt::format("tick {} ({:.10g} s): {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
   if (!d.note.empty()) return fmt::format("{}: {} (stage: {})", place, d.note, to_string(d.stage));
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
   if (std::isnan(d.difference))

@@ -46,8 +46,7 @@ class SequenceMaker {
       const std::uint64_t time = change.stamp.to_ns();
       if (time > end_) break;
       EventSequence& sequence = sequences_["contacts/" + change.link + "/" + change.other];
-      sequence.source = {EventKind::contact, "/contacts", change.link + " " + change.other,
-                         "contact of " + change.link + " and " + change.other,
+      sequence.source = {EventKind::contact, "/contacts", change.link + " " + change.other, "the contact",
                          {std::string(body_of(change.link)), std::string(body_of(change.other))}};
       (sequence.*edges).push_back({change.tick, time, change.begins});
     }
@@ -61,7 +60,7 @@ class SequenceMaker {
       const auto now = actual.metadata.find("limits:" + element);
       if (!read_limits(stated.at("limits:" + element), lower, upper)) continue;
       EventSequence sequence;
-      sequence.source = {EventKind::limit, golden.topic, element, element + " at its limit",
+      sequence.source = {EventKind::limit, golden.topic, element, "being at its limit",
                          {std::string(body_of(golden.topic))}};
       sequence.golden = edges_at(golden, element, lower, upper);
       if (now != actual.metadata.end()) read_limits(now->second, lower, upper);

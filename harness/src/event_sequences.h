@@ -32,7 +32,7 @@ struct EventSource {
   EventKind kind = EventKind::contact;
   std::string channel;              // topic
   std::string element;              // within the channel
-  std::string what;                 // for a person: "contact of Box/Box and Floor/Floor"
+  std::string what;                 // for a person: "the contact"
   std::vector<std::string> bodies;  // whose numbers an event changes
 };
 

@@ -83,7 +83,7 @@ std::optional<RecordedPicture> picture_at(const Trace& trace, const std::string&
   const TraceChannel* channel = trace.find_channel(topic);
   if (!channel) return std::nullopt;
   for (std::size_t i = 0; i < channel->times.size(); ++i) {
-    if (static_cast<double>(channel->times[i]) * 1e-9 != time) continue;
+    if (static_cast<double>(channel->times[i]) / 1e9 != time) continue;
     const auto payload = trace.payload(*channel, i);
     if (!payload) return std::nullopt;
     auto picture = read_picture(channel->type, *payload);

@@ -44,6 +44,7 @@ struct ChannelComparison {
   std::string channel;  // topic; of several the first
   Stage stage = Stage::physics;
   int channels = 1;                     // that it stands for: a body that is missing takes more than one with it
+  std::string group;                    // how the topics of these begin, if they are more than one: "/SR1/LeftCamera/"
   bool of_events = false;               // it counts what happened on the channel, not its values
   std::int64_t values = 0;              // compared: numbers, pictures, or events
   std::int64_t differing = 0;           // of them, not the same bits
@@ -91,8 +92,9 @@ struct Comparison {
   std::int64_t blanked = 0;                 // of the differing, not judged
   std::optional<Divergence> first;          // beyond tolerance, or missing
   std::optional<Divergence> first_bit;      // in any bit, hashes included
-  std::optional<Divergence> worst;          // by times its tolerance, then by difference
-  std::string explanation;                  // what else may have caused the first: another version of a library; or empty
+  /// By times its tolerance; of what has none only if nothing else is beyond.
+  std::optional<Divergence> worst;
+  std::string explanation;                  // what else changed that may have caused the first: "the renderer"; or empty
   std::vector<ChannelComparison> channels;  // all that differ in any way, by their first_bit
   std::vector<std::string> equal_channels;  // topics of all that don't, in the golden's order
   std::vector<EventDifference> event_differences;  // by tick, the first thousand
