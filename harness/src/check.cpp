@@ -229,7 +229,9 @@ std::string to_json(const CheckReport& report) {
                                        {{"controller", to_string(report.controller)},
                                         {"plant", to_string(report.plant)},
                                         {"closed", to_string(report.closed)}}},
-                                      {"first", json_of(report.first)}};
+                                      {"first", json_of(report.first)},
+                                      {"plant", report.plant_comparison ? json_of(*report.plant_comparison) : nullptr},
+                                      {"closed", report.comparison ? json_of(*report.comparison) : nullptr}};
   return text_of(object);
 }
 

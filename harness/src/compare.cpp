@@ -347,9 +347,7 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
   channels.insert(channels.end(), of_events.begin(), of_events.end());
   comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));
-  const std::vector<std::string> of_provenance = provenance_remarks(golden, actual);
-  comparison.remarks.insert(comparison.remarks.end(), of_provenance.begin(), of_provenance.end());
-  if (comparison.first) comparison.explanation = explanation_of(comparison.first->stage, golden, actual);
+  compare_provenance(traces, comparison);
   comparison.warnings = unmatched_rules(traces);
   return comparison;
 }

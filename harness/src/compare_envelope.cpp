@@ -8,18 +8,18 @@
 namespace rehearse {
 namespace {
 
-double dot(const Quaternion& a, const Quaternion& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-}
+double dot(const Quaternion& a, const Quaternion& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]; }
 
 Quaternion scaled(const Quaternion& q, double factor) {
   return {factor * q[0], factor * q[1], factor * q[2], factor * q[3]};
 }
 
-Quaternion plus(const Quaternion& a, const Quaternion& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]}; }
+Quaternion plus(const Quaternion& a, const Quaternion& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]};
+}
 
-/// The angle [rad] from q to the nearest orientation between `from` and `to`, which are turned into each other the short
-/// way.
+/// The angle [rad] from q to the nearest orientation between `from` and `to`, which are turned into each other the
+/// short way.
 double distance_from_turn(const Quaternion& from, Quaternion to, Quaternion q) {
   const double at_ends = std::fmin(angle_between(from, q), angle_between(to, q));
   if (dot(from, to) < 0.0) to = scaled(to, -1.0);

@@ -24,8 +24,8 @@ std::string_view verb_of(const EventEdge& edge) { return edge.begins ? "begins" 
 /// Judges one sequence.
 class SequenceJudge {
  public:
-  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence,
-                Findings& findings, std::vector<EventDifference>& differences)
+  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence, Findings& findings,
+                std::vector<EventDifference>& differences)
       : traces_(traces), name_(name), sequence_(sequence), findings_(findings), differences_(differences) {
     const auto stated = tolerance_of(name, "", traces.rules).ticks;
     allowed_ = stated.value_or(default_ticks(sequence.source.kind));
@@ -63,7 +63,8 @@ class SequenceJudge {
   void judge_pair(const EventEdge& golden, const EventEdge& actual) {
     if (golden.tick == actual.tick) return;
     const auto off = std::abs(golden.tick - actual.tick);
-    tell(golden.tick < actual.tick ? golden : actual, golden.tick, actual.tick, off > allowed_, static_cast<double>(off),
+    tell(golden.tick < actual.tick ? golden : actual, golden.tick, actual.tick, off > allowed_,
+         static_cast<double>(off),
          fmt::format("{} {} at tick {}, expected tick {}", sequence_.source.what, verb_of(golden), actual.tick,
                      golden.tick));
     if (blanks_ && off <= allowed_) blank(golden.time, actual.time);
@@ -80,9 +81,9 @@ class SequenceJudge {
   void judge_lone(const EventEdge& edge, bool missing) {
     // its partner may come after the end of what is compared
     const bool at_end = last_tick() - edge.tick < allowed_;
-    tell_lone(edge, missing, !at_end, never,
-              fmt::format("{} {} at tick {}, which {}", sequence_.source.what, verb_of(edge), edge.tick,
-                          lacks(missing)));
+    tell_lone(
+        edge, missing, !at_end, never,
+        fmt::format("{} {} at tick {}, which {}", sequence_.source.what, verb_of(edge), edge.tick, lacks(missing)));
   }
 
   static const char* lacks(bool missing) {
@@ -99,8 +100,8 @@ class SequenceJudge {
     tell(edge, missing ? here : std::nullopt, missing ? std::nullopt : here, beyond, off, std::move(note));
   }
 
-  void tell(const EventEdge& edge, std::optional<std::int64_t> expected, std::optional<std::int64_t> actual, bool beyond,
-            double off, std::string note) {
+  void tell(const EventEdge& edge, std::optional<std::int64_t> expected, std::optional<std::int64_t> actual,
+            bool beyond, double off, std::string note) {
     const EventSource& source = sequence_.source;
     if (differences_.size() < most_differences)
       differences_.push_back({name_, std::string(verb_of(edge)), expected, actual, beyond});
@@ -163,9 +164,9 @@ class MessageJudge {
     const bool came_before_end = !there && i < actual.size() && say_the_same(golden[i], actual[i]);
     if (came_before_end && is_near(golden[i], actual[i])) return;
     Divergence divergence = place_of_event(event);
-    divergence.note = fmt::format("event {} is {}, expected {}{}", i + 1,
-                                  there ? "\"" + text_of(actual[i]) + "\"" : "missing",
-                                  expected ? "\"" + text_of(golden[i]) + "\"" : "none", reason(golden, actual, i));
+    divergence.note =
+        fmt::format("event {} is {}, expected {}{}", i + 1, there ? "\"" + text_of(actual[i]) + "\"" : "missing",
+                    expected ? "\"" + text_of(golden[i]) + "\"" : "none", reason(golden, actual, i));
     findings_.structure(divergence);
     ++findings_.result().values;
     ++findings_.result().differing;
@@ -183,8 +184,7 @@ class MessageJudge {
     if (std::abs(golden.tick - actual.tick) > allowed) return false;
     ++findings_.result().differing;
     Divergence divergence = place_of_event(golden.tick < actual.tick ? golden : actual);
-    divergence.note =
-        fmt::format("\"{}\" comes at tick {}, expected tick {}", golden.text, actual.tick, golden.tick);
+    divergence.note = fmt::format("\"{}\" comes at tick {}, expected tick {}", golden.text, actual.tick, golden.tick);
     findings_.mark(divergence);
     return true;
   }
@@ -232,8 +232,7 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
       SequenceJudge(traces, sequence->first, sequence->second, findings, differences).judge();
   }
   for (auto& [body, spans] : traces.blanked)
-    std::sort(spans.begin(), spans.end(),
-              [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });
+    std::sort(spans.begin(), spans.end(), [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });
   std::stable_sort(differences.begin(), differences.end(), [](const EventDifference& a, const EventDifference& b) {
     return a.expected.value_or(a.actual.value_or(0)) < b.expected.value_or(b.actual.value_or(0));
   });

@@ -31,7 +31,7 @@ struct Column {
   double lag = 0.0;     // [s]
   bool hash = false;
   bool wraps = false;
-  const std::vector<BlankedSpan>* blanked = nullptr;  // when it isn't judged; null: it always is
+  const std::vector<BlankedSpan>* blanked = nullptr;   // when it isn't judged; null: it always is
   std::shared_ptr<const Envelope> envelope = nullptr;  // made when it is needed first
 };
 

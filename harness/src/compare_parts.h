@@ -131,10 +131,8 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
 
 /// Fails if a trace is of a version that this program doesn't know: nothing in it is known to mean what it seems to.
 Result<void> check_version(const Trace& trace);
-/// What the two were recorded of and with that isn't the same, a sentence each.
-std::vector<std::string> provenance_remarks(const Trace& golden, const Trace& actual);
-/// What of that can explain a difference that this part of the loop made: "another ODE"; empty if nothing.
-std::string explanation_of(Stage stage, const Trace& golden, const Trace& actual);
+/// What the two were recorded of and with that isn't the same: changed_files, same_arithmetic, remarks, explanation.
+void compare_provenance(const ComparedTraces& traces, Comparison& comparison);
 /// Rules that match nothing in either trace.
 Diagnostics unmatched_rules(const ComparedTraces& traces);
 

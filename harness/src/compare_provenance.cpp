@@ -20,23 +20,24 @@ struct Fact {
   std::string_view key;  // in the metadata record `rehearse`; one that ends with a dot stands for all that begin so
   std::string_view name;
   std::vector<Stage> decides;
+  bool arithmetic = false;  // it decides how numbers are rounded
 };
 
-const std::vector<Stage> every_stage{Stage::physics, Stage::sensors, Stage::renderer, Stage::inputs,
-                                     Stage::controller};
+const std::vector<Stage> every_stage{Stage::physics, Stage::sensors, Stage::renderer, Stage::inputs, Stage::controller};
 
 const std::vector<Fact>& known_facts() {
   static const std::vector<Fact> facts{
-      {"rehearse", "rehearse", every_stage},
-      {"physics", "the physics engine", {Stage::physics, Stage::sensors, Stage::inputs}},
-      {"renderer", "the renderer", {Stage::renderer}},
-      {"libc", "the C library", {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}},
-      {"compiler", "the compiler", every_stage},
+      {"rehearse", "rehearse", every_stage, true},
+      {"physics", "the physics engine", {Stage::physics, Stage::sensors, Stage::inputs}, true},
+      {"renderer", "the renderer", {Stage::renderer}, true},
+      {"libc", "the C library", {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}, true},
+      {"compiler", "the compiler", every_stage, true},
       {"processor", "the processor", every_stage},
       {"pinned.GLIBC_TUNABLES",
        "the pinned mathematics",
-       {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}},
-      {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", "the pinned renderer", {Stage::renderer}},
+       {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller},
+       true},
+      {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", "the pinned renderer", {Stage::renderer}, true},
       {"solver", "the solver", {Stage::physics, Stage::sensors, Stage::inputs}},
       {"seed", "the seed", {Stage::physics, Stage::sensors, Stage::inputs}},
       {"time_step", "the time step", every_stage},
@@ -60,6 +61,7 @@ struct Change {
   std::string name;
   std::string before, now;  // empty: not stated
   std::vector<Stage> decides;
+  bool arithmetic = false;
 };
 
 std::string stated(const mcap::StringMap& facts, const std::string& key) {
@@ -74,19 +76,21 @@ bool is_pinned_alike(const mcap::StringMap& before, const mcap::StringMap& now) 
   return true;
 }
 
-std::vector<Change> changed_facts(const Trace& golden, const Trace& actual) {
+std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, const CompareOptions& options) {
   std::vector<Change> changes;
   const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
   if (!before || !now) return changes;
   for (const auto& [key, value] : *before) {
     const std::string other = stated(*now, key);
     if (value == other || is_of_no_interest(key)) continue;
+    if (key.starts_with("controller.") && !options.takes(Stage::controller)) continue;
     const Fact* fact = find_fact(key);
-    Change& change = changes.emplace_back(Change{key == "duration" ? "the duration" : key, value, other, {}});
+    Change& change = changes.emplace_back(Change{key == "duration" ? "the duration" : key, value, other, {}, false});
     if (!fact || (key == "processor" && is_pinned_alike(*before, *now))) continue;
     change.name = fact->name;
     if (fact->key.ends_with('.')) change.name += "'" + key.substr(fact->key.size()) + "'";
     change.decides = fact->decides;
+    change.arithmetic = fact->arithmetic;
   }
   return changes;
 }
@@ -128,13 +132,16 @@ Result<void> check_version(const Trace& trace) {
   return refused;
 }
 
-std::vector<std::string> provenance_remarks(const Trace& golden, const Trace& actual) {
+namespace {
+
+std::vector<std::string> remarks_of(const Trace& actual, const std::vector<std::string>& files,
+                                    const std::vector<Change>& changes) {
   std::vector<std::string> remarks;
-  for (const std::string& name : changed_sources(golden, actual))
+  for (const std::string& name : files)
     remarks.push_back(actual.find_attachment(name)
                           ? fmt::format("{} is not what it was when the golden was recorded", name)
                           : fmt::format("{} was part of the golden's run only", name));
-  for (const Change& change : changed_facts(golden, actual)) {
+  for (const Change& change : changes) {
     std::string remark = fmt::format("{} was \"{}\" and is ", change.name, change.before);
     remark += change.now.empty() ? "not stated" : fmt::format("\"{}\"", change.now);
     if (!change.decides.empty()) remark += fmt::format(": {} may differ for that alone", text_of(change.decides));
@@ -143,18 +150,30 @@ std::vector<std::string> provenance_remarks(const Trace& golden, const Trace& ac
   return remarks;
 }
 
-std::string explanation_of(Stage stage, const Trace& golden, const Trace& actual) {
-  std::vector<std::string> reasons = changed_sources(golden, actual);
-  for (const Change& change : changed_facts(golden, actual))
+/// What of all that changed can explain a difference that this part of the loop made.
+std::string explanation_of(Stage stage, std::vector<std::string> reasons, const std::vector<Change>& changes) {
+  constexpr std::size_t most = 3;
+  for (const Change& change : changes)
     if (std::find(change.decides.begin(), change.decides.end(), stage) != change.decides.end())
       reasons.push_back(change.name);
-  if (reasons.empty()) return "";
-  constexpr std::size_t most = 3;
   const std::size_t others = reasons.size() > most ? reasons.size() - most : 0;
   reasons.resize(std::min(reasons.size(), most));
   std::string text = fmt::format("{}", fmt::join(reasons, ", "));
   if (others > 0) text += fmt::format(" and {} more", others);
   return text;
+}
+
+}  // namespace
+
+void compare_provenance(const ComparedTraces& traces, Comparison& comparison) {
+  comparison.changed_files = changed_sources(traces.golden, traces.actual);
+  const std::vector<Change> changes = changed_facts(traces.golden, traces.actual, traces.options);
+  comparison.same_arithmetic =
+      std::none_of(changes.begin(), changes.end(), [](const Change& change) { return change.arithmetic; });
+  const std::vector<std::string> remarks = remarks_of(traces.actual, comparison.changed_files, changes);
+  comparison.remarks.insert(comparison.remarks.end(), remarks.begin(), remarks.end());
+  if (comparison.first)
+    comparison.explanation = explanation_of(comparison.first->stage, comparison.changed_files, changes);
 }
 
 Diagnostics unmatched_rules(const ComparedTraces& traces) {
@@ -180,8 +199,8 @@ Diagnostics unmatched_rules(const ComparedTraces& traces) {
     warning.file = rule.place.file;
     warning.line = rule.place.line;
     warning.column = rule.place.column;
-    warning.message = fmt::format("the tolerance of '{}' holds for nothing: neither trace has such a channel",
-                                  rule.channel);
+    warning.message =
+        fmt::format("the tolerance of '{}' holds for nothing: neither trace has such a channel", rule.channel);
     warning.hint = "a golden's digest lists their names, as SR1/RLEG_KNEE/q";
   }
   return warnings;

@@ -107,8 +107,8 @@ std::string worst_text(const Row& row, std::size_t width) {
     return shortened(fmt::format("tick {}: {}{}{}", worst.tick, element, element.empty() ? "" : " ", worst.note),
                      std::max(width, 3 * least));
   const double times = times_tolerance(worst.difference, worst.tolerance);
-  std::string text = fmt::format("{:.3g}{}{} @{}", worst.difference, worst.unit.empty() ? "" : " ", worst.unit,
-                                 worst.tick);
+  std::string text =
+      fmt::format("{:.3g}{}{} @{}", worst.difference, worst.unit.empty() ? "" : " ", worst.unit, worst.tick);
   if (std::isfinite(times)) text += fmt::format(", {:.2g} x", times);
   return shortened(element, width > text.size() + 1 + least ? width - text.size() - 1 : least) + " " + text;
 }
@@ -122,12 +122,13 @@ std::string rows_text(const std::vector<Row>& rows) {
     return fmt::format("  {:<10} {:<{}} {:>8} {:>8} {:>8} {:>8}  {}\n", stage, shortened(name, width), width, first,
                        values, differing, beyond, worst);
   };
-  std::string text = line("stage", "channel", "tick", "values", "differ", "beyond", "worst: by how much @tick, x tolerance");
+  std::string text =
+      line("stage", "channel", "tick", "values", "differ", "beyond", "worst: by how much @tick, x tolerance");
   for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i) {
     const Row& row = rows[i];
     const std::size_t used = 2 + 10 + 1 + width + 4 * 9 + 2;
-    text += line(to_string(row.stage), row.name, row.channels[0]->first_bit->tick, row.values, row.differing, row.beyond,
-                 worst_text(row, line_width - used));
+    text += line(to_string(row.stage), row.name, row.channels[0]->first_bit->tick, row.values, row.differing,
+                 row.beyond, worst_text(row, line_width - used));
   }
   if (rows.size() > rows_shown) {
     std::int64_t others = 0;
@@ -143,14 +144,14 @@ std::string equal_text(const Comparison& comparison) {
   std::vector<std::pair<std::string, int>> patterns;
   for (const std::string& topic : comparison.equal_channels) {
     const std::string pattern = pattern_of(topic);
-    const auto known = std::find_if(patterns.begin(), patterns.end(), [&](const auto& p) { return p.first == pattern; });
+    const auto known =
+        std::find_if(patterns.begin(), patterns.end(), [&](const auto& p) { return p.first == pattern; });
     if (known == patterns.end())
       patterns.emplace_back(pattern, 1);
     else
       ++known->second;
   }
-  std::string text =
-      fmt::format("  bit-equal: {} (", counted(std::ssize(comparison.equal_channels), "channel"));
+  std::string text = fmt::format("  bit-equal: {} (", counted(std::ssize(comparison.equal_channels), "channel"));
   std::string list;
   for (const auto& [pattern, count] : patterns) {
     std::string item = pattern;
@@ -172,8 +173,8 @@ std::string remarks_text(const std::vector<std::string>& remarks) {
   std::string text;
   for (std::size_t i = 0; i < std::min(remarks_shown, remarks.size()); ++i) text += "  note: " + remarks[i] + "\n";
   if (remarks.size() > remarks_shown)
-    text += fmt::format("  and {}\n", counted(std::ssize(remarks) - static_cast<std::int64_t>(remarks_shown),
-                                              "more note"));
+    text +=
+        fmt::format("  and {}\n", counted(std::ssize(remarks) - static_cast<std::int64_t>(remarks_shown), "more note"));
   return text;
 }
 
@@ -189,9 +190,7 @@ std::string verdict(const Comparison& comparison) {
   if (!comparison.within) {
     if (comparison.first->channel.empty()) return "can't be compared: " + comparison.first->note;
     const std::string reason =
-        comparison.explanation.empty()
-            ? ""
-            : "; changed since the golden: " + comparison.explanation;
+        comparison.explanation.empty() ? "" : "; changed since the golden: " + comparison.explanation;
     return "differs at " + to_string(*comparison.first) + reason;
   }
   if (comparison.equal)

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <iterator>
 #include <set>
+#include <utility>
 
 #include "compare_parts.h"
 #include "topic_segment.h"
@@ -32,8 +33,8 @@ Divergence place_of_tick(const TickClock& clock, std::uint64_t time) {
 
 void compare_lengths(ComparedTraces& traces, Findings& findings) {
   const std::uint64_t golden_end = traces.clock.last_time(), actual_end = traces.actual_clock.last_time();
-  traces.end = std::min({golden_end, actual_end, traces.end});
-  if (golden_end == actual_end || traces.end < std::min(golden_end, actual_end)) return;
+  const std::uint64_t asked = std::exchange(traces.end, std::min({golden_end, actual_end, traces.end}));
+  if (golden_end == actual_end || asked <= std::min(golden_end, actual_end)) return;
   const bool early = actual_end < golden_end;
   traces.one_goes_on = true;
   const std::string failure = failure_of(early ? traces.actual : traces.golden);
@@ -83,8 +84,8 @@ bool has_another_step(const ComparedTraces& traces, Findings& findings) {
   const std::string before = number(traces.golden), now = number(traces.actual);
   if (before.empty() || now.empty() || before == now) return false;
   Divergence divergence = place_of_tick(traces.clock, golden.front());
-  divergence.note = fmt::format("the run's time step is {} s, expected {} s: only ticks at the same time are compared",
-                                now, before);
+  divergence.note =
+      fmt::format("the run's time step is {} s, expected {} s: only ticks at the same time are compared", now, before);
   findings.structure(divergence);
   return true;
 }
@@ -107,7 +108,9 @@ namespace {
 class LoneChannels {
  public:
   LoneChannels(const ComparedTraces& traces, bool missing, const std::function<bool(const TraceChannel&)>& takes)
-      : traces_(traces), missing_(missing), of_(missing ? traces.golden : traces.actual),
+      : traces_(traces),
+        missing_(missing),
+        of_(missing ? traces.golden : traces.actual),
         other_(missing ? traces.actual : traces.golden) {
     std::set<std::string_view> seen;
     for (const TraceChannel& channel : of_.channels()) {

@@ -46,7 +46,10 @@ class SequenceMaker {
       const std::uint64_t time = change.stamp.to_ns();
       if (time > end_) break;
       EventSequence& sequence = sequences_["contacts/" + change.link + "/" + change.other];
-      sequence.source = {EventKind::contact, "/contacts", change.link + " " + change.other, "the contact",
+      sequence.source = {EventKind::contact,
+                         "/contacts",
+                         change.link + " " + change.other,
+                         "the contact",
                          {std::string(body_of(change.link)), std::string(body_of(change.other))}};
       (sequence.*edges).push_back({change.tick, time, change.begins});
     }
@@ -60,8 +63,8 @@ class SequenceMaker {
       const auto now = actual.metadata.find("limits:" + element);
       if (!read_limits(stated.at("limits:" + element), lower, upper)) continue;
       EventSequence sequence;
-      sequence.source = {EventKind::limit, golden.topic, element, "being at its limit",
-                         {std::string(body_of(golden.topic))}};
+      sequence.source = {
+          EventKind::limit, golden.topic, element, "being at its limit", {std::string(body_of(golden.topic))}};
       sequence.golden = edges_at(golden, element, lower, upper);
       if (now != actual.metadata.end()) read_limits(now->second, lower, upper);
       sequence.actual = edges_at(actual, element, lower, upper);
@@ -202,9 +205,8 @@ class Aligner {
  private:
   double price(std::size_t s, std::size_t l) const {
     constexpr double unlike = 1e15;  // more than any number of ticks
-    return shorter_[s].begins == longer_[l].begins
-               ? static_cast<double>(std::abs(shorter_[s].tick - longer_[l].tick))
-               : unlike;
+    return shorter_[s].begins == longer_[l].begins ? static_cast<double>(std::abs(shorter_[s].tick - longer_[l].tick))
+                                                   : unlike;
   }
 
   const std::vector<EventEdge>& shorter_;

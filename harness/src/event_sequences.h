@@ -44,8 +44,8 @@ struct EventSequence {
 /// By the name that rules know it by: contacts/LINK/OTHER, limits/Body/JOINT/u, controller_results/0.
 using EventSequences = std::map<std::string, EventSequence>;
 
-/// Contacts, limits and refusals of both traces, up to a time [ns]. Those that follow from channels of the same bits are
-/// left out.
+/// Contacts, limits and refusals of both traces, up to a time [ns]. Those that follow from channels of the same bits
+/// are left out.
 EventSequences event_sequences(const Trace& golden, const Trace& actual, std::uint64_t end);
 
 /// Indices into two sequences; none: the other has nothing for it.

@@ -105,7 +105,8 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
 constexpr Range any_time_tolerance{0.0, 1.0, "[s]"};
 
 void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a tolerance", {"channel", "atol", "rtol", "lead", "lag", "ticks", "pixel_share", "pixel_delta", "pixel_window"});
+  const Keys keys(findings, node, "a tolerance",
+                  {"channel", "atol", "rtol", "lead", "lag", "ticks", "pixel_share", "pixel_delta", "pixel_window"});
   if (!keys.is_map()) return;
   ToleranceRule rule;
   rule.place = {scenario.file, node.line, node.column};

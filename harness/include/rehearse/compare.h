@@ -4,13 +4,13 @@
 // tolerance (tolerance.h). And the places: the first beyond tolerance, the first where bits differ, the worst.
 //
 // Messages of a channel are matched by their time, tables by the names of their elements. What one trace has and the
-// other lacks is a finding with its place: a tick, a body, a controller, a device is one finding, whatever it takes with
-// it. The hashes in /tick are no quantities: they say whether bits are equal and from which tick on they aren't, and
-// fail nothing. Integers and booleans are exact. NaN equals NaN of the same tick; -0 and 0 are other bits and the same
-// number. An orientation is compared by the angle between the two, 2 atan2(|v|, |w|) of q_golden^-1 q_actual = (v, w), so
-// q and -q are the same, and apart from that by its norm; an angle whose channel says `wrap:<element>` in its metadata
-// is compared modulo one turn. Our recordings say so of no joint: they count turns, and a robot that has made one more
-// is somewhere else.
+// other lacks is a finding with its place: a tick, a body, a controller, a device is one finding, whatever it takes
+// with it. The hashes in /tick are no quantities: they say whether bits are equal and from which tick on they aren't,
+// and fail nothing. Integers and booleans are exact. NaN equals NaN of the same tick; -0 and 0 are other bits and the
+// same number. An orientation is compared by the angle between the two, 2 atan2(|v|, |w|) of q_golden^-1 q_actual = (v,
+// w), so q and -q are the same, and apart from that by its norm; an angle whose channel says `wrap:<element>` in its
+// metadata is compared modulo one turn. Our recordings say so of no joint: they count turns, and a robot that has made
+// one more is somewhere else.
 //
 // Events are compared as sequences, each kind and owner for itself: contacts that begin and end (/contacts), joints at
 // the limits that the simulation keeps them to (`limits:` of a body's /joints), control() that returns false (/tick),
@@ -94,12 +94,12 @@ struct Comparison {
   std::optional<Divergence> first_bit;      // in any bit, hashes included
   /// By times its tolerance; of what has none only if nothing else is beyond.
   std::optional<Divergence> worst;
-  std::string explanation;                  // what else changed that may have caused the first: "the renderer"; or empty
+  std::string explanation;  // what else changed that may have caused the first: "the renderer"; or empty
   std::vector<ChannelComparison> channels;  // all that differ in any way, by their first_bit
   std::vector<std::string> equal_channels;  // topics of all that don't, in the golden's order
   std::vector<EventDifference> event_differences;  // by tick, the first thousand
-  std::vector<std::string> changed_files;   // attachments that are not what they were in the golden
-  bool same_arithmetic = true;              // versions and pins that bits depend on are the golden's
+  std::vector<std::string> changed_files;          // attachments that are not what they were in the golden
+  bool same_arithmetic = true;                     // versions and pins that bits depend on are the golden's
   /// What explains a difference or makes one likely: another scenario, model, controller, library. Sentences.
   std::vector<std::string> remarks;
   /// What whoever asked will want to mend: rules that match nothing.

@@ -4,9 +4,9 @@
 // series; of a vector with elements x, y and z, the largest norm: an axis along which nothing moves is not judged by
 // its own noise. A scenario states rules (`tolerances:`); what no rule speaks of has the default of its unit.
 //
-// A rule may allow for time: with `lead` and `lag`, x passes at time t if it is within that bound of anything between the
-// least and the greatest that the golden is from t - lag to t + lead; an orientation, of any that it passes through. The
-// span ends where the record does. With both 0, which is the default, only the same tick counts.
+// A rule may allow for time: with `lead` and `lag`, x passes at time t if it is within that bound of anything between
+// the least and the greatest that the golden is from t - lag to t + lead; an orientation, of any that it passes
+// through. The span ends where the record does. With both 0, which is the default, only the same tick counts.
 //
 // Events (contacts, limits, what control() returns, messages) may be off by whole `ticks`.
 #pragma once
