@@ -221,6 +221,14 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   return report;
 }
 
+namespace {
+
+nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
+  return comparison ? json_of(*comparison) : nlohmann::ordered_json();
+}
+
+}  // namespace
+
 std::string to_json(const CheckReport& report) {
   const nlohmann::ordered_json object{{"verdict", report.verdict},
                                       {"equal", report.equal()},
@@ -230,8 +238,9 @@ std::string to_json(const CheckReport& report) {
                                         {"plant", to_string(report.plant)},
                                         {"closed", to_string(report.closed)}}},
                                       {"first", json_of(report.first)},
-                                      {"plant", report.plant_comparison ? json_of(*report.plant_comparison) : nullptr},
-                                      {"closed", report.comparison ? json_of(*report.comparison) : nullptr}};
+                                      {"comparisons",
+                                       {{"plant", or_null(report.plant_comparison)},
+                                        {"closed", or_null(report.comparison)}}}};
   return text_of(object);
 }
 

@@ -1,3 +1,15 @@
+find_package(nlohmann_json 3.10 REQUIRED)
+
 rehearse_add_test(judging_test LABEL unit
-  SOURCES compare_test.cpp picture_difference_test.cpp golden_test.cpp tolerance_test.cpp
-  LIBRARIES Rehearse::harness Rehearse::png)
+  SOURCES
+    compare_test.cpp
+    compare_events_test.cpp
+    compare_provenance_test.cpp
+    compare_structure_test.cpp
+    compare_time_test.cpp
+    event_sequences_test.cpp
+    golden_test.cpp
+    picture_difference_test.cpp
+    tolerance_test.cpp
+  LIBRARIES Rehearse::harness Rehearse::png nlohmann_json::nlohmann_json)
+target_include_directories(judging_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)  # sequences of events, on their own

@@ -193,6 +193,16 @@ TEST(Scenario, ReadsTolerancesInTheOrderOfTheFile) {
   EXPECT_EQ(scenario.tolerances[1].place.line, 6);
 }
 
+TEST(Scenario, ReadsTolerancesInTime) {
+  const Scenario scenario = loaded(ball_with(
+      "tolerances:\n  - {channel: Ball/*, lead: 0.001, lag: 0.002}\n  - {channel: contacts/*, ticks: 3}\n"));
+  EXPECT_EQ(scenario.tolerances[0].lead, 0.001);
+  EXPECT_EQ(scenario.tolerances[0].lag, 0.002);
+  EXPECT_EQ(scenario.tolerances[0].ticks, std::nullopt);
+  EXPECT_EQ(scenario.tolerances[1].lead, std::nullopt);
+  EXPECT_EQ(scenario.tolerances[1].ticks, 3);
+}
+
 TEST(Scenario, TellsAllMistakesInDocumentOrder) {
   const auto result = load_text(
       "rehearse: 1\nduration: -1\npushes: [{body: Nobody, force: [0, 0, 1], from: 0, until: 1}]\n"

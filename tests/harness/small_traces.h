@@ -55,11 +55,19 @@ struct SmallTick {
   std::vector<float> depth{1.0F, 2.0F, 3.0F, 4.0F};
   std::vector<float> ranges{1.0F, std::numeric_limits<float>::infinity(), 2.0F};  // [m]
   std::optional<std::vector<msg::Contact>> contacts = std::nullopt;               // not recorded unless given
+  std::optional<double> applied = std::nullopt;                                   // of the knee [N·m], likewise
 };
 
 struct SmallTrace {
   std::vector<SmallTick> ticks{{0}, {1}, {2}};
+  /// That many ticks, all alike.
+  void lengthen(std::int64_t count) {
+    while (std::ssize(ticks) < count) ticks.push_back({std::ssize(ticks)});
+  }
   std::vector<msg::Event> events;
+  std::optional<std::vector<msg::ContactChange>> contact_changes;  // not recorded unless given
+  mcap::StringMap limits;                                          // of /Robot/joints
+  bool has_helper = false;                                         // a second controller
   std::vector<std::string> left_out;  // topics
   std::vector<std::string> joint_names{"KNEE", "WHEEL"};
   std::string scenario = "rehearse: 1\n";
@@ -82,13 +90,18 @@ class SmallWriter {
       : trace_(trace), writer_(*mcap::Writer::create(file)) {}
 
   template <class T>
-  void write(const std::string& topic, std::uint64_t time, const T& message, mcap::StringMap metadata = {}) {
-    for (const std::string& left_out : trace_.left_out)
-      if (left_out == topic) return;
+  std::uint16_t declare(const std::string& topic, mcap::StringMap metadata = {}) {
     std::uint16_t& channel = channels_[topic];
     if (channel == 0)
       channel = writer_->add_channel(writer_->add_schema(T::type_name, "ros2msg", msg::schema_text<T>()), topic, "cdr",
                                      std::move(metadata));
+    return channel;
+  }
+  template <class T>
+  void write(const std::string& topic, std::uint64_t time, const T& message, mcap::StringMap metadata = {}) {
+    for (const std::string& left_out : trace_.left_out)
+      if (left_out == topic) return;
+    const std::uint16_t channel = declare<T>(topic, std::move(metadata));
     CdrWriter cdr;
     msg::encode(message, cdr);
     ASSERT_TRUE(writer_->write(channel, time, time, cdr.bytes()));
@@ -106,8 +119,11 @@ inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick
   const msg::Header header{msg::Time::from_ns(time), "world"};
   const mcap::StringMap joint_units{
       {"unit:KNEE/q", "rad"}, {"unit:WHEEL/q", "rad"}, {"unit:KNEE/u", "N·m"}, {"wrap:WHEEL/q", "true"}};
-  to.write("/Robot/joints", time, msg::JointState{header, trace.joint_names, {tick.q, tick.wheel}, {}, {}},
-           joint_units);
+  mcap::StringMap of_state = joint_units;
+  of_state.insert(trace.limits.begin(), trace.limits.end());
+  std::vector<double> efforts;
+  if (tick.applied) efforts = {*tick.applied, 0.0};
+  to.write("/Robot/joints", time, msg::JointState{header, trace.joint_names, {tick.q, tick.wheel}, {}, efforts}, of_state);
   to.write("/Robot/BASE/pose", time,
            msg::PoseStamped{header,
                             {{tick.position[0], tick.position[1], tick.position[2]},
@@ -128,8 +144,14 @@ inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick
     to.write("/Robot/Pd/input/FOOT/contacts", time, msg::Contacts{header, *tick.contacts},
              {{"unit:position", "m"}, {"unit:force", "N"}, {"unit:depth", "m"}});
   to.write("/Robot/Pd/output/joints", time, msg::JointState{header, {"KNEE"}, {}, {}, {tick.u}}, joint_units);
+  std::vector<bool> results{tick.result};
+  if (trace.has_helper) {
+    to.write("/Robot/Helper/input/joints", time, msg::JointState{header, {"WHEEL"}, {tick.wheel}, {}, {}}, joint_units);
+    to.write("/Robot/Helper/output/joints", time, msg::JointState{header, {"WHEEL"}, {}, {}, {1.0}}, joint_units);
+    results.push_back(true);
+  }
   to.write("/tick", time,
-           msg::Tick{header.stamp, tick.tick, tick.state_hash, tick.state_hash, tick.output_hash, {tick.result}});
+           msg::Tick{header.stamp, tick.tick, tick.state_hash, tick.state_hash, tick.output_hash, results});
 }
 
 inline void SmallTrace::write(const std::filesystem::path& file) const {
@@ -137,6 +159,9 @@ inline void SmallTrace::write(const std::filesystem::path& file) const {
   ASSERT_TRUE(writer.file().add_attachment("scenario.yaml", "application/yaml", std::as_bytes(std::span(scenario))));
   ASSERT_TRUE(writer.file().add_metadata("rehearse", provenance));
   for (const SmallTick& tick : ticks) write_tick(writer, *this, tick);
+  if (contact_changes) writer.declare<msg::ContactChange>("/contacts");
+  for (const msg::ContactChange& change : contact_changes.value_or(std::vector<msg::ContactChange>()))
+    writer.write("/contacts", change.stamp.to_ns(), change);
   for (const msg::Event& event : events) writer.write("/events", event.stamp.to_ns(), event);
   ASSERT_TRUE(writer.file().add_metadata("rehearse.outcome", outcome));
   ASSERT_TRUE(writer.file().close());

@@ -1,0 +1,97 @@
+// Recordings of other versions: judged as far as they can be, and what may differ for that alone.
+#include "compare_fixture.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::Compare;
+
+TEST_F(Compare, RemarksOnAnotherScenarioAndOtherLibraries) {
+  actual_.scenario = "rehearse: 1\nseed: 2\n";
+  actual_.provenance["rehearse"] = "0.2.0";
+  const Comparison comparison = compared();
+  EXPECT_TRUE(comparison.equal);
+  EXPECT_THAT(comparison.remarks, ElementsAre("scenario.yaml is not what it was when the golden was recorded",
+                                              "rehearse was \"0.1.0\" and is \"0.2.0\": everything may differ for that "
+                                              "alone"));
+}
+
+TEST_F(Compare, NamesWhatMayExplainADifferenceOfThatPart) {
+  golden_.provenance["physics"] = "ODE 0.16.2";
+  actual_.provenance["physics"] = "ODE 0.16.4";
+  actual_.ticks[1].q = 0.6;
+  EXPECT_EQ(compared().explanation, "the physics engine");
+  EXPECT_THAT(verdict(compared()), HasSubstr("stage: physics); changed since the golden: the physics engine"));
+  EXPECT_THAT(compared().remarks, Contains(HasSubstr("physics, sensors and inputs may differ for that alone")));
+  EXPECT_FALSE(compared().same_arithmetic);
+  actual_.ticks[1].q = 0.5;
+  actual_.ticks[1].u = 13.0;
+  EXPECT_EQ(compared().explanation, "") << "no commands depend on it";
+}
+
+TEST_F(Compare, BlamesNoRendererForTheState) {
+  golden_.provenance["renderer"] = "llvmpipe (LLVM 15.0.6), Mesa 22.3.6";
+  actual_.provenance["renderer"] = "llvmpipe (LLVM 19.1.7), Mesa 25.0.7";
+  actual_.ticks[1].q = 0.6;
+  EXPECT_EQ(compared().explanation, "");
+  actual_.ticks[1].q = 0.5;
+  actual_.ticks[1].image.pixels[3] = 103;
+  EXPECT_EQ(compared().explanation, "the renderer");
+}
+
+TEST_F(Compare, BlamesAProcessorOnlyWhereNothingWasPinned) {
+  golden_.provenance["processor"] = "one";
+  actual_.provenance["processor"] = "another";
+  actual_.ticks[1].q = 0.6;
+  EXPECT_EQ(compared().explanation, "the processor");
+  for (auto* trace : {&golden_, &actual_}) {
+    trace->provenance["pinned.GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=x";
+    trace->provenance["pinned.GALLIUM_OVERRIDE_CPU_CAPS"] = "sse4.1";
+  }
+  EXPECT_EQ(compared().explanation, "");
+  EXPECT_THAT(compared().remarks, Contains(HasSubstr("\"one\" and is \"another\"")));
+}
+
+TEST_F(Compare, NamesTheControllerWhoseLibraryIsAnotherOne) {
+  golden_.provenance["controller.Robot/Pd"] = "Pd.so 1";
+  actual_.provenance["controller.Robot/Pd"] = "Pd.so 2";
+  actual_.ticks[1].u = 13.0;
+  EXPECT_EQ(compared().explanation, "controller 'Robot/Pd'");
+  CompareOptions plant;
+  plant.stages = {Stage::physics, Stage::sensors, Stage::renderer};
+  EXPECT_TRUE(compared({}, plant).remarks.empty()) << "a plant has no controllers";
+}
+
+TEST_F(Compare, RefusesARecordingOfAVersionItDoesNotKnow) {
+  golden_.provenance["trace_version"] = "2";
+  const Comparison comparison = compared();
+  EXPECT_FALSE(comparison.within);
+  EXPECT_TRUE(comparison.channels.empty());
+  EXPECT_THAT(verdict(comparison), HasSubstr("can't be compared: "));
+  EXPECT_THAT(verdict(comparison), HasSubstr("golden.mcap: it is of trace version 2, and this program compares version 1"));
+  EXPECT_THAT(verdict(comparison), HasSubstr("compare it with the version of Rehearse that wrote it"));
+}
+
+TEST_F(Compare, ComparesWhatNoneOfOursHasWritten) {
+  golden_.provenance.clear();
+  actual_.provenance.clear();
+  EXPECT_TRUE(compared().equal);
+}
+
+TEST_F(Compare, WarnsOfRulesThatHoldForNothing) {
+  ToleranceRule nothing = rule("Robot/KNEEE/q");
+  nothing.place = {"loose.yaml", 3, 5};
+  nothing.atol = 1.0;
+  const Comparison comparison = compared({rule("Robot/*"), nothing, rule("Robot/Eye/image"), rule("tick")});
+  ASSERT_EQ(comparison.warnings.size(), 1u);
+  EXPECT_TRUE(comparison.equal);
+  EXPECT_EQ(table(comparison),
+            "  loose.yaml:3:5: warning: the tolerance of 'Robot/KNEEE/q' holds for nothing: neither trace has such a "
+            "channel (a golden's digest lists their names, as SR1/RLEG_KNEE/q)\n");
+}
+
+}  // namespace
+}  // namespace rehearse
