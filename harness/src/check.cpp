@@ -230,17 +230,16 @@ nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
 }  // namespace
 
 std::string to_json(const CheckReport& report) {
-  const nlohmann::ordered_json object{{"verdict", report.verdict},
-                                      {"equal", report.equal()},
-                                      {"within", report.within()},
-                                      {"levels",
-                                       {{"controller", to_string(report.controller)},
-                                        {"plant", to_string(report.plant)},
-                                        {"closed", to_string(report.closed)}}},
-                                      {"first", json_of(report.first)},
-                                      {"comparisons",
-                                       {{"plant", or_null(report.plant_comparison)},
-                                        {"closed", or_null(report.comparison)}}}};
+  const nlohmann::ordered_json object{
+      {"verdict", report.verdict},
+      {"equal", report.equal()},
+      {"within", report.within()},
+      {"levels",
+       {{"controller", to_string(report.controller)},
+        {"plant", to_string(report.plant)},
+        {"closed", to_string(report.closed)}}},
+      {"first", json_of(report.first)},
+      {"comparisons", {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}}};
   return text_of(object);
 }
 

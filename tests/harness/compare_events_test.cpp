@@ -6,8 +6,8 @@
 namespace rehearse {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::Compare;
+using ::testing::HasSubstr;
 using testing::SmallTrace;
 
 msg::Event event(std::int64_t tick, std::string text) {
@@ -129,7 +129,8 @@ TEST_F(CompareEvents, DoNotJudgeNumbersOfTheBodiesBesideAnEventThatARuleLetsBeOf
   const Comparison comparison = compared({within_ticks("contacts/*", 2)});
   EXPECT_TRUE(comparison.within);
   EXPECT_EQ(comparison.blanked, 3);
-  EXPECT_THAT(verdict(comparison), HasSubstr("3 values beside events that are off by what they may be were not judged"));
+  EXPECT_THAT(verdict(comparison),
+              HasSubstr("3 values beside events that are off by what they may be were not judged"));
   actual_.ticks[6].force = 0.0;
   EXPECT_EQ(compared({within_ticks("contacts/*", 2)}).first->tick, 6);
 }
@@ -149,7 +150,8 @@ TEST_F(CompareEvents, RemarksOnAGoldenFromBeforeContactsWereRecorded) {
   actual_.provenance["trace_revision"] = "2";
   const Comparison comparison = compared();
   EXPECT_TRUE(comparison.equal);
-  EXPECT_THAT(comparison.remarks[0], HasSubstr("the golden was recorded before contacts were: /contacts is not compared"));
+  EXPECT_THAT(comparison.remarks[0],
+              HasSubstr("the golden was recorded before contacts were: /contacts is not compared"));
   golden_.provenance["trace_revision"] = "2";
   EXPECT_FALSE(compared().within) << "it could have recorded them";
 }

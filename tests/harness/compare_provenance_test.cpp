@@ -4,10 +4,10 @@
 namespace rehearse {
 namespace {
 
+using testing::Compare;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::Compare;
 
 TEST_F(Compare, RemarksOnAnotherScenarioAndOtherLibraries) {
   actual_.scenario = "rehearse: 1\nseed: 2\n";
@@ -71,7 +71,8 @@ TEST_F(Compare, RefusesARecordingOfAVersionItDoesNotKnow) {
   EXPECT_FALSE(comparison.within);
   EXPECT_TRUE(comparison.channels.empty());
   EXPECT_THAT(verdict(comparison), HasSubstr("can't be compared: "));
-  EXPECT_THAT(verdict(comparison), HasSubstr("golden.mcap: it is of trace version 2, and this program compares version 1"));
+  EXPECT_THAT(verdict(comparison),
+              HasSubstr("golden.mcap: it is of trace version 2, and this program compares version 1"));
   EXPECT_THAT(verdict(comparison), HasSubstr("compare it with the version of Rehearse that wrote it"));
 }
 

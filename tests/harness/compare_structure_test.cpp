@@ -4,9 +4,9 @@
 namespace rehearse {
 namespace {
 
+using testing::Compare;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::Compare;
 using testing::SmallTick;
 using testing::SmallTrace;
 
@@ -129,7 +129,7 @@ TEST_F(Compare, CallsAMissingDeviceOneFinding) {
 }
 
 TEST_F(Compare, CallsAMissingBodyOneFinding) {
-  actual_.left_out = {"/Robot/joints",   "/Robot/BASE/pose",       "/Robot/Foot/wrench",     "/Robot/Laser/scan",
+  actual_.left_out = {"/Robot/joints",    "/Robot/BASE/pose", "/Robot/Foot/wrench",     "/Robot/Laser/scan",
                       "/Robot/Eye/image", "/Robot/Eye/depth", "/Robot/Pd/input/joints", "/Robot/Pd/output/joints"};
   const Comparison comparison = compared();
   ASSERT_EQ(comparison.channels.size(), 1u);

@@ -11,12 +11,12 @@
 namespace rehearse {
 namespace {
 
+using testing::Compare;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
-using testing::Compare;
 using testing::SmallTick;
 using testing::SmallTrace;
+using ::testing::StartsWith;
 using testing::TemporaryFolder;
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
@@ -434,7 +434,8 @@ TEST_F(Compare, GroupsWhatIsAlikeAndNamesWhatIsBitEqual) {
   for (SmallTrace* trace : {&golden_, &actual_}) trace->has_helper = true;
   actual_.ticks[1].u = 13.0;
   const std::string text = table(compared());
-  EXPECT_THAT(text, HasSubstr("controller /Robot/Pd/output/joints        1        3        1        1  KNEE/u 1 N·m @1"));
+  EXPECT_THAT(text,
+              HasSubstr("controller /Robot/Pd/output/joints        1        3        1        1  KNEE/u 1 N·m @1"));
   EXPECT_THAT(text, HasSubstr("bit-equal: 10 channels (/tick, /Robot/joints, /Robot/BASE/pose, "));
   actual_.ticks[1].u = 12.0;
   actual_.ticks[1].image.pixels[3] = 103;

@@ -194,8 +194,8 @@ TEST(Scenario, ReadsTolerancesInTheOrderOfTheFile) {
 }
 
 TEST(Scenario, ReadsTolerancesInTime) {
-  const Scenario scenario = loaded(ball_with(
-      "tolerances:\n  - {channel: Ball/*, lead: 0.001, lag: 0.002}\n  - {channel: contacts/*, ticks: 3}\n"));
+  const Scenario scenario = loaded(
+      ball_with("tolerances:\n  - {channel: Ball/*, lead: 0.001, lag: 0.002}\n  - {channel: contacts/*, ticks: 3}\n"));
   EXPECT_EQ(scenario.tolerances[0].lead, 0.001);
   EXPECT_EQ(scenario.tolerances[0].lag, 0.002);
   EXPECT_EQ(scenario.tolerances[0].ticks, std::nullopt);

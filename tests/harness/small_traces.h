@@ -123,7 +123,8 @@ inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick
   of_state.insert(trace.limits.begin(), trace.limits.end());
   std::vector<double> efforts;
   if (tick.applied) efforts = {*tick.applied, 0.0};
-  to.write("/Robot/joints", time, msg::JointState{header, trace.joint_names, {tick.q, tick.wheel}, {}, efforts}, of_state);
+  to.write("/Robot/joints", time, msg::JointState{header, trace.joint_names, {tick.q, tick.wheel}, {}, efforts},
+           of_state);
   to.write("/Robot/BASE/pose", time,
            msg::PoseStamped{header,
                             {{tick.position[0], tick.position[1], tick.position[2]},

@@ -60,6 +60,34 @@ TEST_P(Touching, ABoxThatLiesIsHeldAtItsFourCorners) {
   }
 }
 
+TEST_P(Touching, AWorldTellsWhichLinksTouchAfterAStepAndTheEarlierBodyFirst) {
+  for (const bool box_first : {false, true}) {
+    const auto world = lying_box(box_first);
+    EXPECT_TRUE(world->touching().empty()) << "before the first step";
+    run(*world, 1);
+    EXPECT_EQ(world->touching(), std::vector<LinkPair>{(LinkPair{0, 0, 1, 0})}) << "four points, one pair";
+    world->push(box_first ? 0 : 1, 0, {0, 0, 5000}, Vector3d::Zero(), Vector3d::Zero());
+    run(*world, 2);
+    EXPECT_TRUE(world->touching().empty()) << "it flies";
+  }
+}
+
+TEST_P(Touching, WhatNoForceMovesTouchesNothing) {
+  const auto world = make_world(settings(), {floor_body(), floor_body()});
+  run(*world, 1);
+  EXPECT_TRUE(world->touching().empty());
+}
+
+TEST_P(Touching, WhatTouchesIsNotPartOfTheState) {
+  const auto world = lying_box();
+  run(*world, 10);
+  const auto state = world->save();
+  ASSERT_TRUE(world->restore(state).ok());
+  EXPECT_TRUE(world->touching().empty());
+  run(*world, 1);
+  EXPECT_EQ(world->touching().size(), 1u);
+}
+
 TEST_P(Touching, BothSidesTellTheSameFromTheirOwnPointOfView) {
   for (const bool box_first : {false, true}) {
     const auto world = lying_box(box_first);

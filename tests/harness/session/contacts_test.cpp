@@ -3,6 +3,7 @@
 #include <rehearse/cdr.h>
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
+#include <rehearse/plant_run.h>
 
 #include <algorithm>
 #include <cmath>
@@ -208,6 +209,59 @@ TEST_F(ContactRuns, AContactSensorIsRecordedWithItsUnits) {
   EXPECT_EQ(contact->metadata.at("unit:force"), "N");
   EXPECT_EQ(trace.last("Rig/Sole/count"), 4.0);
   EXPECT_NEAR(trace.last("Rig/Sole/force/z"), 5.0 * 9.80665, 2.0);
+}
+
+TEST_F(ContactRuns, AreRecordedWhereTheyBeginAndEnd) {
+  const std::string push = "pushes: [{body: Rig, force: [0, 0, 500], from: 0.1, until: 0.11}]\n";
+  const Trace trace = record_run(falling_foot("") + push, "run.mcap");
+  const auto& changes = trace.contact_changes();
+  ASSERT_EQ(changes.size(), 3u);
+  for (const msg::ContactChange& change : changes) {
+    EXPECT_EQ(change.link, "Rig/FOOT");
+    EXPECT_EQ(change.other, "Floor/Box");
+    EXPECT_EQ(change.stamp.to_ns(), static_cast<std::uint64_t>(change.tick) * 1'000'000);
+  }
+  EXPECT_TRUE(changes[0].begins);
+  EXPECT_NEAR(static_cast<double>(changes[0].tick), 15.0, 1.0);  // 1 mm deep
+  EXPECT_FALSE(changes[1].begins);
+  EXPECT_GT(changes[1].tick, 100);
+  EXPECT_TRUE(changes[2].begins);
+}
+
+TEST_F(ContactRuns, AreThereAtTheFirstTickIfItLiesAndNotAgain) {
+  std::string lying = falling_foot("");
+  lying.replace(lying.find("0.051"), 5, "0.05 ");
+  const Trace trace = record_run(lying);
+  ASSERT_EQ(trace.contact_changes().size(), 1u);
+  EXPECT_EQ(trace.contact_changes()[0].tick, 1);
+  EXPECT_NE(trace.find_channel("/contacts"), nullptr);
+}
+
+TEST_F(ContactRuns, AreTheSameUnderTheRecordedCommandsFromCheckpointToCheckpoint) {
+  const std::string text = falling_foot("") + "pushes: [{body: Rig, force: [0, 0, 500], from: 0.1, until: 0.11}]\n";
+  const Trace golden = record_run(text, "golden.mcap");
+  const Scenario scenario = load(text);
+  ASSERT_TRUE(run_plant(scenario, golden, path("plant.mcap"), {}).ok());
+  const auto plant = Trace::load(path("plant.mcap"));
+  ASSERT_TRUE(plant.ok());
+  CompareOptions options;
+  options.stages = {Stage::physics, Stage::sensors};
+  const Comparison comparison = compare(golden, *plant, {}, options);
+  EXPECT_TRUE(comparison.equal) << verdict(comparison) << table(comparison);
+  EXPECT_THAT(comparison.equal_channels, Contains("/contacts"));
+}
+
+TEST_F(ContactRuns, LimitsOfAJointStandBesideItsNumbersIfTheyAreKept) {
+  write("rig.urdf", rig_urdf);
+  const std::string text = rig(behaviour("C", "drive effort 5 RAIL"));
+  EXPECT_EQ(record_run(text).find_channel("/Rig/joints")->metadata.count("limits:RAIL/q"), 0u);
+  std::string kept = text;
+  kept.replace(kept.find("    model: rig.urdf"), 19,
+               "    joint_limits: true\n    effort_limits: true\n    model: rig.urdf");
+  const auto metadata = record_run(kept).find_channel("/Rig/joints")->metadata;
+  EXPECT_EQ(metadata.at("limits:RAIL/q"), "-100 100");
+  EXPECT_EQ(metadata.at("limits:RAIL/u"), "-1000 1000");
+  EXPECT_EQ(metadata.count("limits:SHOULDER/q"), 0u) << "it has none";
 }
 
 }  // namespace
