@@ -161,8 +161,8 @@ class MessageJudge {
     const bool there = i < actual.size() && actual[i].stamp.to_ns() <= traces_.end;
     if (!expected && !there) return;  // only one of the runs came so far
     const msg::Event& event = there && (!expected || actual[i].tick <= golden[i].tick) ? actual[i] : golden[i];
-    const bool came_before_end = !there && i < actual.size() && say_the_same(golden[i], actual[i]);
-    if (came_before_end && is_near(golden[i], actual[i])) return;
+    const bool both_say_it = i < golden.size() && i < actual.size() && say_the_same(golden[i], actual[i]);
+    if (both_say_it && there != expected && is_near(golden[i], actual[i])) return;  // once after the end
     Divergence divergence = place_of_event(event);
     divergence.note =
         fmt::format("event {} is {}, expected {}{}", i + 1, there ? "\"" + text_of(actual[i]) + "\"" : "missing",

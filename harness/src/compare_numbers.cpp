@@ -258,7 +258,11 @@ bool NumberJudge::count(const Column& column, std::size_t golden_row, double dif
     beyond = false;
     ++findings_.result().differing;
     ++findings_.result().blanked;
-    if (!findings_.result().first_bit) findings_.mark(place(column, golden_row));
+    if (!findings_.result().first_bit) {
+      Divergence divergence = place(column, golden_row);
+      divergence.note = "isn't judged: an event beside it is off by what it may be";
+      findings_.mark(divergence);
+    }
     return false;
   }
   return findings_.count(difference, column.tolerance, beyond);

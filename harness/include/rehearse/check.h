@@ -81,7 +81,8 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesyst
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation);
 
-/// An object with verdict, equal, within, levels (controller, plant, closed) and first, as in compare.h.
+/// An object with verdict, equal, within, levels (controller, plant, closed), first, as in compare.h, and comparisons
+/// (plant, closed: null, or as to_json(Comparison)).
 std::string to_json(const CheckReport& report);
 
 }  // namespace rehearse
