@@ -30,7 +30,7 @@ TEST_F(Info, TellsAPersonWhatIsInATrace) {
   done({"record", sr1_scenario.string(), "--duration", "0.2", "-o", "sr1.mcap"});
   const std::string text = done({"info", "sr1.mcap"}).out;
   EXPECT_THAT(text, ContainsRegex("sr1.mcap: .* written by rehearse " REHEARSE_VERSION ", profile ros2\n"));
-  EXPECT_THAT(text, HasSubstr(" in 20 channels, 0.2 s from 0 s to 0.2 s, 201 messages on /tick\n"));
+  EXPECT_THAT(text, HasSubstr(" in 21 channels, 0.2 s from 0 s to 0.2 s, 201 messages on /tick\n"));
   EXPECT_THAT(text, ContainsRegex("\n  /SR1/joints  +sensor_msgs/msg/JointState  +201  +1000 Hz  +"));
   EXPECT_THAT(text, HasSubstr("\n  scenario.yaml, application/yaml, "));
   EXPECT_THAT(text, HasSubstr("\n  seed: 0\n"));
@@ -43,7 +43,7 @@ TEST_F(Info, TellsAProgramAllOfIt) {
   EXPECT_EQ(info["header"]["profile"], "ros2");
   EXPECT_EQ(info["size"], fs::file_size(folder() / "sr1.mcap"));
   EXPECT_EQ(info["duration"], 0.1);
-  ASSERT_EQ(info["channels"].size(), 20u);
+  ASSERT_EQ(info["channels"].size(), 21u);
   EXPECT_EQ(info["channels"][0]["topic"], "/SR1/joints");
   EXPECT_EQ(info["channels"][0]["type"], "sensor_msgs/msg/JointState");
   EXPECT_EQ(info["channels"][0]["messages"], 101);

@@ -18,7 +18,7 @@ TEST_F(Record, SaysInThreeLinesWhatWasRecorded) {
   EXPECT_THAT(outcome.out,
               HasSubstr("recorded sr1_minimum: SR1 under SR1Minimum\n100 ticks, 0.1 s of simulation, in "));
   EXPECT_THAT(outcome.out,
-              ContainsRegex("times real time, [0-9]+ ticks/s\n20 channels, 4 camera frames, .* in sr1.mcap\n$"));
+              ContainsRegex("times real time, [0-9]+ ticks/s\n21 channels, 4 camera frames, .* in sr1.mcap\n$"));
   EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 3);
 }
 
@@ -58,7 +58,7 @@ TEST_F(Record, SeedAndDurationOfTheCommandLineStandInTheTrace) {
 
 TEST_F(Record, LeavesPicturesOut) {
   const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "--no-frames", "-o", "a.mcap"});
-  EXPECT_THAT(outcome.out, HasSubstr("14 channels, 0 camera frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("15 channels, 0 camera frames"));
 }
 
 TEST_F(Record, RefusesAControllerThatTheScenarioHasNot) {
