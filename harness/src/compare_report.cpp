@@ -62,7 +62,7 @@ std::vector<Row> rows_of(const Comparison& comparison) {
     const auto [at, is_new] = known.emplace(std::pair(static_cast<int>(channel.stage), name), rows.size());
     if (is_new) rows.emplace_back();
     Row& row = rows[at->second];
-    row.stage = channel.stage;
+    if (row.channels.empty()) row.stage = channel.first_bit->stage;  // of /tick, whichever hash it is
     row.name = name;
     if (row.channels.empty() || row.channels.back()->channel != channel.channel) row.count += channel.channels;
     row.channels.push_back(&channel);

@@ -145,10 +145,14 @@ TEST_F(Compare, CountsTheElementsThatAreMissingInOneFinding) {
 }
 
 TEST_F(Compare, CallsAMessageThatIsMissingInATickThatIsThereAFinding) {
-  lengthen(4);
-  golden_.contact_changes = actual_.contact_changes = std::vector<msg::ContactChange>();
-  golden_.events = {{msg::Time::from_ns(1'000'000), 1, "note", "Robot/Pd", "hello"}};
-  EXPECT_THAT(compared().first->note, HasSubstr("event 1 is missing, expected \"tick 1, note, Robot/Pd: hello\""));
+  for (SmallTrace* trace : {&golden_, &actual_})
+    for (SmallTick& tick : trace->ticks) tick.contacts.emplace();
+  actual_.ticks[1].contacts.reset();
+  const Comparison comparison = compared();
+  ASSERT_EQ(comparison.channels.size(), 1u);
+  EXPECT_EQ(comparison.first->channel, "/Robot/Pd/input/FOOT/contacts");
+  EXPECT_EQ(comparison.first->tick, 1);
+  EXPECT_EQ(comparison.first->note, "this message is missing");
 }
 
 TEST_F(Compare, SaysNothingOfTheLastStateWhereTheOtherRunGoesOn) {
