@@ -81,7 +81,7 @@ class Cameras {
     since_file_ = 0;
     if (recorder_) must_succeed(recorder_->close({}));
     recorder_ = must(Recorder::create(Sr1Run::instance().folder() / "frames.mcap", recorded_, {}));
-    recorder_->declare(*host_);
+    recorder_->declare(host_.get());
   }
 
  private:
