@@ -60,6 +60,7 @@ void compare_clocks(const ComparedTraces& traces, bool missing, Findings& findin
   const auto after = std::find_if(first, of.times().end(), [&](std::uint64_t time) { return other.has(time); });
   const auto run = static_cast<std::size_t>(std::distance(first, after));
   Divergence divergence = place_of_tick(of, lone.front());
+  divergence.stage = Stage::physics;  // the state of the bodies, first of all, is not there
   const auto tick_text = [&](auto time) { return fmt::format("tick {}", of.tick_at(*time)); };
   std::string neighbours = first == of.times().begin() ? "the first" : "after " + tick_text(std::prev(first));
   neighbours += after == of.times().end() ? ", the last" : ", before " + tick_text(after);

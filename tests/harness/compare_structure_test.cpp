@@ -78,6 +78,7 @@ TEST_F(Compare, TellsBetweenWhichTicksOneIsMissingAndNothingElseOfIt) {
   EXPECT_EQ(comparison.first->channel, "/tick");
   EXPECT_EQ(comparison.first->tick, 3);
   EXPECT_EQ(comparison.first->note, "this tick is missing (after tick 2, before tick 4)");
+  EXPECT_EQ(comparison.first->stage, Stage::physics);
   EXPECT_EQ(comparison.ticks, 3) << "the outcome tells of three";
 }
 
