@@ -70,7 +70,7 @@ struct EventDifference {
 /// How well two runs agree, by what differs most.
 enum class Agreement {
   equal,     // bit for bit
-  in_noise,  // nothing is above the noise floors, as far as these are known
+  in_noise,  // nothing is above its noise floor
   within,    // tolerance
   beyond,    // tolerance, or something is missing or extra
 };
