@@ -382,6 +382,17 @@ TEST(Trace, DecodesEvents) {
   EXPECT_EQ(trace.events()[0].text, "wrote NaN into RLEG_KNEE/u");
 }
 
+TEST(Trace, DecodesChangesOfContact) {
+  Recording recording;
+  recording.add("/contacts", 5 * ms, msg::ContactChange{{0, 5}, 5, "SR1/RLEG_ANKLE_R", "Floor/Box", true});
+  const Trace trace = recording.load();
+  EXPECT_TRUE(trace.series().empty());
+  ASSERT_EQ(trace.contact_changes().size(), 1u);
+  EXPECT_EQ(trace.contact_changes()[0].link, "SR1/RLEG_ANKLE_R");
+  EXPECT_EQ(trace.contact_changes()[0].other, "Floor/Box");
+  EXPECT_TRUE(trace.contact_changes()[0].begins);
+}
+
 TEST(Trace, KnowsChannelsAttachmentsAndMetadata) {
   Recording recording;
   recording.add("/R/joints", 0, joints({"A"}, {1}));
