@@ -218,7 +218,7 @@ TEST_F(ContactRuns, AreRecordedWhereTheyBeginAndEnd) {
   ASSERT_EQ(changes.size(), 3u);
   for (const msg::ContactChange& change : changes) {
     EXPECT_EQ(change.link, "Rig/FOOT");
-    EXPECT_EQ(change.other, "Floor/Box");
+    EXPECT_EQ(change.other, "Floor/Floor");
     EXPECT_EQ(change.stamp.to_ns(), static_cast<std::uint64_t>(change.tick) * 1'000'000);
   }
   EXPECT_TRUE(changes[0].begins);
@@ -230,7 +230,7 @@ TEST_F(ContactRuns, AreRecordedWhereTheyBeginAndEnd) {
 
 TEST_F(ContactRuns, AreThereAtTheFirstTickIfItLiesAndNotAgain) {
   std::string lying = falling_foot("");
-  lying.replace(lying.find("0.051"), 5, "0.05 ");
+  lying.replace(lying.find("0.051"), 5, "0.0499");
   const Trace trace = record_run(lying);
   ASSERT_EQ(trace.contact_changes().size(), 1u);
   EXPECT_EQ(trace.contact_changes()[0].tick, 1);
