@@ -129,8 +129,6 @@ void compare_lone_channels(const ComparedTraces& traces, const std::function<boo
 /// Sequences of events. Sets traces.blanked.
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences);
 
-/// Fails if a trace is of a version that this program doesn't know: nothing in it is known to mean what it seems to.
-Result<void> check_version(const Trace& trace);
 /// What the two were recorded of and with that isn't the same: changed_files, same_arithmetic, remarks, explanation.
 void compare_provenance(const ComparedTraces& traces, Comparison& comparison);
 /// Rules that match nothing in either trace.

@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <sstream>
+
 namespace rehearse::test {
 namespace {
 
@@ -207,6 +210,42 @@ TEST_F(Diff, TakesTolerancesFromAFile) {
   const nlohmann::json report = done({"diff", "a.mcap", "b.mcap", "--tolerances", "loose.yaml", "--json"}).json();
   EXPECT_EQ(report["within"], true);
   EXPECT_EQ(report["equal"], false);
+}
+
+TEST_F(Diff, WarnsOfATolerancesChannelThatNeitherTraceHas) {
+  done({"record", scenario_, "-o", "a.mcap"});
+  write("loose.yaml", "tolerances:\n  - {channel: \"SR1/*/q\", atol: 1}\n  - {channel: \"SR1/*/qq\", atol: 1}\n");
+  const Outcome outcome = done({"diff", "a.mcap", "a.mcap", "--tolerances", "loose.yaml"});
+  EXPECT_THAT(outcome.out, StartsWith("equal bit for bit: "));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  loose.yaml:3:15: warning: the tolerance of 'SR1/*/qq' holds for nothing"));
+  const nlohmann::json report = done({"diff", "a.mcap", "a.mcap", "--tolerances", "loose.yaml", "--json"}).json();
+  EXPECT_EQ(report["warnings"].size(), 1u);
+}
+
+TEST_F(Diff, TellsAProgramAllThatItTellsAPerson) {
+  record_two();
+  const nlohmann::json report = rehearse({"diff", "a.mcap", "b.mcap", "--json"}).json();
+  EXPECT_EQ(report["agreement"], "beyond");
+  EXPECT_EQ(report["explanation"], "controller 'SR1/SR1Minimum'");
+  EXPECT_GT(report["first"]["times_tolerance"], 1.0);
+  EXPECT_GT(report["worst"]["times_tolerance"], report["first"]["times_tolerance"]);
+  EXPECT_EQ(report["first_bit"]["tick"], 0);
+  EXPECT_FALSE(report["channels"].empty());
+  EXPECT_EQ(report["equal_channels"], nlohmann::json({"/contacts", "/events"}));
+  EXPECT_EQ(report["remarks"].size(), 1u);
+}
+
+TEST_F(Diff, TellsTheSameWithinTheWidthOfATerminal) {
+  record_two();
+  std::istringstream lines(rehearse({"diff", "a.mcap", "b.mcap"}).out);
+  std::string line;
+  int rows = 0;
+  std::getline(lines, line);  // the verdict
+  for (; std::getline(lines, line) && !line.starts_with("  worst: "); ++rows) {
+    const auto inside = std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) == 0x80; });
+    EXPECT_LE(static_cast<std::ptrdiff_t>(line.size()) - inside, 120) << line;
+  }
+  EXPECT_GT(rows, 8);
 }
 
 TEST_F(Diff, TakesTolerancesFromAScenario) {

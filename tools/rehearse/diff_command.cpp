@@ -31,6 +31,8 @@ Exit run(const Settings& settings) {
   if (!golden) return refuse(golden.errors());
   const auto actual = Trace::load(settings.actual);
   if (!actual) return refuse(actual.errors());
+  for (const Trace* trace : {&*golden, &*actual})
+    if (const auto known = check_version(*trace); !known) return refuse(known.errors());
   const auto rules = rules_of(settings, *golden);
   if (!rules) return refuse(rules.errors());
   const Comparison comparison = compare(*golden, *actual, *rules);

@@ -123,6 +123,10 @@ struct CompareOptions {
 Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
                    const CompareOptions& options = {});
 
+/// Fails if the trace is of a version that this program doesn't know: what is in it may mean anything. A comparison with
+/// it says so, and nothing else.
+Result<void> check_version(const Trace& trace);
+
 /// Which part of the loop makes the values of a topic, by its name. The hashes and results in /tick have each their own.
 Stage stage_of(std::string_view topic, std::string_view element = {});
 
