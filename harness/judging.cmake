@@ -15,6 +15,7 @@ target_sources(rehearse_harness PRIVATE
   src/compare_structure.cpp
   src/digest.cpp
   src/event_sequences.cpp
+  src/expectation.cpp
   src/golden.cpp
   src/golden_files.cpp
   src/golden_list.cpp

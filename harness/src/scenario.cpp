@@ -83,6 +83,16 @@ void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
                    fmt::format("expected at least one time step, {} s", scenario.time_step));
 }
 
+/// After the duration.
+void read_horizon(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const auto horizon = read_number(findings, node, "horizon", {0.0, Scenario::max_duration, "[s]"});
+  if (!horizon) return;
+  if (scenario.duration > 0.0 && *horizon > scenario.duration)
+    findings.error(node, fmt::format("horizon is {}, after the end of the run", *horizon),
+                   fmt::format("expected a time up to the duration, {} s", scenario.duration));
+  scenario.horizon = *horizon;
+}
+
 void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
   if (const YamlNode* node = keys.find("seed")) {
     const auto seed = read_integer(findings, *node, "seed", 0, std::numeric_limits<std::uint32_t>::max());
@@ -149,7 +159,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
                   {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
-                   "bodies", "pushes", "joystick", "noise", "look", "cameras", "record", "tolerances"});
+                   "bodies", "pushes", "joystick", "noise", "look", "cameras", "record", "tolerances", "horizon", "expect"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -165,6 +175,8 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("look")) read_look(findings, *node, scenario.look);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("horizon")) read_horizon(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("expect")) read_expectations(findings, *node, scenario);
   if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }
 

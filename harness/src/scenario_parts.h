@@ -38,6 +38,9 @@ void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& sce
 /// The `tolerances` list.
 void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario);
 
+/// The `expect` list. After the duration.
+void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario);
+
 /// The index of the body of that name in scenario.bodies; reports it if there is none.
 std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario);
 

@@ -29,6 +29,18 @@ std::optional<double> plain_number(const YamlNode& node) {
   return rest.empty() ? value : std::nullopt;
 }
 
+// A bare number, or one with deg or rad. In quotes only with its unit: "10 deg" is how many people would write it.
+std::optional<Quantity> number_or_angle(const YamlNode& node) {
+  std::string_view unit;
+  const auto number = node.kind == YamlNode::Kind::scalar ? leading_number(node.text, unit) : std::nullopt;
+  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
+  if (!number || (unit.empty() && node.quoted)) return std::nullopt;
+  if (unit.empty()) return Quantity{*number};
+  if (unit == "rad") return Quantity{*number, true};
+  if (unit == "deg") return Quantity{*number * std::numbers::pi / 180.0, true, true};
+  return std::nullopt;
+}
+
 std::string element(std::string_view label, std::size_t index) { return fmt::format("{}[{}]", label, index); }
 
 std::optional<Eigen::Quaterniond> unit_quaternion(Findings& findings, const YamlNode& node) {
@@ -152,15 +164,16 @@ std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::str
 }
 
 std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label) {
-  // In quotes as well: "10 deg" is how many people would write it.
-  std::string_view unit;
-  const auto number = node.kind == YamlNode::Kind::scalar ? leading_number(node.text, unit) : std::nullopt;
-  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
-  if (number && (unit.empty() ? !node.quoted : unit == "rad" || unit == "deg")) {
-    const double value = unit == "deg" ? *number * std::numbers::pi / 180.0 : *number;
-    if (any_angle.contains(value)) return value;
-  }
+  if (const auto angle = number_or_angle(node); angle && any_angle.contains(angle->value)) return angle->value;
   expected(findings, node, label, "an angle: a number [rad], or with its unit as 10 deg or 0.1 rad");
+  return std::nullopt;
+}
+
+std::optional<Quantity> read_quantity(Findings& findings, const YamlNode& node, std::string_view label) {
+  constexpr double largest = 1e12;
+  const auto quantity = number_or_angle(node);
+  if (quantity && std::abs(quantity->value) <= largest) return quantity;
+  expected(findings, node, label, "a number in the unit of the series, or an angle as 10 deg or 0.1 rad");
   return std::nullopt;
 }
 

@@ -8,6 +8,7 @@ rehearse_add_test(judging_test LABEL unit
     compare_structure_test.cpp
     compare_time_test.cpp
     event_sequences_test.cpp
+    expectation_test.cpp
     golden_test.cpp
     picture_difference_test.cpp
     tolerance_test.cpp

@@ -85,6 +85,30 @@ struct ToleranceRule {
   Place place;                        // of its channel
 };
 
+/// A property that a run has to have, however its values compare with the golden's. Of series: each that matches, and at
+/// least one, is within the bounds in the whole span, or with `sometime` in one sample of it, or with `at` in one moment.
+/// Of events: one that matches happens in the span, or none does. expectation.h judges a run by it.
+struct Expectation {
+  enum class Subject { series, event, no_event };
+
+  Subject subject = Subject::series;
+  std::string pattern;           // a glob over series names, or over an event's "SEVERITY SOURCE: TEXT"
+  bool absolute = false;         // the magnitude is bounded
+  std::optional<double> since;   // what is bounded is the change since then [s]
+  std::optional<double> above;   // the bound itself is wrong; in the series' unit, angles in [rad]
+  std::optional<double> below;   // likewise
+  std::optional<double> near;    // the bounds of near and within are right; both are there, or none
+  std::optional<double> within;  // of near
+  bool angle = false;            // a bound was given as an angle: the series has to be one
+  bool degrees = false;          // and is told in degrees
+  bool sometime = false;         // one sample of the span is enough
+  std::optional<double> from;    // of the span [s], itself included; nullopt: the beginning of the run
+  std::optional<double> until;   // of the span [s], itself included; nullopt: its end
+  std::optional<double> at;      // instead of the span: the latest sample at that time or before [s]
+  bool at_end = false;           // instead of the span: the last sample
+  Place place;                   // of its pattern
+};
+
 struct Scenario {
   static constexpr double max_duration = 86400.0;  // [s]
   static constexpr double min_time_step = 1e-5;    // [s]
@@ -108,6 +132,8 @@ struct Scenario {
   std::optional<std::vector<std::string>> cameras;
   bool record_frames = true;            // pictures go into the trace
   std::vector<ToleranceRule> tolerances;  // in file order; the last that matches wins
+  std::optional<double> horizon;        // values are compared with the golden's up to then [s]; nullopt: not stated
+  std::vector<Expectation> expectations;  // `expect:`, in file order
   Diagnostics warnings;                 // of the scenario and its models
 
   /// lround(duration / time_step), as Choreonoid counts.

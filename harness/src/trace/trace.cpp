@@ -59,10 +59,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::string nearest_names(std::string_view name, const std::map<std::string, SeriesPlace, std::less<>>& series) {
+}  // namespace
+
+std::optional<SeriesPlace> Trace::find_series(std::string_view name) const {
+  const auto found = series_.find(name);
+  if (found == series_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::string Trace::nearest_series(std::string_view name) const {
   constexpr std::size_t shown = 3;
   std::vector<std::pair<std::size_t, std::string_view>> by_distance;
-  for (const auto& [other, place] : series) by_distance.emplace_back(edit_distance(name, other), other);
+  for (const auto& [other, place] : series_) by_distance.emplace_back(edit_distance(name, other), other);
   const std::size_t count = std::min(shown, by_distance.size());
   std::partial_sort(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(count), by_distance.end());
   std::string text;
@@ -73,20 +81,12 @@ std::string nearest_names(std::string_view name, const std::map<std::string, Ser
   return text;
 }
 
-}  // namespace
-
-std::optional<SeriesPlace> Trace::find_series(std::string_view name) const {
-  const auto found = series_.find(name);
-  if (found == series_.end()) return std::nullopt;
-  return found->second;
-}
-
 Trace::Samples Trace::samples(std::string_view name) const {
   const auto place = find_series(name);
   if (!place) {
     throw std::out_of_range(series_.empty() ? fmt::format("{} has no series at all, so none \"{}\"", file_, name)
                                             : fmt::format("{} has no series \"{}\"; the nearest are {}", file_, name,
-                                                          nearest_names(name, series_)));
+                                                          nearest_series(name)));
   }
   return {channels_[place->channel], place->column};
 }

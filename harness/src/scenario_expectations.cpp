@@ -1,0 +1,210 @@
+// The `expect` of a scenario: what has to be true of a run.
+#include "scenario_parts.h"
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace rehearse {
+namespace {
+
+constexpr std::array subjects{"channel", "event", "no_event"};
+constexpr std::array bounds{"above", "below", "near", "within"};
+
+constexpr std::array others{"abs", "since", "from", "until", "at", "sometime"};
+
+bool has_unknown_key(const Keys& keys) {
+  const auto is_among = [](const auto& known, std::string_view name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  for (const NamedEntry& entry : keys.entries())
+    if (!is_among(subjects, entry.name) && !is_among(bounds, entry.name) && !is_among(others, entry.name)) return true;
+  return false;
+}
+
+class ExpectationReader {
+ public:
+  ExpectationReader(Findings& findings, Scenario& scenario) : findings_(findings), scenario_(scenario) {}
+
+  void read_entry(const YamlNode& node);
+
+ private:
+  bool read_subject(const Keys& keys, const YamlNode& node, Expectation& expectation) const;
+  void refuse_of_events(const Keys& keys) const;
+  void read_bounds(const Keys& keys, const YamlNode& node, Expectation& expectation) const;
+  void check_bounds(const Keys& keys, const Expectation& expectation) const;
+  void read_bound(const Keys& keys, std::string_view key, std::optional<double>& bound, Expectation& expectation) const;
+  void read_span(const Keys& keys, Expectation& expectation) const;
+  void read_moment(const Keys& keys, Expectation& expectation) const;
+  void read_since(const Keys& keys, Expectation& expectation) const;
+  std::optional<double> read_time(const YamlNode& node, std::string_view key) const;
+
+  Findings& findings_;
+  Scenario& scenario_;
+};
+
+void ExpectationReader::read_entry(const YamlNode& node) {
+  const Keys keys(findings_, node, "an expectation",
+                  {"channel", "event", "no_event", "above", "below", "near", "within", "abs", "since", "from", "until",
+                   "at", "sometime"});
+  if (!keys.is_map()) return;
+  Expectation expectation;
+  expectation.place = {scenario_.file, node.line, node.column};
+  if (!read_subject(keys, node, expectation)) return;
+  if (expectation.subject == Expectation::Subject::series) {
+    keys.flag("abs", expectation.absolute);
+    keys.flag("sometime", expectation.sometime);
+    read_bounds(keys, node, expectation);
+    read_moment(keys, expectation);
+  } else {
+    refuse_of_events(keys);
+  }
+  read_span(keys, expectation);
+  read_since(keys, expectation);
+  scenario_.expectations.push_back(std::move(expectation));
+}
+
+/// Whether there is one, so that the rest can be judged.
+bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Expectation& expectation) const {
+  const YamlNode* found = nullptr;
+  for (std::size_t i = 0; i < subjects.size(); ++i) {
+    const YamlNode* subject = keys.find(subjects[i]);
+    if (subject == nullptr) continue;
+    if (found != nullptr) {
+      findings_.error(node, "an expectation of two things in one", "expected one of channel, event and no_event");
+      return false;
+    }
+    found = subject;
+    expectation.subject = static_cast<Expectation::Subject>(i);
+    expectation.place = {scenario_.file, subject->line, subject->column};
+    const auto pattern = read_text(findings_, *subject, subjects[i], "a pattern, in which * stands for any text");
+    if (!pattern) return false;
+    expectation.pattern = *pattern;
+    const bool is_series = expectation.subject == Expectation::Subject::series;
+    if (pattern->empty() || (is_series && pattern->front() == '/'))
+      expected(
+          findings_, *subject, subjects[i],
+          is_series ? "a pattern such as SR1/*/q, without a slash at its beginning" : "a pattern such as \"error *\"");
+  }
+  if (found == nullptr && keys.require("channel", "the name of a series; or event or no_event: a pattern") == nullptr)
+    return false;
+  return true;
+}
+
+void ExpectationReader::refuse_of_events(const Keys& keys) const {
+  for (const NamedEntry& entry : keys.entries()) {
+    for (const std::string_view key : {"above", "below", "near", "within", "abs", "since", "at", "sometime"})
+      if (entry.name == key)
+        findings_.error(*entry.key, fmt::format("'{}' of an event", key),
+                        "an event happens or doesn't; from and until say when");
+  }
+}
+
+void ExpectationReader::read_bound(const Keys& keys, std::string_view key, std::optional<double>& bound,
+                                   Expectation& expectation) const {
+  const YamlNode* node = keys.find(key);
+  if (node == nullptr) return;
+  const auto quantity = read_quantity(findings_, *node, key);
+  if (!quantity) return;
+  bound = quantity->value;
+  expectation.angle |= quantity->angle;
+  expectation.degrees |= quantity->degrees;
+}
+
+void ExpectationReader::read_bounds(const Keys& keys, const YamlNode& node, Expectation& expectation) const {
+  read_bound(keys, "above", expectation.above, expectation);
+  read_bound(keys, "below", expectation.below, expectation);
+  read_bound(keys, "near", expectation.near, expectation);
+  read_bound(keys, "within", expectation.within, expectation);
+  const YamlNode *above = keys.find("above"), *below = keys.find("below");
+  const YamlNode *near = keys.find("near"), *within = keys.find("within");
+  if (!above && !below && !near && !within) {
+    if (!has_unknown_key(keys))  // which may have been meant for one
+      findings_.error(node, "an expectation without a bound", "expected above, below, or near and within");
+  } else if (near && !within) {
+    findings_.error(*near, "'near' without 'within'", "expected within: D, how far from it is right");
+  } else if (within && !near) {
+    findings_.error(*within, "'within' without 'near'", "expected near: X, of which the value is within that distance");
+  } else if (near && (above || below)) {
+    findings_.error(above ? *above : *below, fmt::format("'{}' beside 'near'", above ? "above" : "below"),
+                    "either near and within, or above and below");
+  } else {
+    check_bounds(keys, expectation);
+  }
+}
+
+/// Something has to lie between them.
+void ExpectationReader::check_bounds(const Keys& keys, const Expectation& expectation) const {
+  if (expectation.above && expectation.below && *expectation.above >= *expectation.below)
+    findings_.error(*keys.find("above"), fmt::format("above is {}, which is not less than below", *expectation.above),
+                    fmt::format("expected a number less than {}", *expectation.below));
+  if (expectation.within && *expectation.within < 0.0)
+    expected(findings_, *keys.find("within"), "within", "a distance, at least 0");
+  if (!expectation.absolute) return;
+  if (expectation.below && *expectation.below <= 0.0)
+    expected(findings_, *keys.find("below"), "below", "a number above 0, because no magnitude is less");
+}
+
+std::optional<double> ExpectationReader::read_time(const YamlNode& node, std::string_view key) const {
+  const auto time = read_number(findings_, node, key, {0.0, Scenario::max_duration, "[s]"});
+  if (!time || scenario_.duration <= 0.0 || *time <= scenario_.duration) return time;
+  findings_.error(node, fmt::format("{} is {}, after the end of the run", key, *time),
+                  fmt::format("expected a time up to the duration, {} s", scenario_.duration));
+  return std::nullopt;
+}
+
+void ExpectationReader::read_span(const Keys& keys, Expectation& expectation) const {
+  const YamlNode *from = keys.find("from"), *until = keys.find("until");
+  if (from != nullptr) expectation.from = read_time(*from, "from");
+  if (until != nullptr) expectation.until = read_time(*until, "until");
+  if (expectation.from && expectation.until && *expectation.until < *expectation.from)
+    findings_.error(*until, fmt::format("until is {}, which is before from", *expectation.until),
+                    fmt::format("expected a time from {} [s] on", *expectation.from));
+}
+
+/// `at`, which takes the place of a span.
+void ExpectationReader::read_moment(const Keys& keys, Expectation& expectation) const {
+  const YamlNode* at = keys.find("at");
+  if (at == nullptr) return;
+  for (const std::string_view other : {"from", "until", "sometime"})
+    if (const YamlNode* node = keys.find(other))
+      findings_.error(*node, fmt::format("'{}' beside 'at'", other), "either a moment or a span of time");
+  if (at->kind == YamlNode::Kind::scalar && at->text == "end") {
+    expectation.at_end = true;
+  } else if (at->kind == YamlNode::Kind::scalar && !at->text.empty() &&
+             at->text.find_first_not_of("0123456789+-.eE") == std::string::npos) {
+    expectation.at = read_time(*at, "at");
+  } else {
+    expected(findings_, *at, "at", "a time [s], or end");
+  }
+}
+
+void ExpectationReader::read_since(const Keys& keys, Expectation& expectation) const {
+  const YamlNode* since = keys.find("since");
+  if (since == nullptr || expectation.subject != Expectation::Subject::series) return;
+  expectation.since = read_time(*since, "since");
+  if (!expectation.since || expectation.at_end) return;
+  const auto not_after = [&](const std::optional<double>& time, std::string_view key) {
+    if (time && *expectation.since > *time)
+      findings_.error(*since, fmt::format("since is {}, which is after {}", *expectation.since, key),
+                      fmt::format("expected a time up to {} [s]", *time));
+  };
+  not_after(expectation.at, "at");
+  not_after(expectation.from, "from");
+  if (expectation.at || expectation.from) return;
+  not_after(expectation.until, "until");
+  expectation.from = expectation.since;
+}
+
+}  // namespace
+
+void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  const auto* list = read_list(findings, node, "expect", "a list of what has to be true of a run");
+  if (list == nullptr) return;
+  ExpectationReader reader(findings, scenario);
+  for (const YamlNodePtr& entry : *list) reader.read_entry(*entry);
+}
+
+}  // namespace rehearse
