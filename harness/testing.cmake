@@ -1,7 +1,8 @@
 # Rehearse::gtest: what tests of controllers link. The library does the work, GoogleTest is in the header and in main().
 find_package(GTest 1.12 REQUIRED)
 
-rehearse_add_library(testing src/controller_bench.cpp src/gtest_support.cpp src/test_folders.cpp)
+rehearse_add_library(testing src/controller_bench.cpp src/golden_assertions.cpp src/gtest_support.cpp
+  src/test_folders.cpp)
 target_link_libraries(rehearse_testing
   PUBLIC Rehearse::harness
   PRIVATE Rehearse::simulation Rehearse::cnoid fmt::fmt)

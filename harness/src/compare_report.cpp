@@ -207,6 +207,12 @@ std::string verdict(const Comparison& comparison) {
                      place_text(worst), since, blanked_text(comparison));
 }
 
+std::string verdict(const Comparison& comparison, std::optional<double> until) {
+  // a difference has its own time, which is before the horizon
+  if (!until || !comparison.within) return verdict(comparison);
+  return fmt::format("up to {} s {}", *until, verdict(comparison));
+}
+
 std::string table(const Comparison& comparison) {
   std::string text;
   if (!comparison.equal && !comparison.channels.empty()) {

@@ -28,6 +28,14 @@ std::string text_of(const Diagnostics& diagnostics) {
   return text;
 }
 
+/// What is wrong with the run by itself first, then how it compares.
+std::string sentence_of(const Comparison& comparison, const SettleOptions& options) {
+  const std::string compared = verdict(comparison, options.compare.until);
+  const bool other_bits = options.exact && comparison.within && !comparison.equal;
+  return fmt::format("{}{}{}{}", options.violation, options.violation.empty() ? "" : "; ",
+                     other_bits ? "not the same bits: " : "", compared);
+}
+
 /// Which recording of this process claims a golden, by the golden's file and the recording's bytes.
 bool claim(const fs::path& golden, std::uint64_t content) {
   static std::map<fs::path, std::uint64_t> claims;
@@ -141,14 +149,17 @@ GoldenResult GoldenStore::fail_and_keep(const std::string& name, const Trace& ac
   if (const auto kept = keep_pending(name, actual); !kept)
     result.message += "\n" + text_of(kept.errors());
   else
-    result.message +=
-        fmt::format("\nthis run: {}\nif it is right: rehearse golden accept {}", pending_file(name).string(), name);
+    result.message += fmt::format(
+        "\nthis run: {}\nif it is right: rehearse golden accept {}\n"
+        "look at it: rehearse golden review {}",
+        pending_file(name).string(), name, name);
   return result;
 }
 
 GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, const std::vector<ToleranceRule>& rules,
-                                 GoldenMode mode) {
+                                 GoldenMode mode, const SettleOptions& options) {
   GoldenResult result;
+  const bool wrong = !options.violation.empty();
   const auto content = hash_of_file(actual.file());
   if (!content) return {false, text_of(content.errors()), std::nullopt, false};
   if (!claim(trace_file(name), *content)) {
@@ -165,29 +176,32 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
     return result;
   };
   if (!has(name)) {
+    if (wrong) return fail_and_keep(name, actual, options.violation);
     if (mode != GoldenMode::check) return write(fmt::format("wrote the new golden {}", trace_file(name).string()));
     return fail_and_keep(
         name, actual, fmt::format("there is no golden {} (REHEARSE_GOLDEN=new writes it)", trace_file(name).string()));
   }
   const auto golden = Trace::load(trace_file(name));
   if (!golden) {
-    if (mode == GoldenMode::accept)
+    if (mode == GoldenMode::accept && !wrong)
       return write(fmt::format("replaced {}, which could not be read", trace_file(name).string()));
     return fail_and_keep(name, actual, "the golden can't be used: " + text_of(golden.errors()));
   }
-  Comparison comparison = compare(*golden, actual, rules);
+  Comparison comparison = compare(*golden, actual, rules, options.compare);
   const auto digest = check_digest(name);
-  if (mode == GoldenMode::accept && (!comparison.within || !digest)) {
+  const bool same = options.exact ? comparison.equal : comparison.within;
+  if (mode == GoldenMode::accept && !wrong && (!same || !digest)) {
     write(fmt::format("replaced {}: {}", trace_file(name).string(), verdict(comparison)));
-  } else if (!comparison.within) {
-    result = fail_and_keep(name, actual,
-                           verdict(comparison) + "\n" + table(comparison) + "golden: " + trace_file(name).string());
+  } else if (!same || wrong) {
+    result = fail_and_keep(
+        name, actual,
+        sentence_of(comparison, options) + "\n" + table(comparison) + "golden: " + trace_file(name).string());
     result.message += picture_lines(write_picture_differences(*golden, actual, comparison, rules, pending_file(name)));
   } else if (!digest) {
     result.message = text_of(digest.errors());
   } else {
     result.passed = true;
-    result.message = verdict(comparison);
+    result.message = sentence_of(comparison, options);
     std::error_code ignored;
     fs::remove(pending_file(name), ignored);  // what waited there is no longer what the program does
     remove_picture_differences(pending_file(name));

@@ -9,6 +9,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "test_recordings.h"
+
 namespace rehearse::internal {
 namespace {
 
@@ -23,13 +25,23 @@ fs::path new_trace_file(const std::string& test) {
   return folder / (number == 1 ? test + ".mcap" : fmt::format("{}-{}.mcap", test, number));
 }
 
+std::map<std::string, std::string>& recorded_scenarios() {
+  static std::map<std::string, std::string> scenario_by_trace;
+  return scenario_by_trace;
+}
+
+}  // namespace
+
 GoldenStore golden_store() {
   const TestFolders folders = test_folders();
   const bool stated = std::getenv("REHEARSE_PENDING") != nullptr;
   return GoldenStore(folders.golden, stated ? pending_folder() : fs::path(folders.output) / "goldens" / "pending");
 }
 
-}  // namespace
+std::string scenario_file_of(const Trace& trace) {
+  const auto found = recorded_scenarios().find(trace.file());
+  return found == recorded_scenarios().end() ? "" : found->second;
+}
 
 Trace record_for_test(const std::string& scenario_file, const std::string& test) {
   const auto scenario = Scenario::load(fixture_path(scenario_file));
@@ -40,19 +52,10 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
   if (run->failure)
     throw std::runtime_error(fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure), file.string()));
   if (run->controller_refused) throw std::runtime_error(to_string(run->remarks));
+  recorded_scenarios()[file.string()] = scenario->file;
   auto trace = Trace::load(file);
   if (!trace) throw std::runtime_error(to_string(trace.errors()));
   return std::move(*trace);
-}
-
-TestVerdict match_golden(const Trace& trace, const std::string& test) {
-  const auto mode = golden_mode();
-  if (!mode) return {false, to_string(mode.errors())};
-  const auto rules = tolerances_of(trace);
-  if (!rules) return {false, to_string(rules.errors())};
-  GoldenResult result = golden_store().settle(test, trace, *rules, *mode);
-  if (result.written) fmt::print("{}\n", result.message);
-  return {result.passed, std::move(result.message)};
 }
 
 TestVerdict replay_golden(const std::string& name) {

@@ -157,9 +157,10 @@ bool check_version(Findings& findings, const YamlNode& root) {
 
 void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(findings, root, "the scenario",
-                  {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver",
-                   "bodies", "pushes", "joystick", "noise", "look", "cameras", "record", "tolerances", "horizon", "expect"});
+  const Keys keys(
+      findings, root, "the scenario",
+      {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver", "bodies",
+       "pushes", "joystick", "noise", "look", "cameras", "record", "tolerances", "horizon", "expect"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);

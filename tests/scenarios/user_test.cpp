@@ -7,6 +7,17 @@ TEST(Walker, StopsBeforeTheEdge) {
   EXPECT_MATCHES_GOLDEN(trace);
 }
 
+TEST(Walker, StandsStill) {
+  const rehearse::Trace trace = rehearse::record("scenarios/stand.yaml");
+  EXPECT_HOLDS(trace);
+  ASSERT_HOLDS(trace);
+  EXPECT_MATCHES_GOLDEN(trace, rehearse::Exact{});
+  EXPECT_MATCHES_GOLDEN(trace, rehearse::Near{"Walker/*/q", 1e-6}, rehearse::Near{"Walker/*/u", 1e-3, 1e-6});
+  EXPECT_MATCHES_GOLDEN(trace, rehearse::Until{2.0}, rehearse::Exact{});
+  ASSERT_MATCHES_GOLDEN(trace, rehearse::Levels{rehearse::Level::controller, rehearse::Level::plant});
+  EXPECT_MATCHES_GOLDEN(rehearse::record("scenarios/stand.yaml"), rehearse::Levels{rehearse::Level::closed});
+}
+
 TEST(Walker, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("Walker.StopsBeforeTheEdge"); }
 
 TEST(Walker, LeansIntoASlope) {

@@ -1,6 +1,7 @@
 // rehearse record: one closed-loop run, into a trace.
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <rehearse/expectation.h>
 #include <rehearse/session.h>
 
 #include <cstdio>
@@ -51,6 +52,15 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
              file_size_text(summary.bytes), trace);
 }
 
+/// What the scenario expects of the run: violations are remarks, because the recording is as good as any.
+/// A run that failed has nothing to hold.
+Result<std::vector<ExpectationResult>> judge(const Scenario& scenario, const std::string& trace, bool failed) {
+  if (failed || scenario.expectations.empty()) return std::vector<ExpectationResult>();
+  const auto run = Trace::load(trace);
+  if (!run) return run.errors();
+  return judge_expectations(scenario.expectations, *run);
+}
+
 Exit run(Settings& settings) {
   const Result<Scenario> scenario = load(settings);
   if (!scenario) return refuse(scenario.errors());
@@ -67,9 +77,14 @@ Exit run(Settings& settings) {
   }();
   if (!summary) return refuse(summary.errors());
   tell_recording(*scenario, trace, *summary, stopwatch.seconds());
+  const bool failed = summary->failure || summary->controller_refused;
+  const auto judged = judge(*scenario, trace, failed);
+  if (!judged) return refuse(judged.errors());
+  if (!judged->empty() && !first_violation(*judged)) fmt::print("{}\n", verdict(*judged));
   std::fflush(stdout);  // before what stderr says of it
   tell_remarks(*summary);
-  return summary->failure || summary->controller_refused ? Exit::controller_failed : Exit::done;
+  tell_violations(*judged);
+  return failed ? Exit::controller_failed : Exit::done;
 }
 
 std::function<Exit()> declare(CLI::App& options) {

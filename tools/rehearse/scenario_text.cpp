@@ -30,6 +30,15 @@ void tell_remarks(const RunSummary& summary) {
   if (summary.failure) fmt::print(stderr, "{}\n", to_string(*summary.failure));
 }
 
+void tell_violations(const std::vector<ExpectationResult>& results) {
+  for (const ExpectationResult& result : results) {
+    const Place& place = result.expectation.place;
+    if (!result.holds)
+      fmt::print(stderr, "{}\n",
+                 to_string(Diagnostic{Severity::warning, place.file, place.line, place.column, result.sentence, ""}));
+  }
+}
+
 std::string cast_of(const Scenario& scenario) {
   std::string cast;
   for (const ScenarioBody& body : scenario.bodies) {

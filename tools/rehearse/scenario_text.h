@@ -1,10 +1,12 @@
 // Scenarios and their runs, in the words of the command.
 #pragma once
 
+#include <rehearse/expectation.h>
 #include <rehearse/scenario.h>
 #include <rehearse/session.h>
 
 #include <string>
+#include <vector>
 
 namespace rehearse::tool {
 
@@ -13,6 +15,9 @@ void tell_warnings(const Scenario& scenario);
 
 /// Prints a run's remarks to stderr, and its failure last, once (a failure is among the remarks too).
 void tell_remarks(const RunSummary& summary);
+
+/// Prints which expectations of the scenario a run violates, as warnings, with their places.
+void tell_violations(const std::vector<ExpectationResult>& results);
 
 /// "SR1 under SR1Minimum, Box": the bodies and what controls them; bodies that never move are left out.
 std::string cast_of(const Scenario& scenario);

@@ -136,6 +136,9 @@ Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace);
 /// One sentence, without a full stop.
 std::string verdict(const Comparison& comparison);
 
+/// The same of a comparison up to a horizon [s], which it names: "up to 2 s equal bit for bit: ...".
+std::string verdict(const Comparison& comparison, std::optional<double> until);
+
 /// What differs, alike channels grouped, with counts and the worst of each; the worst of all; what is equal bit for
 /// bit; remarks and warnings. At most sixteen lines beside warnings, each with its newline and, unless names are long,
 /// at most 120 characters. Empty if the traces are equal and there are no warnings.

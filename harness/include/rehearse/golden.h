@@ -48,6 +48,13 @@ struct GoldenResult {
   bool written = false;                  // the golden is new, or was replaced
 };
 
+/// How strictly a run is compared with its golden.
+struct SettleOptions {
+  CompareOptions compare;
+  bool exact = false;     // other bits fail, within tolerance or not
+  std::string violation;  // why the run is wrong whatever its golden says, a sentence; empty: it isn't
+};
+
 class GoldenStore {
  public:
   explicit GoldenStore(std::filesystem::path folder, std::filesystem::path pending = pending_folder());
@@ -59,9 +66,9 @@ class GoldenStore {
   bool has(const std::string& name) const;
 
   /// Compares a run with the golden of that name and does what the mode says. Two runs of one process that claim the
-  /// same golden with different recordings: the second fails.
+  /// same golden with different recordings: the second fails. A run that is wrong by itself becomes no golden.
   GoldenResult settle(const std::string& name, const Trace& actual, const std::vector<ToleranceRule>& rules,
-                      GoldenMode mode);
+                      GoldenMode mode, const SettleOptions& options = {});
 
   /// Makes a trace the golden of that name: both files are written beside the old ones, synced, and renamed over them;
   /// on any failure the old ones stay. Refuses a trace that isn't whole, or whose run failed.

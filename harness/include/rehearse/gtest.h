@@ -7,6 +7,12 @@
 //   }
 //   TEST(Walker, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("Walker.StopsBeforeTheEdge"); }
 //
+//   TEST(Walker, StandsStill) {  // golden/Walker.StandsStill.mcap
+//     const rehearse::Trace trace = rehearse::record("scenarios/stand.yaml");
+//     EXPECT_HOLDS(trace);       // what the scenario expects of a run
+//     EXPECT_MATCHES_GOLDEN(trace, rehearse::Exact{}, rehearse::Near{"Walker/IMU/*", 1e-6}, rehearse::Until{2.0});
+//   }
+//
 // Link the target Rehearse::gtest: it has a main() that pins the process, so that every machine computes the same bits.
 // rehearse_add_controller_test(NAME SOURCES .. CONTROLLERS .. FIXTURES .. GOLDEN ..) does all of it. For values by
 // hand, without physics: controller_bench.h. How goldens are made and accepted: golden.h.
@@ -35,8 +41,25 @@ inline ::testing::AssertionResult assertion_of(const TestVerdict& verdict) {
   return verdict.passed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << verdict.message;
 }
 
-inline ::testing::AssertionResult MatchesGolden(const char*, const Trace& trace) {
-  return assertion_of(match_golden(trace, current_test()));
+/// A recording, and how it is to be compared.
+struct GoldenQuestion {
+  const Trace& trace;
+  MatchOptions options;
+};
+
+template <class... Overrides>
+GoldenQuestion golden_question(const Trace& trace, const Overrides&... overrides) {
+  GoldenQuestion question{trace, {}};
+  (take(question.options, overrides), ...);
+  return question;
+}
+
+inline ::testing::AssertionResult MatchesGolden(const char*, const GoldenQuestion& question) {
+  return assertion_of(match_golden(question.trace, current_test(), question.options));
+}
+
+inline ::testing::AssertionResult Holds(const char*, const Trace& trace) {
+  return assertion_of(hold_expectations(trace));
 }
 
 inline ::testing::AssertionResult Replays(const char*, const std::string& name) {
@@ -59,10 +82,18 @@ inline Trace record(const std::string& scenario) {
 
 }  // namespace rehearse
 
-/// The recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario. By REHEARSE_GOLDEN=new and
-/// =accept the golden is written instead. If it doesn't agree, the failure says where first and by how much.
-#define EXPECT_MATCHES_GOLDEN(trace) EXPECT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, trace)
-#define ASSERT_MATCHES_GOLDEN(trace) ASSERT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, trace)
+/// The recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its horizon, and
+/// what the scenario expects of a run holds. More arguments say otherwise: Exact{}, Near{"SR1/*/q", 1e-6}, Until{2.0},
+/// Levels{Level::controller, ...} (test_support.h). By REHEARSE_GOLDEN=new and =accept the golden is written instead.
+/// If it doesn't agree, the failure says where first, by how much, and which part of the loop did it.
+#define EXPECT_MATCHES_GOLDEN(...) \
+  EXPECT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, ::rehearse::internal::golden_question(__VA_ARGS__))
+#define ASSERT_MATCHES_GOLDEN(...) \
+  ASSERT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, ::rehearse::internal::golden_question(__VA_ARGS__))
+
+/// What the recording's scenario expects of a run (`expect:`) is true of it. Needs no golden.
+#define EXPECT_HOLDS(trace) EXPECT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
+#define ASSERT_HOLDS(trace) ASSERT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
 
 /// The controllers, fed with the inputs recorded in golden/NAME.mcap and without physics, command the same bits.
 #define EXPECT_REPLAYS(name) EXPECT_PRED_FORMAT1(::rehearse::internal::Replays, name)

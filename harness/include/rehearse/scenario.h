@@ -85,9 +85,9 @@ struct ToleranceRule {
   Place place;                        // of its channel
 };
 
-/// A property that a run has to have, however its values compare with the golden's. Of series: each that matches, and at
-/// least one, is within the bounds in the whole span, or with `sometime` in one sample of it, or with `at` in one moment.
-/// Of events: one that matches happens in the span, or none does. expectation.h judges a run by it.
+/// A property that a run has to have, however its values compare with the golden's. Of series: each that matches, and
+/// at least one, is within the bounds in the whole span, or with `sometime` in one sample of it, or with `at` in one
+/// moment. Of events: one that matches happens in the span, or none does. expectation.h judges a run by it.
 struct Expectation {
   enum class Subject { series, event, no_event };
 
@@ -132,7 +132,7 @@ struct Scenario {
   std::optional<std::vector<std::string>> cameras;
   bool record_frames = true;            // pictures go into the trace
   std::vector<ToleranceRule> tolerances;  // in file order; the last that matches wins
-  std::optional<double> horizon;        // values are compared with the golden's up to then [s]; nullopt: not stated
+  std::optional<double> horizon;          // values are compared with the golden's up to then [s]; nullopt: not stated
   std::vector<Expectation> expectations;  // `expect:`, in file order
   Diagnostics warnings;                 // of the scenario and its models
 

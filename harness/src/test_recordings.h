@@ -1,0 +1,16 @@
+// What a test recorded, and where its goldens are. Internal to the testing library.
+#pragma once
+
+#include <rehearse/golden.h>
+#include <rehearse/trace.h>
+
+#include <string>
+
+namespace rehearse::internal {
+
+GoldenStore golden_store();
+
+/// The scenario file of a recording that this program made by record(); else empty.
+std::string scenario_file_of(const Trace& trace);
+
+}  // namespace rehearse::internal
