@@ -13,13 +13,41 @@ using ::testing::HasSubstr;
 
 class Record : public Command {};
 
-TEST_F(Record, SaysInThreeLinesWhatWasRecorded) {
+TEST_F(Record, SaysInFourLinesWhatWasRecordedAndThatItIsAsExpected) {
   const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "-o", "sr1.mcap"});
   EXPECT_THAT(outcome.out,
               HasSubstr("recorded sr1_minimum: SR1 under SR1Minimum\n100 ticks, 0.1 s of simulation, in "));
   EXPECT_THAT(outcome.out,
-              ContainsRegex("times real time, [0-9]+ ticks/s\n21 channels, 4 camera frames, .* in sr1.mcap\n$"));
+              ContainsRegex("times real time, [0-9]+ ticks/s\n21 channels, 4 camera frames, .* in sr1.mcap\n"
+                            "all 2 expectations hold\n$"));
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 4);
+}
+
+TEST_F(Record, TellsWhatIsNotAsExpectedAndIsDoneAllTheSame) {
+  write("box.yaml", read_file(box_scenario) +
+                        "expect:\n"
+                        "  - {channel: Box/Box/position/z, above: 0.3}\n"
+                        "  - {channel: Box/Box/position/y, near: 0, within: 0.1}\n"
+                        "  - {channel: Box/Box/positon/z, above: 0, at: end}\n");
+  const Outcome outcome = rehearse({"record", "box.yaml"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(exists("box.mcap"));
   EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 3);
+  EXPECT_THAT(outcome.err,
+              ContainsRegex("^box.yaml:[0-9]+:15: warning: expected Box/Box/position/z above 0.3 m: 0.29[0-9]* m at "
+                            "tick [0-9]+ \\(0.2[0-9]* s\\), at worst "));
+  EXPECT_THAT(outcome.err, HasSubstr("the run has no such series; the nearest are Box/Box/position/z, "));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2);
+}
+
+TEST_F(Record, ExpectsOfAShorterRunOnlyWhatIsInIt) {
+  write("box.yaml", read_file(box_scenario) +
+                        "expect:\n"
+                        "  - {channel: Box/Box/position/z, below: 0.2, at: end}\n"
+                        "  - {channel: Box/Box/position/z, below: 0.2, from: 0.8}\n"
+                        "  - {channel: Box/Box/position/z, above: 0.3}\n");
+  const Outcome outcome = done({"record", "box.yaml", "--duration", "0.1"});
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe expectation holds: Box/Box/position/z above 0.3 m\n"));
 }
 
 TEST_F(Record, NamesTheTraceLikeTheScenario) {

@@ -4,6 +4,7 @@
 #include <rehearse/expectation.h>
 #include <rehearse/session.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -29,12 +30,23 @@ struct Settings {
   RecordOptions record;
 };
 
+/// Another duration. What is expected of a time that doesn't come then is expected no longer, and neither is what was
+/// meant for the end.
+void set_duration(Scenario& scenario, double duration) {
+  std::erase_if(scenario.expectations, [&](const Expectation& expectation) {
+    const double last =
+        std::max({expectation.from.value_or(0.0), expectation.until.value_or(0.0), expectation.at.value_or(0.0)});
+    return last > duration || (expectation.at_end && duration < scenario.duration);
+  });
+  scenario.duration = duration;
+}
+
 /// The scenario as it will run.
 Result<Scenario> load(const Settings& settings) {
   Result<Scenario> scenario = Scenario::load(settings.scenario);
   if (!scenario) return scenario;
   if (settings.seed) scenario->seed = *settings.seed;
-  if (settings.duration) scenario->duration = *settings.duration;
+  if (settings.duration) set_duration(*scenario, *settings.duration);
   if (settings.no_frames) scenario->record_frames = false;
   if (scenario->ticks() < 1)
     return error(fmt::format("--duration {} is no tick", scenario->duration),

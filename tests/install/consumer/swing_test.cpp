@@ -6,7 +6,8 @@ TEST(Swing, StaysBelowTheHorizontal) {
   const rehearse::Trace trace = rehearse::record("scenarios/swing.yaml");
   EXPECT_LT(trace.max("Pendulum/HINGE/q"), 1.5707);  // [rad]
   EXPECT_GT(trace.max("Pendulum/HINGE/q"), 0.0);
-  EXPECT_MATCHES_GOLDEN(trace);
+  EXPECT_HOLDS(trace);
+  EXPECT_MATCHES_GOLDEN(trace, rehearse::Until{2.0}, rehearse::Exact{}, rehearse::Near{"Pendulum/HINGE/u", 1e-9});
 }
 
 TEST(Swing, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("Swing.StaysBelowTheHorizontal"); }
