@@ -48,8 +48,8 @@ class Golden : public ::testing::Test {
  protected:
   Golden() : store_(folder_ / "golden", folder_ / "pending") { fs::create_directories(folder_ / "golden"); }
 
-  GoldenResult settle(const SmallTrace& run, GoldenMode mode = GoldenMode::check) {
-    return store_.settle(name_, run.load(folder_ / "run.mcap"), {}, mode);
+  GoldenResult settle(const SmallTrace& run, GoldenMode mode = GoldenMode::check, const SettleOptions& options = {}) {
+    return store_.settle(name_, run.load(folder_ / "run.mcap"), {}, mode, options);
   }
   /// Puts a golden there without claiming it for this process.
   void place_golden(const SmallTrace& run) {
@@ -111,6 +111,47 @@ TEST_F(Golden, IsWrittenWithItsDigestInModeNew) {
   EXPECT_TRUE(result.written);
   EXPECT_EQ(bytes_of(store_.trace_file(name_)), bytes_of(folder_ / "run.mcap"));
   EXPECT_TRUE(store_.check_digest(name_));
+}
+
+TEST_F(Golden, IsComparedUpToAHorizonAndSaysSo) {
+  place_golden(SmallTrace());
+  SettleOptions options;
+  options.compare.until = 0.0005;
+  const GoldenResult result = settle(changed(), GoldenMode::check, options);
+  EXPECT_TRUE(result.passed) << result.message;
+  EXPECT_THAT(result.message, HasSubstr("up to 0.0005 s equal bit for bit: 1 tick"));
+}
+
+TEST_F(Golden, OfTheSameNumbersFailsOnOtherBitsIfExact) {
+  place_golden(SmallTrace());
+  SmallTrace run;
+  run.ticks[1].position[1] = -0.0;
+  SettleOptions options;
+  options.exact = true;
+  const GoldenResult result = settle(run, GoldenMode::check, options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_THAT(result.message, HasSubstr("not the same bits: within tolerance: 1 of "));
+}
+
+TEST_F(Golden, DoesNotExcuseARunThatIsWrongByItself) {
+  place_golden(SmallTrace());
+  SettleOptions options;
+  options.violation = "expected it to stand";
+  const GoldenResult result = settle(SmallTrace(), GoldenMode::check, options);
+  EXPECT_FALSE(result.passed);
+  EXPECT_THAT(result.message, HasSubstr("expected it to stand; equal bit for bit: 3 ticks"));
+  EXPECT_TRUE(fs::exists(store_.pending_file(name_)));
+}
+
+TEST_F(Golden, IsNeverMadeOfARunThatIsWrongByItself) {
+  SettleOptions options;
+  options.violation = "expected it to stand";
+  EXPECT_FALSE(settle(changed(), GoldenMode::create, options).passed);
+  EXPECT_FALSE(store_.has(name_));
+  place_golden(SmallTrace());
+  const std::string before = bytes_of(store_.trace_file(name_));
+  EXPECT_FALSE(settle(changed(), GoldenMode::accept, options).passed);
+  EXPECT_EQ(bytes_of(store_.trace_file(name_)), before);
 }
 
 TEST_F(Golden, ThatIsThereIsCheckedInModeNew) {
