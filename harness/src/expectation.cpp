@@ -30,6 +30,9 @@ RunEnd end_of(const Trace& run, const TickClock& clock) {
   return end;
 }
 
+/// Nanoseconds are what a trace has; a double of them may have more digits.
+std::string time_text(double seconds) { return fmt::format("{:.12g} s", seconds); }
+
 double seconds(std::uint64_t time) { return static_cast<double>(time) * 1e-9; }
 
 /// The span of time that counts, both ends included [ns].
@@ -80,7 +83,8 @@ std::string text_of(const Expectation& e, const std::string& unit) {
 }
 
 std::string sample_text(const ViolatingSample& sample, const std::string& unit, const Expectation& expectation) {
-  return fmt::format("{} at tick {} ({} s)", number_text(*sample.value, unit, expectation), sample.tick, sample.time);
+  return fmt::format("{} at tick {} ({})", number_text(*sample.value, unit, expectation), sample.tick,
+                     time_text(sample.time));
 }
 
 /// How far a value is out of the bounds; not above 0 if it is right. NaN is as far as can be.
@@ -229,7 +233,7 @@ ExpectationResult RunJudge::judge(const Expectation& expectation) const {
 std::string RunJudge::missing_time(const Expectation& e) const {
   const double wanted = std::max({e.at.value_or(0.0), e.until.value_or(0.0), e.from.value_or(0.0)});
   if (to_ns(wanted) <= end_.time && !(e.at_end && end_.early)) return {};
-  return fmt::format("the run ended{} at {} s", end_.early ? " early," : "", seconds(end_.time));
+  return fmt::format("the run ended{} at {}", end_.early ? " early," : "", time_text(seconds(end_.time)));
 }
 
 void RunJudge::judge_events(ExpectationResult& result) const {
@@ -245,7 +249,7 @@ void RunJudge::judge_events(ExpectationResult& result) const {
     if (wanted) return;
     result.first = result.worst = ViolatingSample{event.tick, seconds(time), std::nullopt};
     result.sentence =
-        fmt::format("expected {}: \"{}\" at tick {} ({} s)", result.text, text, event.tick, seconds(time));
+        fmt::format("expected {}: \"{}\" at tick {} ({})", result.text, text, event.tick, time_text(seconds(time)));
     return;
   }
   const std::string reason = missing_time(e);

@@ -171,6 +171,12 @@ TEST_F(Expectations, NameTheNearestSeriesIfThereIsNone) {
   EXPECT_THAT(result.sentence, HasSubstr("the run has no such series; the nearest are Robot/BASE/position/z, "));
 }
 
+TEST_F(Expectations, NameTheSeriesThatAPatternIsMostLike) {
+  Expectation misspelt = of("Robot/*/positon/z");
+  misspelt.above = 0.0;
+  EXPECT_THAT(sentence(misspelt), HasSubstr("the nearest are Robot/BASE/position/z, "));
+}
+
 TEST_F(Expectations, AreViolatedByNaN) {
   run_.ticks[2].position[2] = nan_value;
   Expectation stands = of(height_);

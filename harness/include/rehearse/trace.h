@@ -118,7 +118,7 @@ class Trace {
   /// All series, sorted by name.
   const std::map<std::string, SeriesPlace, std::less<>>& series() const { return series_; }
   std::optional<SeriesPlace> find_series(std::string_view name) const;
-  /// The three names that are most like that one, for messages: "a, b, c"; fewer if there are no more.
+  /// The three names that are most like that name or pattern, for messages: "a, b, c"; fewer if there are no more.
   std::string nearest_series(std::string_view name) const;
 
   // For tests. An unknown series, or one without a sample where one is needed, throws std::out_of_range and says which

@@ -44,12 +44,16 @@ std::uint64_t to_ns(double seconds) {
   return static_cast<std::uint64_t>(std::llround(std::min(seconds, limit) * 1e9));
 }
 
-/// How many letters to change, add or take away to make one of the other.
+/// How many letters to change, add or take away to make one of the other. A * in the first is any text, at no cost.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
+    if (a[i] == '*') {
+      for (std::size_t j = 0; j < b.size(); ++j) row[j + 1] = std::min(row[j + 1], row[j]);
+      continue;
+    }
+    std::size_t diagonal = std::exchange(row[0], row[0] + 1);
     for (std::size_t j = 0; j < b.size(); ++j) {
       const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
       diagonal = row[j + 1];
