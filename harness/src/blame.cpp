@@ -193,7 +193,7 @@ Blame of_the_loop(const Comparison& comparison, const Evidence& evidence) {
 }
 
 std::string nothing_differs(const CheckReport& report) {
-  if (report.comparison) return verdict(*report.comparison);
+  if (report.comparison) return verdict(*report.comparison, report.horizon);
   std::string sentence;
   if (report.controller != LevelState::skipped)
     sentence = fmt::format("the controller repeats {} recorded ticks bit for bit", report.replay->ticks);

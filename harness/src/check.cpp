@@ -50,6 +50,7 @@ struct Check {
   Result<void> check_plant();
   Result<void> check_closed();
   void blame();
+  void judge_by_expectations(const Trace& fresh);
   void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
 };
 
@@ -101,11 +102,29 @@ Result<void> Check::check_plant() {
 Result<void> Check::check_closed() {
   const auto fresh = Trace::load(actual);
   if (!fresh) return fresh.errors();
-  Comparison comparison = compare(golden, *fresh, scenario.tolerances);
-  report.closed = state_of(comparison);
-  if (report.closed == LevelState::differs) tell_files(*fresh, comparison, actual, "this run");
-  report.comparison = std::move(comparison);
+  report.horizon = horizon_of(scenario, options.estimated_horizon);
+  CompareOptions what;
+  what.until = report.horizon;
+  report.comparison = compare(golden, *fresh, scenario.tolerances, what);
+  report.closed = state_of(*report.comparison);
+  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  if (report.closed == LevelState::differs || first_violation(report.expectations))
+    tell_files(*fresh, *report.comparison, actual, "this run");
+  blame();
+  judge_by_expectations(*fresh);
   return {};
+}
+
+/// What the comparison left open, or found right, may be wrong all the same.
+void Check::judge_by_expectations(const Trace& fresh) {
+  if (report.expectations.empty()) return;
+  const std::string judged = verdict(report.expectations);
+  const ExpectationResult* violation = first_violation(report.expectations);
+  const bool is_alone = violation && report.within();
+  report.verdict = is_alone ? judged + "; " + report.verdict : report.verdict + "; " + judged;
+  if (is_alone) report.first = divergence_of(*violation, fresh);
+  if (violation) report.closed = LevelState::differs;
+  report.message += violation_lines(report.expectations);
 }
 
 void Check::tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what) {
@@ -160,9 +179,11 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& gol
     if (auto done = check.check_controller(); !done) return done.errors();
   if (options.plant)
     if (auto done = check.check_plant(); !done) return done.errors();
-  if (options.closed)
+  if (options.closed) {
     if (auto done = check.check_closed(); !done) return done.errors();
-  check.blame();
+  } else {
+    check.blame();
+  }
   if (check.report.within()) {
     std::error_code ignored;
     fs::remove(actual, ignored);
@@ -173,25 +194,72 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& gol
 
 namespace {
 
-/// There is no golden yet: the run becomes it, or waits to be.
-Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
-                                 const CheckOptions& options, const Simulation& simulation) {
+/// A run that no golden speaks of: what the scenario expects of it is all there is to judge.
+Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                                          const Simulation& simulation) {
   CheckReport report;
-  const fs::path actual = store.pending_file(scenario.golden);
   auto run = make_run(scenario, actual, options, simulation);
   if (!run) return run.errors();
   report.run = std::move(*run);
-  if (mode == GoldenMode::check) {
+  if (scenario.expectations.empty()) return report;
+  const auto fresh = Trace::load(actual);
+  if (!fresh) return fresh.errors();
+  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  report.verdict = verdict(report.expectations);
+  report.closed = LevelState::within;
+  if (const ExpectationResult* violation = first_violation(report.expectations)) {
     report.closed = LevelState::differs;
-    report.verdict = fmt::format("there is no golden {}", store.trace_file(scenario.golden).string());
-    report.message =
-        fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), scenario.golden);
+    report.first = divergence_of(*violation, *fresh);
+    report.message = fmt::format("this run: {}{}", actual.string(), violation_lines(report.expectations));
+  }
+  return report;
+}
+
+/// There is no golden yet: the run becomes it, or waits to be.
+Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
+                                 const CheckOptions& options, const Simulation& simulation) {
+  const fs::path actual = store.pending_file(scenario.golden);
+  auto report = check_by_expectations(scenario, actual, options, simulation);
+  if (!report) return report;
+  const bool violated = !report->within();
+  const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
+  if (mode == GoldenMode::check || violated) {
+    report->closed = LevelState::differs;
+    report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
+    if (!violated)
+      report->message =
+          fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), scenario.golden);
     return report;
   }
   if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
-  report.golden_written = true;
-  report.verdict = fmt::format("wrote the new golden {}", store.trace_file(scenario.golden).string());
+  report->closed = LevelState::skipped;  // there was nothing to compare with
+  report->golden_written = true;
+  report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
   return report;
+}
+
+/// No golden is named, but something is expected.
+Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                                         const Simulation& simulation) {
+  auto report = check_by_expectations(scenario, actual, options, simulation);
+  std::error_code ignored;
+  if (report && report->within()) fs::remove(actual, ignored);
+  return report;
+}
+
+/// What becomes of a run that waits.
+Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, CheckReport& report) {
+  const std::string& name = scenario.golden;
+  if (first_violation(report.expectations)) {
+    report.message += fmt::format("\nif it is right, {} expects what is wrong", scenario.file);
+  } else if (mode == GoldenMode::accept) {
+    if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
+    report.golden_written = true;
+    report.message = fmt::format("replaced {}", store.trace_file(name).string());
+  } else {
+    report.message += fmt::format("\nif it is right: rehearse golden accept {}", name);
+  }
+  return {};
 }
 
 }  // namespace
@@ -199,6 +267,8 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation) {
   const std::string& name = scenario.golden;
+  if (name.empty() && options.closed && !scenario.expectations.empty())
+    return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
   if (name.empty()) {
     Diagnostic finding = error("the scenario names no golden to compare with", "golden: Suite.Test");
     finding.file = scenario.file;
@@ -208,13 +278,8 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   const fs::path actual = store.pending_file(name);
   auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
   if (!report) return report;
-  const bool waits = options.closed && !report->within();
-  if (waits && mode == GoldenMode::accept) {
-    if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
-    report->golden_written = true;
-    report->message = fmt::format("replaced {}", store.trace_file(name).string());
-  } else if (waits) {
-    report->message += fmt::format("\nif it is right: rehearse golden accept {}", name);
+  if (options.closed && !report->within()) {
+    if (auto done = settle_pending(scenario, store, mode, *report); !done) return done.errors();
   } else if (const auto digest = store.check_digest(name); !digest) {
     return digest.errors();
   }
@@ -227,19 +292,33 @@ nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
   return comparison ? json_of(*comparison) : nlohmann::ordered_json();
 }
 
+nlohmann::ordered_json json_of(const ExpectationResult& result) {
+  nlohmann::ordered_json object{{"text", result.text}, {"holds", result.holds}, {"first", nullptr}};
+  if (result.first)
+    object["first"] = {{"series", result.series},
+                       {"tick", result.first->tick},
+                       {"time", result.first->time},
+                       {"value", result.first->value ? number_json(*result.first->value) : nlohmann::ordered_json()}};
+  return object;
+}
+
 }  // namespace
 
 std::string to_json(const CheckReport& report) {
-  const nlohmann::ordered_json object{
-      {"verdict", report.verdict},
-      {"equal", report.equal()},
-      {"within", report.within()},
-      {"levels",
-       {{"controller", to_string(report.controller)},
-        {"plant", to_string(report.plant)},
-        {"closed", to_string(report.closed)}}},
-      {"first", json_of(report.first)},
-      {"comparisons", {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}}};
+  nlohmann::ordered_json object{{"verdict", report.verdict},
+                                {"equal", report.equal()},
+                                {"within", report.within()},
+                                {"levels",
+                                 {{"controller", to_string(report.controller)},
+                                  {"plant", to_string(report.plant)},
+                                  {"closed", to_string(report.closed)}}},
+                                {"first", json_of(report.first)},
+                                {"comparisons",
+                                 {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
+                                {"horizon", nullptr},
+                                {"expectations", nlohmann::ordered_json::array()}};
+  if (report.horizon) object["horizon"] = *report.horizon;
+  for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
   return text_of(object);
 }
 

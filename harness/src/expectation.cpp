@@ -320,12 +320,14 @@ std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>
 }
 
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {
+  // that something never came is known only in the end
+  const auto known_at = [](const ExpectationResult& result) {
+    const bool at_once = result.first && !result.expectation.sometime;
+    return at_once ? result.first->time : std::numeric_limits<double>::infinity();
+  };
   const ExpectationResult* first = nullptr;
-  for (const ExpectationResult& result : results) {
-    if (result.holds) continue;
-    const bool earlier = first && result.first && (!first->first || result.first->time < first->first->time);
-    if (!first || earlier) first = &result;
-  }
+  for (const ExpectationResult& result : results)
+    if (!result.holds && (!first || known_at(result) < known_at(*first))) first = &result;
   return first;
 }
 
@@ -365,6 +367,14 @@ std::string verdict(const std::vector<ExpectationResult>& results) {
   if (violated == 1) return first->sentence;
   return fmt::format("{}; {} more of {} expectations {} violated", first->sentence, violated - 1, results.size(),
                      violated == 2 ? "is" : "are");
+}
+
+std::string violation_lines(const std::vector<ExpectationResult>& results) {
+  std::string text;
+  for (const ExpectationResult& result : results)
+    if (!result.holds)
+      text += fmt::format("\n{}:{}: {}", result.expectation.place.file, result.expectation.place.line, result.sentence);
+  return text;
 }
 
 std::optional<double> horizon_of(const Scenario& scenario, std::optional<double> estimated) {

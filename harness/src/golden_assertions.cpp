@@ -1,5 +1,6 @@
 // EXPECT_MATCHES_GOLDEN and EXPECT_HOLDS, without GoogleTest.
 #include <fmt/format.h>
+#include <rehearse/check.h>
 #include <rehearse/expectation.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
@@ -8,12 +9,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "test_recordings.h"
 #include "trace_scenario.h"
 
 namespace rehearse::internal {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// What decides how a recording is judged. A recording of something else carries no scenario: then the defaults do.
 Result<Scenario> scenario_in(const Trace& trace) {
@@ -71,14 +75,61 @@ std::vector<ToleranceRule> rules_of(const Scenario& scenario, const MatchOptions
   return rules;
 }
 
-/// Each violation with its place in the scenario, a line each.
-std::string violations(const std::vector<ExpectationResult>& results) {
-  std::string text;
-  for (const ExpectationResult& result : results)
-    if (!result.holds)
-      text += fmt::format("{}{}:{}: {}", text.empty() ? "" : "\n", result.expectation.place.file,
-                          result.expectation.place.line, result.sentence);
-  return text;
+bool wants(const MatchOptions& options, Level level) {
+  return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
+}
+
+/// What a check says of a recording, which takes the place of the run that it would make.
+Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_by, const MatchOptions& options,
+                                    const fs::path& golden, const fs::path& actual) {
+  auto scenario = Scenario::load(scenario_file_of(trace));  // with all its meshes, which a recording hasn't
+  if (!scenario) return scenario.errors();
+  scenario->tolerances = judged_by.tolerances;
+  scenario->horizon = judged_by.horizon;
+  CheckOptions levels;
+  levels.controller = wants(options, Level::controller);
+  levels.plant = wants(options, Level::plant);
+  levels.closed = wants(options, Level::closed);
+  const auto take_recording = [&](const Scenario&, const fs::path& file, const RecordOptions&) -> Result<RunSummary> {
+    std::error_code failed;
+    fs::copy_file(trace.file(), file, fs::copy_options::overwrite_existing, failed);
+    if (failed) return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
+    return RunSummary();
+  };
+  return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant});
+}
+
+/// The same as `rehearse check` would say it.
+std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
+  std::string text =
+      fmt::format("{}\n  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}\n",
+                  report.verdict, to_string(report.controller), to_string(report.plant), to_string(report.closed));
+  if (report.plant == LevelState::differs && report.plant_comparison)
+    text += "  under the recorded commands:\n" + table(*report.plant_comparison);
+  if (report.comparison) text += table(*report.comparison);
+  text += fmt::format("golden: {}\n{}", golden.string(), report.message);
+  if (report.closed != LevelState::differs) return text;
+  return text +
+         fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+}
+
+/// The levels that are wanted, and of a run that differs what is to blame.
+TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
+                         const MatchOptions& options, GoldenResult settled, bool wrong) {
+  const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
+  if (settled.passed && !beside_closed) return {true, std::move(settled.message)};
+  // no golden, or nothing wrong with the values: there is nothing to blame
+  const bool differs = settled.comparison && (wrong || !settled.comparison->within);
+  if (!settled.passed && !differs) return {false, std::move(settled.message)};
+  if (scenario_file_of(trace).empty()) {
+    if (!beside_closed) return {settled.passed, std::move(settled.message)};
+    return {false, "the levels controller and plant need a recording that this program made by rehearse::record()"};
+  }
+  const GoldenStore store = golden_store();
+  const auto report = check_recording(trace, judged_by, options, store.trace_file(test), store.pending_file(test));
+  if (!report) return {false, settled.message + "\n" + to_string(report.errors())};
+  if (settled.passed && report->within()) return {true, report->verdict};
+  return {false, text_of(*report, store.trace_file(test), test)};
 }
 
 }  // namespace
@@ -87,16 +138,24 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   const auto mode = golden_mode();
   if (!mode) return {false, to_string(mode.errors())};
   if (std::string mistake = mistake_in(options, trace); !mistake.empty()) return {false, std::move(mistake)};
-  const auto scenario = scenario_in(trace);
+  auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
+  scenario->tolerances = rules_of(*scenario, options);
+  scenario->horizon = options.until ? options.until : horizon_of(*scenario);
   const auto expectations = judge_expectations(scenario->expectations, trace);
   SettleOptions settling;
-  settling.compare.until = options.until ? options.until : horizon_of(*scenario);
+  settling.compare.until = scenario->horizon;
   settling.exact = options.exact && options.near.empty();
   if (first_violation(expectations)) settling.violation = verdict(expectations);
-  GoldenResult result = golden_store().settle(test, trace, rules_of(*scenario, options), *mode, settling);
-  if (result.written) fmt::print("{}\n", result.message);
-  return {result.passed, std::move(result.message)};
+  GoldenStore store = golden_store();
+  const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
+  GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
+                                    : GoldenResult{true, "", std::nullopt, false};
+  if (result.written) {
+    fmt::print("{}\n", result.message);
+    return {result.passed, std::move(result.message)};
+  }
+  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty());
 }
 
 TestVerdict hold_expectations(const Trace& trace) {
@@ -104,7 +163,8 @@ TestVerdict hold_expectations(const Trace& trace) {
   if (!scenario) return {false, to_string(scenario.errors())};
   if (scenario->expectations.empty()) return {false, "the scenario expects nothing of a run: it has no 'expect:'"};
   const auto results = judge_expectations(scenario->expectations, trace);
-  return {first_violation(results) == nullptr, violations(results)};
+  const std::string violations = violation_lines(results);
+  return {violations.empty(), violations.empty() ? "" : violations.substr(1)};
 }
 
 }  // namespace rehearse::internal

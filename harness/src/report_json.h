@@ -4,6 +4,7 @@
 #include <rehearse/compare.h>
 #include <rehearse/divergence.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -15,6 +16,13 @@ nlohmann::ordered_json json_of(const std::optional<Divergence>& divergence);
 
 /// An object as to_json(Comparison).
 nlohmann::ordered_json json_of(const Comparison& comparison);
+
+/// NaN and infinities, which JSON hasn't, as strings.
+inline nlohmann::ordered_json number_json(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "Infinity" : "-Infinity";
+  return value;
+}
 
 /// Indented, without a final newline.
 std::string text_of(const nlohmann::ordered_json& object);

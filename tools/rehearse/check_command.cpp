@@ -39,7 +39,9 @@ struct Checked {
   CheckReport report;
 };
 
-/// All scenarios below the usual folder that name a golden, by path.
+bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
+
+/// All scenarios below the usual folder that can be checked, by path.
 Result<std::vector<Scenario>> usual() {
   std::vector<fs::path> files;
   std::error_code missing;
@@ -51,10 +53,10 @@ Result<std::vector<Scenario>> usual() {
   for (const fs::path& file : files) {
     Result<Scenario> scenario = Scenario::load(file);
     if (!scenario) return scenario.errors();
-    if (!scenario->golden.empty()) scenarios.push_back(*std::move(scenario));
+    if (can_be_checked(*scenario)) scenarios.push_back(*std::move(scenario));
   }
   if (scenarios.empty())
-    return error(fmt::format("no scenario below {} names a golden", usual_scenarios),
+    return error(fmt::format("no scenario below {} names a golden or expects something", usual_scenarios),
                  "name a scenario, or go to the folder that has fixtures and golden");
   return scenarios;
 }
@@ -185,7 +187,7 @@ std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
   options
       .add_option("SCENARIO", settings->scenarios,
-                  fmt::format("YAML files (all below {} that name a golden)", usual_scenarios))
+                  fmt::format("YAML files (all below {} that name a golden, or expect something)", usual_scenarios))
       ->type_name("");
   options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
       ->type_name("TRACE");

@@ -2,7 +2,8 @@
 //
 // controller: the golden's inputs into the controllers, without physics; their commands have to be the same bits.
 // plant: the golden's commands into the world, set back at each checkpoint; state, sensors and frames compared.
-// closed: the whole run again, compared within the scenario's tolerances.
+// closed: the whole run again, compared within the scenario's tolerances and up to its horizon; and what the scenario
+// expects of a run, judged on all of it.
 //
 // Nothing amplifies a difference on the first two levels for longer than from one checkpoint to the next, so they tell
 // what changed: the controller, or the physics, the sensors, the renderer. This library does not simulate: whoever
@@ -10,6 +11,7 @@
 #pragma once
 
 #include <rehearse/compare.h>
+#include <rehearse/expectation.h>
 #include <rehearse/golden.h>
 #include <rehearse/plant_run.h>
 #include <rehearse/replay.h>
@@ -38,7 +40,8 @@ struct CheckOptions {
   bool controller = true;
   bool plant = true;
   bool closed = true;
-  RecordOptions run;  // of all levels
+  std::optional<double> estimated_horizon;  // of closed, if the scenario states none [s]
+  RecordOptions run;                        // of all levels
 };
 
 /// What simulates: makes a fresh recording of a scenario, and a run of its world under recorded commands.
@@ -61,6 +64,8 @@ struct CheckReport {
   std::optional<Comparison> plant_comparison;  // of level plant; the golden's commands are not compared
   std::optional<Comparison> comparison;        // of level closed
   std::optional<RunSummary> run;               // of level closed
+  std::optional<double> horizon;               // of level closed [s]; none: the end of the run
+  std::vector<ExpectationResult> expectations;  // of level closed
   std::string controller_problem;  // why the controllers couldn't be fed; empty: they could
   std::string plant_problem;       // why the world couldn't be moved by the golden's commands; empty: it could
   bool golden_written = false;
@@ -77,12 +82,14 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesyst
                                    const Simulation& simulation);
 
 /// The same with the golden that the scenario names, and with that golden's life: a missing one fails, or is written,
-/// as the mode says; a run that differs waits in the store's pending folder, or replaces the golden.
+/// as the mode says; a run that differs waits in the store's pending folder, or replaces the golden. A run that isn't
+/// as its scenario expects becomes no golden. A scenario that names no golden is checked by its expectations alone.
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation);
 
 /// An object with verdict, equal, within, levels (controller, plant, closed), first, as in compare.h, and comparisons
-/// (plant, closed: null, or as to_json(Comparison)).
+/// (plant, closed: null, or as to_json(Comparison)); horizon (null or [s]); expectations: for each its text, line,
+/// whether it holds, and first: null, or series, tick, time and value.
 std::string to_json(const CheckReport& report);
 
 }  // namespace rehearse

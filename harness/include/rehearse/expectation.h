@@ -47,6 +47,9 @@ Divergence divergence_of(const ExpectationResult& violation, const Trace& run);
 /// "all 3 expectations hold", or the sentence of the first violation, and how many others there are. Empty without any.
 std::string verdict(const std::vector<ExpectationResult>& results);
 
+/// What is violated, each with its place in the scenario, a line each, each after a newline; empty if all hold.
+std::string violation_lines(const std::vector<ExpectationResult>& results);
+
 /// Up to when a whole run's values are compared with its golden's [s]: as the scenario says, else as was estimated,
 /// else (nullopt) to the end.
 std::optional<double> horizon_of(const Scenario& scenario, std::optional<double> estimated = std::nullopt);
