@@ -270,7 +270,8 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   if (name.empty() && options.closed && !scenario.expectations.empty())
     return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
   if (name.empty()) {
-    Diagnostic finding = error("the scenario names no golden to compare with", "golden: Suite.Test");
+    Diagnostic finding = error("the scenario names no golden to compare with, and expects nothing of a run",
+                               "golden: Suite.Test, or expect: what has to be true");
     finding.file = scenario.file;
     return finding;
   }
@@ -293,7 +294,8 @@ nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
 }
 
 nlohmann::ordered_json json_of(const ExpectationResult& result) {
-  nlohmann::ordered_json object{{"text", result.text}, {"holds", result.holds}, {"first", nullptr}};
+  nlohmann::ordered_json object{
+      {"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}, {"first", nullptr}};
   if (result.first)
     object["first"] = {{"series", result.series},
                        {"tick", result.first->tick},

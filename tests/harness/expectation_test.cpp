@@ -247,14 +247,17 @@ TEST_F(Expectations, ForbidAnEvent) {
 
 TEST_F(Expectations, TogetherAreJudgedByTheFirstViolation) {
   Expectation stands = of(height_), far = of("Robot/BASE/position/x"), unknown = of("Robot/NECK/q");
+  Expectation lifts = of(height_);
+  lifts.above = 2.0;
+  lifts.sometime = true;  // never, and nearest at tick 0
   stands.above = 0.55;
   far.below = 5.0;
   unknown.above = 0.0;
   const Trace trace = run_.load(folder_ / "run.mcap");
-  const auto results = judge_expectations({unknown, stands, far}, trace);
+  const auto results = judge_expectations({unknown, stands, far, lifts}, trace);
   EXPECT_EQ(first_violation(results), &results[2]) << "which is violated at tick 0";
   EXPECT_EQ(verdict(results),
-            "expected Robot/BASE/position/x below 5 m: 10 m at tick 0 (0 s); 2 more of 3 expectations are violated");
+            "expected Robot/BASE/position/x below 5 m: 10 m at tick 0 (0 s); 3 more of 4 expectations are violated");
   const Divergence place = divergence_of(results[1], trace);
   EXPECT_EQ(place.tick, 2);
   EXPECT_EQ(place.channel, "/Robot/BASE/pose");

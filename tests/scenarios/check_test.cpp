@@ -116,6 +116,114 @@ TEST_F(Check, NeedsAScenarioThatNamesItsGolden) {
   EXPECT_THAT(report.errors()[0].message, HasSubstr("names no golden"));
 }
 
+/// The waist is to be above that height [m] all the time; it starts at 0.7135 m.
+Expectation waist_above(double height) {
+  Expectation expectation;
+  expectation.pattern = "SR1/WAIST/position/z";
+  expectation.above = height;
+  expectation.place = {"stands.yaml", 12, 5};
+  return expectation;
+}
+
+TEST_F(Check, ComparesAWholeRunUpToItsHorizon) {
+  make_golden();
+  Push push;
+  push.body = 1;
+  push.force.x() = 50.0;  // [N]
+  push.from = 0.03;       // [s]
+  push.until = 0.05;
+  scenario_.pushes.push_back(push);
+  CheckOptions options;
+  options.controller = options.plant = false;
+  EXPECT_FALSE(check(GoldenMode::check, options).within());
+  options.estimated_horizon = 0.03;
+  const CheckReport estimated = check(GoldenMode::check, options);
+  EXPECT_EQ(estimated.closed, LevelState::equal);
+  EXPECT_THAT(estimated.verdict, HasSubstr("up to 0.03 s equal bit for bit: 31 ticks"));
+  EXPECT_THAT(to_json(estimated), HasSubstr(R"("horizon": 0.03)"));
+  scenario_.horizon = 0.04;
+  EXPECT_FALSE(check(GoldenMode::check, options).within()) << "what is stated counts more than what is estimated";
+}
+
+TEST_F(Check, SaysThatARunIsAsExpectedBesideHowItCompares) {
+  make_golden();
+  scenario_.expectations = {waist_above(0.7)};
+  const CheckReport report = check();
+  EXPECT_TRUE(report.equal());
+  EXPECT_THAT(report.verdict, HasSubstr("equal bit for bit: 50 ticks"));
+  EXPECT_THAT(report.verdict, HasSubstr("; the expectation holds: SR1/WAIST/position/z above 0.7 m"));
+}
+
+TEST_F(Check, DiffersIfARunIsNotAsExpectedHoweverItCompares) {
+  make_golden();
+  scenario_.expectations = {waist_above(2.0), waist_above(0.7)};
+  const CheckReport report = check();
+  EXPECT_EQ(report.controller, LevelState::equal);
+  EXPECT_EQ(report.plant, LevelState::equal);
+  EXPECT_EQ(report.closed, LevelState::differs);
+  EXPECT_THAT(report.verdict,
+              ::testing::StartsWith("expected SR1/WAIST/position/z above 2 m: 0.7135 m at tick 0 (0 s), at worst "));
+  EXPECT_THAT(report.verdict, HasSubstr("; equal bit for bit: 50 ticks"));
+  ASSERT_TRUE(report.first);
+  EXPECT_EQ(report.first->channel, "/SR1/WAIST/pose");
+  EXPECT_EQ(report.first->tick, 0);
+  EXPECT_THAT(report.message, HasSubstr("\nstands.yaml:12: expected SR1/WAIST/position/z above 2 m"));
+  EXPECT_TRUE(fs::exists(store_.pending_file("Robot.Stands")));
+  const std::string json = to_json(report);
+  EXPECT_THAT(json, HasSubstr(R"("text": "SR1/WAIST/position/z above 2 m",
+      "line": 12,
+      "holds": false,
+      "first": {
+        "series": "SR1/WAIST/position/z",
+        "tick": 0,
+        "time": 0.0,
+        "value": 0.7135
+      })"));
+  EXPECT_THAT(json, HasSubstr(R"("holds": true,
+      "first": null)"));
+}
+
+TEST_F(Check, BlamesThePartAndSaysBesideThatTheRunIsNotAsExpected) {
+  make_golden();
+  scenario_.gravity.z() = -9.9;
+  scenario_.expectations = {waist_above(2.0)};
+  const CheckReport report = check();
+  EXPECT_THAT(report.verdict, ::testing::StartsWith("physics changed"));
+  EXPECT_THAT(report.verdict, HasSubstr("; expected SR1/WAIST/position/z above 2 m: "));
+  EXPECT_EQ(report.first->note, "") << "the values differ before";
+}
+
+TEST_F(Check, MakesNoGoldenOfARunThatIsNotAsExpected) {
+  scenario_.expectations = {waist_above(2.0)};
+  const CheckReport first = check(GoldenMode::create);
+  EXPECT_FALSE(first.golden_written);
+  EXPECT_FALSE(first.within());
+  EXPECT_FALSE(store_.has("Robot.Stands"));
+  scenario_.expectations.clear();
+  make_golden();
+  scenario_.expectations = {waist_above(2.0)};
+  const CheckReport replaced = check(GoldenMode::accept);
+  EXPECT_FALSE(replaced.golden_written);
+  EXPECT_FALSE(replaced.within());
+}
+
+TEST_F(Check, OfAScenarioWithoutAGoldenIsByItsExpectationsAlone) {
+  scenario_.golden = "";
+  scenario_.expectations = {waist_above(0.7)};
+  const CheckReport good = check();
+  EXPECT_EQ(good.closed, LevelState::within) << "there is nothing that it could equal";
+  EXPECT_EQ(good.verdict, "the expectation holds: SR1/WAIST/position/z above 0.7 m");
+  EXPECT_FALSE(fs::exists(folder_ / "pending/sr1_standing.mcap"));
+  scenario_.expectations = {waist_above(2.0)};
+  const CheckReport bad = check();
+  EXPECT_EQ(bad.closed, LevelState::differs);
+  EXPECT_TRUE(fs::exists(folder_ / "pending/sr1_standing.mcap"));
+  CheckOptions controller_only;
+  controller_only.closed = controller_only.plant = false;
+  EXPECT_FALSE(check_golden(scenario_, store_, GoldenMode::check, controller_only, {rehearse::record, run_plant}))
+      << "a controller has nothing to be compared with";
+}
+
 TEST_F(Check, ReportsEachLevelAsJson) {
   make_golden();
   EXPECT_THAT(to_json(check()), HasSubstr(R"("levels": {

@@ -69,6 +69,7 @@ class GoldenAssertion : public ::testing::Test {
   int matched_ = 0;
 };
 
+const std::string push = "pushes: [{body: Box, force: [0, 0, 5], from: 0.03, until: 0.05}]\n";
 constexpr double slightly = 1.0 + 1e-12;  // [m]: within what a scenario tolerates by default
 
 TEST_F(GoldenAssertion, KeepsToTheScenariosTolerancesUnlessTold) {
@@ -110,7 +111,6 @@ TEST_F(GoldenAssertion, ComesAfterTheRulesOfTheScenario) {
 
 TEST_F(GoldenAssertion, ComparesUpToATime) {
   make_golden();
-  const std::string push = "pushes: [{body: Box, force: [0, 0, 5], from: 0.03, until: 0.05}]\n";
   EXPECT_FALSE(match(fall(1.0, push)).passed);
   const TestVerdict verdict = match(fall(1.0, push), Until{0.03}, Exact{});
   EXPECT_TRUE(verdict.passed) << verdict.message;
@@ -162,6 +162,37 @@ TEST_F(GoldenAssertion, DoesNotHoldNothing) {
   const TestVerdict verdict = internal::hold_expectations(fall());
   EXPECT_FALSE(verdict.passed);
   EXPECT_THAT(verdict.message, HasSubstr("expects nothing of a run"));
+}
+
+TEST_F(GoldenAssertion, NamesThePartThatChanged) {
+  make_golden();
+  const TestVerdict verdict = match(fall(1.0, push));
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_THAT(verdict.message, ::testing::StartsWith("physics changed"));
+  EXPECT_THAT(verdict.message, HasSubstr("it is because of scenario.yaml: as recorded, it agrees"));
+  EXPECT_THAT(verdict.message, HasSubstr("\n  controller on recorded inputs: skipped; world under recorded commands: "
+                                         "skipped; closed loop: differs\n"));
+  EXPECT_THAT(verdict.message, HasSubstr("\n  stage "));
+  EXPECT_THAT(verdict.message, HasSubstr("look at it: rehearse golden review " + last_name_));
+}
+
+TEST_F(GoldenAssertion, ComparesTheLevelsThatAreWanted) {
+  make_golden();
+  const Levels plant{Level::plant}, both{Level::plant, Level::closed};
+  EXPECT_TRUE(match(fall(), both).passed);
+  const TestVerdict moved = match(fall(1.0, push), plant);
+  EXPECT_FALSE(moved.passed);
+  EXPECT_THAT(moved.message, HasSubstr("world under recorded commands: differs; closed loop: skipped"));
+  EXPECT_FALSE(match(fall(1.0, push + "horizon: 0.01\n"), both).passed) << "of the plant there is no horizon";
+  EXPECT_TRUE(match(fall(1.0, push + "horizon: 0.01\n")).passed);
+}
+
+TEST_F(GoldenAssertion, ComparesOtherLevelsOnlyOfItsOwnRecordings) {
+  make_golden();
+  std::filesystem::copy_file(fall().file(), folder_ / "elsewhere.mcap");
+  const auto elsewhere = Trace::load(folder_ / "elsewhere.mcap");
+  EXPECT_TRUE(match(*elsewhere).passed);
+  EXPECT_THAT(match(*elsewhere, Levels{Level::plant}).message, HasSubstr("a recording that this program made"));
 }
 
 TEST_F(GoldenAssertion, StandsInTheReportThatCiReads) {

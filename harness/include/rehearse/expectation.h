@@ -37,8 +37,8 @@ struct ExpectationResult {
 /// One result for each expectation, in their order.
 std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>& expectations, const Trace& run);
 
-/// The one that is violated first, by time; one that is a matter of no sample only if there is no other. Null: all
-/// hold.
+/// The one that is known first to be violated; one that is a matter of no single sample only if there is no other.
+/// Null: all hold.
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results);
 
 /// A violation as a place in the run, with its sentence as note; without a sample it is the end of the run.
