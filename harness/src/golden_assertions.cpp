@@ -109,6 +109,8 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
   if (report.comparison) text += table(*report.comparison);
   text += fmt::format("golden: {}\n{}", golden.string(), report.message);
   if (report.closed != LevelState::differs) return text;
+  if (const ExpectationResult* violation = first_violation(report.expectations))
+    return text + fmt::format("\nif it is right, {} expects what is wrong", violation->expectation.place.file);
   return text +
          fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
 }

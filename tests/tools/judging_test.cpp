@@ -73,6 +73,34 @@ TEST_F(Check, WithoutAScenarioRunsAllThatNameAGolden) {
   EXPECT_EQ(report["equal"], true);
 }
 
+TEST_F(Check, WithoutAScenarioRunsThoseThatExpectSomethingAsWell) {
+  accept_golden();
+  write("fixtures/scenarios/falls.yaml",
+        read_file(box_scenario) + "expect: [{channel: Box/Box/position/z, below: 0.11, at: end}]\n");
+  const nlohmann::json report = done({"check", "--json"}).json();
+  ASSERT_EQ(report["scenarios"].size(), 2u);
+  EXPECT_EQ(report["verdict"], "2 scenarios as they should be");
+  const nlohmann::json& falls = report["scenarios"][0];
+  EXPECT_EQ(falls["levels"]["closed"], "within");
+  EXPECT_EQ(falls["levels"]["plant"], "skipped");
+  EXPECT_EQ(falls["expectations"][0]["text"], "Box/Box/position/z below 0.11 m at the end");
+  EXPECT_EQ(falls["expectations"][0]["holds"], true);
+}
+
+TEST_F(Check, EndsInOneIfARunIsNotAsExpected) {
+  write("falls.yaml", read_file(box_scenario) + "expect: [{channel: Box/Box/position/z, above: 0.3}]\n");
+  const Outcome outcome = rehearse({"check", "falls.yaml"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, StartsWith("drop_box: expected Box/Box/position/z above 0.3 m: 0.29"));
+  EXPECT_THAT(outcome.out, HasSubstr("closed loop: differs"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nfalls.yaml:"));
+  EXPECT_TRUE(exists("rehearse-pending/drop_box.mcap"));
+  const nlohmann::json report = rehearse({"check", "falls.yaml", "--json"}).json();
+  EXPECT_EQ(report["within"], false);
+  EXPECT_EQ(report["first"]["channel"], "/Box/Box/pose");
+  EXPECT_EQ(report["first"]["tick"], report["expectations"][0]["first"]["tick"]);
+}
+
 TEST_F(Check, AnswersInJson) {
   accept_golden();
   const nlohmann::json report = done({"check", scenario_, "--json"}).json();
@@ -86,7 +114,7 @@ TEST_F(Check, AnswersInJson) {
 TEST_F(Check, AnswersForSeveralScenariosInOneObject) {
   accept_golden();
   const nlohmann::json report = done({"check", scenario_, scenario_, "--json"}).json();
-  EXPECT_EQ(report["verdict"], "2 scenarios as their goldens are");
+  EXPECT_EQ(report["verdict"], "2 scenarios as they should be");
   EXPECT_EQ(report["levels"]["closed"], "equal");
   EXPECT_EQ(report["first"], nullptr);
   EXPECT_EQ(report["scenarios"].size(), 2u);

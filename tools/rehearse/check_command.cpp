@@ -136,7 +136,7 @@ Json json_of_checks(const std::vector<Checked>& all) {
       std::find_if(all.begin(), all.end(), [](const Checked& checked) { return !checked.report.within(); });
   Json scenarios = Json::array();
   for (const Checked& checked : all) scenarios.push_back(json_of_check(checked));
-  return {{"verdict", bad == all.end() ? fmt::format("{} as their goldens are", count_text(std::ssize(all), "scenario"))
+  return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
                                        : bad->scenario + ": " + bad->report.verdict},
           {"equal", std::all_of(all.begin(), all.end(), [](const Checked& checked) { return checked.report.equal(); })},
           {"within", bad == all.end()},
