@@ -38,7 +38,7 @@ bool has_series(const Trace& trace, const std::string& pattern) {
   if (std::any_of(series.begin(), series.end(), [&](const auto& named) { return matches(pattern, named.first); }))
     return true;
   return std::any_of(trace.channels().begin(), trace.channels().end(),  // pictures have no series
-                     [&](const TraceChannel& channel) { return matches(pattern, channel.topic.substr(1)); });
+                     [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
 }
 
 /// What can't be meant so; empty if there is nothing.
@@ -51,7 +51,8 @@ std::string mistake_in(const MatchOptions& options, const Trace& trace) {
       return fmt::format("Near{{\"{}\", ...}}: the run has no such series; the nearest are {}", near.channel,
                          trace.nearest_series(near.channel));
   }
-  if (options.until && !(*options.until >= 0.0 && *options.until <= trace.duration()))
+  constexpr double resolution = 1e-9;  // of times in a trace [s]
+  if (options.until && !(*options.until >= 0.0 && *options.until <= trace.duration() + resolution))
     return fmt::format("Until{{{}}}: expected a time in the run, 0 to {} s", *options.until, trace.duration());
   if (options.levels.empty()) return "Levels{}: expected controller, plant or closed";
   return {};

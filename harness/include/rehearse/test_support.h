@@ -33,8 +33,8 @@ std::string fixture_path(const std::string& path);
 /// The same bits, everywhere, whatever the scenario tolerates. A Near after it or before it makes an exception.
 struct Exact {};
 
-/// How far the series that match may be from the golden: |x - g| <= max(atol, rtol * scale), as a rule behind those of
-/// the scenario.
+/// How far the series that match may be from the golden: |x - g| <= max(atol, rtol * scale). It comes behind the rules
+/// of the scenario, and the last rule that matches a series decides alone.
 struct Near {
   std::string channel;  // a pattern, as SR1/*/q
   double atol = 0.0;    // in the unit of the series

@@ -72,7 +72,8 @@ std::optional<SeriesPlace> Trace::find_series(std::string_view name) const {
 }
 
 std::string Trace::nearest_series(std::string_view name) const {
-  constexpr std::size_t shown = 3;
+  constexpr std::size_t shown = 3, longest = 200;  // bytes: no name is so long, and no text may cost minutes
+  name = name.substr(0, longest);
   std::vector<std::pair<std::size_t, std::string_view>> by_distance;
   for (const auto& [other, place] : series_) by_distance.emplace_back(edit_distance(name, other), other);
   const std::size_t count = std::min(shown, by_distance.size());
