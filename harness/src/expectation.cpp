@@ -208,10 +208,20 @@ class RunJudge {
   ExpectationResult judge(const Expectation& expectation) const;
 
  private:
+  /// What the series that match have come to.
+  struct Tally {
+    std::int64_t found = 0, violating = 0;
+    std::string unit;        // of all of them; empty if there are several
+    std::string first_unit;  // of the one that is violated first
+    std::string problem;     // of it, if it is a matter of no sample
+  };
+
   std::string missing_time(const Expectation& expectation) const;
   void judge_events(ExpectationResult& result) const;
   void judge_series(ExpectationResult& result) const;
-  static void take(ExpectationResult& result, const SeriesJudge& judge, const std::string& name);
+  std::string violation_of(ExpectationResult& result, const Tally& tally) const;
+  static void take(const SeriesJudge& judge, const std::string& name, const std::string& unit,
+                   ExpectationResult& result, Tally& tally);
 
   const Trace& run_;
   TickClock clock_;
@@ -259,54 +269,59 @@ void RunJudge::judge_events(ExpectationResult& result) const {
 }
 
 /// The first violation of several series counts.
-void RunJudge::take(ExpectationResult& result, const SeriesJudge& judge, const std::string& name) {
+void RunJudge::take(const SeriesJudge& judge, const std::string& name, const std::string& unit,
+                    ExpectationResult& result, Tally& tally) {
+  ++tally.violating;
   const bool earlier = judge.first && (!result.first || judge.first->time < result.first->time);
   if (!earlier && !result.series.empty()) return;
   result.series = name;
   result.first = judge.first;
   result.worst = judge.worst;
+  tally.first_unit = unit;
+  tally.problem = judge.problem;
 }
 
 void RunJudge::judge_series(ExpectationResult& result) const {
   const Expectation& e = result.expectation;
-  std::int64_t found = 0, violating = 0;
-  std::string unit, problem;
+  Tally tally;
   for (const auto& [name, place] : run_.series()) {
     if (!matches(e.pattern, name)) continue;
     const TraceChannel& channel = run_.channels()[place.channel];
-    const std::string unit_here = unit_of(channel, channel.columns[place.column].element);
-    if (found++ == 0) unit = unit_here;
+    const std::string unit = unit_of(channel, channel.columns[place.column].element);
+    if (++tally.found == 1) tally.unit = unit;
+    if (unit != tally.unit) tally.unit.clear();
     SeriesJudge judge(e, channel, place.column, clock_);
-    if (e.angle && unit_here != "rad") {
-      judge.problem = fmt::format("{} is no angle{}{}", name, unit_here.empty() ? "" : ", but in ", unit_here);
-    } else if (judge.judge()) {
-      continue;
-    }
-    ++violating;
-    if (result.series.empty() || judge.first) problem = judge.problem;
-    take(result, judge, name);
-    unit = unit_here;
+    const bool is_angle = unit == "rad";
+    if (e.angle && !is_angle)
+      judge.problem = fmt::format("{} is no angle{}{}", name, unit.empty() ? "" : ", but in ", unit);
+    if ((e.angle && !is_angle) || !judge.judge()) take(judge, name, unit, result, tally);
   }
-  result.text = text_of(e, e.angle ? "rad" : unit);
-  const std::string reason = missing_time(e);
-  const bool several = e.pattern.find('*') != std::string::npos;
-  const bool too_late = (e.at || e.at_end) && !reason.empty();  // then what is there last says nothing
-  if (found == 0) {
+  result.text = text_of(e, e.angle ? "rad" : tally.unit);
+  const std::string what = violation_of(result, tally);
+  result.holds = what.empty();
+  if (!result.holds) result.sentence = fmt::format("expected {}: {}", result.text, what);
+}
+
+/// What isn't as expected; empty if all is.
+std::string RunJudge::violation_of(ExpectationResult& result, const Tally& tally) const {
+  const Expectation& e = result.expectation;
+  if (tally.found == 0) {
     const std::string near = run_.nearest_series(e.pattern);
-    result.sentence = fmt::format("expected {}: the run has no such series{}{}", result.text,
-                                  near.empty() ? "" : "; the nearest are ", near);
-  } else if (violating > 0 && result.first && !too_late) {
-    const std::string nearest = e.sometime ? "never, the nearest is " : "";
-    result.sentence = fmt::format("expected {}: {}{}{}", result.text, several ? result.series + " is " : "", nearest,
-                                  sample_text(*result.first, unit, e));
-    if (result.worst->tick != result.first->tick)
-      result.sentence += ", at worst " + sample_text(*result.worst, unit, e);
-    if (violating > 1) result.sentence += fmt::format("; so {} of {} series", violating, found);
-  } else if (violating > 0 || !reason.empty()) {
-    result.sentence = fmt::format("expected {}: {}", result.text, reason.empty() ? problem : reason);
+    return fmt::format("the run has no such series{}{}", near.empty() ? "" : "; the nearest are ", near);
   }
-  result.holds = result.sentence.empty();
-  if (too_late) result.first = result.worst = std::nullopt;
+  const std::string reason = missing_time(e);
+  if (!reason.empty() && (e.at || e.at_end)) {
+    result.first = result.worst = std::nullopt;  // what is there last says nothing
+    return reason;
+  }
+  if (!result.first) return reason.empty() ? tally.problem : reason;
+  const bool several = e.pattern.find('*') != std::string::npos;
+  std::string text = several ? result.series + " is " : "";
+  if (e.sometime) text += "never, the nearest is ";
+  text += sample_text(*result.first, tally.first_unit, e);
+  if (result.worst->tick != result.first->tick) text += ", at worst " + sample_text(*result.worst, tally.first_unit, e);
+  if (tally.violating > 1) text += fmt::format("; so {} of {} series", tally.violating, tally.found);
+  return text;
 }
 
 }  // namespace

@@ -162,6 +162,12 @@ TEST_F(Expectations, AreOfEachSeriesThatMatches) {
       "2 of 3 series");
 }
 
+TEST_F(Expectations, TellEachNumberInTheUnitOfItsSeries) {
+  Expectation all = of("Robot/*");  // of metres, newtons, radians
+  all.below = 300.0;
+  EXPECT_THAT(sentence(all), HasSubstr("expected Robot/* below 300: Robot/Foot/force/z is 650 N at tick 0 (0 s)"));
+}
+
 TEST_F(Expectations, NameTheNearestSeriesIfThereIsNone) {
   Expectation misspelt = of("Robot/BAS/position/z");
   misspelt.above = 0.0;
