@@ -3,6 +3,7 @@ find_package(nlohmann_json 3.10 REQUIRED)
 
 target_sources(rehearse_harness PRIVATE
   src/blame.cpp
+  src/acceptance.cpp
   src/check.cpp
   src/compare.cpp
   src/compare_envelope.cpp

@@ -8,7 +8,9 @@ rehearse_add_library(trace
   src/trace/bytes.cpp
   src/trace/codec.cpp
   src/trace/file_view.cpp
+  src/trace/mcap_copy.cpp
   src/trace/mcap_records.cpp
+  src/trace/mcap_summary.cpp
   src/trace/mcap_writer.cpp
   src/trace/mcap_output.cpp
   src/trace/mcap_reader.cpp

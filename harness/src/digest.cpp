@@ -1,5 +1,6 @@
 // The digest of a golden: a recording in words and numbers, for reviews.
 #include <fmt/format.h>
+#include <rehearse/acceptance.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -144,6 +145,8 @@ Result<std::string> digest_of(const Trace& trace) {
   describe_facts(trace, "rehearse", text);
   text += "\noutcome\n";
   describe_facts(trace, "rehearse.outcome", text);
+  if (const std::string history = history_text(history_of(trace.metadata())); !history.empty())
+    text += "\naccepted\n" + history;
   text += "\nevents\n";
   for (const msg::Event& event : trace.events())
     fmt::format_to(Out(text), "  tick {} {} {}: {}\n", event.tick, event.severity, event.source, event.text);

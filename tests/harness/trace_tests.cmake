@@ -2,6 +2,7 @@ rehearse_add_test(trace_test LABEL unit
   SOURCES
     trace/broken_traces_test.cpp
     trace/cdr_test.cpp
+    trace/mcap_copy_test.cpp
     trace/mcap_damage_test.cpp
     trace/mcap_order_test.cpp
     trace/mcap_reader_test.cpp

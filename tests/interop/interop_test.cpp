@@ -1,6 +1,7 @@
 // Our traces, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2 messages, value by value;
 // and a file that they write, read by us.
 #include <rehearse/mcap.h>
+#include <rehearse/mcap_copy.h>
 #include <rehearse/messages.h>
 #include <rehearse/ros2msg.h>
 #include <rehearse/trace.h>
@@ -158,6 +159,22 @@ TEST_F(Interop, OthersReadOurTracesBitForBit) {
   EXPECT_EQ(output.text, print_messages(file_) +
                              "attachment scenario.yaml application/yaml rehearse: 1\n"
                              "metadata provenance {\"seed\":\"0\"}\n"
+                             "statistics 21 messages, 5 chunks\n");
+}
+
+TEST_F(Interop, OthersReadACopyThatMetadataWasAddedTo) {
+  const fs::path plain = file_.string() + ".plain";
+  write_all_types(plain);
+  const auto copied = mcap::copy_with_metadata(plain, file_, "note", {{"note.1", {{"kind", "first"}}}, {"note.2", {}}});
+  fs::remove(plain);
+  ASSERT_TRUE(copied) << to_string(copied.errors());
+  const Output output = node("read_trace.mjs");
+  ASSERT_EQ(output.status, 0) << output.text;
+  EXPECT_EQ(output.text, print_messages(file_) +
+                             "attachment scenario.yaml application/yaml rehearse: 1\n"
+                             "metadata provenance {\"seed\":\"0\"}\n"
+                             "metadata note.1 {\"kind\":\"first\"}\n"
+                             "metadata note.2 {}\n"
                              "statistics 21 messages, 5 chunks\n");
 }
 

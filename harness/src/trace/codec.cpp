@@ -7,7 +7,10 @@
 
 namespace rehearse::mcap {
 
-std::uint32_t crc32(Bytes bytes, std::uint32_t seed) { return libdeflate_crc32(seed, bytes.data(), bytes.size()); }
+std::uint32_t crc32(Bytes bytes, std::uint32_t seed) {
+  if (bytes.empty()) return seed;  // libdeflate takes a null pointer to mean: begin anew
+  return libdeflate_crc32(seed, bytes.data(), bytes.size());
+}
 
 std::string_view to_string(Compression compression) {
   switch (compression) {

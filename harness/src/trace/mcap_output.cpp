@@ -8,6 +8,8 @@
 #include <csignal>
 #include <cstring>
 
+#include "mcap_summary.h"
+
 namespace rehearse::mcap {
 
 namespace {
@@ -144,11 +146,7 @@ void Output::process_raw(const RawJob& job) {
   } else if (job.kind == RawJob::Kind::metadata) {
     ++counts_.metadata_count;
     ByteWriter out(metadata_indexes_);
-    out.begin_record(op::metadata_index);
-    out.put(start);
-    out.put(offset_ - start);
-    out.put_string(job.metadata_name);
-    out.end_record();
+    put_metadata_index(out, start, offset_ - start, job.metadata_name);
   }
 }
 
@@ -223,48 +221,24 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
   statistics.metadata_count = counts_.metadata_count;
   statistics.chunk_count = counts_.chunk_count;
 
-  std::vector<std::byte> bytes;
-  ByteWriter out(bytes);
-  out.begin_record(op::data_end);
-  out.put(data_crc_);
-  out.end_record();
-  const std::size_t data_end_size = bytes.size();
-  const std::uint64_t summary_start = offset_ + data_end_size;
-
-  std::vector<std::byte> group_offsets;
-  ByteWriter offset_records(group_offsets);
-  const auto put_group = [&](std::uint8_t opcode, auto&& put_records) {
-    const std::size_t start = out.size();
-    put_records();
-    if (out.size() == start) return;
-    offset_records.begin_record(op::summary_offset);
-    offset_records.put(opcode);
-    offset_records.put(offset_ + start);
-    offset_records.put(static_cast<std::uint64_t>(out.size() - start));
-    offset_records.end_record();
+  SummaryComposer summary(offset_, data_crc_);
+  const auto add_group = [&](std::uint8_t opcode, auto&& put_records) {
+    std::vector<std::byte> records;
+    ByteWriter out(records);
+    put_records(out);
+    summary.add_group(opcode, records);
   };
-  put_group(op::schema, [&] {
+  add_group(op::schema, [&](ByteWriter& out) {
     for (const auto& schema : schemas) put_schema(out, schema);
   });
-  put_group(op::channel, [&] {
+  add_group(op::channel, [&](ByteWriter& out) {
     for (const auto& channel : channels) put_channel(out, channel);
   });
-  put_group(op::statistics, [&] { put_statistics(out, statistics); });
-  put_group(op::chunk_index, [&] { out.put_bytes(chunk_indexes_); });
-  put_group(op::attachment_index, [&] { out.put_bytes(attachment_indexes_); });
-  put_group(op::metadata_index, [&] { out.put_bytes(metadata_indexes_); });
-
-  const std::uint64_t summary_offset_start = offset_ + out.size();
-  out.put_bytes(group_offsets);
-  out.begin_record(op::footer);
-  out.put(summary_start);
-  out.put(summary_offset_start);
-  out.put(std::uint32_t{0});
-  out.end_record();
-  const std::size_t crc_at = out.size() - 4;
-  out.patch(crc_at, crc32(Bytes(bytes).subspan(data_end_size, crc_at - data_end_size)));
-  out.put_bytes(magic);
-  write_file(bytes);
+  add_group(op::statistics, [&](ByteWriter& out) { put_statistics(out, statistics); });
+  summary.add_group(op::chunk_index, chunk_indexes_);
+  summary.add_group(op::attachment_index, attachment_indexes_);
+  summary.add_group(op::metadata_index, metadata_indexes_);
+  write_file(summary.finish());
   close_file();
   return status();
 }
