@@ -18,8 +18,11 @@ target_sources(rehearse_harness PRIVATE
   src/event_sequences.cpp
   src/expectation.cpp
   src/golden.cpp
+  src/golden_accept.cpp
   src/golden_files.cpp
   src/golden_list.cpp
+  src/golden_partial.cpp
+  src/partial_candidate.cpp
   src/picture_difference.cpp
   src/plant_level.cpp
   src/recorded_picture.cpp)

@@ -12,7 +12,6 @@
 namespace rehearse {
 namespace {
 
-constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};  // large, and not compressed by themselves
 constexpr double no_covariance = -1.0;                                  // ROS: "this quantity is not measured"
 
 const mcap::StringMap imu_units{{"unit:angular_velocity", "rad/s"}, {"unit:linear_acceleration", "m/s²"}};

@@ -36,6 +36,14 @@ std::string sentence_of(const Comparison& comparison, const SettleOptions& optio
                      other_bits ? "not the same bits: " : "", compared);
 }
 
+/// Of a version that is known here.
+Result<Trace> load_golden(const fs::path& file) {
+  auto golden = Trace::load(file);
+  if (!golden) return golden;
+  if (const auto known = check_trace_version(golden->metadata(), golden->file()); !known) return known.errors();
+  return golden;
+}
+
 /// Which recording of this process claims a golden, by the golden's file and the recording's bytes.
 bool claim(const fs::path& golden, std::uint64_t content) {
   static std::map<fs::path, std::uint64_t> claims;
@@ -80,6 +88,19 @@ Result<fs::path> find_golden_folder(const fs::path& scenario) {
 GoldenStore::GoldenStore(fs::path folder, fs::path pending)
     : folder_(std::move(folder)), pending_(std::move(pending)) {}
 
+Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file) {
+  for (const mcap::Metadata& record : metadata) {
+    const auto version = record.name == "rehearse" ? record.values.find("trace_version") : record.values.end();
+    if (version == record.values.end() || version->second == "1") continue;
+    Diagnostic finding =
+        error(fmt::format("it is of trace version {}, and this program reads version 1", version->second),
+              "read it with the version of Rehearse that wrote it");
+    finding.file = file;
+    return finding;
+  }
+  return {};
+}
+
 fs::path GoldenStore::trace_file(const std::string& name) const { return folder_ / (name + ".mcap"); }
 fs::path GoldenStore::digest_file(const std::string& name) const { return folder_ / (name + ".txt"); }
 fs::path GoldenStore::pending_file(const std::string& name) const { return pending_ / (name + ".mcap"); }
@@ -96,40 +117,14 @@ Result<void> GoldenStore::check_digest(const std::string& name) const {
   if (!expected) return expected.errors();
   const auto stated = read_text(digest_file(name));
   if (stated && *stated == *expected) return {};
+  std::error_code ignored;
+  const bool interrupted = fs::exists(digest_file(name).string() + ".new", ignored);
   Diagnostic finding = error(stated ? fmt::format("the digest doesn't describe {}", trace_file(name).string())
                                     : fmt::format("the digest of {} is missing", trace_file(name).string()),
-                             "both files are written together: commit both, edit neither");
+                             interrupted ? "an acceptance was interrupted: accept the run again"
+                                         : "both files are written together: commit both, edit neither");
   finding.file = digest_file(name).string();
   return finding;
-}
-
-Result<void> GoldenStore::accept(const std::string& name, const fs::path& trace_path) {
-  const auto trace = Trace::load(trace_path);
-  if (!trace) return trace.errors();
-  const mcap::StringMap* outcome = trace->find_metadata("rehearse.outcome");
-  if (!outcome) return error(fmt::format("{} is no finished recording, so it can be no golden", trace_path.string()));
-  if (const auto failure = outcome->find("failure"); failure != outcome->end())
-    return error(fmt::format("the run in {} failed, so it can be no golden: {}", trace_path.string(), failure->second));
-  const auto digest = digest_of(*trace);
-  if (!digest) return digest.errors();
-  return replace_together(trace_path, trace_file(name), *digest, digest_file(name));
-}
-
-Result<std::optional<Comparison>> GoldenStore::accept_pending(const std::string& name) {
-  const fs::path waiting = pending_file(name);
-  std::error_code ignored;
-  if (!fs::is_regular_file(waiting, ignored))
-    return error(fmt::format("nothing waits to be accepted as '{}': there is no {}", name, waiting.string()));
-  std::optional<Comparison> moved;
-  if (has(name)) {
-    const auto golden = Trace::load(trace_file(name));
-    const auto pending = Trace::load(waiting);
-    if (golden && pending) moved = compare(*golden, *pending, {});  // a golden that can't be read is replaced
-  }
-  if (auto done = accept(name, waiting); !done) return done.errors();
-  fs::remove(waiting, ignored);
-  remove_picture_differences(waiting);
-  return moved;
 }
 
 Result<void> GoldenStore::keep_pending(const std::string& name, const Trace& actual) const {
@@ -149,10 +144,10 @@ GoldenResult GoldenStore::fail_and_keep(const std::string& name, const Trace& ac
   if (const auto kept = keep_pending(name, actual); !kept)
     result.message += "\n" + text_of(kept.errors());
   else
-    result.message += fmt::format(
-        "\nthis run: {}\nif it is right: rehearse golden accept {}\n"
-        "look at it: rehearse golden review {}",
-        pending_file(name).string(), name, name);
+    result.message +=
+        fmt::format("\nthis run: {}\nif it is right: rehearse golden accept {}\n"
+                    "look at it: rehearse golden review {}",
+                    pending_file(name).string(), name, name);
   return result;
 }
 
@@ -181,7 +176,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
     return fail_and_keep(
         name, actual, fmt::format("there is no golden {} (REHEARSE_GOLDEN=new writes it)", trace_file(name).string()));
   }
-  const auto golden = Trace::load(trace_file(name));
+  const auto golden = load_golden(trace_file(name));
   if (!golden) {
     if (mode == GoldenMode::accept && !wrong)
       return write(fmt::format("replaced {}, which could not be read", trace_file(name).string()));

@@ -81,19 +81,33 @@ Result<std::uint64_t> hash_of_file(const fs::path& file) {
   return hash_bytes(bytes->data(), bytes->size());
 }
 
-Result<void> replace_together(const fs::path& source, const fs::path& trace, const std::string& text,
-                              const fs::path& digest) {
+namespace {
+
+Result<void> sync_folder_of(const fs::path& file) { return sync(file.has_parent_path() ? file.parent_path() : "."); }
+
+}  // namespace
+
+Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
+                              const fs::path& digest,
+                              const std::function<Result<std::string>(const fs::path&)>& make_digest) {
   const Draft new_trace(trace), new_digest(digest);
-  std::error_code failed;
-  fs::copy_file(source, new_trace.file(), fs::copy_options::overwrite_existing, failed);
-  if (failed) return can_not("be written", new_trace.file(), failed.message());
-  fs::permissions(new_trace.file(), fs::perms::owner_write, fs::perm_options::add, failed);
-  if (auto done = write_text(new_digest.file(), text); !done) return done;
+  if (auto done = write_trace(new_trace.file()); !done) return done;
+  const auto text = make_digest(new_trace.file());
+  if (!text) return text.errors();
+  if (auto done = write_text(new_digest.file(), *text); !done) return done;
   if (auto done = sync(new_trace.file()); !done) return done;
   if (auto done = sync(new_digest.file()); !done) return done;
   if (auto done = new_trace.replace_target(); !done) return done;
   if (auto done = new_digest.replace_target(); !done) return done;
-  return sync(trace.has_parent_path() ? trace.parent_path() : fs::path("."));
+  return sync_folder_of(trace);
+}
+
+Result<void> replace_text(const fs::path& file, const std::string& text) {
+  const Draft draft(file);
+  if (auto done = write_text(draft.file(), text); !done) return done;
+  if (auto done = sync(draft.file()); !done) return done;
+  if (auto done = draft.replace_target(); !done) return done;
+  return sync_folder_of(file);
 }
 
 }  // namespace rehearse

@@ -15,7 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Owners = std::map<std::string, std::vector<std::string>>;  // by golden
+using Owners = std::map<std::string, GoldenOwners>;  // by golden
+
+constexpr std::string_view golden_macro = "EXPECT_MATCHES_GOLDEN";
 
 constexpr std::string_view blanks = " \t\r\n";
 
@@ -35,22 +37,24 @@ void find_in_scenario(std::string_view text, const std::string& file, Owners& ow
     if (!line.starts_with(key)) continue;
     line = without_blanks(line.substr(key.size(), line.find('#') - key.size()));
     if (line.size() >= 2 && (line.front() == '"' || line.front() == '\'')) line = line.substr(1, line.size() - 2);
-    if (!line.empty()) owners[std::string(line)].push_back(file);
+    if (!line.empty()) owners[std::string(line)].scenarios.push_back(file);
   }
 }
 
 /// TEST(Suite, Test), TEST_F and TEST_P, in a source that compares with goldens.
 void find_in_test(std::string_view text, const std::string& file, Owners& owners) {
-  if (text.find("EXPECT_MATCHES_GOLDEN") == std::string_view::npos) return;
-  for (const std::string_view macro : {"TEST(", "TEST_F(", "TEST_P("}) {
-    for (std::size_t at = text.find(macro); at != std::string_view::npos; at = text.find(macro, at + 1)) {
-      const std::size_t open = at + macro.size(), close = std::min(text.find(')', open), text.size());
-      const std::string_view names = text.substr(open, close - open);
-      const std::size_t comma = names.find(',');
-      if (comma == std::string_view::npos) continue;
-      owners[fmt::format("{}.{}", without_blanks(names.substr(0, comma)), without_blanks(names.substr(comma + 1)))]
-          .push_back(file);
-    }
+  if (text.find(golden_macro) == std::string_view::npos) return;
+  for (std::size_t at = text.find("TEST"); at != std::string_view::npos;) {
+    const std::size_t next = text.find("TEST", at + 1);
+    const std::string_view test = text.substr(at, next - at);  // up to the next one
+    at = next;
+    const std::size_t open = test.find('('), close = test.find(')'), comma = test.find(',');
+    const std::string_view macro = test.substr(0, open);
+    if ((macro != "TEST" && macro != "TEST_F" && macro != "TEST_P") || !(open < comma && comma < close)) continue;
+    GoldenOwners& of_test = owners[fmt::format("{}.{}", without_blanks(test.substr(open + 1, comma - open - 1)),
+                                               without_blanks(test.substr(comma + 1, close - comma - 1)))];
+    of_test.tests.push_back(file);
+    if (test.find(golden_macro) != std::string_view::npos) of_test.claims.push_back(file);
   }
 }
 
@@ -66,7 +70,7 @@ void find_in_file(const fs::path& file, Owners& owners) {
     find_in_test(*text, file.string(), owners);
 }
 
-Owners find_owners(const std::vector<fs::path>& sources) {
+std::set<fs::path> files_in(const std::vector<fs::path>& sources) {
   std::set<fs::path> files;  // in an order that doesn't depend on the folder's own
   std::error_code ignored;
   for (const fs::path& source : sources) {
@@ -81,13 +85,46 @@ Owners find_owners(const std::vector<fs::path>& sources) {
       }
     }
   }
-  Owners owners;
-  for (const fs::path& file : files) find_in_file(file, owners);
-  return owners;
+  return files;
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// How the facts of a provenance differ from those of this program.
+void compare_versions(const mcap::StringMap& facts, const mcap::StringMap& present, GoldenEntry& entry) {
+  for (const auto& [fact, now] : present) {
+    const auto then = facts.find(fact);
+    if (then == facts.end() || then->second == now || now.empty()) continue;
+    const char* what = fact == "rehearse" ? "Rehearse " : "";
+    entry.notes.push_back(fmt::format("recorded with {}{}; this is {}{}", what, then->second, what, now));
+  }
+}
+
+void read_provenance(const mcap::Reader& reader, const mcap::StringMap& present, GoldenEntry& entry) {
+  for (const mcap::Metadata& metadata : reader.metadata()) {
+    if (metadata.name != "rehearse") continue;
+    for (const char* fact : {"rehearse", "physics", "renderer", "libc"}) {
+      const auto found = metadata.values.find(fact);
+      if (found == metadata.values.end()) continue;
+      entry.recorded_by += (entry.recorded_by.empty() ? "" : ", ") +
+                           std::string(fact == std::string_view("rehearse") ? "rehearse " : "") + found->second;
+    }
+    compare_versions(metadata.values, present, entry);
+  }
+  const std::vector<Acceptance> history = history_of(reader.metadata());
+  entry.acceptances = static_cast<int>(history.size());
+  if (!history.empty()) entry.accepted = history.back().date;
+  const bool has_checkpoints = std::ranges::any_of(
+      reader.channels(), [](const auto& channel) { return channel.second.topic == "/checkpoint"; });
+  if (!has_checkpoints) entry.notes.push_back("it has no checkpoints: its physics can't be checked piece by piece");
 }
 
 /// What the recording itself says: who wrote it, and whether it can be read.
-void describe(const GoldenStore& store, GoldenEntry& entry) {
+void describe(const GoldenStore& store, const mcap::StringMap& present, GoldenEntry& entry) {
   std::error_code ignored;
   if (!store.has(entry.name)) {
     entry.problem = "there is a digest, but no recording";
@@ -99,21 +136,29 @@ void describe(const GoldenStore& store, GoldenEntry& entry) {
     entry.problem = reader.errors()[0].message;
     return;
   }
-  for (const mcap::Metadata& metadata : (*reader)->metadata()) {
-    if (metadata.name != "rehearse") continue;
-    for (const char* fact : {"rehearse", "physics", "libc"}) {
-      const auto found = metadata.values.find(fact);
-      if (found == metadata.values.end()) continue;
-      entry.recorded_by += (entry.recorded_by.empty() ? "" : ", ") +
-                           std::string(fact == std::string_view("rehearse") ? "rehearse " : "") + found->second;
-    }
-  }
-  if (const auto digest = store.check_digest(entry.name); !digest) entry.problem = digest.errors()[0].message;
+  read_provenance(**reader, present, entry);
+  if (const auto known = check_trace_version((*reader)->metadata(), (*reader)->name()); !known)
+    entry.problem = known.errors()[0].message;
+  else if (const auto digest = store.check_digest(entry.name); !digest)
+    entry.problem = digest.errors()[0].message;
 }
 
 }  // namespace
 
-Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store, const std::vector<fs::path>& sources) {
+std::string GoldenOwners::conflict() const {
+  if (scenarios.size() > 1) return fmt::format("{} scenarios name it: {}", scenarios.size(), listed(scenarios));
+  if (claims.size() > 1) return fmt::format("{} tests claim it: {}", claims.size(), listed(claims));
+  return {};
+}
+
+std::map<std::string, GoldenOwners> find_golden_owners(const std::vector<fs::path>& sources) {
+  Owners owners;
+  for (const fs::path& file : files_in(sources)) find_in_file(file, owners);
+  return owners;
+}
+
+Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store, const std::vector<fs::path>& sources,
+                                              const mcap::StringMap& present) {
   std::error_code failed;
   std::set<std::string> names;
   for (const fs::directory_entry& file : fs::directory_iterator(store.folder(), failed)) {
@@ -123,14 +168,18 @@ Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store, const st
   }
   if (failed)
     return error(fmt::format("the goldens in {} can't be listed: {}", store.folder().string(), failed.message()));
-  const Owners owners = find_owners(sources);
+  const Owners owners = find_golden_owners(sources);
   std::vector<GoldenEntry> entries;
   for (const std::string& name : names) {
     GoldenEntry& entry = entries.emplace_back();
     entry.name = name;
-    if (const auto known = owners.find(name); known != owners.end()) entry.owners = known->second;
     entry.pending = fs::is_regular_file(store.pending_file(name), failed);
-    describe(store, entry);
+    describe(store, present, entry);
+    const auto known = owners.find(name);
+    if (known == owners.end()) continue;
+    entry.owners = known->second.scenarios;
+    entry.owners.insert(entry.owners.end(), known->second.tests.begin(), known->second.tests.end());
+    if (entry.problem.empty()) entry.problem = known->second.conflict();
   }
   return entries;
 }

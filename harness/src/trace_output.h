@@ -16,6 +16,9 @@
 
 namespace rehearse {
 
+/// Chunks of their own for depth pictures: large, and not compressed by themselves.
+inline constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};
+
 /// What a recording has come to.
 struct RecordingSize {
   std::int64_t ticks = 0;

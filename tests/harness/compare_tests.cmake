@@ -9,6 +9,9 @@ rehearse_add_test(judging_test LABEL unit
     compare_time_test.cpp
     event_sequences_test.cpp
     expectation_test.cpp
+    golden_acceptance_test.cpp
+    golden_damage_test.cpp
+    golden_list_test.cpp
     golden_test.cpp
     picture_difference_test.cpp
     tolerance_test.cpp

@@ -3,21 +3,28 @@
 // A golden is two files in one folder: `<Suite>.<Test>.mcap`, a whole recording that can be replayed, and
 // `<Suite>.<Test>.txt`, its digest: what a person reads in a review. The digest is derived from the recording alone,
 // and a golden whose digest says something else fails. A run that doesn't match never touches the golden; its trace is
-// kept as `<pending folder>/<Suite>.<Test>.mcap`, from where it can be accepted without running again.
+// kept as `<pending folder>/<Suite>.<Test>.mcap`, from where it can be accepted, whole or in part, without running
+// again. Each acceptance adds to the golden what moved (acceptance.h).
 //
 // Environment:
 //   REHEARSE_GOLDEN      check (the default), new (write goldens that are missing) or accept (replace those that
-//   differ) CI                   "true": nothing but check is possible REHEARSE_GOLDEN_DIR  the folder of goldens,
-//   wherever the scenario stands REHEARSE_PENDING     where traces wait to be accepted; else rehearse-pending in the
-//   working directory
+//                        differ)
+//   CI                   "true": nothing but check is possible
+//   REHEARSE_GOLDEN_DIR  the folder of goldens, wherever the scenario stands
+//   REHEARSE_PENDING     where traces wait to be accepted; else build/goldens/pending, where there is a build folder,
+//                        or rehearse-pending in the working directory
+//   SOURCE_DATE_EPOCH    the time that acceptances are dated by [s since 1970]; else now
 #pragma once
 
+#include <rehearse/acceptance.h>
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
+#include <rehearse/partial_acceptance.h>
 #include <rehearse/trace.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +62,13 @@ struct SettleOptions {
   std::string violation;  // why the run is wrong whatever its golden says, a sentence; empty: it isn't
 };
 
+/// What accepting a run did.
+struct Accepted {
+  bool changed = true;              // false: the golden was this run already, and not a byte of it was touched
+  bool whole = true;                // false: a part of the run was accepted, the rest of it waits
+  std::optional<Comparison> moved;  // the old golden and the new; none if there was none that could be read
+};
+
 class GoldenStore {
  public:
   explicit GoldenStore(std::filesystem::path folder, std::filesystem::path pending = pending_folder());
@@ -70,13 +84,28 @@ class GoldenStore {
   GoldenResult settle(const std::string& name, const Trace& actual, const std::vector<ToleranceRule>& rules,
                       GoldenMode mode, const SettleOptions& options = {});
 
-  /// Makes a trace the golden of that name: both files are written beside the old ones, synced, and renamed over them;
-  /// on any failure the old ones stay. Refuses a trace that isn't whole, or whose run failed.
-  Result<void> accept(const std::string& name, const std::filesystem::path& trace);
+  /// The runs that wait, by name.
+  std::vector<std::string> pending() const;
 
-  /// accept() of the trace that waits, which is then removed. Returns what moved: the old golden compared with the new
-  /// (nothing if there was none).
-  Result<std::optional<Comparison>> accept_pending(const std::string& name);
+  /// Makes a trace the golden of that name: both files are written beside the old ones, synced, and renamed over them;
+  /// on any failure the old ones stay. The old golden's history is carried over, and what moved is added to it. A trace
+  /// that is the golden already, bit for bit, with the same scenario, models and versions, changes nothing. Refuses a
+  /// trace that isn't whole, or whose run failed.
+  Result<Accepted> accept(const std::string& name, const std::filesystem::path& trace);
+
+  /// accept() of the run that waits, which is then removed.
+  Result<Accepted> accept_pending(const std::string& name);
+
+  /// The same of a part of it, if some run can produce the golden that would come of it (partial_acceptance.h);
+  /// otherwise nothing is written, and the error says where it stops to be a run. The run waits on if all of it wasn't
+  /// accepted.
+  Result<Accepted> accept_pending(const std::string& name, const Selection& selection, const Reexecution& again);
+
+  /// Removes the run that waits, and its pictures.
+  Result<void> reject(const std::string& name);
+
+  /// Removes both files of a golden. Refuses if they aren't two, or aren't a recording and a digest.
+  Result<void> remove(const std::string& name);
 
   /// Fails if the digest isn't there or isn't what digest_of() makes of the recording.
   Result<void> check_digest(const std::string& name) const;
@@ -84,12 +113,18 @@ class GoldenStore {
  private:
   Result<void> keep_pending(const std::string& name, const Trace& actual) const;
   GoldenResult fail_and_keep(const std::string& name, const Trace& actual, std::string message) const;
+  Result<Accepted> replace(const std::string& name, const std::filesystem::path& trace, const std::string& part);
+  Result<void> find_pending(const std::string& name) const;
   std::filesystem::path folder_;
   std::filesystem::path pending_;
 };
 
-/// The digest of a recording: provenance; for each channel its messages and their hash, for each of its series unit,
-/// first, last, smallest and largest value; pictures; events. Text, a line each.
+/// Fails if the metadata of a recording says that it is of a version of the trace format that isn't known here. `file`:
+/// what the error calls it.
+Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file);
+
+/// The digest of a recording: provenance; when and why it was accepted; for each channel its messages and their hash,
+/// for each of its series unit, first, last, smallest and largest value; pictures; events. Text, a line each.
 Result<std::string> digest_of(const Trace& trace);
 
 /// One golden, as a list shows it.
@@ -98,16 +133,35 @@ struct GoldenEntry {
   std::vector<std::string> owners;  // scenario files and test sources that name it; empty: an orphan
   std::uintmax_t bytes = 0;         // of the recording; 0: there is only a digest
   std::string recorded_by;          // versions, as the recording states them
+  std::string accepted;             // when it was accepted last, as 2026-11-20; empty: the golden doesn't say
+  int acceptances = 0;              // that it knows of
   bool pending = false;             // a run that differs waits to be accepted
   std::string problem;              // why it can't be used; empty: it can
+  std::vector<std::string> notes;   // what is older than the program, what can't be compared; sentences
 
   bool orphan() const { return owners.empty(); }
 };
 
-/// All goldens of the store by name. Owners are looked for in `sources`, folders or files: a scenario (*.yaml) with
-/// `golden: NAME`, and a test source (*.cpp, *.cc) with EXPECT_MATCHES_GOLDEN and TEST(Suite, Test). Hidden folders and
-/// those whose name begins with "build" are left out.
+/// Who names a golden.
+struct GoldenOwners {
+  std::vector<std::string> scenarios;  // files with `golden: NAME`
+  std::vector<std::string> tests;      // sources with that TEST(Suite, Test) and, somewhere, EXPECT_MATCHES_GOLDEN
+  std::vector<std::string> claims;     // of these, where the macro stands in that very test
+
+  /// Why they aren't one: two scenarios name it, or two tests. Empty if they are. (A test may record a scenario that
+  /// names the test's golden.)
+  std::string conflict() const;
+};
+
+/// By golden. Looked for in `sources`, folders or files: a scenario is a *.yaml, a test source a *.cpp or *.cc. Hidden
+/// folders and those whose name begins with "build" are left out.
+std::map<std::string, GoldenOwners> find_golden_owners(const std::vector<std::filesystem::path>& sources);
+
+/// All goldens of the store by name, their owners looked for in `sources`. `present`: the facts of a recording's
+/// provenance as this program would write them (rehearse, physics, renderer, libc); a golden that has others is told to
+/// be of another version.
 Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store,
-                                              const std::vector<std::filesystem::path>& sources);
+                                              const std::vector<std::filesystem::path>& sources,
+                                              const mcap::StringMap& present = {});
 
 }  // namespace rehearse

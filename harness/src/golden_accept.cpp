@@ -1,0 +1,193 @@
+// How a run becomes a golden, and how one goes.
+#include <fmt/format.h>
+#include <rehearse/golden.h>
+#include <rehearse/mcap.h>
+#include <rehearse/mcap_copy.h>
+#include <rehearse/picture_difference.h>
+
+#include <algorithm>
+#include <set>
+
+#include "golden_files.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Facts of the provenance that a golden is older or younger by.
+constexpr const char* version_facts[] = {"rehearse", "physics", "renderer", "libc"};
+
+std::string fact_of(const Trace& trace, const std::string& fact) {
+  const mcap::StringMap* facts = trace.find_metadata("rehearse");
+  if (!facts) return "";
+  const auto found = facts->find(fact);
+  return found == facts->end() ? "" : found->second;
+}
+
+bool same_attachments(const Trace& a, const Trace& b) {
+  const auto equal = [](const mcap::Attachment& one, const mcap::Attachment& other) {
+    return one.name == other.name && std::ranges::equal(one.data, other.data);
+  };
+  return std::ranges::equal(a.attachments(), b.attachments(), equal);
+}
+
+/// The golden would say nothing else than it does.
+bool is_same_run(const Trace& golden, const Trace& run, const Comparison& comparison) {
+  return comparison.equal && same_attachments(golden, run) &&
+         std::ranges::all_of(version_facts, [&](const char* fact) { return fact_of(golden, fact) == fact_of(run, fact); });
+}
+
+/// The run's own, for the verdict; what can't be read states none.
+Comparison compare_by_its_tolerances(const Trace& golden, const Trace& run) {
+  const auto rules = tolerances_of(run);
+  return compare(golden, run, rules ? *rules : std::vector<ToleranceRule>());
+}
+
+/// Of what can be read of it.
+std::vector<Acceptance> history_in(const fs::path& file) {
+  const auto reader = mcap::Reader::open(file);
+  return reader ? history_of((*reader)->metadata()) : std::vector<Acceptance>();
+}
+
+Result<Trace> load_run(const fs::path& file) {
+  auto trace = Trace::load(file);
+  if (!trace) return trace;
+  if (const auto known = check_trace_version(trace->metadata(), trace->file()); !known) return known.errors();
+  const mcap::StringMap* outcome = trace->find_metadata("rehearse.outcome");
+  if (!outcome) return error(fmt::format("{} is no finished recording, so it can be no golden", file.string()));
+  if (const auto failure = outcome->find("failure"); failure != outcome->end())
+    return error(fmt::format("the run in {} failed, so it can be no golden: {}", file.string(), failure->second));
+  return trace;
+}
+
+Result<std::string> digest_of_file(const fs::path& file) {
+  const auto trace = Trace::load(file);
+  if (!trace) return trace.errors();
+  return digest_of(*trace);
+}
+
+bool begins_with(const fs::path& file, std::string_view text) {
+  const auto content = read_text(file);
+  return content && content->starts_with(text);
+}
+
+}  // namespace
+
+Result<void> GoldenStore::find_pending(const std::string& name) const {
+  std::error_code ignored;
+  const fs::path waiting = pending_file(name);
+  if (name.find('/') == std::string::npos && fs::is_regular_file(waiting, ignored)) return {};
+  const std::vector<std::string> others = pending();
+  std::string hint;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, others.size()); ++i)
+    hint += (hint.empty() ? "what waits: " : ", ") + others[i];
+  if (others.size() > 3) hint += ", ...";
+  return error(fmt::format("nothing waits to be accepted as '{}': there is no {}", name, waiting.string()), hint);
+}
+
+std::vector<std::string> GoldenStore::pending() const {
+  std::set<std::string> names;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(pending_, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().stem().string();
+    // other traces are kept there too, of scenarios without a golden
+    if (entry->path().extension() == ".mcap" && name.find('.') != std::string::npos) names.insert(name);
+  }
+  return {names.begin(), names.end()};
+}
+
+Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& trace_path, const std::string& part) {
+  const auto run = load_run(trace_path);
+  if (!run) return run.errors();
+  const auto today = date_of_today();
+  if (!today) return today.errors();
+  Accepted accepted;
+  Acceptance acceptance{*today, "first", part, "", {}};
+  std::vector<Acceptance> history;
+  if (has(name)) {
+    acceptance.kind = part.empty() ? "replaced" : "partial";
+    history = history_in(trace_file(name));
+    if (const auto golden = Trace::load(trace_file(name)); !golden) {
+      acceptance.verdict = "the golden before it can't be read: " + golden.errors()[0].message;
+    } else {
+      accepted.moved = compare_by_its_tolerances(*golden, *run);
+      acceptance.verdict = verdict(*accepted.moved);
+      acceptance.moved = moved_lines(*accepted.moved);
+      if (is_same_run(*golden, *run, *accepted.moved)) {
+        accepted.changed = !check_digest(name);
+        if (!accepted.changed) return accepted;
+        const auto digest = digest_of(*golden);
+        if (!digest) return digest.errors();
+        if (auto done = replace_text(digest_file(name), *digest); !done) return done.errors();
+        return accepted;
+      }
+    }
+  }
+  history.push_back(std::move(acceptance));
+  const auto write_trace = [&](const fs::path& file) {
+    return mcap::copy_with_metadata(trace_path, file, acceptance_prefix, records_of(history));
+  };
+  if (auto done = replace_together(trace_file(name), write_trace, digest_file(name), digest_of_file); !done)
+    return done.errors();
+  return accepted;
+}
+
+Result<Accepted> GoldenStore::accept(const std::string& name, const fs::path& trace) { return replace(name, trace, ""); }
+
+Result<Accepted> GoldenStore::accept_pending(const std::string& name) {
+  if (auto found = find_pending(name); !found) return found.errors();
+  auto accepted = replace(name, pending_file(name), "");
+  if (!accepted) return accepted;
+  if (auto gone = reject(name); !gone) return gone.errors();
+  return accepted;
+}
+
+Result<Accepted> GoldenStore::accept_pending(const std::string& name, const Selection& selection,
+                                             const Reexecution& again) {
+  if (selection.is_all()) return accept_pending(name);
+  if (auto found = find_pending(name); !found) return found.errors();
+  if (!has(name))
+    return error(fmt::format("there is no golden {}, so there is nothing to keep a part of", trace_file(name).string()),
+                 "accept all of the run");
+  const auto golden = Trace::load(trace_file(name));
+  if (!golden) return golden.errors();
+  if (const auto known = check_trace_version(golden->metadata(), golden->file()); !known) return known.errors();
+  const auto run = load_run(pending_file(name));
+  if (!run) return run.errors();
+  const fs::path candidate = pending_file(name).string() + ".candidate";
+  const auto made = make_partial(*golden, *run, selection, candidate, again);
+  if (!made) return made.errors();
+  if (*made != candidate) return accept_pending(name);
+  auto accepted = replace(name, candidate, to_string(selection));
+  std::error_code ignored;
+  fs::remove(candidate, ignored);
+  if (accepted) accepted->whole = false;
+  return accepted;
+}
+
+Result<void> GoldenStore::reject(const std::string& name) {
+  if (auto found = find_pending(name); !found) return found;
+  std::error_code failed;
+  fs::remove(pending_file(name), failed);
+  if (failed) return error(fmt::format("{} can't be removed: {}", pending_file(name).string(), failed.message()));
+  remove_picture_differences(pending_file(name));
+  return {};
+}
+
+Result<void> GoldenStore::remove(const std::string& name) {
+  const fs::path trace = trace_file(name), digest = digest_file(name);
+  std::error_code failed;
+  const bool both = fs::is_regular_file(trace, failed) && fs::is_regular_file(digest, failed);
+  if (name.find('/') != std::string::npos || !both || !begins_with(trace, "\x89MCAP") ||
+      !begins_with(digest, "digest "))
+    return error(fmt::format("{} and {} aren't a recording and its digest, and are left alone", trace.string(),
+                             digest.string()));
+  for (const fs::path& file : {digest, trace}) {  // a recording without digest is still told of
+    fs::remove(file, failed);
+    if (failed) return error(fmt::format("{} can't be removed: {}", file.string(), failed.message()));
+  }
+  return {};
+}
+
+}  // namespace rehearse

@@ -1,0 +1,77 @@
+// A folder of goldens, one of pending runs, and small recordings to put there.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <rehearse/golden.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "small_traces.h"
+
+namespace rehearse::testing {
+
+namespace fs = std::filesystem;
+
+inline std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+inline void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+
+/// A variable for the length of a test.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    if (const char* was = std::getenv(name)) was_ = was;
+    setenv(name, value, 1);
+  }
+  ~Environment() { was_ ? setenv(name_, was_->c_str(), 1) : unsetenv(name_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> was_;
+};
+
+class GoldenFolder : public ::testing::Test {
+ protected:
+  GoldenFolder() : store_(folder_ / "golden", folder_ / "pending") { fs::create_directories(folder_ / "golden"); }
+
+  GoldenResult settle(const SmallTrace& run, GoldenMode mode = GoldenMode::check, const SettleOptions& options = {}) {
+    return store_.settle(name_, run.load(folder_ / "run.mcap"), {}, mode, options);
+  }
+  /// Puts a golden there without claiming it for this process.
+  void place_golden(const SmallTrace& run) {
+    run.write(folder_ / "accepted.mcap");
+    const auto accepted = store_.accept(name_, folder_ / "accepted.mcap");
+    ASSERT_TRUE(accepted) << to_string(accepted.errors());
+  }
+  SmallTrace changed() const {
+    SmallTrace run;
+    run.ticks[1].u = 99.0;
+    return run;
+  }
+
+  /// Whether the golden holds that run.
+  bool is_run(const SmallTrace& run) const {
+    const auto golden = Trace::load(store_.trace_file(name_));
+    return golden && compare(*golden, run.load(folder_ / "other.mcap"), {}).equal;
+  }
+  /// Lets a run wait to be accepted.
+  void place_pending(const SmallTrace& run) const {
+    fs::create_directories(folder_ / "pending");
+    run.write(store_.pending_file(name_));
+  }
+  std::string digest() const { return bytes_of(store_.digest_file(name_)); }
+
+  TemporaryFolder folder_;
+  GoldenStore store_;
+  std::string name_ = std::string("Golden.") + ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const Environment day_{"SOURCE_DATE_EPOCH", "1763640000"};  // 2025-11-20
+};
+
+}  // namespace rehearse::testing

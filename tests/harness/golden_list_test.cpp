@@ -1,0 +1,109 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rehearse/golden.h>
+
+#include "golden_folder.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using testing::SmallTrace;
+using testing::write;
+namespace fs = std::filesystem;
+
+class GoldenList : public testing::GoldenFolder {
+ protected:
+  GoldenEntry entry(const mcap::StringMap& present = {}) const {
+    const auto listed = list_goldens(store_, {folder_.path()}, present);
+    EXPECT_TRUE(listed);
+    EXPECT_EQ(listed->size(), 1u);
+    return listed->at(0);
+  }
+};
+
+TEST_F(GoldenList, KnowsOwnersOrphansAndWhatWaits) {
+  name_ = "Walker.Walks";
+  place_golden(SmallTrace());
+  name_ = "Walker.Stops";
+  place_golden(SmallTrace());
+  name_ = "Walker.Forgotten";
+  place_golden(SmallTrace());
+  write(folder_ / "golden/Walker.Lost.txt", "digest");
+  fs::create_directories(folder_ / "pending");
+  write(store_.pending_file("Walker.Stops"), "waits");
+  write(folder_ / "walk.yaml", "rehearse: 1\ngolden: Walker.Walks   # the golden\n");
+  write(folder_ / "stop_test.cpp", "TEST_F(Walker,\n       Stops) { EXPECT_MATCHES_GOLDEN(trace); }\n");
+  write(folder_ / "other_test.cpp", "TEST(Walker, Forgotten) { EXPECT_TRUE(true); }\n");
+
+  const auto listed = list_goldens(store_, {folder_.path()});
+  ASSERT_TRUE(listed);
+  ASSERT_EQ(listed->size(), 4u);
+  const GoldenEntry &forgotten = (*listed)[0], &lost = (*listed)[1], &stops = (*listed)[2], &walks = (*listed)[3];
+  EXPECT_EQ(forgotten.name, "Walker.Forgotten");
+  EXPECT_TRUE(forgotten.orphan());
+  EXPECT_EQ(forgotten.problem, "");
+  EXPECT_EQ(forgotten.recorded_by, "rehearse 0.1.0");
+  EXPECT_EQ(lost.problem, "there is a digest, but no recording");
+  EXPECT_THAT(stops.owners, ElementsAre((folder_ / "stop_test.cpp").string()));
+  EXPECT_TRUE(stops.pending);
+  EXPECT_THAT(walks.owners, ElementsAre((folder_ / "walk.yaml").string()));
+  EXPECT_FALSE(walks.pending);
+  EXPECT_EQ(walks.bytes, fs::file_size(store_.trace_file("Walker.Walks")));
+}
+
+TEST_F(GoldenList, SaysWhenAGoldenWasAcceptedAndHowOften) {
+  place_golden(SmallTrace());
+  EXPECT_EQ(entry().accepted, "2025-11-20");
+  EXPECT_EQ(entry().acceptances, 1);
+  setenv("SOURCE_DATE_EPOCH", "1763726400", 1);
+  place_golden(changed());
+  EXPECT_EQ(entry().accepted, "2025-11-21");
+  EXPECT_EQ(entry().acceptances, 2);
+}
+
+TEST_F(GoldenList, SaysWhatAGoldenIsOlderThan) {
+  SmallTrace run;
+  run.provenance["physics"] = "ODE 0.16.2";
+  run.provenance["libc"] = "glibc 2.36";
+  place_golden(run);
+  EXPECT_THAT(entry({{"rehearse", "0.1.0"}, {"physics", "ODE 0.17"}, {"libc", "glibc 2.36"}, {"renderer", "Mesa"}}).notes,
+              ElementsAre("recorded with ODE 0.16.2; this is ODE 0.17", HasSubstr("no checkpoints")));
+  EXPECT_THAT(entry({{"rehearse", "0.2.0"}}).notes,
+              ElementsAre("recorded with Rehearse 0.1.0; this is Rehearse 0.2.0", HasSubstr("no checkpoints")));
+}
+
+TEST_F(GoldenList, SaysIfTwoScenariosNameOneGolden) {
+  place_golden(SmallTrace());
+  write(folder_ / "a.yaml", "golden: " + name_ + "\n");
+  const std::string test = name_.substr(name_.find('.') + 1);
+  write(folder_ / "a_test.cpp", "TEST_F(Golden, " + test + ") { EXPECT_MATCHES_GOLDEN(record(\"a.yaml\")); }\n");
+  EXPECT_EQ(entry().problem, "");  // a test and the scenario that it records
+  write(folder_ / "b.yaml", "golden: " + name_ + "\n");
+  EXPECT_EQ(entry().problem,
+            "2 scenarios name it: " + (folder_ / "a.yaml").string() + ", " + (folder_ / "b.yaml").string());
+}
+
+TEST_F(GoldenList, SaysIfTwoTestsClaimOneGolden) {
+  place_golden(SmallTrace());
+  const std::string test = "TEST_F(Golden, " + name_.substr(name_.find('.') + 1) + ") { ";
+  write(folder_ / "a_test.cpp", test + "EXPECT_MATCHES_GOLDEN(a); }\n");
+  write(folder_ / "b_test.cpp", test + "}\nTEST(Other, Test) { EXPECT_MATCHES_GOLDEN(b); }\n");
+  EXPECT_EQ(entry().problem, "");  // the second compares something else
+  write(folder_ / "b_test.cpp", test + "EXPECT_MATCHES_GOLDEN(b); }\n");
+  EXPECT_THAT(entry().problem, HasSubstr("2 tests claim it: "));
+}
+
+TEST_F(GoldenList, PendingRunsAreThoseThatAreNamedLikeGoldens) {
+  EXPECT_THAT(store_.pending(), IsEmpty());
+  place_pending(SmallTrace());
+  write(folder_ / "pending/sr1_minimum.mcap", "of a scenario that was checked against a trace");
+  write(store_.pending_file(name_).string() + ".candidate", "");
+  EXPECT_THAT(store_.pending(), ElementsAre(name_));
+}
+
+}  // namespace
+}  // namespace rehearse
