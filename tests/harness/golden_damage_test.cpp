@@ -198,9 +198,11 @@ int accept_on_disk(const fs::path& disk, const fs::path& old_run, const fs::path
 
 TEST_F(GoldenDamage, SurvivesEveryDiskThatIsTooSmallForTheNewOne) {
   SmallTrace().write(folder_ / "old.mcap");
-  changed().write(folder_ / "run.mcap");
+  SmallTrace run = changed();  // its digest is far larger than what the old recording would leave free
+  for (std::int64_t i = 0; i < 500; ++i) run.events.push_back({{0, 2000000}, 2, "note", "Robot/Pd", "the same again"});
+  run.write(folder_ / "run.mcap");
   fs::create_directories(folder_ / "disk");
-  constexpr int page = 4;  // [kB]
+  constexpr int page = 4;  // [kB], in which such a disk is filled
   int refused = 0;
   for (int kilobytes = page, last = -1; last != 0; kilobytes += page) {
     ASSERT_LT(kilobytes, 1000);
