@@ -26,4 +26,6 @@ target_sources(rehearse_harness PRIVATE
   src/picture_difference.cpp
   src/plant_level.cpp
   src/recorded_picture.cpp)
+  src/recorded_picture.cpp
+  src/series_plot.cpp)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)

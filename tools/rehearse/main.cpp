@@ -17,7 +17,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb, &golden_verb, &info_verb, &inspect_verb, &new_verb};
+constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb, &info_verb, &inspect_verb, &new_verb};
 
 /// Goes on as rehearse-simulate, which stands at a fixed place beside this program. Comes back only if it can't.
 Exit become_simulator(char** argv) {

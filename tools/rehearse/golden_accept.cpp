@@ -1,0 +1,121 @@
+// rehearse golden accept and reject: decisions without a terminal.
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "golden_verbs.h"
+#include "options.h"
+#include "plant_check.h"
+
+namespace rehearse::tool {
+namespace {
+
+struct Settings {
+  std::vector<std::string> names;
+  bool all = false;
+  bool json = false;
+  Selection selection;  // of accept
+  Reexecution again;    // of accept
+};
+
+Json json_of_accepted(const GoldenStore& store, const std::string& name, const Accepted& accepted) {
+  return {{"name", name},
+          {"golden", store.trace_file(name).string()},
+          {"digest", store.digest_file(name).string()},
+          {"changed", accepted.changed},
+          {"whole", accepted.whole},
+          {"verdict", accepted.moved ? Json(verdict(*accepted.moved)) : Json(nullptr)},
+          {"moved", accepted.moved ? Json(moved_lines(*accepted.moved)) : Json::array()}};
+}
+
+/// Does one after the other, whatever becomes of the others. `decide` returns what JSON says of it.
+Exit decide_all(const Settings& settings, const char* done_word,
+                const std::function<Result<Json>(GoldenStore&, const std::string&)>& decide) {
+  if (auto may = check_may_decide(); !may) return refuse(may.errors());
+  auto store = open_store();
+  if (!store) return refuse(store.errors());
+  const auto names = chosen_names(*store, settings.names, settings.all);
+  if (!names) return refuse(names.errors());
+  if (names->empty() && !settings.json) fmt::print("nothing waits\n");
+  Json done = Json::array(), refused = Json::array();
+  Exit worst = Exit::done;
+  for (const std::string& name : *names) {
+    auto decided = decide(*store, name);
+    if (decided) {
+      done.push_back(*std::move(decided));
+      continue;
+    }
+    worst = Exit::bad_input;
+    refused.push_back({{"name", name}, {"findings", json_of(decided.errors())}});
+    std::fflush(stdout);
+    if (!settings.json) refuse(decided.errors());
+  }
+  if (settings.json) print({{done_word, done}, {"refused", refused}});
+  return worst;
+}
+
+Exit accept(const Settings& settings) {
+  return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
+    const auto accepted = store.accept_pending(name, settings.selection, settings.again);
+    if (!accepted) return accepted.errors();
+    if (!settings.json) tell_accepted(store, name, *accepted);
+    return json_of_accepted(store, name, *accepted);
+  });
+}
+
+Exit reject(const Settings& settings) {
+  return decide_all(settings, "rejected", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
+    if (auto gone = store.reject(name); !gone) return gone.errors();
+    if (!settings.json) fmt::print("rejected {}: the golden stays as it is\n", name);
+    return Json(name);
+  });
+}
+
+std::shared_ptr<Settings> declare_names(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("NAME", settings->names, "Suite.Test, one or more")->type_name("");
+  options.add_flag("--all", settings->all, "all runs that wait");
+  add_json_flag(options, settings->json);
+  return settings;
+}
+
+}  // namespace
+
+void tell_accepted(const GoldenStore& store, const std::string& name, const Accepted& accepted) {
+  const std::string golden = store.trace_file(name).string();
+  if (!accepted.changed) {
+    fmt::print("{} is this run already: nothing was changed\n", golden);
+    return;
+  }
+  fmt::print("accepted {}{}\n", golden, accepted.whole ? "" : ", in part: the run waits on");
+  if (accepted.moved)
+    fmt::print("the run before it {}\n{}", verdict(*accepted.moved), table(*accepted.moved));
+  else
+    fmt::print("there was none before it that could be read\n");
+  fmt::print("look at {} and commit both files\n", store.digest_file(name).string());
+}
+
+std::function<Exit()> declare_golden_accept(CLI::App& options) {
+  const auto settings = declare_names(options);
+  constexpr double longest = 86400.0;  // [s]
+  options
+      .add_option("--channel", settings->selection.channels,
+                  "only these channels or series, * for any text; if a run can come of it")
+      ->type_name("GLOB")
+      ->allow_extra_args(false);
+  add_number(options, "--from", "only from this time on [s]", 0.0, longest,
+             [=](double time) { settings->selection.from = time; });
+  add_number(options, "--until", "only up to this time [s]", 0.0, longest,
+             [=](double time) { settings->selection.until = time; });
+  add_host_options(options, settings->again.host);
+  settings->again.plant = plant_check();
+  return [settings] { return accept(*settings); };
+}
+
+std::function<Exit()> declare_golden_reject(CLI::App& options) {
+  const auto settings = declare_names(options);
+  return [settings] { return reject(*settings); };
+}
+
+}  // namespace rehearse::tool

@@ -1,0 +1,95 @@
+// rehearse golden list: what there is, whose it is, how old it is.
+#include <fmt/format.h>
+#include <gnu/libc-version.h>
+#include <rehearse/renderer.h>
+#include <rehearse/world.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "golden_verbs.h"
+#include "options.h"
+
+namespace rehearse::tool {
+namespace {
+
+/// What stands in the provenance of a recording that this program makes; without a renderer if it can't make one.
+mcap::StringMap present_versions() {
+  mcap::StringMap facts{{"rehearse", REHEARSE_VERSION},
+                        {"physics", World::engine_description()},
+                        {"libc", std::string("glibc ") + gnu_get_libc_version()}};
+  if (const auto renderer = Renderer::create()) facts["renderer"] = (*renderer)->description();
+  return facts;
+}
+
+std::string state_of(const GoldenEntry& entry) {
+  if (!entry.problem.empty()) return entry.problem;
+  std::string state = entry.orphan() ? "no test or scenario names it" : "";
+  if (entry.pending) state += std::string(state.empty() ? "" : "; ") + "a run waits to be accepted";
+  return state.empty() ? "in use" : state;
+}
+
+Json json_of_entry(const GoldenEntry& entry) {
+  return {{"name", entry.name},
+          {"owners", entry.owners},
+          {"bytes", entry.bytes},
+          {"recorded_by", entry.recorded_by},
+          {"accepted", entry.accepted.empty() ? Json(nullptr) : Json(entry.accepted)},
+          {"acceptances", entry.acceptances},
+          {"pending", entry.pending},
+          {"orphan", entry.orphan()},
+          {"problem", entry.problem.empty() ? Json(nullptr) : Json(entry.problem)},
+          {"notes", entry.notes}};
+}
+
+void tell(const std::vector<GoldenEntry>& entries) {
+  std::vector<TableRow> rows{{"golden", "size", "accepted", "state", "named by"}};
+  for (const GoldenEntry& entry : entries) {
+    std::string owners;
+    for (const std::string& owner : entry.owners) owners += (owners.empty() ? "" : ", ") + owner;
+    rows.push_back({entry.name, file_size_text(entry.bytes), entry.accepted.empty() ? "-" : entry.accepted,
+                    state_of(entry), owners.empty() ? "-" : owners});
+  }
+  print_table(rows);
+  // the same is true of most of them: each sentence once
+  std::vector<std::pair<std::string, std::vector<std::string>>> notes;
+  for (const GoldenEntry& entry : entries)
+    for (const std::string& note : entry.notes) {
+      auto known = std::ranges::find(notes, note, &std::pair<std::string, std::vector<std::string>>::first);
+      if (known == notes.end()) known = notes.insert(notes.end(), {note, {}});
+      known->second.push_back(entry.name);
+    }
+  for (const auto& [note, names] : notes) {
+    std::string of = names.size() == entries.size() ? "all of them" : "";
+    if (of.empty())
+      for (const std::string& name : names) of += (of.empty() ? "" : ", ") + name;
+    fmt::print("note: {}: {}\n", of, note);
+  }
+}
+
+Exit list(bool json) {
+  const auto store = open_store();
+  if (!store) return refuse(store.errors());
+  const auto entries = list_goldens(*store, {store->folder() / ".."}, present_versions());
+  if (!entries) return refuse(entries.errors());
+  if (json) {
+    Json goldens = Json::array();
+    for (const GoldenEntry& entry : *entries) goldens.push_back(json_of_entry(entry));
+    print({{"folder", store->folder().string()}, {"goldens", goldens}});
+  } else if (entries->empty()) {
+    fmt::print("no goldens in {}\n", store->folder().string());
+  } else {
+    tell(*entries);
+  }
+  return Exit::done;
+}
+
+}  // namespace
+
+std::function<Exit()> declare_golden_list(CLI::App& options) {
+  const auto json = std::make_shared<bool>(false);
+  add_json_flag(options, *json);
+  return [json] { return list(*json); };
+}
+
+}  // namespace rehearse::tool

@@ -1,0 +1,200 @@
+// rehearse golden review: the runs that wait, one after the other; a person decides, if one is there.
+#include <fmt/format.h>
+#include <rehearse/series_plot.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "golden_verbs.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t plots_shown = 2, plots_in_detail = 8;
+
+struct Settings {
+  std::vector<std::string> names;
+  bool json = false;
+};
+
+/// A run that waits, and what it is held against.
+struct Waiting {
+  std::string name;
+  std::optional<Trace> golden, run;
+  std::optional<Comparison> comparison;
+  Diagnostics problems;  // why there is no comparison, unless there is no golden yet
+};
+
+Waiting look_at(const GoldenStore& store, const std::string& name) {
+  Waiting waiting;
+  waiting.name = name;
+  const auto load = [&](const fs::path& file) -> std::optional<Trace> {
+    auto trace = Trace::load(file);
+    const auto known = trace ? check_trace_version(trace->metadata(), trace->file()) : Result<void>(trace.errors());
+    if (known) return *std::move(trace);
+    waiting.problems.insert(waiting.problems.end(), known.errors().begin(), known.errors().end());
+    return std::nullopt;
+  };
+  waiting.run = load(store.pending_file(name));
+  if (store.has(name)) waiting.golden = load(store.trace_file(name));
+  if (!waiting.run || !waiting.golden) return waiting;
+  const auto rules = tolerances_of(*waiting.run);
+  waiting.comparison = compare(*waiting.golden, *waiting.run, rules ? *rules : std::vector<ToleranceRule>());
+  return waiting;
+}
+
+/// The PNGs that a check has written beside the run.
+std::vector<std::string> pictures_of(const GoldenStore& store, const std::string& name) {
+  std::vector<std::string> files;
+  std::error_code ignored;
+  const fs::path folder = store.pending_file(name).parent_path();
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, ignored), end; !ignored && entry != end;
+       entry.increment(ignored)) {
+    const std::string file = entry->path().filename().string();
+    if (file.starts_with(name + ".") && file.ends_with(".png")) files.push_back(entry->path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string verdict_of(const GoldenStore& store, const Waiting& waiting) {
+  if (waiting.comparison) return verdict(*waiting.comparison);
+  if (!waiting.problems.empty()) return "can't be compared: " + waiting.problems[0].message;
+  return fmt::format("there is no golden {} yet: this run would be the first", store.trace_file(waiting.name).string());
+}
+
+void show(const GoldenStore& store, const Waiting& waiting, std::size_t place, std::size_t all) {
+  fmt::print("{}/{}  {}\n", place, all, waiting.name);
+  fmt::print("golden {}, run {}\n", store.trace_file(waiting.name).string(), store.pending_file(waiting.name).string());
+  for (const Diagnostic& problem : waiting.problems) fmt::print("{}\n", to_string(problem));
+  fmt::print("{}\n", verdict_of(store, waiting));
+  if (waiting.run && !waiting.golden && waiting.problems.empty())
+    fmt::print("  {} ticks, {:.6g} s, {} channels\n", waiting.run->ticks(), waiting.run->duration(),
+               waiting.run->channels().size());
+  if (waiting.comparison)
+    fmt::print("{}{}", table(*waiting.comparison),
+               worst_plots(*waiting.golden, *waiting.run, *waiting.comparison, plots_shown));
+  for (const std::string& picture : pictures_of(store, waiting.name))
+    fmt::print("expected, actual and difference: {}\n", picture);
+}
+
+void show_details(const GoldenStore& store, const Waiting& waiting) {
+  if (waiting.golden) {
+    const std::string history = history_text(history_of(waiting.golden->metadata()));
+    fmt::print("the golden was accepted\n{}", history.empty() ? "  before acceptances were recorded\n" : history);
+  }
+  if (!waiting.comparison) return;
+  fmt::print("what moved\n");
+  for (const ChannelComparison& channel : waiting.comparison->channels) {
+    Comparison alone;
+    alone.channels = {channel};
+    for (const std::string& line : moved_lines(alone)) fmt::print("  {}\n", line);
+  }
+  for (const std::string& remark : waiting.comparison->remarks) fmt::print("  note: {}\n", remark);
+  fmt::print("{}", worst_plots(*waiting.golden, *waiting.run, *waiting.comparison, plots_in_detail));
+  fmt::print("more: rehearse diff {} {}\n", store.trace_file(waiting.name).string(),
+             store.pending_file(waiting.name).string());
+}
+
+/// A decision is carried out and told. False: the run waits on.
+bool decide(GoldenStore& store, const std::string& name, char key) {
+  if (key == 'a') {
+    const auto accepted = store.accept_pending(name);
+    if (!accepted) return refuse(accepted.errors()), false;
+    if (accepted->changed)
+      fmt::print("accepted: look at {} and commit both files\n", store.digest_file(name).string());
+    else
+      fmt::print("the golden is this run already: nothing was changed\n");
+  } else {
+    if (auto gone = store.reject(name); !gone) return refuse(gone.errors()), false;
+    fmt::print("rejected: the golden stays as it is\n");
+  }
+  return true;
+}
+
+enum class Next { decided, skipped, quit };
+
+Next ask(GoldenStore& store, const Waiting& waiting) {
+  for (;;) {
+    fmt::print("\n[a]ccept [r]eject [s]kip [d]etails [q]uit ");
+    const char key = read_key("arsdq");
+    fmt::print("{}\n", key == '\0' ? 'q' : key);
+    if (key == 'd')
+      show_details(store, waiting);
+    else if (key == 's')
+      return Next::skipped;
+    else if (key == 'a' || key == 'r')
+      return decide(store, waiting.name, key) ? Next::decided : Next::skipped;
+    else
+      return Next::quit;
+  }
+}
+
+void tell_commands(const std::string& name) {
+  fmt::print(
+      "\n"
+      "accept it: rehearse golden accept {0}\n"
+      "a part:    rehearse golden accept {0} --channel GLOB --from S --until S\n"
+      "reject it: rehearse golden reject {0}\n",
+      name);
+}
+
+Json json_of_waiting(const GoldenStore& store, const Waiting& waiting) {
+  Json object{{"name", waiting.name},
+              {"golden", waiting.golden ? Json(store.trace_file(waiting.name).string()) : Json(nullptr)},
+              {"run", store.pending_file(waiting.name).string()},
+              {"verdict", verdict_of(store, waiting)},
+              {"moved", waiting.comparison ? Json(moved_lines(*waiting.comparison)) : Json::array()},
+              {"pictures", pictures_of(store, waiting.name)},
+              {"problems", json_of(waiting.problems)}};
+  return object;
+}
+
+Exit review(const Settings& settings) {
+  auto store = open_store();
+  if (!store) return refuse(store.errors());
+  const std::vector<std::string> waiting = store->pending();
+  std::vector<std::string> names = settings.names.empty() ? waiting : settings.names;
+  for (const std::string& name : names)
+    if (!std::ranges::binary_search(waiting, name))
+      return refuse(error(fmt::format("no run waits as '{}'", name), "rehearse golden review shows all that wait"));
+  if (settings.json) {
+    Json runs = Json::array();
+    for (const std::string& name : names) runs.push_back(json_of_waiting(*store, look_at(*store, name)));
+    print({{"waiting", runs}});
+    return names.empty() ? Exit::done : Exit::differs;
+  }
+  if (names.empty()) fmt::print("nothing waits\n");
+  const bool asks = somebody_is_there() && check_may_decide().ok();
+  std::size_t left = names.size();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Waiting run = look_at(*store, names[i]);
+    if (i > 0) fmt::print("\n");
+    show(*store, run, i + 1, names.size());
+    if (!asks) {
+      tell_commands(run.name);
+      continue;
+    }
+    const Next next = ask(*store, run);
+    if (next == Next::quit) break;
+    left -= next == Next::decided ? 1 : 0;
+  }
+  if (asks && left > 0) fmt::print("{} on\n", left == 1 ? "1 run waits" : fmt::format("{} runs wait", left));
+  return left == 0 ? Exit::done : Exit::differs;
+}
+
+}  // namespace
+
+std::function<Exit()> declare_golden_review(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("NAME", settings->names, "only these (all that wait)")->type_name("");
+  add_json_flag(options, settings->json);
+  return [settings] { return review(*settings); };
+}
+
+}  // namespace rehearse::tool

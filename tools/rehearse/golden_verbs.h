@@ -1,0 +1,37 @@
+// The sub-verbs of `rehearse golden`: one file each, golden_NAME.cpp, declared together in golden_command.cpp.
+#pragma once
+
+#include <rehearse/golden.h>
+
+#include <CLI/App.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "output.h"
+
+namespace rehearse::tool {
+
+/// A sub-verb: its options go to `options`; what is returned runs it.
+using DeclareGolden = std::function<Exit()>(CLI::App& options);
+
+DeclareGolden declare_golden_list;
+DeclareGolden declare_golden_review;
+DeclareGolden declare_golden_accept;
+DeclareGolden declare_golden_reject;
+DeclareGolden declare_golden_prune;
+
+/// The goldens of the working directory, or of the nearest folder above it that has some.
+Result<GoldenStore> open_store();
+
+/// An error where CI is "true": goldens are only checked there.
+Result<void> check_may_decide();
+
+/// The names that were given, or with `all` those that wait. An error if both or neither are given.
+Result<std::vector<std::string>> chosen_names(const GoldenStore& store, const std::vector<std::string>& names, bool all);
+
+/// What `accept` says of one golden, for people: several lines.
+void tell_accepted(const GoldenStore& store, const std::string& name, const Accepted& accepted);
+
+}  // namespace rehearse::tool
