@@ -156,15 +156,59 @@ std::string plot(const Curve& golden, const Curve& run, std::optional<double> ma
   return text + time_axis(axes, mark);
 }
 
-std::string worst_plots(const Trace& golden, const Trace& run, const Comparison& comparison, std::size_t channels) {
+namespace {
+
+/// Worst first, but one of each stage before a second of any: inputs are copies of the state, and would hide the rest.
+std::vector<const ChannelComparison*> in_order(const Comparison& comparison) {
   std::vector<const ChannelComparison*> worst;
   for (const ChannelComparison& channel : comparison.channels)
     if (channel.worst && channel.channel != "/tick") worst.push_back(&channel);
   std::ranges::stable_sort(worst, [](const auto* a, const auto* b) { return badness(*a) > badness(*b); });
-  std::string text;
+  std::vector<const ChannelComparison*> order, others;
   for (const ChannelComparison* channel : worst) {
-    const TraceChannel *of_golden = golden.find_channel(channel->channel), *of_run = run.find_channel(channel->channel);
+    const bool met = std::ranges::find(order, channel->stage, &ChannelComparison::stage) != order.end();
+    (met ? others : order).push_back(channel);
+  }
+  order.insert(order.end(), others.begin(), others.end());
+  return order;
+}
+
+/// Run minus golden, where both have a sample.
+Curve difference_of(const Curve& golden, const Curve& run) {
+  Curve difference;
+  for (std::size_t g = 0, r = 0; g < golden.times.size() && r < run.times.size();) {
+    if (golden.times[g] == run.times[r]) {
+      difference.times.push_back(golden.times[g]);
+      difference.values.push_back(run.values[r++] - golden.values[g++]);
+    } else {
+      golden.times[g] < run.times[r] ? ++g : ++r;
+    }
+  }
+  return difference;
+}
+
+/// The two curves, or, if they would look the same, their difference.
+std::string draw(const std::string& series, const Curve& golden, const Curve& run, double mark) {
+  const PlotSize size;
+  Range values, differences;
+  add_all(values, golden.values);
+  add_all(values, run.values);
+  const Curve difference = difference_of(golden, run);
+  add_all(differences, difference.values);
+  const double most = differences.empty() ? 0.0 : std::max(std::abs(differences.low), std::abs(differences.high));
+  const double line = (values.high / 2 - values.low / 2) / static_cast<double>(size.height) * 2;
+  if (most > 0.0 && most < line)
+    return fmt::format("\n  {}: run minus golden\n{}", series, plot({}, difference, mark, size));
+  return fmt::format("\n  {}: ▒ both, ░ golden, █ run\n{}", series, plot(golden, run, mark, size));
+}
+
+}  // namespace
+
+std::string worst_plots(const Trace& golden, const Trace& run, const Comparison& comparison, std::size_t channels) {
+  std::string text;
+  for (const ChannelComparison* channel : in_order(comparison)) {
     if (channels == 0) break;
+    const TraceChannel *of_golden = golden.find_channel(channel->channel), *of_run = run.find_channel(channel->channel);
     if (!of_golden || !of_run) continue;
     const auto column = worst_column(*of_golden, *of_run, channel->worst->element);
     const auto other = column ? find_column(*of_run, of_golden->columns[*column].element) : std::nullopt;
@@ -173,9 +217,8 @@ std::string worst_plots(const Trace& golden, const Trace& run, const Comparison&
     const TraceColumn& drawn = of_golden->columns[*column];
     const std::string unit = unit_of(*of_golden, drawn.element);
     const Divergence& first = channel->first ? *channel->first : *channel->first_bit;
-    text += fmt::format("\n  {}{}  (▒ both, ░ golden, █ run, ▲ first difference of the channel)\n", drawn.series,
-                        unit.empty() || unit == "quaternion" ? "" : " [" + unit + "]");
-    text += plot(curve_of(*of_golden, *column), curve_of(*of_run, *other), first.time);
+    text += draw(drawn.series + (unit.empty() || unit == "quaternion" ? "" : " [" + unit + "]"),
+                 curve_of(*of_golden, *column), curve_of(*of_run, *other), first.time);
   }
   return text;
 }

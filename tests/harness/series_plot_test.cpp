@@ -88,12 +88,32 @@ TEST(SeriesPlot, OfARunShowsTheWorstSeriesOfTheWorstChannels) {
   const Trace golden = testing::SmallTrace().load(folder / "a.mcap"), other = run.load(folder / "b.mcap");
   const Comparison comparison = compare(golden, other, {});
   const std::string all = worst_plots(golden, other, comparison, 3);
-  EXPECT_THAT(all, HasSubstr("\n  Robot/Pd/output/KNEE/u [N·m]  (▒ both"));
-  EXPECT_THAT(all, HasSubstr("\n  Robot/BASE/position/z [m]  (▒ both"));
+  EXPECT_THAT(all, HasSubstr("\n  Robot/Pd/output/KNEE/u [N·m]: ▒ both, ░ golden, █ run\n"));
+  EXPECT_THAT(all, HasSubstr("\n  Robot/BASE/position/z [m]: ▒ both"));
   const std::string one = worst_plots(golden, other, comparison, 1);
   EXPECT_THAT(one, HasSubstr("Robot/BASE/position/z"));  // a hundred million times its tolerance
   EXPECT_THAT(one, Not(HasSubstr("KNEE/u")));
   EXPECT_THAT(worst_plots(golden, golden, compare(golden, golden, {}), 3), IsEmpty());
+}
+
+TEST(SeriesPlot, OfWhatWouldLookTheSameShowsTheDifference) {
+  const testing::TemporaryFolder folder;
+  testing::SmallTrace golden, run;
+  golden.ticks[2].u = run.ticks[2].u = -12.0;
+  run.ticks[1].u += 0.001;
+  const Trace a = golden.load(folder / "a.mcap"), b = run.load(folder / "b.mcap");
+  const std::string text = worst_plots(a, b, compare(a, b, {}), 1);
+  EXPECT_THAT(text, HasSubstr("  Robot/Pd/output/KNEE/u [N·m]: run minus golden\n     0.001 ┤"));
+  EXPECT_THAT(text, Not(HasSubstr("▒")));
+}
+
+TEST(SeriesPlot, ShowsEachStageBeforeASecondOfOne) {
+  const testing::TemporaryFolder folder;
+  testing::SmallTrace run;
+  run.ticks[1].q = run.ticks[1].position[2] = 0.9;
+  run.ticks[1].u = 12.1;  // a thousandth of the others' times their tolerance
+  const Trace golden = testing::SmallTrace().load(folder / "a.mcap"), other = run.load(folder / "b.mcap");
+  EXPECT_THAT(worst_plots(golden, other, compare(golden, other, {}), 2), HasSubstr("KNEE/u"));
 }
 
 TEST(SeriesPlot, OfARotationShowsTheNumberThatDiffersMost) {
@@ -101,7 +121,7 @@ TEST(SeriesPlot, OfARotationShowsTheNumberThatDiffersMost) {
   testing::SmallTrace run;
   run.ticks[1].rotation = {0.0, 0.6, 0.0, 0.8};
   const Trace golden = testing::SmallTrace().load(folder / "a.mcap"), other = run.load(folder / "b.mcap");
-  EXPECT_THAT(worst_plots(golden, other, compare(golden, other, {}), 3), HasSubstr("  Robot/BASE/orientation/y  ("));
+  EXPECT_THAT(worst_plots(golden, other, compare(golden, other, {}), 3), HasSubstr("  Robot/BASE/orientation/y: "));
 }
 
 }  // namespace

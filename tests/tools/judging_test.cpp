@@ -184,8 +184,8 @@ TEST_F(Golden, ListTellsWhoNamesEachAndWhichNobodyNames) {
   EXPECT_EQ(list["goldens"][1]["problem"], nullptr);
   EXPECT_THAT(list["goldens"][1]["owners"][0].get<std::string>(), HasSubstr("stands.yaml"));
   const std::string text = done({"golden", "list"}).out;
-  EXPECT_THAT(text, ContainsRegex("\n  Robot.Falls +[0-9.]+ kB +no test or scenario names it +-\n"));
-  EXPECT_THAT(text, ContainsRegex("\n  Robot.Stands +[0-9.]+ kB +in use +.*stands.yaml\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  Robot.Falls +[0-9.]+ kB +[0-9-]+ +no test or scenario names it +-\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  Robot.Stands +[0-9.]+ kB +[0-9-]+ +in use +.*stands.yaml\n"));
 }
 
 TEST_F(Golden, AcceptSaysWhatMoved) {

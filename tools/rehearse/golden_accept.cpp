@@ -33,14 +33,14 @@ Json json_of_accepted(const GoldenStore& store, const std::string& name, const A
 Exit decide_all(const Settings& settings, const char* done_word,
                 const std::function<Result<Json>(GoldenStore&, const std::string&)>& decide) {
   if (auto may = check_may_decide(); !may) return refuse(may.errors());
+  if (auto chosen = check_choice(settings.names, settings.all); !chosen) return refuse(chosen.errors());
   auto store = open_store();
   if (!store) return refuse(store.errors());
-  const auto names = chosen_names(*store, settings.names, settings.all);
-  if (!names) return refuse(names.errors());
-  if (names->empty() && !settings.json) fmt::print("nothing waits\n");
+  const std::vector<std::string> names = settings.all ? store->pending() : settings.names;
+  if (names.empty() && !settings.json) fmt::print("nothing waits\n");
   Json done = Json::array(), refused = Json::array();
   Exit worst = Exit::done;
-  for (const std::string& name : *names) {
+  for (const std::string& name : names) {
     auto decided = decide(*store, name);
     if (decided) {
       done.push_back(*std::move(decided));

@@ -56,12 +56,10 @@ Result<void> check_may_decide() {
   return {};
 }
 
-Result<std::vector<std::string>> chosen_names(const GoldenStore& store, const std::vector<std::string>& names,
-                                              bool all) {
-  if (all && !names.empty()) return error("--all and names are given", "one of them will do");
-  if (!all && names.empty())
-    return error("no run is named", "NAME (rehearse golden review shows what waits), or --all");
-  return all ? store.pending() : names;
+Result<void> check_choice(const std::vector<std::string>& names, bool all) {
+  if (all && !names.empty()) return error("names are given, and --all", "one of them will do");
+  if (!all && names.empty()) return error("no run is named", "NAME, or --all; rehearse golden review shows what waits");
+  return {};
 }
 
 const Verb golden_verb{"golden",

@@ -5,6 +5,8 @@
 #include <rehearse/world.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <memory>
 
 #include "golden_verbs.h"
@@ -42,6 +44,28 @@ Json json_of_entry(const GoldenEntry& entry) {
           {"notes", entry.notes}};
 }
 
+/// What is said of many goldens, each sentence once.
+void tell_once(const std::vector<GoldenEntry>& entries,
+               const std::function<std::vector<std::string>(const GoldenEntry&)>& sentences_of) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<std::string>> names;  // by sentence
+  for (const GoldenEntry& entry : entries)
+    for (const std::string& sentence : sentences_of(entry)) {
+      std::vector<std::string>& of_sentence = names[sentence];
+      if (of_sentence.empty()) order.push_back(sentence);
+      of_sentence.push_back(entry.name);
+    }
+  constexpr std::size_t named = 3;
+  for (const std::string& sentence : order) {
+    const std::vector<std::string>& of = names[sentence];
+    std::string who = of.size() == entries.size() ? "all" : "";
+    if (who.empty())
+      for (std::size_t i = 0; i < std::min(named, of.size()); ++i) who += (i == 0 ? "" : ", ") + of[i];
+    if (of.size() < entries.size() && of.size() > named) who += fmt::format(" and {} more", of.size() - named);
+    fmt::print("{}: {}\n", who, sentence);
+  }
+}
+
 void tell(const std::vector<GoldenEntry>& entries) {
   std::vector<TableRow> rows{{"golden", "size", "accepted", "state", "named by"}};
   for (const GoldenEntry& entry : entries) {
@@ -51,20 +75,10 @@ void tell(const std::vector<GoldenEntry>& entries) {
                     state_of(entry), owners.empty() ? "-" : owners});
   }
   print_table(rows);
-  // the same is true of most of them: each sentence once
-  std::vector<std::pair<std::string, std::vector<std::string>>> notes;
-  for (const GoldenEntry& entry : entries)
-    for (const std::string& note : entry.notes) {
-      auto known = std::ranges::find(notes, note, &std::pair<std::string, std::vector<std::string>>::first);
-      if (known == notes.end()) known = notes.insert(notes.end(), {note, {}});
-      known->second.push_back(entry.name);
-    }
-  for (const auto& [note, names] : notes) {
-    std::string of = names.size() == entries.size() ? "all of them" : "";
-    if (of.empty())
-      for (const std::string& name : names) of += (of.empty() ? "" : ", ") + name;
-    fmt::print("note: {}: {}\n", of, note);
-  }
+  tell_once(entries, [](const GoldenEntry& entry) {
+    return entry.recorded_by.empty() ? std::vector<std::string>() : std::vector{"recorded with " + entry.recorded_by};
+  });
+  tell_once(entries, [](const GoldenEntry& entry) { return entry.notes; });
 }
 
 Exit list(bool json) {

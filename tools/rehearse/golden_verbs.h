@@ -28,8 +28,8 @@ Result<GoldenStore> open_store();
 /// An error where CI is "true": goldens are only checked there.
 Result<void> check_may_decide();
 
-/// The names that were given, or with `all` those that wait. An error if both or neither are given.
-Result<std::vector<std::string>> chosen_names(const GoldenStore& store, const std::vector<std::string>& names, bool all);
+/// An error unless either names are given or all of them.
+Result<void> check_choice(const std::vector<std::string>& names, bool all);
 
 /// What `accept` says of one golden, for people: several lines.
 void tell_accepted(const GoldenStore& store, const std::string& name, const Accepted& accepted);
