@@ -2,8 +2,8 @@
 find_package(nlohmann_json 3.10 REQUIRED)
 
 target_sources(rehearse_harness PRIVATE
-  src/blame.cpp
   src/acceptance.cpp
+  src/blame.cpp
   src/check.cpp
   src/compare.cpp
   src/compare_envelope.cpp
@@ -25,7 +25,6 @@ target_sources(rehearse_harness PRIVATE
   src/partial_candidate.cpp
   src/picture_difference.cpp
   src/plant_level.cpp
-  src/recorded_picture.cpp)
   src/recorded_picture.cpp
   src/series_plot.cpp)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)

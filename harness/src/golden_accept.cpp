@@ -172,6 +172,9 @@ Result<void> GoldenStore::reject(const std::string& name) {
   fs::remove(pending_file(name), failed);
   if (failed) return error(fmt::format("{} can't be removed: {}", pending_file(name).string(), failed.message()));
   remove_picture_differences(pending_file(name));
+  const fs::path plant = pending_ / "plant" / (name + ".mcap");  // what a check has found on the plant level
+  fs::remove(plant, failed);
+  remove_picture_differences(plant);
   return {};
 }
 

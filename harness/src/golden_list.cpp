@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 using Owners = std::map<std::string, GoldenOwners>;  // by golden
 
+constexpr std::uintmax_t largest_source = 4 << 20;  // [bytes]
 constexpr std::string_view golden_macro = "EXPECT_MATCHES_GOLDEN";
 
 constexpr std::string_view blanks = " \t\r\n";
@@ -62,6 +63,8 @@ void find_in_file(const fs::path& file, Owners& owners) {
   const std::string ending = file.extension().string();
   const bool scenario = ending == ".yaml" || ending == ".yml";
   if (!scenario && ending != ".cpp" && ending != ".cc") return;
+  std::error_code ignored;
+  if (fs::file_size(file, ignored) > largest_source) return;  // data that somebody keeps there
   const auto text = read_text(file);
   if (!text) return;
   if (scenario)
@@ -151,9 +154,16 @@ std::string GoldenOwners::conflict() const {
   return {};
 }
 
-std::map<std::string, GoldenOwners> find_golden_owners(const std::vector<fs::path>& sources) {
+std::map<std::string, GoldenOwners> find_golden_owners(const fs::path& folder, const std::vector<fs::path>& sources) {
+  std::map<fs::path, bool> of_folder;  // by the folder of a file: whether its goldens are these
   Owners owners;
-  for (const fs::path& file : files_in(sources)) find_in_file(file, owners);
+  for (const fs::path& file : files_in(sources)) {
+    const auto [known, is_new] = of_folder.try_emplace(file.parent_path(), true);
+    std::error_code ignored;
+    if (is_new)
+      if (const auto nearest = find_golden_folder(file)) known->second = fs::equivalent(*nearest, folder, ignored);
+    if (known->second) find_in_file(file, owners);
+  }
   return owners;
 }
 
@@ -168,7 +178,7 @@ Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store, const st
   }
   if (failed)
     return error(fmt::format("the goldens in {} can't be listed: {}", store.folder().string(), failed.message()));
-  const Owners owners = find_golden_owners(sources);
+  const Owners owners = find_golden_owners(store.folder(), sources);
   std::vector<GoldenEntry> entries;
   for (const std::string& name : names) {
     GoldenEntry& entry = entries.emplace_back();

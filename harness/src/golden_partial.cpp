@@ -7,10 +7,12 @@
 #include <rehearse/tolerance.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "compare_parts.h"
+#include "golden_files.h"
 #include "partial_candidate.h"
+#include "plant_level.h"
+#include "trace_scenario.h"
 
 namespace rehearse {
 namespace {
@@ -34,24 +36,66 @@ Diagnostic refusal(const std::string& where, const PartialCandidate& candidate) 
                                           joined(kept, companions_named)));
 }
 
-bool comes_first(const Divergence& a, const Divergence& b) { return a.tick < b.tick; }
+std::string_view text_of(const mcap::Attachment& attachment) {
+  return {reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size()};
+}
+
+/// The recording's own, or, if it needs meshes, the file that it is of.
+Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::path>& files) {
+  const auto reader = mcap::Reader::open(recording.file());
+  if (!reader) return reader.errors();
+  auto own = scenario_of(**reader);
+  if (!own) return own;
+  const bool has_meshes = std::ranges::any_of(
+      recording.attachments(), [](const mcap::Attachment& attachment) { return attachment.name.ends_with(".meshes"); });
+  if (!has_meshes) return own;
+  const mcap::Attachment* text = recording.find_attachment("scenario.yaml");
+  for (const fs::path& file : files) {
+    const auto content = read_text(file);
+    if (!content || *content != text_of(*text)) continue;
+    auto scenario = Scenario::load(file);
+    if (!scenario) return scenario;
+    scenario->seed = own->seed;  // which the command line may have set
+    scenario->duration = own->duration;
+    return scenario;
+  }
+  return error("no scenario file is what this run was recorded of, and its meshes are needed to run it again",
+               "accept all of the run, or record it again");
+}
+
+/// Bit for bit.
+Result<std::optional<Divergence>> first_of_plant(const fs::path& candidate, const Reexecution& again) {
+  const auto recording = Trace::load(candidate);
+  if (!recording) return recording.errors();
+  const auto scenario = scenario_to_run(*recording, again.scenarios);
+  if (!scenario) return scenario.errors();
+  const fs::path file = candidate.string() + ".plant";
+  const auto level = compare_plant({nullptr, again.run_plant}, *scenario, *recording, file, {});
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  if (!level) return level.errors();
+  if (level->run.failure) return *level->run.failure;
+  return level->comparison.first_bit;
+}
 
 /// Where the candidate stops to follow from itself when it is executed again; none if it doesn't.
 Result<std::optional<std::string>> first_break(const fs::path& candidate, const Reexecution& again) {
-  if (!again.plant)
-    return std::optional<std::string>("what is kept isn't as it is in this run, and without physics nothing shows that "
-                                      "it goes together with what is accepted");
+  if (!again.run_plant)
+    return std::optional<std::string>(
+        "what is kept isn't as it is in this run, and without physics nothing shows that it goes together with what is "
+        "accepted");
   ReplayOptions options;
   static_cast<HostOptions&>(options) = again.host;
   const auto commands = replay(candidate, options);
   if (!commands) return commands.errors();
-  const auto plant = again.plant(candidate);
+  const auto plant = first_of_plant(candidate, again);
   if (!plant) return plant.errors();
   if (commands->failure) return std::optional<std::string>(commands->failure->message);
-  if (commands->first && (!*plant || !comes_first(**plant, *commands->first)))
+  if (commands->first && !(*plant && comes_before(**plant, *commands->first)))
     return std::optional("fed with its inputs, the controllers command something else, first at " +
                          to_string(*commands->first));
-  if (*plant) return std::optional("fed with its commands, the world does something else, first at " + to_string(**plant));
+  if (*plant)
+    return std::optional("fed with its commands, the world does something else, first at " + to_string(**plant));
   return std::optional<std::string>();
 }
 
@@ -72,7 +116,8 @@ Result<fs::path> make_partial(const Trace& golden, const Trace& run, const Selec
   if (!candidate) return candidate.errors();
   if (!candidate->anything_moves())
     return error(fmt::format("nothing of {} differs from the golden", to_string(selection)),
-                 "what differs: " + joined(candidate->moved_but_kept(), companions_named));
+                 candidate->is_the_run() ? "nor does anything else"
+                                         : "what differs: " + joined(candidate->moved_but_kept(), companions_named));
   if (candidate->is_the_run()) return fs::path(run.file());
   if (const auto& start = candidate->other_start()) return refusal(*start, *candidate);
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "trace_output.h"
 
@@ -85,7 +86,7 @@ Result<void> PartialCandidate::choose_parts(const Trace& golden, const Trace& ru
   std::set<std::string> used;
   for (const Trace* trace : {&run, &golden})
     for (const TraceChannel& channel : trace->channels())
-      if (auto chosen = choose_part(channel, selection, used); !chosen) return chosen;
+      choose_part(channel, selection, used);
   for (const std::string& pattern : selection.channels)
     if (!used.contains(pattern))
       return error(fmt::format("'{}' is no channel and no series of the run or of the golden", pattern),
@@ -93,8 +94,8 @@ Result<void> PartialCandidate::choose_parts(const Trace& golden, const Trace& ru
   return {};
 }
 
-Result<void> PartialCandidate::choose_part(const TraceChannel& channel, const Selection& selection,
-                                           std::set<std::string>& used) {
+void PartialCandidate::choose_part(const TraceChannel& channel, const Selection& selection,
+                                   std::set<std::string>& used) {
   Part& part = parts_[channel.topic];
   if (selection.channels.empty()) part.whole = true;
   for (const std::string& pattern : selection.channels) {
@@ -111,7 +112,6 @@ Result<void> PartialCandidate::choose_part(const TraceChannel& channel, const Se
   }
   const auto chosen = [&part](const TraceColumn& column) { return part.elements.contains(column.element); };
   if (!channel.columns.empty() && std::ranges::all_of(channel.columns, chosen)) part.whole = true;
-  return {};
 }
 
 /// What would have to be re-timed or invented can't be mixed.
@@ -236,19 +236,21 @@ void PartialCandidate::follow_tick(Message& message, const Message& golden, Tick
   if (!decode(message.data, of_run) || !decode(golden.data, of_golden)) return;
   if (is_selected(message)) of_golden = of_run;
   msg::Tick mixed = of_golden;
+  // the first stage that differs decides: pictures are of no account where what else is read differs. That the hashes of
+  // state and inputs are right is seen when the candidate is executed again.
   const auto follow = [&](std::uint64_t msg::Tick::*hash, std::initializer_list<Stage> stages) {
-    std::string_view from_run, from_golden;
     for (const Stage stage : stages) {
-      if (from_run.empty()) from_run = sources.of(stage).run;
-      if (from_golden.empty()) from_golden = sources.of(stage).golden;
+      const Sources& of_stage = sources.of(stage);
+      if (of_stage.run.empty() && of_stage.golden.empty()) continue;
+      if (!of_stage.run.empty()) mixed.*hash = of_run.*hash;
+      return;
     }
-    if (of_run.*hash == of_golden.*hash || from_run.empty()) return;
-    mixed.*hash = of_run.*hash;
-    if (!from_golden.empty()) note_mixed(message.time, from_golden, from_run);
   };
   follow(&msg::Tick::state_hash, {Stage::physics});
   follow(&msg::Tick::input_hash, {Stage::inputs, Stage::sensors, Stage::renderer});
   follow(&msg::Tick::output_hash, {Stage::controller});
+  const Sources& outputs = sources.of(Stage::controller);
+  if (!outputs.run.empty() && !outputs.golden.empty()) note_mixed(message.time, outputs.golden, outputs.run);
   if (!sources.of(Stage::controller).run.empty()) mixed.controller_results = of_run.controller_results;
   if (std::exchange(first_tick_, false) && mixed.state_hash != of_run.state_hash)
     other_start_ = fmt::format("it would begin in another state than a run of its scenario does, at tick {}", mixed.tick);

@@ -59,7 +59,7 @@ class PartialCandidate {
   };
 
   Result<void> choose_parts(const Trace& golden, const Trace& run, const Selection& selection);
-  Result<void> choose_part(const TraceChannel& channel, const Selection& selection, std::set<std::string>& used);
+  void choose_part(const TraceChannel& channel, const Selection& selection, std::set<std::string>& used);
   Result<void> compare_structure(const Trace& golden, const Trace& run) const;
   Result<void> mix_tick(std::vector<Message> run, std::vector<Message> golden);
   Result<std::vector<std::byte>> mix_joints(const Part& part, const Message& run, const Message& golden) const;

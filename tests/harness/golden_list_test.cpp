@@ -87,6 +87,16 @@ TEST_F(GoldenList, SaysIfTwoScenariosNameOneGolden) {
             "2 scenarios name it: " + (folder_ / "a.yaml").string() + ", " + (folder_ / "b.yaml").string());
 }
 
+TEST_F(GoldenList, ScenariosOfAnotherProjectBelowAreNotItsOwners) {
+  place_golden(SmallTrace());
+  fs::create_directories(folder_ / "other/golden");
+  write(folder_ / "other/b.yaml", "golden: " + name_ + "\n");
+  EXPECT_TRUE(entry().orphan());
+  write(folder_ / "a.yaml", "golden: " + name_ + "\n");
+  EXPECT_THAT(entry().owners, ElementsAre((folder_ / "a.yaml").string()));
+  EXPECT_EQ(entry().problem, "");
+}
+
 TEST_F(GoldenList, SaysIfTwoTestsClaimOneGolden) {
   place_golden(SmallTrace());
   const std::string test = "TEST_F(Golden, " + name_.substr(name_.find('.') + 1) + ") { ";

@@ -20,6 +20,7 @@ rehearse_add_test(session_tests LABEL sim
     session/lifecycle_test.cpp
     session/lights_test.cpp
     session/noise_test.cpp
+    session/partial_acceptance_test.cpp
     session/plant_test.cpp
     session/range_sensors_test.cpp
     session/recording_test.cpp

@@ -1,12 +1,12 @@
 // rehearse golden accept and reject: decisions without a terminal.
 #include <fmt/format.h>
+#include <rehearse/plant_run.h>
 
 #include <memory>
 #include <utility>
 
 #include "golden_verbs.h"
 #include "options.h"
-#include "plant_check.h"
 
 namespace rehearse::tool {
 namespace {
@@ -55,9 +55,19 @@ Exit decide_all(const Settings& settings, const char* done_word,
   return worst;
 }
 
+/// With the scenarios that name the golden.
+Reexecution again_for(const Settings& settings, const GoldenStore& store, const std::string& name) {
+  Reexecution again = settings.again;
+  if (settings.selection.is_all()) return again;  // nothing is executed
+  const auto owners = find_golden_owners(store.folder(), {store.folder() / ".."});
+  if (const auto known = owners.find(name); known != owners.end())
+    again.scenarios.assign(known->second.scenarios.begin(), known->second.scenarios.end());
+  return again;
+}
+
 Exit accept(const Settings& settings) {
   return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
-    const auto accepted = store.accept_pending(name, settings.selection, settings.again);
+    const auto accepted = store.accept_pending(name, settings.selection, again_for(settings, store, name));
     if (!accepted) return accepted.errors();
     if (!settings.json) tell_accepted(store, name, *accepted);
     return json_of_accepted(store, name, *accepted);
@@ -109,7 +119,7 @@ std::function<Exit()> declare_golden_accept(CLI::App& options) {
   add_number(options, "--until", "only up to this time [s]", 0.0, longest,
              [=](double time) { settings->selection.until = time; });
   add_host_options(options, settings->again.host);
-  settings->again.plant = plant_check();
+  settings->again.run_plant = run_plant;
   return [settings] { return accept(*settings); };
 }
 

@@ -153,9 +153,11 @@ struct GoldenOwners {
   std::string conflict() const;
 };
 
-/// By golden. Looked for in `sources`, folders or files: a scenario is a *.yaml, a test source a *.cpp or *.cc. Hidden
-/// folders and those whose name begins with "build" are left out.
-std::map<std::string, GoldenOwners> find_golden_owners(const std::vector<std::filesystem::path>& sources);
+/// Of the goldens in a folder, by name. Looked for in `sources`, folders or files: a scenario is a *.yaml, a test source
+/// a *.cpp or *.cc. Hidden folders and those whose name begins with "build" are left out, and files that have another
+/// folder `golden` nearer by: they are of another project.
+std::map<std::string, GoldenOwners> find_golden_owners(const std::filesystem::path& folder,
+                                                       const std::vector<std::filesystem::path>& sources);
 
 /// All goldens of the store by name, their owners looked for in `sources`. `present`: the facts of a recording's
 /// provenance as this program would write them (rehearse, physics, renderer, libc); a golden that has others is told to

@@ -15,8 +15,8 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/divergence.h>
 #include <rehearse/host_options.h>
+#include <rehearse/plant_run.h>
 #include <rehearse/trace.h>
 
 #include <filesystem>
@@ -39,14 +39,15 @@ struct Selection {
 /// "channels /SR1/Eye/*, from 1 s, until 2 s".
 std::string to_string(const Selection& selection);
 
-/// The first place where a recording's state, sensors or pictures aren't what its commands give, from checkpoint to
-/// checkpoint; none if they are. Who simulates hands it in.
-using PlantCheck = std::function<Result<std::optional<Divergence>>(const std::filesystem::path& trace)>;
-
 /// What a candidate is executed again with.
 struct Reexecution {
   HostOptions host;
-  PlantCheck plant;  // null: only what is the run itself in all that is kept can be accepted
+  /// plant_run.h: run_plant, from who simulates. Null: only what is the run itself in all that is kept can be accepted.
+  std::function<Result<PlantSummary>(const Scenario&, const Trace& recording, const std::filesystem::path& trace,
+                                     const PlantOptions&)>
+      run_plant;
+  /// Files that may be the run's scenario. A recording has no meshes: a run with meshes needs the file that it is of.
+  std::vector<std::filesystem::path> scenarios;
 };
 
 /// The recording that would become the golden: the run's own file, or `candidate`, which was written. Fails if no run

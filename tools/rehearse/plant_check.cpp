@@ -1,7 +1,0 @@
-#include "plant_check.h"
-
-namespace rehearse::tool {
-
-PlantCheck plant_check() { return nullptr; }
-
-}  // namespace rehearse::tool
