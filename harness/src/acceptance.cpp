@@ -82,9 +82,10 @@ Result<std::string> date_of_today() {
 
 std::vector<std::string> moved_lines(const Comparison& comparison) {
   std::vector<ChannelComparison> channels;
-  for (const ChannelComparison& channel : comparison.channels)
-    if (channel.channel != "/tick" || channel.missing > 0 || channel.extra > 0)  // its hashes follow the others
-      channels.push_back(channel);
+  for (const ChannelComparison& channel : comparison.channels) {
+    const bool follows = channel.channel == "/tick" || channel.channel == "/tf";  // made of the others
+    if (!follows || channel.missing > 0 || channel.extra > 0) channels.push_back(channel);
+  }
   std::stable_sort(channels.begin(), channels.end(), is_worse);
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < std::min(channels_listed, channels.size()); ++i) lines.push_back(line_of(channels[i]));

@@ -162,7 +162,7 @@ namespace {
 std::vector<const ChannelComparison*> in_order(const Comparison& comparison) {
   std::vector<const ChannelComparison*> worst;
   for (const ChannelComparison& channel : comparison.channels)
-    if (channel.worst && channel.channel != "/tick") worst.push_back(&channel);
+    if (channel.worst && channel.channel != "/tick" && channel.channel != "/tf") worst.push_back(&channel);
   std::ranges::stable_sort(worst, [](const auto* a, const auto* b) { return badness(*a) > badness(*b); });
   std::vector<const ChannelComparison*> order, others;
   for (const ChannelComparison* channel : worst) {

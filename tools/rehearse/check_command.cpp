@@ -72,6 +72,25 @@ Result<std::vector<Scenario>> load(const Settings& settings) {
   return scenarios;
 }
 
+/// An error if another scenario names the same golden, anywhere in the repository that the golden is of: each would take
+/// the other's run for a wrong one.
+Result<void> check_owner(const Scenario& scenario) {
+  const auto folder = find_golden_folder(scenario.file);
+  if (scenario.golden.empty() || !folder) return {};  // whoever compares says so
+  std::error_code ignored;
+  const fs::path repository = fs::absolute(*folder / "..", ignored).lexically_normal();
+  const fs::path inside = fs::absolute(scenario.file, ignored).lexically_normal().lexically_relative(repository);
+  if (inside.empty() || *inside.begin() == "..") return {};  // the goldens stand elsewhere: REHEARSE_GOLDEN_DIR
+  const auto owners = find_golden_owners({*folder / ".."});
+  const auto known = owners.find(scenario.golden);
+  if (known == owners.end() || known->second.scenarios.size() < 2) return {};
+  Diagnostic finding = error(fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden,
+                                         known->second.conflict()),
+                             "give each a golden of its own");
+  finding.file = scenario.file;
+  return finding;
+}
+
 Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
   Progress progress("checking " + scenario.name);
   CheckOptions options = settings.check;
@@ -81,6 +100,7 @@ Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
                           {record, run_plant});
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
+  if (auto alone = check_owner(scenario); !alone) return alone.errors();
   // check_golden knows best what to say of a scenario that names none
   const auto folder = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
   if (!folder) return folder.errors();

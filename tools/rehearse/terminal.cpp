@@ -1,16 +1,19 @@
 #include "terminal.h"
 
+#include <poll.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
+#include <optional>
 
 namespace rehearse::tool {
 namespace {
 
-constexpr char control_c = 3, control_d = 4;
+constexpr char control_c = 3, control_d = 4, escape = 27;
+constexpr int escape_patience = 50;  // [ms]: what follows an escape this soon was sent by the same key
 
 /// No lines, no echo and no signals from keys, as long as it lives.
 class SingleKeys {
@@ -34,6 +37,30 @@ class SingleKeys {
   bool changed_;
 };
 
+/// The next byte; nullopt at the end of the input.
+std::optional<char> next_byte() {
+  for (;;) {
+    char byte = '\0';
+    const ssize_t got = ::read(STDIN_FILENO, &byte, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return std::nullopt;
+    return byte;
+  }
+}
+
+/// Reads the rest of what an arrow or function key sends (ESC [ ... letter): its letters answer nothing.
+void pass_over_sequence() {
+  bool first = true;
+  for (;;) {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (::poll(&input, 1, escape_patience) <= 0) return;  // the escape key itself
+    const std::optional<char> byte = next_byte();
+    const bool opens = first && (byte == '[' || byte == 'O');
+    if (!byte || (!opens && *byte >= '@' && *byte <= '~')) return;
+    first = false;
+  }
+}
+
 }  // namespace
 
 bool somebody_is_there() { return isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1; }
@@ -42,11 +69,13 @@ char read_key(std::string_view keys) {
   std::fflush(stdout);
   const SingleKeys mode;
   for (;;) {
-    char key = '\0';
-    const ssize_t got = ::read(STDIN_FILENO, &key, 1);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0 || key == control_c || key == control_d) return '\0';
-    key = static_cast<char>(std::tolower(static_cast<unsigned char>(key)));
+    const std::optional<char> byte = next_byte();
+    if (!byte || *byte == control_c || *byte == control_d) return '\0';
+    if (*byte == escape) {
+      pass_over_sequence();
+      continue;
+    }
+    const char key = static_cast<char>(std::tolower(static_cast<unsigned char>(*byte)));
     if (keys.find(key) != std::string_view::npos) return key;
   }
 }
