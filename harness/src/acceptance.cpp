@@ -37,9 +37,9 @@ std::string line_of(const ChannelComparison& channel) {
   if (channel.worst) {
     const Divergence& worst = *channel.worst;
     const std::string element = worst.element.empty() ? "" : " " + worst.element;
-    const std::string size = worst.note.empty() ? fmt::format("{:.3g}{}{}", worst.difference,
-                                                              worst.unit.empty() ? "" : " ", worst.unit)
-                                                : worst.note;
+    const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
+    const std::string size = worst.note.empty() ? fmt::format("{:.3g}{}", worst.difference, unit)
+                                                : worst.note.substr(0, worst.note.find(';'));
     text += fmt::format("{}: {} at tick {}", element, size, worst.tick);
     part(fmt::format("{} of {} values", channel.differing, channel.values));
   } else {

@@ -158,7 +158,7 @@ std::string plot(const Curve& golden, const Curve& run, std::optional<double> ma
 
 namespace {
 
-/// Worst first, but one of each stage before a second of any: inputs are copies of the state, and would hide the rest.
+/// Worst first, but one of each stage before a second of any, and inputs last: they are copies of the state.
 std::vector<const ChannelComparison*> in_order(const Comparison& comparison) {
   std::vector<const ChannelComparison*> worst;
   for (const ChannelComparison& channel : comparison.channels)
@@ -167,7 +167,7 @@ std::vector<const ChannelComparison*> in_order(const Comparison& comparison) {
   std::vector<const ChannelComparison*> order, others;
   for (const ChannelComparison* channel : worst) {
     const bool met = std::ranges::find(order, channel->stage, &ChannelComparison::stage) != order.end();
-    (met ? others : order).push_back(channel);
+    (met || channel->stage == Stage::inputs ? others : order).push_back(channel);
   }
   order.insert(order.end(), others.begin(), others.end());
   return order;
