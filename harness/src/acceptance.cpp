@@ -60,7 +60,8 @@ std::string value_of(const mcap::StringMap& values, const std::string& key) {
 
 /// Something from a file, on one line.
 std::string one_line(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
   return text;
 }
 

@@ -144,10 +144,10 @@ GoldenResult GoldenStore::fail_and_keep(const std::string& name, const Trace& ac
   if (const auto kept = keep_pending(name, actual); !kept)
     result.message += "\n" + text_of(kept.errors());
   else
-    result.message +=
-        fmt::format("\nthis run: {}\nif it is right: rehearse golden accept {}\n"
-                    "look at it: rehearse golden review {}",
-                    pending_file(name).string(), name, name);
+    result.message += fmt::format(
+        "\nthis run: {}\nif it is right: rehearse golden accept {}\n"
+        "look at it: rehearse golden review {}",
+        pending_file(name).string(), name, name);
   return result;
 }
 

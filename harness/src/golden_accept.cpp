@@ -34,8 +34,9 @@ bool same_attachments(const Trace& a, const Trace& b) {
 
 /// The golden would say nothing else than it does.
 bool is_same_run(const Trace& golden, const Trace& run, const Comparison& comparison) {
-  return comparison.equal && same_attachments(golden, run) &&
-         std::ranges::all_of(version_facts, [&](const char* fact) { return fact_of(golden, fact) == fact_of(run, fact); });
+  return comparison.equal && same_attachments(golden, run) && std::ranges::all_of(version_facts, [&](const char* fact) {
+           return fact_of(golden, fact) == fact_of(run, fact);
+         });
 }
 
 /// The run's own, for the verdict; what can't be read states none.
@@ -133,7 +134,9 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
   return accepted;
 }
 
-Result<Accepted> GoldenStore::accept(const std::string& name, const fs::path& trace) { return replace(name, trace, ""); }
+Result<Accepted> GoldenStore::accept(const std::string& name, const fs::path& trace) {
+  return replace(name, trace, "");
+}
 
 Result<Accepted> GoldenStore::accept_pending(const std::string& name) {
   if (auto found = find_pending(name); !found) return found.errors();

@@ -121,8 +121,8 @@ void read_provenance(const mcap::Reader& reader, const mcap::StringMap& present,
   const std::vector<Acceptance> history = history_of(reader.metadata());
   entry.acceptances = static_cast<int>(history.size());
   if (!history.empty()) entry.accepted = history.back().date;
-  const bool has_checkpoints = std::ranges::any_of(
-      reader.channels(), [](const auto& channel) { return channel.second.topic == "/checkpoint"; });
+  const bool has_checkpoints =
+      std::ranges::any_of(reader.channels(), [](const auto& channel) { return channel.second.topic == "/checkpoint"; });
   if (!has_checkpoints) entry.notes.push_back("it has no checkpoints: its physics can't be checked piece by piece");
 }
 

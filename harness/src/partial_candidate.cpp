@@ -124,7 +124,8 @@ Result<void> PartialCandidate::compare_structure(const Trace& golden, const Trac
   for (const auto& [topic, part] : parts_) {
     const TraceChannel *of_golden = golden.find_channel(topic), *of_run = run.find_channel(topic);
     if (of_golden && of_run && of_golden->type == of_run->type) continue;
-    if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) || topic == "/events") continue;
+    if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) || topic == "/events")
+      continue;
     return error(fmt::format("the channel {} {}, so the golden can't keep it as it is", topic,
                              !of_run      ? "isn't in the run"
                              : !of_golden ? "isn't in the golden"
@@ -253,14 +254,15 @@ void PartialCandidate::follow_tick(Message& message, const Message& golden, Tick
   if (!outputs.run.empty() && !outputs.golden.empty()) note_mixed(message.time, outputs.golden, outputs.run);
   if (!sources.of(Stage::controller).run.empty()) mixed.controller_results = of_run.controller_results;
   if (std::exchange(first_tick_, false) && mixed.state_hash != of_run.state_hash)
-    other_start_ = fmt::format("it would begin in another state than a run of its scenario does, at tick {}", mixed.tick);
+    other_start_ =
+        fmt::format("it would begin in another state than a run of its scenario does, at tick {}", mixed.tick);
   message.data = encode(mixed);
 }
 
 void PartialCandidate::note_mixed(std::uint64_t time, std::string_view kept, std::string_view accepted) {
   if (!mixed_)
-    mixed_ = fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds(time), kept,
-                         accepted);
+    mixed_ =
+        fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds(time), kept, accepted);
 }
 
 Result<void> PartialCandidate::write(const Trace& run, const std::filesystem::path& file) const {

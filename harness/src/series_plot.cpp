@@ -107,7 +107,8 @@ std::optional<std::size_t> find_column(const TraceChannel& channel, const std::s
 }
 
 /// The element's column; of an element of several numbers (orientation) the one that differs most.
-std::optional<std::size_t> worst_column(const TraceChannel& golden, const TraceChannel& run, const std::string& element) {
+std::optional<std::size_t> worst_column(const TraceChannel& golden, const TraceChannel& run,
+                                        const std::string& element) {
   if (const auto exact = find_column(golden, element)) return exact;
   std::optional<std::size_t> worst;
   double most = -1.0;

@@ -8,12 +8,12 @@
 namespace rehearse {
 namespace {
 
+using testing::bytes_of;
 using ::testing::ElementsAre;
+using testing::Environment;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using testing::bytes_of;
-using testing::Environment;
 using testing::SmallTrace;
 using testing::write;
 namespace fs = std::filesystem;

@@ -6,18 +6,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <sched.h>
 #include <csignal>
 #include <cstdlib>
-#include <sched.h>
 
 #include "golden_folder.h"
 
 namespace rehearse {
 namespace {
 
+using testing::bytes_of;
 using ::testing::ExitedWithCode;
 using ::testing::HasSubstr;
-using testing::bytes_of;
 using testing::SmallTrace;
 using testing::write;
 namespace fs = std::filesystem;
@@ -56,7 +56,8 @@ TEST_F(GoldenDamage, OfOneBitIsFoundAndKeepsTheHistoryThatCanBeRead) {
   EXPECT_THAT(problem(), HasSubstr("damaged: "));
   EXPECT_THAT(settled(), HasSubstr("the golden can't be used: "));
   EXPECT_EQ(accepted(), "");
-  EXPECT_THAT(digest(), HasSubstr("  1. 2025-11-20 first\n  2. 2025-11-20 replaced: the golden before it can't be read"));
+  EXPECT_THAT(digest(),
+              HasSubstr("  1. 2025-11-20 first\n  2. 2025-11-20 replaced: the golden before it can't be read"));
 }
 
 TEST_F(GoldenDamage, NoneIsAGoldenOfANewerFormatButItIsNotUsed) {
@@ -207,8 +208,7 @@ TEST_F(GoldenDamage, SurvivesEveryDiskThatIsTooSmallForTheNewOne) {
   for (int kilobytes = page, last = -1; last != 0; kilobytes += page) {
     ASSERT_LT(kilobytes, 1000);
     const pid_t child = fork();
-    if (child == 0)
-      _exit(accept_on_disk(folder_ / "disk", folder_ / "old.mcap", folder_ / "run.mcap", kilobytes));
+    if (child == 0) _exit(accept_on_disk(folder_ / "disk", folder_ / "old.mcap", folder_ / "run.mcap", kilobytes));
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
     last = WEXITSTATUS(status);
@@ -224,8 +224,8 @@ TEST_F(GoldenDamage, InAFolderThatMayNotBeWrittenSaysSo) {
   place_golden(SmallTrace());
   place_pending(changed());
   const std::string before = bytes_of(store_.trace_file(name_));
-  fs::permissions(folder_ / "golden", fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
-                                          fs::perms::others_exec);
+  fs::permissions(folder_ / "golden",
+                  fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
   const auto accept_as_nobody = [this] {
     constexpr uid_t nobody = 65534;
     if (geteuid() == 0 && setuid(nobody) != 0) _exit(0);

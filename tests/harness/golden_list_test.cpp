@@ -70,8 +70,9 @@ TEST_F(GoldenList, SaysWhatAGoldenIsOlderThan) {
   run.provenance["physics"] = "ODE 0.16.2";
   run.provenance["libc"] = "glibc 2.36";
   place_golden(run);
-  EXPECT_THAT(entry({{"rehearse", "0.1.0"}, {"physics", "ODE 0.17"}, {"libc", "glibc 2.36"}, {"renderer", "Mesa"}}).notes,
-              ElementsAre("recorded with ODE 0.16.2; this is ODE 0.17", HasSubstr("no checkpoints")));
+  EXPECT_THAT(
+      entry({{"rehearse", "0.1.0"}, {"physics", "ODE 0.17"}, {"libc", "glibc 2.36"}, {"renderer", "Mesa"}}).notes,
+      ElementsAre("recorded with ODE 0.16.2; this is ODE 0.17", HasSubstr("no checkpoints")));
   EXPECT_THAT(entry({{"rehearse", "0.2.0"}}).notes,
               ElementsAre("recorded with Rehearse 0.1.0; this is Rehearse 0.2.0", HasSubstr("no checkpoints")));
 }

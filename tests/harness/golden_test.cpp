@@ -12,12 +12,12 @@ namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::Not;
 using testing::bytes_of;
+using ::testing::ElementsAre;
 using testing::Environment;
 using testing::GoldenFolder;
+using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::SmallTrace;
 using testing::write;
 

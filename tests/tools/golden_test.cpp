@@ -96,9 +96,10 @@ TEST_F(GoldenVerbs, TheDigestTellsWhatMovedAndWhen) {
   const std::string before = read_file(folder() / digest_file);
   EXPECT_THAT(before, ContainsRegex("\naccepted\n  1\\. 20[0-9-]+ first\n"));
   EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}, "SOURCE_DATE_EPOCH=1763640000").status, 0);
-  EXPECT_THAT(read_file(folder() / digest_file),
-              ContainsRegex("  2\\. 2025-11-20 replaced: differs at tick 0 [^\n]*\n     /Box/Box/pose position/z: 0.1 m at "
-                            "tick 0, 21 of [0-9]+ values\n"));
+  EXPECT_THAT(
+      read_file(folder() / digest_file),
+      ContainsRegex("  2\\. 2025-11-20 replaced: differs at tick 0 [^\n]*\n     /Box/Box/pose position/z: 0.1 m at "
+                    "tick 0, 21 of [0-9]+ values\n"));
   EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}, "SOURCE_DATE_EPOCH=now").status, 2);
 }
 
@@ -239,7 +240,8 @@ TEST_F(GoldenVerbs, PruneRemovesOrphansWhenItIsAllowedTo) {
 
 TEST_F(GoldenVerbs, PruneOnATerminalAsks) {
   fs::remove(folder() / scenario_);
-  EXPECT_THAT(on_terminal({"golden", "prune"}, {"y"}).out, HasSubstr("remove them? [y]es [n]o yes\nremoved 1 golden\n"));
+  EXPECT_THAT(on_terminal({"golden", "prune"}, {"y"}).out,
+              HasSubstr("remove them? [y]es [n]o yes\nremoved 1 golden\n"));
   EXPECT_FALSE(exists(golden_file));
 }
 
@@ -254,7 +256,8 @@ TEST_F(GoldenVerbs, TwoScenariosThatNameOneGoldenAreToldByListAndCheck) {
 
 TEST_F(GoldenVerbs, ListSaysHowOldAGoldenIs) {
   const Outcome outcome = done({"golden", "list"});
-  EXPECT_THAT(outcome.out, ContainsRegex("\n  Box.Falls +[0-9.]+ kB +20[0-9-]+ +in use +fixtures/scenarios/box.yaml\n"));
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("\n  Box.Falls +[0-9.]+ kB +20[0-9-]+ +in use +fixtures/scenarios/box.yaml\n"));
   EXPECT_THAT(outcome.out, HasSubstr("all: recorded with rehearse " REHEARSE_VERSION ", ODE "));
   EXPECT_THAT(outcome.out, Not(HasSubstr("this is")));
   std::string bytes = read_file(folder() / golden_file);

@@ -18,7 +18,8 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
   const fs::path project = folder() / "my walker";
   EXPECT_THAT(read_file(project / "CMakeLists.txt"), HasSubstr("project(my_walker CXX)"));
   EXPECT_THAT(read_file(project / "README.md"), HasSubstr("# my_walker"));
-  for (const char* file : {".gitattributes", ".gitignore", "hold.cpp", "hold_test.cpp", "models/arm.urdf", "scenarios/hold.yaml"})
+  for (const char* file :
+       {".gitattributes", ".gitignore", "hold.cpp", "hold_test.cpp", "models/arm.urdf", "scenarios/hold.yaml"})
     EXPECT_GT(fs::file_size(project / file), 10u) << file;
 }
 
@@ -27,9 +28,10 @@ TEST_F(New, ItsGoldensAreNeverMergedAndTheirDigestsAreShown) {
   ASSERT_EQ(run("git", {"init", "--quiet"}).status, 0);
   const std::string attributes =
       run("git", {"check-attr", "diff", "merge", "text", "--", "golden/Arm.Holds.mcap", "golden/Arm.Holds.txt"}).out;
-  EXPECT_EQ(attributes,
-            "golden/Arm.Holds.mcap: diff: unset\ngolden/Arm.Holds.mcap: merge: unset\ngolden/Arm.Holds.mcap: text: unset\n"
-            "golden/Arm.Holds.txt: diff: set\ngolden/Arm.Holds.txt: merge: unset\ngolden/Arm.Holds.txt: text: set\n");
+  EXPECT_EQ(
+      attributes,
+      "golden/Arm.Holds.mcap: diff: unset\ngolden/Arm.Holds.mcap: merge: unset\ngolden/Arm.Holds.mcap: text: unset\n"
+      "golden/Arm.Holds.txt: diff: set\ngolden/Arm.Holds.txt: merge: unset\ngolden/Arm.Holds.txt: text: set\n");
 }
 
 TEST_F(New, ItsModelAndScenarioAreSound) {

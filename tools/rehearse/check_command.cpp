@@ -72,8 +72,8 @@ Result<std::vector<Scenario>> load(const Settings& settings) {
   return scenarios;
 }
 
-/// An error if another scenario names the same golden, anywhere in the repository that the golden is of: each would take
-/// the other's run for a wrong one.
+/// An error if another scenario names the same golden, anywhere in the repository that the golden is of: each would
+/// take the other's run for a wrong one.
 Result<void> check_owner(const Scenario& scenario) {
   const auto folder = find_golden_folder(scenario.file);
   if (scenario.golden.empty() || !folder) return {};  // whoever compares says so
@@ -84,9 +84,9 @@ Result<void> check_owner(const Scenario& scenario) {
   const auto owners = find_golden_owners({*folder / ".."});
   const auto known = owners.find(scenario.golden);
   if (known == owners.end() || known->second.scenarios.size() < 2) return {};
-  Diagnostic finding = error(fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden,
-                                         known->second.conflict()),
-                             "give each a golden of its own");
+  Diagnostic finding =
+      error(fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden, known->second.conflict()),
+            "give each a golden of its own");
   finding.file = scenario.file;
   return finding;
 }

@@ -27,9 +27,9 @@ struct PlotSize {
 /// one that says so if there is nothing to draw.
 std::string plot(const Curve& golden, const Curve& run, std::optional<double> mark, PlotSize size = {});
 
-/// Of the worst channels, at most so many, and of different stages where there are: the series that differs worst, with a
-/// heading and a plot whose mark stands at the channel's first difference. Curves that would look the same are shown by
-/// their difference.
+/// Of the worst channels, at most so many, and of different stages where there are: the series that differs worst, with
+/// a heading and a plot whose mark stands at the channel's first difference. Curves that would look the same are shown
+/// by their difference.
 std::string worst_plots(const Trace& golden, const Trace& run, const Comparison& comparison, std::size_t channels);
 
 }  // namespace rehearse

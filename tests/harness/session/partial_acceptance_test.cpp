@@ -129,7 +129,8 @@ TEST_F(PartialAcceptance, OfRunsThatDoNotFitIntoEachOtherIsRefused) {
 
 TEST_F(PartialAcceptance, OfSomeJointsOfAMessageMixesThem) {
   record_run(scene("HingePd", "0.2", "cameras: none\n"), "golden.mcap");
-  record_run(scene("HingePdChanged", "0.2", "cameras: none\npushes: [{body: Rig, link: SLED, force: [5, 0, 0], from: 0, until: 1}]\n"));
+  record_run(scene("HingePdChanged", "0.2",
+                   "cameras: none\npushes: [{body: Rig, link: SLED, force: [5, 0, 0], from: 0, until: 1}]\n"));
   fs::path kept = path("kept.mcap");
   again_.run_plant = [&](const Scenario& scenario, const Trace& recording, const fs::path& trace,
                          const PlantOptions& options) {
@@ -137,7 +138,8 @@ TEST_F(PartialAcceptance, OfSomeJointsOfAMessageMixesThem) {
     return run_plant(scenario, recording, trace, options);
   };
   EXPECT_THAT(decided({"Rig/RAIL/*"}), HasSubstr("no run can produce this golden"));
-  const auto candidate = Trace::load(kept), golden = Trace::load(path("golden.mcap")), run = Trace::load(path("run.mcap"));
+  const auto candidate = Trace::load(kept), golden = Trace::load(path("golden.mcap")),
+             run = Trace::load(path("run.mcap"));
   ASSERT_TRUE(candidate && golden && run);
   EXPECT_EQ(candidate->values("Rig/RAIL/q"), run->values("Rig/RAIL/q"));
   EXPECT_EQ(candidate->values("Rig/SHOULDER/q"), golden->values("Rig/SHOULDER/q"));
