@@ -81,7 +81,7 @@ Result<void> check_owner(const Scenario& scenario) {
   const fs::path repository = fs::absolute(*folder / "..", ignored).lexically_normal();
   const fs::path inside = fs::absolute(scenario.file, ignored).lexically_normal().lexically_relative(repository);
   if (inside.empty() || *inside.begin() == "..") return {};  // the goldens stand elsewhere: REHEARSE_GOLDEN_DIR
-  const auto owners = find_golden_owners({*folder / ".."});
+  const auto owners = find_golden_owners(*folder, {*folder / ".."});
   const auto known = owners.find(scenario.golden);
   if (known == owners.end() || known->second.scenarios.size() < 2) return {};
   Diagnostic finding =
