@@ -9,9 +9,11 @@
 #include <algorithm>
 
 #include "compare_parts.h"
+#include "controller_host.h"
 #include "golden_files.h"
 #include "partial_candidate.h"
 #include "plant_level.h"
+#include "provenance.h"
 #include "trace_scenario.h"
 
 namespace rehearse {
@@ -61,6 +63,17 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
   }
   return error("no scenario file is what this run was recorded of, and its meshes are needed to run it again",
                "accept all of the run, or record it again");
+}
+
+/// The libraries that the candidate is executed with, which may be others than the run's: those that it will be true of.
+Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& options) {
+  const auto reader = mcap::Reader::open(run.file());
+  if (!reader) return reader.errors();
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario.errors();
+  const auto host = ControllerHost::create(*scenario, options);
+  if (!host) return host.errors();
+  return controller_facts(**host);
 }
 
 /// Bit for bit.
@@ -121,7 +134,9 @@ Result<fs::path> make_partial(const Trace& golden, const Trace& run, const Selec
   if (candidate->is_the_run()) return fs::path(run.file());
   if (const auto& start = candidate->other_start()) return refusal(*start, *candidate);
 
-  if (auto written = candidate->write(run, candidate_file); !written) return written.errors();
+  const auto controllers = controllers_of(run, again.host);
+  if (!controllers) return controllers.errors();
+  if (auto written = candidate->write(run, *controllers, candidate_file); !written) return written.errors();
   const auto broken = first_break(candidate_file, again);
   std::optional<Diagnostics> refused;
   if (!broken)

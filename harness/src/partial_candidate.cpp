@@ -265,16 +265,21 @@ void PartialCandidate::note_mixed(std::uint64_t time, std::string_view kept, std
         fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds(time), kept, accepted);
 }
 
-Result<void> PartialCandidate::write(const Trace& run, const std::filesystem::path& file) const {
+Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& controllers,
+                                     const std::filesystem::path& file) const {
   auto writer = mcap::Writer::create(file);
   if (!writer) return writer.errors();
   mcap::Writer& out = **writer;
   for (const mcap::Attachment& attachment : run.attachments())
     if (auto done = out.add_attachment(attachment.name, attachment.media_type, attachment.data); !done) return done;
   const auto write_metadata = [&](bool outcome) -> Result<void> {
-    for (const mcap::Metadata& metadata : run.metadata())
-      if ((metadata.name == "rehearse.outcome") == outcome && !metadata.name.starts_with(acceptance_prefix))
-        if (auto done = out.add_metadata(metadata.name, metadata.values); !done) return done;
+    for (const mcap::Metadata& metadata : run.metadata()) {
+      if ((metadata.name == "rehearse.outcome") != outcome || metadata.name.starts_with(acceptance_prefix)) continue;
+      mcap::StringMap values = metadata.values;
+      if (metadata.name == "rehearse")
+        for (const auto& [controller, library] : controllers) values[controller] = library;
+      if (auto done = out.add_metadata(metadata.name, values); !done) return done;
+    }
     return {};
   };
   if (auto done = write_metadata(false); !done) return done;

@@ -35,8 +35,8 @@ class PartialCandidate {
   /// Where messages that are made of each other are the golden's and the run's; none if nowhere.
   const std::optional<std::string>& mixed() const { return mixed_; }
 
-  /// Writes it, with the run's attachments, provenance and outcome.
-  Result<void> write(const Trace& run, const std::filesystem::path& file) const;
+  /// Writes it, with the run's attachments, outcome and provenance, of which `controllers` replaces what it states.
+  Result<void> write(const Trace& run, const mcap::StringMap& controllers, const std::filesystem::path& file) const;
 
  private:
   struct Message {

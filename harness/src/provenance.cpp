@@ -58,8 +58,13 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
   if (!renderer.empty()) facts["renderer"] = renderer;
-  if (!host) return facts;
-  for (const HostedController& hosted : host->controllers())
+  if (host) facts.merge(controller_facts(*host));
+  return facts;
+}
+
+mcap::StringMap controller_facts(const ControllerHost& host) {
+  mcap::StringMap facts;
+  for (const HostedController& hosted : host.controllers())
     facts["controller." + hosted.label] =
         hosted.library->file().filename().string() + " " + hosted.library->content_hash();
   return facts;

@@ -15,4 +15,7 @@ namespace rehearse {
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer);
 
+/// Of these, the controllers' files.
+mcap::StringMap controller_facts(const ControllerHost& host);
+
 }  // namespace rehearse
