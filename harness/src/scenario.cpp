@@ -225,6 +225,7 @@ Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& 
   if (!root) return root.errors();
   Findings findings(file.string());
   Scenario scenario;  // a place for the list
+  scenario.file = file.string();
   if ((*root)->kind != YamlNode::Kind::map) {
     expected(findings, **root, "the file", "a map with a list of tolerances");
   } else if (find_key(**root, "rehearse") != nullptr) {
