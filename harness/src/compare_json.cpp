@@ -9,12 +9,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json number(double value) {
-  if (std::isnan(value)) return "NaN";
-  if (std::isinf(value)) return value > 0 ? "Infinity" : "-Infinity";
-  return value;
-}
-
 template <class T>
 ordered_json or_null(const std::optional<T>& value) {
   return value ? ordered_json(*value) : ordered_json();
@@ -22,7 +16,7 @@ ordered_json or_null(const std::optional<T>& value) {
 
 ordered_json object_of(const Divergence& d) {
   const bool of_numbers = d.note.empty();
-  const auto if_numbers = [of_numbers](double value) { return of_numbers ? number(value) : ordered_json(); };
+  const auto if_numbers = [of_numbers](double value) { return of_numbers ? number_json(value) : ordered_json(); };
   const bool comparable = of_numbers && d.ulps != std::numeric_limits<std::uint64_t>::max();
   const double relative = relative_difference(d);
   return {{"tick", d.tick},
@@ -32,7 +26,7 @@ ordered_json object_of(const Divergence& d) {
           {"expected", if_numbers(d.expected)},
           {"actual", if_numbers(d.actual)},
           {"difference", if_numbers(d.difference)},
-          {"relative", std::isnan(relative) ? ordered_json() : number(relative)},
+          {"relative", std::isnan(relative) ? ordered_json() : number_json(relative)},
           {"ulps", comparable ? ordered_json(d.ulps) : ordered_json()},
           {"tolerance", if_numbers(d.tolerance)},
           {"times_tolerance", if_numbers(times_tolerance(d.difference, d.tolerance))},
