@@ -32,7 +32,9 @@ bool is_worse(const ChannelComparison& a, const ChannelComparison& b) {
 }
 
 std::string line_of(const ChannelComparison& channel) {
-  std::string text = channel.channel;
+  std::string text =
+      channel.group.empty() ? channel.channel : fmt::format("{}* ({} channels)", channel.group, channel.channels);
+  if (channel.of_events) text += " (events)";
   const auto part = [&text](const std::string& words) { text += (text.back() == ':' ? " " : ", ") + words; };
   if (channel.worst) {
     const Divergence& worst = *channel.worst;
@@ -44,6 +46,7 @@ std::string line_of(const ChannelComparison& channel) {
     part(fmt::format("{} of {} values", channel.differing, channel.values));
   } else {
     text += ":";
+    if (channel.of_events) part(fmt::format("{} of {}", channel.differing, channel.values));
   }
   if (channel.missing > 0) part(fmt::format("{} messages missing", channel.missing));
   if (channel.extra > 0) part(fmt::format("{} messages extra", channel.extra));

@@ -11,6 +11,7 @@
 
 #include "golden_files.h"
 #include "hashing.h"
+#include "trace_version.h"
 
 namespace rehearse {
 namespace {
@@ -91,10 +92,10 @@ GoldenStore::GoldenStore(fs::path folder, fs::path pending)
 Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file) {
   for (const mcap::Metadata& record : metadata) {
     const auto version = record.name == "rehearse" ? record.values.find("trace_version") : record.values.end();
-    if (version == record.values.end() || version->second == "1") continue;
-    Diagnostic finding =
-        error(fmt::format("it is of trace version {}, and this program reads version 1", version->second),
-              "read it with the version of Rehearse that wrote it");
+    if (version == record.values.end() || version->second == std::to_string(trace_version)) continue;
+    Diagnostic finding = error(
+        fmt::format("it is of trace version {}, and this program reads version {}", version->second, trace_version),
+        "read it with the version of Rehearse that wrote it");
     finding.file = file;
     return finding;
   }
