@@ -123,7 +123,8 @@ void read_provenance(const mcap::Reader& reader, const mcap::StringMap& present,
   if (!history.empty()) entry.accepted = history.back().date;
   const bool has_checkpoints =
       std::ranges::any_of(reader.channels(), [](const auto& channel) { return channel.second.topic == "/checkpoint"; });
-  if (!has_checkpoints) entry.notes.push_back("it has no checkpoints: its physics can't be checked piece by piece");
+  if (!has_checkpoints && reader.damage().empty())
+    entry.notes.push_back("it has no checkpoints: its physics can't be checked piece by piece");
 }
 
 /// What the recording itself says: who wrote it, and whether it can be read.

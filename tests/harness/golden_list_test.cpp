@@ -108,6 +108,13 @@ TEST_F(GoldenList, SaysIfTwoTestsClaimOneGolden) {
   EXPECT_THAT(entry().problem, HasSubstr("2 tests claim it: "));
 }
 
+TEST_F(GoldenList, SaysOfADamagedGoldenWhatIsWrongAndNoMore) {
+  place_golden(SmallTrace());
+  fs::resize_file(store_.trace_file(name_), 3000);
+  EXPECT_THAT(entry().problem, HasSubstr("truncated at byte 3000"));
+  EXPECT_THAT(entry().notes, IsEmpty());
+}
+
 TEST_F(GoldenList, PendingRunsAreThoseThatAreNamedLikeGoldens) {
   EXPECT_THAT(store_.pending(), IsEmpty());
   place_pending(SmallTrace());
