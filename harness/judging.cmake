@@ -22,9 +22,13 @@ target_sources(rehearse_harness PRIVATE
   src/golden_files.cpp
   src/golden_list.cpp
   src/golden_partial.cpp
+  src/noise_floor.cpp
+  src/noise_measurement.cpp
   src/partial_candidate.cpp
+  src/perturbed_run.cpp
   src/picture_difference.cpp
   src/plant_level.cpp
   src/recorded_picture.cpp
   src/series_plot.cpp)
-target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json)
+find_package(yaml-cpp 0.7 REQUIRED)
+target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json yaml-cpp)

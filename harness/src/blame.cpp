@@ -87,7 +87,7 @@ Blame Detective::controller(const Evidence& evidence) const {
     return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
   if (!evidence.replay->first)
     return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message, std::nullopt};
-  const Divergence& first = *evidence.replay->first;
+  const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
   if (first.stage == Stage::inputs) return {"the golden is not what was recorded: at " + to_string(first), first};
   if (evidence.replay->same_libraries)
     return {"the controller is the one that was recorded, but fed with the golden's inputs it differs at " +
@@ -196,7 +196,8 @@ std::string nothing_differs(const CheckReport& report) {
   if (report.comparison) return verdict(*report.comparison, report.horizon);
   std::string sentence;
   if (report.controller != LevelState::skipped)
-    sentence = fmt::format("the controller repeats {} recorded ticks bit for bit", report.replay->ticks);
+    sentence = fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
+                           report.replay->equal() ? "bit for bit" : "within tolerance, computed otherwise");
   if (report.plant == LevelState::skipped) return sentence;
   return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",
                      verdict(*report.plant_comparison));

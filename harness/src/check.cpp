@@ -4,8 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include <rehearse/noise_floor.h>
+
 #include "blame.h"
 #include "plant_level.h"
+#include "provenance.h"
 #include "report_json.h"
 
 namespace rehearse {
@@ -44,6 +47,7 @@ struct Check {
   const CheckOptions& options;
   const Simulation& simulation;
   CheckReport report;
+  std::optional<NoiseFloor> noise = std::nullopt;  // that was measured of the golden
 
   fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
   Result<void> check_controller();
@@ -51,6 +55,8 @@ struct Check {
   Result<void> check_closed();
   void blame();
   void judge_by_expectations(const Trace& fresh);
+  void find_noise();
+  void judge_tolerances();
   void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
 };
 
@@ -61,9 +67,24 @@ Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, co
   return simulation.record(scenario, actual, options.run);
 }
 
+/// Whether the same program gives the same bits here as where the golden was recorded.
+bool computes_alike(const Scenario& scenario, const Trace& golden) {
+  const mcap::StringMap* recorded = golden.find_metadata("rehearse");
+  const mcap::StringMap here = provenance(scenario, nullptr, "", "");
+  const auto same = [&](const char* fact) {
+    const auto found = recorded->find(fact);
+    return found != recorded->end() && found->second == here.at(fact);
+  };
+  return recorded && same("libc") && same("compiler") && same("pinned.GLIBC_TUNABLES") &&
+         (!here.at("pinned.GLIBC_TUNABLES").empty() || same("processor"));
+}
+
+/// The bits have to be the same, unless the arithmetic isn't: a controller that calls sin() then commands other last
+/// bits, and is judged within tolerance.
 Result<void> Check::check_controller() {
   ReplayOptions replaying;
   static_cast<HostOptions&>(replaying) = host_options(scenario, options.run);
+  if (!computes_alike(scenario, golden)) replaying.tolerances = scenario.tolerances;
   auto replayed = replay(golden.file(), replaying);
   if (!replayed && !options.closed) return replayed.errors();
   report.controller = LevelState::differs;
@@ -71,7 +92,7 @@ Result<void> Check::check_controller() {
     report.controller_problem = replayed.errors()[0].message;
     return {};
   }
-  if (replayed->equal()) report.controller = LevelState::equal;
+  if (replayed->within()) report.controller = replayed->equal() ? LevelState::equal : LevelState::within;
   report.replay = *std::move(replayed);
   return {};
 }
@@ -80,7 +101,8 @@ Result<void> Check::check_plant() {
   const fs::path file = plant_trace();
   PlantOptions running;
   running.progress = options.run.progress;
-  auto level = compare_plant(simulation, scenario, golden, file, running);
+  auto level = compare_plant(simulation, scenario, golden, file, running,
+                             noise ? noise_of_series(*noise, golden) : NoiseOfSeries());
   report.plant = LevelState::differs;
   if (!level) {
     report.plant_problem = level.errors()[0].message;
@@ -102,7 +124,8 @@ Result<void> Check::check_plant() {
 Result<void> Check::check_closed() {
   const auto fresh = Trace::load(actual);
   if (!fresh) return fresh.errors();
-  report.horizon = horizon_of(scenario, options.estimated_horizon);
+  const std::optional<double> measured = estimated_horizon(golden);
+  report.horizon = horizon_of(scenario, options.estimated_horizon ? options.estimated_horizon : measured);
   CompareOptions what;
   what.until = report.horizon;
   report.comparison = compare(golden, *fresh, scenario.tolerances, what);
@@ -141,6 +164,31 @@ void Check::blame() {
   report.first = found.place;
 }
 
+/// A golden without a measurement is fine.
+void Check::find_noise() {
+  const fs::path file = noise_file_of(golden.file());
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return;
+  auto found = load_noise_floor(file);
+  if (found)
+    noise = *std::move(found);
+  else
+    report.remarks.push_back("the measured noise can't be read: " + to_string(found.errors()[0]));
+}
+
+/// What the noise says of the tolerances.
+void Check::judge_tolerances() {
+  if (!noise) return;
+  std::vector<const Comparison*> comparisons;
+  if (report.plant_comparison) comparisons.push_back(&*report.plant_comparison);
+  if (report.comparison) comparisons.push_back(&*report.comparison);
+  report.remarks = noise_remarks(*noise, golden, comparisons);
+  if (scenario.horizon && noise->horizon() && *scenario.horizon >= *noise->horizon())
+    report.remarks.push_back(fmt::format("the scenario's horizon, {:g} s, is not before {:g} s, when a perturbed run left the "
+                                         "tolerances",
+                                         *scenario.horizon, *noise->horizon()));
+}
+
 }  // namespace
 
 std::string_view to_string(LevelState state) {
@@ -170,6 +218,7 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& gol
   const auto expected = Trace::load(golden);
   if (!expected) return expected.errors();
   Check check{scenario, *expected, actual, options, simulation, {}};
+  check.find_noise();
   if (options.closed) {
     auto run = make_run(scenario, actual, options, simulation);
     if (!run) return run.errors();
@@ -184,6 +233,7 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& gol
   } else {
     check.blame();
   }
+  check.judge_tolerances();
   if (check.report.within()) {
     std::error_code ignored;
     fs::remove(actual, ignored);
@@ -318,7 +368,8 @@ std::string to_json(const CheckReport& report) {
                                 {"comparisons",
                                  {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
                                 {"horizon", nullptr},
-                                {"expectations", nlohmann::ordered_json::array()}};
+                                {"expectations", nlohmann::ordered_json::array()},
+                                {"remarks", report.remarks}};
   if (report.horizon) object["horizon"] = *report.horizon;
   for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
   return text_of(object);

@@ -265,8 +265,8 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   for (const ChannelComparison& channel : channels)
     if (!channel.of_events && differing.insert(channel.channel).second)
       comparison.equal_channels.push_back(channel.channel);
-  std::erase_if(channels, [](const ChannelComparison& channel) { return !channel.first_bit; });
-  comparison.channels = std::move(channels);
+  for (ChannelComparison& channel : channels)
+    (channel.first_bit ? comparison.channels : comparison.same).push_back(std::move(channel));
   comparison.equal = !comparison.first_bit;
   comparison.within = !comparison.first;
   comparison.agreement = agreement_of(comparison);

@@ -33,6 +33,7 @@ struct Column {
   bool wraps = false;
   const std::vector<BlankedSpan>* blanked = nullptr;   // when it isn't judged; null: it always is
   std::shared_ptr<const Envelope> envelope = nullptr;  // made when it is needed first
+  double largest = 0.0;  // difference so far; NaN stays
 };
 
 /// Four columns x, y, z, w that are one orientation.
@@ -66,11 +67,12 @@ class NumberJudge {
   void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
   void mark_hash(const Column& column, std::size_t golden_row);
   double beside(Column& column, std::size_t golden_row, double actual) const;
-  void compare_orientation(const Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
+  void compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
   double beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const;
   void compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
                      const Quaternion& actual);
   bool count(const Column& column, std::size_t golden_row, double difference, bool& beyond);
+  void sum_up() const;
   Divergence place(const Column& column, std::size_t golden_row) const;
 
   const ComparedTraces& traces_;
@@ -170,7 +172,8 @@ void NumberJudge::find_tolerance(Column& column) const {
     if (spans != traces_.blanked.end()) column.blanked = &spans->second;
   }
   if (column.kind != CellKind::floating) return;
-  const Tolerance tolerance = tolerance_of(series, column.unit, traces_.rules);
+  const bool is_range = golden.type == msg::LaserScan::type_name && column.element.starts_with("ranges/");
+  const Tolerance tolerance = tolerance_of(series, is_range ? "range" : column.unit, traces_.rules);
   column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(column.golden) : 0.0);
   column.lead = tolerance.lead;
   column.lag = tolerance.lag;
@@ -224,16 +227,33 @@ void NumberJudge::group_orientations() {
 void NumberJudge::compare_rows() {
   const TraceChannel &golden = channel_.golden, &actual = channel_.actual;
   const std::size_t row_bytes = golden.columns.size() * sizeof(std::uint64_t);
-  if (same_columns_ && channel_.in_step && golden.cells == actual.cells) return;
+  if (same_columns_ && channel_.in_step && golden.cells == actual.cells) return sum_up();
   for (const auto& [golden_row, actual_row] : channel_.pairs) {
     if (same_columns_ && std::memcmp(golden.row(golden_row), actual.row(actual_row), row_bytes) == 0) continue;
     compare_row(golden_row, actual_row);
   }
+  sum_up();
 }
 
 void NumberJudge::compare_row(std::size_t golden_row, std::size_t actual_row) {
   for (Column& column : columns_) compare_cell(column, golden_row, actual_row);
-  for (const Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
+  for (Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
+}
+
+void NumberJudge::sum_up() const {
+  std::vector<SeriesComparison>& series = findings_.result().series;
+  for (const Column& column : columns_)
+    if (column.kind == CellKind::floating && !column.hash)
+      series.push_back({column.element, column.unit, column.largest, column.tolerance});
+  for (const Orientation& orientation : orientations_) {
+    const Column& any = orientation.columns[0];
+    series.push_back({any.element.substr(0, any.element.size() - 2), "rad", any.largest, any.tolerance});
+  }
+}
+
+/// NaN is more than any number.
+void keep_larger(double& largest, double difference) {
+  if (!(difference <= largest)) largest = std::isnan(largest) ? largest : difference;
 }
 
 Divergence NumberJudge::place(const Column& column, std::size_t golden_row) const {
@@ -298,6 +318,7 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
     if (std::isnan(expected) && std::isnan(actual)) difference = 0.0;
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
+    keep_larger(column.largest, difference);
     if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(difference)) {
       const double from_envelope = beside(column, golden_row, actual);
       beyond = !(from_envelope <= column.tolerance);
@@ -324,7 +345,7 @@ double NumberJudge::beside(const Orientation& orientation, std::size_t golden_ro
   return distance_from_path(channel_.golden.times, golden_row, column.lead, column.lag, golden_at, actual);
 }
 
-void NumberJudge::compare_orientation(const Orientation& orientation, std::size_t golden_row, std::size_t actual_row) {
+void NumberJudge::compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row) {
   Quaternion expected{}, actual{};
   std::size_t most = 4;  // the element that differs most stands for all four
   bool same_nan = true;
@@ -338,6 +359,7 @@ void NumberJudge::compare_orientation(const Orientation& orientation, std::size_
   if (most == 4) return;
   double angle = angle_between(expected, actual);
   if (std::isnan(angle) && same_nan) angle = 0.0;
+  keep_larger(orientation.columns[0].largest, angle);
   const Column& column = orientation.columns[most];
   bool beyond = !(angle <= column.tolerance);
   if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(angle)) {

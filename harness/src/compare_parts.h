@@ -116,6 +116,8 @@ bool is_result_of_control(const TraceChannel& channel, std::string_view element)
 void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
 void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
 bool is_picture(const TraceChannel& channel);
+/// Of a camera's colours or distances.
+Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
 
 /// Makes an entry of the comparison's channels; what it returns holds until the next call.
 using AddChannel = std::function<ChannelComparison&(const std::string& topic)>;

@@ -21,9 +21,7 @@ class PictureJudge {
  public:
   PictureJudge(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings)
       : traces_(traces), channel_(channel), findings_(findings), unit_(unit_of(channel.golden, "")) {
-    std::string_view series = channel.golden.topic;
-    if (series.starts_with('/')) series.remove_prefix(1);
-    tolerance_ = tolerance_of(series, unit_, traces.rules);
+    tolerance_ = picture_tolerance(channel.golden, traces.rules);
   }
 
   void compare(std::size_t golden_index, std::span<const std::byte> expected, std::span<const std::byte> actual) {
@@ -42,10 +40,19 @@ class PictureJudge {
     compare_pixels(golden_index, *golden, *other);
   }
 
+  void sum_up() const {
+    std::vector<SeriesComparison>& series = findings_.result().series;
+    if (channel_.golden.type == msg::CompressedImage::type_name)
+      series.push_back({"color", "of 255", color_, tolerance_.pixel_delta});
+    series.push_back({"share", "of pixels", share_, tolerance_.pixel_share});
+  }
+
  private:
   void compare_pixels(std::size_t golden_index, const RecordedPicture& golden, const RecordedPicture& actual) {
     const PixelDifferences found = pixel_differences(golden, actual, tolerance_);
     if (found.differing == 0) return;  // other bytes, the same pixels: another encoder
+    if (golden.depths.empty()) color_ = std::max(color_, found.largest);
+    share_ = std::max(share_, found.share());
     const bool too_many = found.share() > tolerance_.pixel_share;
     const bool too_dense = found.densest > tolerance_.pixel_window;
     const bool by_window = too_dense && !too_many;
@@ -87,6 +94,8 @@ class PictureJudge {
   Findings& findings_;
   std::string unit_;
   Tolerance tolerance_;
+  double color_ = 0.0;  // largest difference so far [of 255]
+  double share_ = 0.0;  // largest share of pixels beyond so far
 };
 
 bool same_bytes(const std::vector<std::byte>& a, const std::vector<std::byte>& b) {
@@ -98,6 +107,11 @@ bool same_bytes(const std::vector<std::byte>& a, const std::vector<std::byte>& b
 bool is_picture(const TraceChannel& channel) {
   return channel.encoding == "cdr" &&
          (channel.type == msg::CompressedImage::type_name || channel.type == msg::Image::type_name);
+}
+
+Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
+  const std::string unit = unit_of(channel, "");
+  return tolerance_of(series_of(channel), unit == "m" ? "depth" : unit, rules);
 }
 
 void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings) {
@@ -120,6 +134,7 @@ void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channe
       findings.describe(divergence, true);
     }
   }
+  if (pictures) judge.sum_up();
 }
 
 }  // namespace rehearse

@@ -131,9 +131,7 @@ Result<std::vector<fs::path>> write_picture_differences(const Trace& golden, con
     const auto expected = picture_at(golden, channel.channel, channel.first->time);
     const auto other = picture_at(actual, channel.channel, channel.first->time);
     if (!expected || !other || !expected->same_size(*other)) continue;
-    std::string_view series = channel.channel;
-    series.remove_prefix(series.starts_with('/') ? 1 : 0);
-    const Tolerance tolerance = tolerance_of(series, unit_of(*of_golden, ""), rules);
+    const Tolerance tolerance = picture_tolerance(*of_golden, rules);
     const fs::path file = beside.parent_path() / file_name(beside, channel.channel);
     if (auto done = write(file, side_by_side(*expected, *other, tolerance)); !done) return done.errors();
     written.push_back(file);

@@ -14,7 +14,8 @@ Result<void> make_folder_of(const std::filesystem::path& file) {
 }
 
 Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& scenario, const Trace& golden,
-                                 const std::filesystem::path& file, const PlantOptions& options) {
+                                 const std::filesystem::path& file, const PlantOptions& options,
+                                 const NoiseOfSeries& noise) {
   if (auto made = make_folder_of(file); !made) return made.errors();
   auto run = simulation.run_plant(scenario, golden, file, options);
   if (!run) return run.errors();
@@ -22,6 +23,7 @@ Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& s
   if (!trace) return trace.errors();
   CompareOptions what;
   what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
+  what.noise_floors = noise;
   if (options.until) what.until = time_of(*options.until, scenario.time_step);
   Comparison comparison = compare(golden, *trace, scenario.tolerances, what);
   return PlantLevel{*std::move(run), *std::move(trace), std::move(comparison)};

@@ -4,6 +4,9 @@
 #include <rehearse/check.h>
 
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
 
 namespace rehearse {
 
@@ -13,9 +16,13 @@ struct PlantLevel {
   Comparison comparison;  // of what the plant makes: state, sensors, pictures; up to PlantOptions::until
 };
 
+/// Noise by series, as CompareOptions::noise_floors.
+using NoiseOfSeries = std::map<std::string, double, std::less<>>;
+
 /// Writes the run's trace to `file`, whose folder is made if there is none.
 Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& scenario, const Trace& golden,
-                                 const std::filesystem::path& file, const PlantOptions& options);
+                                 const std::filesystem::path& file, const PlantOptions& options,
+                                 const NoiseOfSeries& noise = {});
 
 /// Makes the folder of a file that is to be written.
 Result<void> make_folder_of(const std::filesystem::path& file);

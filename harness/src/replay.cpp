@@ -4,6 +4,7 @@
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
+#include <rehearse/tolerance.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +38,7 @@ class Replayer {
   void compare_inputs();
   void compare_results();
   bool same_libraries() const;
+  double tolerance_for(const Divergence& found) const;
   void differs(Divergence&& found);
   void take_events();
 
@@ -228,11 +230,22 @@ void Replayer::compare_results() {
   }
 }
 
+/// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.
+double Replayer::tolerance_for(const Divergence& found) const {
+  if (!options_.tolerances || !found.note.empty()) return 0.0;
+  const std::string owner = found.channel.substr(1, found.channel.rfind('/'));
+  const Tolerance tolerance = tolerance_of(owner + found.element, found.unit, *options_.tolerances);
+  return tolerance.bound(std::abs(found.expected));
+}
+
 void Replayer::differs(Divergence&& found) {
   found.tick = tick_.tick;
   found.time = time_of(tick_.tick, scenario_.time_step);
+  found.tolerance = tolerance_for(found);
   tick_differs_ = true;
   ++report_.values_different;
+  if (!report_.beyond && (!found.note.empty() || !(found.difference <= found.tolerance))) report_.beyond = found;
+  if (options_.on_difference) options_.on_difference(found);
   if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
   if (!report_.first) report_.first = std::move(found);
 }

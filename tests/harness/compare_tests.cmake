@@ -13,6 +13,7 @@ rehearse_add_test(judging_test LABEL unit
     golden_damage_test.cpp
     golden_list_test.cpp
     golden_test.cpp
+    noise_floor_test.cpp
     picture_difference_test.cpp
     series_plot_test.cpp
     tolerance_test.cpp

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <rehearse/tolerance.h>
 
+#include <cmath>
+
 namespace rehearse {
 namespace {
 
@@ -48,7 +50,18 @@ TEST(Tolerance, NormalsMayRoundOtherwise) { EXPECT_EQ(default_tolerance("unit ve
 TEST(Tolerance, UnitsWithoutADefaultAreExact) {
   EXPECT_EQ(default_tolerance("").bound(1e6), 0.0);
   EXPECT_EQ(default_tolerance("lx").bound(1e6), 0.0);
-  EXPECT_EQ(default_tolerance("pixels").pixel_share, 0.0);
+}
+
+TEST(Tolerance, PicturesMayRoundOtherwiseAndEdgesFallOnTheNextPixel) {
+  EXPECT_EQ(default_tolerance("pixels").pixel_delta, 2.0);
+  EXPECT_EQ(default_tolerance("pixels").pixel_share, 0.0005);
+  EXPECT_DOUBLE_EQ(default_tolerance("depth").bound(10.0), 1e-2);
+}
+
+TEST(Tolerance, ARangeMayDifferByALastBitOfSinglePrecision) {
+  const float range = 3.0F;
+  EXPECT_GE(default_tolerance("range").bound(range), std::nextafter(range, 4.0F) - range);
+  EXPECT_LT(default_tolerance("range").bound(range), 1e-6);
 }
 
 }  // namespace

@@ -129,6 +129,7 @@ void tell(const Checked& checked, double seconds) {
     fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
   if (report.comparison) fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "",
                                     table(*report.comparison));
+  for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   std::fflush(stdout);  // before what stderr says of it
   if (report.run) tell_remarks(*report.run);

@@ -18,7 +18,7 @@ constexpr VerbSummary verbs[] = {
     {"check", "run scenarios and compare them with their goldens", true},
     {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands", false},
     {"diff", "compare two traces; what differs first, first", false},
-    {"golden", "list the goldens; review, accept or reject the runs that wait to be one", true},
+    {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise", true},
     {"info", "what stands in a trace", false},
     {"inspect", "load a robot model and report what was understood of it", false},
     {"render", "draw a picture of a scenario or a model", true},

@@ -23,6 +23,7 @@ constexpr SubVerb sub_verbs[] = {
     {"accept", "make a run that waits the golden, whole or in part, and say what moved", declare_golden_accept},
     {"reject", "remove a run that waits; the golden stays as it is", declare_golden_reject},
     {"prune", "remove the goldens that no test and no scenario names", declare_golden_prune},
+    {"noise", "measure how far a scenario's runs stray without a reason that matters", declare_golden_noise},
 };
 
 std::function<Exit()> declare(CLI::App& options) {
@@ -67,7 +68,8 @@ const Verb golden_verb{"golden",
                        "  rehearse golden review\n"
                        "  rehearse golden accept SR1.StandsUnderItsMinimumController\n"
                        "  rehearse golden accept SR1.Walks --channel '/SR1/LeftCamera/*'\n"
-                       "  rehearse golden reject --all\n",
+                       "  rehearse golden reject --all\n"
+                       "  rehearse golden noise fixtures/scenarios/sr1_minimum.yaml\n",
                        declare};
 
 }  // namespace rehearse::tool

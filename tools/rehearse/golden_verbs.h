@@ -21,6 +21,7 @@ DeclareGolden declare_golden_review;
 DeclareGolden declare_golden_accept;
 DeclareGolden declare_golden_reject;
 DeclareGolden declare_golden_prune;
+DeclareGolden declare_golden_noise;
 
 /// The goldens of the working directory, or of the nearest folder above it that has some.
 Result<GoldenStore> open_store();

@@ -23,6 +23,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rehearse {
 
@@ -68,6 +69,8 @@ struct CheckReport {
   std::vector<ExpectationResult> expectations;  // of level closed
   std::string controller_problem;  // why the controllers couldn't be fed; empty: they could
   std::string plant_problem;       // why the world couldn't be moved by the golden's commands; empty: it could
+  /// What the measured noise says of the tolerances (noise_floor.h). Sentences; they fail nothing.
+  std::vector<std::string> remarks;
   bool golden_written = false;
 
   bool equal() const;   // every level that was compared
@@ -89,7 +92,7 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
 
 /// An object with verdict, equal, within, levels (controller, plant, closed), first, as in compare.h, and comparisons
 /// (plant, closed: null, or as to_json(Comparison)); horizon (null or [s]); expectations: for each its text, line,
-/// whether it holds, and first: null, or series, tick, time and value.
+/// whether it holds, and first: null, or series, tick, time and value; remarks.
 std::string to_json(const CheckReport& report);
 
 }  // namespace rehearse

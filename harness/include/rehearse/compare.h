@@ -39,6 +39,14 @@
 
 namespace rehearse {
 
+/// How far one series of numbers strays from its golden.
+struct SeriesComparison {
+  std::string element;     // of an orientation: without its axis
+  std::string unit;        // an orientation's is rad
+  double largest = 0.0;    // difference; by angle where it is one; NaN if a number met one that isn't any
+  double tolerance = 0.0;  // in force
+};
+
 /// What became of one channel, or of what several channels lack together.
 struct ChannelComparison {
   std::string channel;  // topic; of several the first
@@ -56,6 +64,9 @@ struct ChannelComparison {
   std::optional<Divergence> first;      // beyond tolerance, or missing
   std::optional<Divergence> first_bit;  // in any bit, or missing
   std::optional<Divergence> worst;      // by times its tolerance, then by difference
+  /// All but integers. Of pictures: the largest difference of a colour, "of 255", and the largest share "of pixels" that
+  /// differ by more than is allowed to each.
+  std::vector<SeriesComparison> series;
 };
 
 /// An event that isn't where the golden has it.
@@ -96,6 +107,7 @@ struct Comparison {
   std::optional<Divergence> worst;
   std::string explanation;  // what else changed that may have caused the first: "the renderer"; or empty
   std::vector<ChannelComparison> channels;  // all that differ in any way, by their first_bit
+  std::vector<ChannelComparison> same;      // all others that were compared
   std::vector<std::string> equal_channels;  // topics of all that don't, in the golden's order
   std::vector<EventDifference> event_differences;  // by tick, the first thousand
   std::vector<std::string> changed_files;          // attachments that are not what they were in the golden

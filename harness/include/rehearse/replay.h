@@ -9,18 +9,24 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/divergence.h>
 #include <rehearse/host_options.h>
+#include <rehearse/scenario.h>
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rehearse {
 
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before it are not compared [s]
   std::optional<double> until;  // the replay ends there [s]
+  /// How far a command may be from the recorded one and still count as within; empty: not asked, no command may.
+  std::optional<std::vector<ToleranceRule>> tolerances;
+  /// Called with each difference, in the order of ticks; null: not.
+  std::function<void(const Divergence&)> on_difference;
   /// Called about every hundredth of the recording with the ticks done and all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
@@ -32,12 +38,14 @@ struct ReplayReport {
   std::int64_t values_different = 0;
   std::optional<Divergence> first;    // in the order of ticks, controllers, links
   std::optional<Divergence> worst;    // by absolute difference
+  std::optional<Divergence> beyond;   // the first beyond ReplayOptions::tolerances; without them, the first
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   bool controller_refused = false;
   bool same_libraries = false;  // every controller's file is, byte by byte, the one that was recorded
   Diagnostics remarks;
 
   bool equal() const { return !first && !failure; }
+  bool within() const { return !beyond && !failure; }
 };
 
 /// Fails if the trace can't be read or holds no recording of ours, if a library doesn't load, or if a controller reads

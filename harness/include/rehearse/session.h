@@ -17,6 +17,10 @@
 namespace rehearse {
 
 struct RecordOptions : HostOptions {
+  /// Keep the state every 0.1 s. Without, the plant level of a check runs from the start.
+  bool checkpoints = true;
+  /// Moves each body by a last bit before the first tick, to see how far that carries. See World::nudge().
+  std::optional<std::uint32_t> nudge;
   /// Called about every hundredth of the run with the ticks done and all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
@@ -42,7 +46,7 @@ Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path&
 class Session {
  public:
   static Result<std::unique_ptr<Session>> create(const Scenario& scenario, const std::filesystem::path& trace,
-                                                 const HostOptions& options);
+                                                 const RecordOptions& options);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;

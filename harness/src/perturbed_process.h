@@ -1,0 +1,27 @@
+// A perturbed run in a process of its own, and what it hands back. Internal to the measurement of noise.
+#pragma once
+
+#include <rehearse/divergence.h>
+#include <rehearse/perturbed_run.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace rehearse {
+
+/// Variables of the process's environment, with their values; none: taken away. It doesn't pin itself again.
+using EnvironmentChanges = std::map<std::string, std::optional<std::string>>;
+
+struct PerturbedOutcome {
+  bool same_mathematics = false;  // its C library computes the bits that this process's does
+  std::map<std::pair<std::string, std::string>, double> commands;  // largest difference by topic and unit
+  std::optional<Divergence> beyond;                                // the first command beyond tolerance
+};
+
+/// Starts `program golden noise --perturbed ...` and waits for it. Its traces stay in the run's folder.
+Result<PerturbedOutcome> run_perturbed_process(const std::filesystem::path& program, const PerturbedRun& run,
+                                               const EnvironmentChanges& changes);
+
+}  // namespace rehearse

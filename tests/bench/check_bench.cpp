@@ -1,0 +1,57 @@
+// What the plant level of a check costs, and what checkpoints cost a recording.
+#include <rehearse/plant_run.h>
+#include <rehearse/session.h>
+#include <rehearse/trace.h>
+
+#include <filesystem>
+
+#include "pairs.h"
+#include "plant_level.h"
+#include "sr1_run.h"
+
+namespace rehearse {
+namespace {
+
+
+/// Work: the plant level as a check does it: the world under the recorded commands, set back at each checkpoint and
+/// recorded; that trace loaded and compared. Base: the closed level: the run recorded, loaded and compared.
+void plant_level_over_closed_level(benchmark::State& state) {
+  const Sr1Run& sr1 = Sr1Run::instance();
+  const Trace golden = must(Trace::load(sr1.trace()));
+  const Simulation simulation{record, run_plant};
+  Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);  // a writer compresses in a thread of its own
+  for (auto _ : state) {
+    const auto plant = [&] {
+      const PlantLevel level =
+          must(compare_plant(simulation, sr1.scenario(), golden, sr1.folder() / "plant.mcap", {}));
+      if (!level.comparison.equal) state.SkipWithError("the plant level differs");
+    };
+    const auto closed = [&] {
+      must(record(sr1.scenario(), sr1.folder() / "closed.mcap"));
+      const Trace run = must(Trace::load(sr1.folder() / "closed.mcap"));
+      if (!compare(golden, run, sr1.scenario().tolerances).equal) state.SkipWithError("the closed level differs");
+    };
+    state.SetIterationTime(pairs.measure(plant, closed));
+  }
+  pairs.report(state, static_cast<double>(sr1.ticks()), static_cast<double>(sr1.ticks()));
+}
+BENCHMARK(plant_level_over_closed_level)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// Work: a whole recording with checkpoints, some of them tried out. Base: the same without. `size_ratio`: of the files.
+void checkpoints_over_none(benchmark::State& state) {
+  const Sr1Run& sr1 = Sr1Run::instance();
+  RecordOptions without;
+  without.checkpoints = false;
+  const std::filesystem::path with_file = sr1.folder() / "with.mcap", without_file = sr1.folder() / "without.mcap";
+  Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
+  for (auto _ : state)
+    state.SetIterationTime(pairs.measure([&] { must(record(sr1.scenario(), with_file)); },
+                                         [&] { must(record(sr1.scenario(), without_file, without)); }));
+  pairs.report(state, static_cast<double>(sr1.ticks()), static_cast<double>(sr1.ticks()));
+  state.counters["size_ratio"] = static_cast<double>(std::filesystem::file_size(with_file)) /
+                                 static_cast<double>(std::filesystem::file_size(without_file));
+}
+BENCHMARK(checkpoints_over_none)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rehearse
