@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int file_version = 1;
+constexpr double estimated_share = 0.8;  // of a measured horizon
 constexpr Range any_difference{0.0, 1e300};
 constexpr Range any_time{0.0, 1e9, "[s]"};
 
@@ -203,7 +204,8 @@ std::map<std::string, double, std::less<>> noise_of_series(const NoiseFloor& noi
 std::optional<double> estimated_horizon(const Trace& golden) {
   const auto noise = load_noise_floor(noise_file_of(golden.file()));
   if (!noise || noise->recording != hash_of_recording(golden)) return std::nullopt;
-  return noise->horizon();
+  const std::optional<double> left = noise->horizon();
+  return left ? std::optional(estimated_share * *left) : std::nullopt;
 }
 
 std::string to_yaml(const NoiseFloor& noise) {

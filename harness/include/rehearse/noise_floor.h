@@ -91,7 +91,9 @@ Result<NoiseFloor> load_noise_floor(const std::filesystem::path& file);
 /// As CompareOptions wants it: the noise of each series that the golden has. Empty if it was measured of another golden.
 std::map<std::string, double, std::less<>> noise_of_series(const NoiseFloor& noise, const Trace& golden);
 
-/// The horizon that was measured of that golden, which has a file; none: none is known, or it was measured of another.
+/// Up to when [s] a closed run is comparable with that golden, by the noise file beside it: 0.8 of the measured horizon,
+/// since a perturbation that wasn't tried may leave the tolerances earlier. None: there is no file, it was measured of
+/// another golden, or no run left.
 std::optional<double> estimated_horizon(const Trace& golden);
 
 /// 16 hexadecimal digits: of all the numbers in a recording, and the times of its messages.
