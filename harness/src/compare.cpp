@@ -34,7 +34,7 @@ std::int64_t TickClock::tick_at(std::uint64_t time) const {
 
 bool TickClock::has(std::uint64_t time) const { return std::binary_search(times_.begin(), times_.end(), time); }
 
-bool Findings::count(double difference, double tolerance, bool beyond) {
+bool ChannelFindings::count(double difference, double tolerance, bool beyond) {
   ++result_.differing;
   if (beyond) ++result_.beyond;
   const double times = times_tolerance(difference, tolerance);
@@ -43,7 +43,7 @@ bool Findings::count(double difference, double tolerance, bool beyond) {
   return worse || !result_.first_bit || (beyond && !result_.first);
 }
 
-void Findings::describe(const Divergence& divergence, bool beyond) {
+void ChannelFindings::describe(const Divergence& divergence, bool beyond) {
   mark(divergence);
   if (beyond && (!result_.first || comes_before(divergence, *result_.first))) result_.first = divergence;
   const double times = times_tolerance(divergence.difference, divergence.tolerance);
@@ -56,12 +56,12 @@ void Findings::describe(const Divergence& divergence, bool beyond) {
   result_.worst = divergence;
 }
 
-void Findings::structure(const Divergence& divergence) {
+void ChannelFindings::structure(const Divergence& divergence) {
   if (!result_.first || comes_before(divergence, *result_.first)) result_.first = divergence;
   mark(divergence);
 }
 
-void Findings::mark(const Divergence& divergence) {
+void ChannelFindings::mark(const Divergence& divergence) {
   if (!result_.first_bit || comes_before(divergence, *result_.first_bit)) result_.first_bit = divergence;
 }
 
@@ -175,7 +175,7 @@ MatchedChannel match(const ComparedTraces& traces, const TraceChannel& golden, c
   return matched;
 }
 
-void report_unmatched(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings) {
+void report_unmatched(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
   const auto report = [&](const TraceChannel& of, const std::vector<std::size_t>& messages, const char* what) {
     if (messages.empty()) return;
     Divergence divergence = place_of(traces, of, of.times[messages.front()]);
@@ -199,7 +199,7 @@ bool is_compared_elsewhere(const TraceChannel& channel) {
 /// One channel that both traces have.
 void compare_channel(const ComparedTraces& traces, const TraceChannel& golden, const TraceChannel& actual,
                      ChannelComparison& result) {
-  Findings findings(result);
+  ChannelFindings findings(result);
   const bool both_spoke = golden.messages() > 0 && actual.messages() > 0;
   if (golden.type != actual.type || (both_spoke && golden.columns.empty() != actual.columns.empty())) {
     Divergence divergence = place_of(traces, golden, golden.times.empty() ? 0 : golden.times.front());

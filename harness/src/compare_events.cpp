@@ -24,7 +24,7 @@ std::string_view verb_of(const EventEdge& edge) { return edge.begins ? "begins" 
 /// Judges one sequence.
 class SequenceJudge {
  public:
-  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence, Findings& findings,
+  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence, ChannelFindings& findings,
                 std::vector<EventDifference>& differences)
       : traces_(traces), name_(name), sequence_(sequence), findings_(findings), differences_(differences) {
     const auto stated = tolerance_of(name, "", traces.rules).ticks;
@@ -128,7 +128,7 @@ class SequenceJudge {
   ComparedTraces& traces_;
   const std::string& name_;
   const EventSequence& sequence_;
-  Findings& findings_;
+  ChannelFindings& findings_;
   std::vector<EventDifference>& differences_;
   int allowed_ = 0;  // [ticks]
   bool blanks_ = false;
@@ -213,7 +213,7 @@ class MessageJudge {
   }
 
   const ComparedTraces& traces_;
-  Findings findings_;
+  ChannelFindings findings_;
   std::vector<EventDifference>& differences_;
 };
 
@@ -227,7 +227,7 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
     if (traces.options.takes(stage_of(sequence.second.source.channel)))
       by_channel[sequence.second.source.channel].push_back(&sequence);
   for (const auto& [channel, of_channel] : by_channel) {
-    Findings findings(add(channel));
+    ChannelFindings findings(add(channel));
     for (const auto* sequence : of_channel)
       SequenceJudge(traces, sequence->first, sequence->second, findings, differences).judge();
   }

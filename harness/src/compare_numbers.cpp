@@ -52,7 +52,7 @@ bool may_be_missing(const TraceChannel& channel) { return channel.type == msg::C
 /// Judges the rows of one channel.
 class NumberJudge {
  public:
-  NumberJudge(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
+  NumberJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
   void compare_rows();
 
  private:
@@ -77,13 +77,13 @@ class NumberJudge {
 
   const ComparedTraces& traces_;
   const MatchedChannel& channel_;
-  Findings& findings_;
+  ChannelFindings& findings_;
   std::vector<Column> columns_;  // but those of orientations
   std::vector<Orientation> orientations_;
   bool same_columns_ = true;
 };
 
-NumberJudge::NumberJudge(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings)
+NumberJudge::NumberJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings)
     : traces_(traces), channel_(channel), findings_(findings) {
   match_columns();
   findings_.result().values =
@@ -408,7 +408,7 @@ bool is_result_of_control(const TraceChannel& channel, std::string_view element)
   return channel.type == msg::Tick::type_name && element.starts_with("controller_results/");
 }
 
-void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings) {
+void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
   NumberJudge(traces, channel, findings).compare_rows();
 }
 

@@ -70,9 +70,9 @@ struct MatchedChannel {
 };
 
 /// Collects the divergences of one channel: counts them, keeps the first and the worst.
-class Findings {
+class ChannelFindings {
  public:
-  explicit Findings(ChannelComparison& result) : result_(result) {}
+  explicit ChannelFindings(ChannelComparison& result) : result_(result) {}
   /// Counts a value whose bits differ. True if it has to be described: it is the first, the first beyond, or the worst.
   bool count(double difference, double tolerance, bool beyond);
   /// The place of what was just counted.
@@ -113,8 +113,8 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
 /// What control() returned is compared as events.
 bool is_result_of_control(const TraceChannel& channel, std::string_view element);
 
-void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
-void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings);
+void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
+void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
 bool is_picture(const TraceChannel& channel);
 /// Of a camera's colours or distances.
 Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);

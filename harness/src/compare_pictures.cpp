@@ -19,7 +19,7 @@ std::string share_text(std::size_t count, std::size_t all) {
 /// Judges the pictures of one channel.
 class PictureJudge {
  public:
-  PictureJudge(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings)
+  PictureJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings)
       : traces_(traces), channel_(channel), findings_(findings), unit_(unit_of(channel.golden, "")) {
     tolerance_ = picture_tolerance(channel.golden, traces.rules);
   }
@@ -91,7 +91,7 @@ class PictureJudge {
 
   const ComparedTraces& traces_;
   const MatchedChannel& channel_;
-  Findings& findings_;
+  ChannelFindings& findings_;
   std::string unit_;
   Tolerance tolerance_;
   double color_ = 0.0;  // largest difference so far [of 255]
@@ -114,7 +114,7 @@ Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<Toler
   return tolerance_of(series_of(channel), unit == "m" ? "depth" : unit, rules);
 }
 
-void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, Findings& findings) {
+void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
   const bool pictures = is_picture(channel.golden);
   PictureJudge judge(traces, channel, findings);
   findings.result().values = static_cast<std::int64_t>(channel.pairs.size());

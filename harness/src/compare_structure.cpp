@@ -31,7 +31,7 @@ Divergence place_of_tick(const TickClock& clock, std::uint64_t time) {
   return divergence;
 }
 
-void compare_lengths(ComparedTraces& traces, Findings& findings) {
+void compare_lengths(ComparedTraces& traces, ChannelFindings& findings) {
   const std::uint64_t golden_end = traces.clock.last_time(), actual_end = traces.actual_clock.last_time();
   const std::uint64_t asked = std::exchange(traces.end, std::min({golden_end, actual_end, traces.end}));
   if (golden_end == actual_end || asked <= std::min(golden_end, actual_end)) return;
@@ -49,7 +49,7 @@ void compare_lengths(ComparedTraces& traces, Findings& findings) {
 }
 
 /// The ticks of one clock that the other hasn't; one finding at the first of them, with its neighbours.
-void compare_clocks(const ComparedTraces& traces, bool missing, Findings& findings) {
+void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings& findings) {
   const TickClock& of = missing ? traces.clock : traces.actual_clock;
   const TickClock& other = missing ? traces.actual_clock : traces.clock;
   std::vector<std::uint64_t> lone;
@@ -74,7 +74,7 @@ void compare_clocks(const ComparedTraces& traces, bool missing, Findings& findin
 }
 
 /// Where two clocks run at different speed, every tick but the first is somewhere else, which is one finding.
-bool has_another_step(const ComparedTraces& traces, Findings& findings) {
+bool has_another_step(const ComparedTraces& traces, ChannelFindings& findings) {
   const auto &golden = traces.clock.times(), &actual = traces.actual_clock.times();
   if (golden.size() < 2 || actual.size() < 2) return false;
   const auto number = [](const Trace& trace) {
@@ -95,7 +95,7 @@ bool has_another_step(const ComparedTraces& traces, Findings& findings) {
 
 void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
   if (traces.clock.empty() || traces.actual_clock.empty()) return;
-  Findings findings(result);
+  ChannelFindings findings(result);
   compare_lengths(traces, findings);
   traces.another_step = has_another_step(traces, findings);
   if (traces.another_step) return;
@@ -136,7 +136,7 @@ class LoneChannels {
       if (result.channels > 1) result.group = group.prefix;
       Divergence divergence = place_of(traces_, channel, channel.times.empty() ? 0 : channel.times.front());
       divergence.note = text_of(group, result.channels);
-      Findings(result).structure(divergence);
+      ChannelFindings(result).structure(divergence);
     }
   }
 
