@@ -22,6 +22,7 @@ target_sources(rehearse_harness PRIVATE
   src/golden_files.cpp
   src/golden_list.cpp
   src/golden_partial.cpp
+  src/noise_file.cpp
   src/noise_floor.cpp
   src/noise_measurement.cpp
   src/partial_candidate.cpp
