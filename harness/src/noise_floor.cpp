@@ -125,7 +125,8 @@ std::vector<std::string> noise_remarks(const NoiseFloor& noise, const Trace& gol
     const double measured = std::max(channel.controller.value_or(0.0), channel.plant.value_or(0.0));
     const double floor = noise.of_unit(channel.unit);
     if (measured > tolerance) keep_worst(below, channel, tolerance, measured, measured / tolerance);
-    if (channel.unit != "of pixels" && tolerance > doubtful * floor) keep_worst(above, channel, tolerance, floor, tolerance / floor);
+    const bool loosened = tolerance > default_tolerance(channel.unit).atol;  // a default isn't doubted
+    if (channel.unit != "of pixels" && loosened && tolerance > doubtful * floor) keep_worst(above, channel, tolerance, floor, tolerance / floor);
   }
   if (below.count > 0)
     remarks.push_back(fmt::format("{} {} below the measured noise, the most in {}: {:g} is allowed, {:.3g} is noise",

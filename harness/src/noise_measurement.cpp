@@ -157,8 +157,8 @@ Result<void> NoiseMeasurement::take_closed(const fs::path& file, Perturbation& p
   if (comparison.first) perturbation.horizon = comparison.first->time;
   const double end = perturbation.horizon.value_or(recording_.duration());
   const double half = strayed_until(recording_, *trace, 0.5 * end), whole = strayed_until(recording_, *trace, end);
-  if (half > 0.0 && whole > half && end > 0.0)
-    floor_.growth = std::max(floor_.growth.value_or(1.0), std::pow(whole / half, 2.0 / end));
+  const double growth = half > 0.0 && end > 0.0 ? std::pow(whole / half, 2.0 / end) : 1.0;
+  if (growth > 2.0) floor_.growth = std::max(floor_.growth.value_or(growth), growth);
   std::error_code ignored;
   fs::remove(file, ignored);
   return {};

@@ -51,7 +51,7 @@ struct NoiseFloor {
   mcap::StringMap made_with;    // versions and processor, as in provenance
   std::vector<Perturbation> perturbations;
   std::vector<ChannelNoise> channels;  // in the order of the recording
-  /// How much larger the closed runs' differences become in a second; none: they didn't.
+  /// How much larger the closed runs' differences become in a second; none: not even twice.
   std::optional<double> growth;
 
   /// The earliest of all perturbations [s]; none: no closed run left the tolerances, or none was made.
@@ -105,7 +105,7 @@ std::string hash_of_recording(const Trace& trace);
 inline constexpr double doubtful_tolerance = 1e9;  // times the noise
 
 /// What there is to say of the tolerances in force, as comparisons with the golden found them: those below the noise,
-/// those more than `doubtful` times above it, and if the noise was measured with other versions or another golden.
+/// those that a rule sets more than `doubtful` times above it, and if the noise was measured with other versions or another golden.
 /// Sentences.
 std::vector<std::string> noise_remarks(const NoiseFloor& noise, const Trace& golden,
                                        const std::vector<const Comparison*>& comparisons,
