@@ -53,7 +53,7 @@ TEST_F(Compare, TellsWhereAndByHowMuchACommandDiffers) {
   EXPECT_EQ(comparison.beyond, 1);
   EXPECT_EQ(verdict(comparison),
             "differs at tick 1 (0.001 s): /Robot/Pd/output/joints KNEE/u is 12.5 N·m, expected 12 N·m: off by 0.5 N·m "
-            "(relative 0.0417, 2.8e+14 ULPs, 5e+03 times the tolerance of 0.0001 N·m; stage: controller)");
+            "(relative 0.0417, 2.8e+14 ULPs, 500 times the tolerance of 0.001 N·m; stage: controller)");
 }
 
 TEST_F(Compare, BlamesTheStateBeforeTheInputsAndTheInputsBeforeTheCommandsOfATick) {
@@ -397,7 +397,7 @@ TEST_F(Compare, WritesJsonWithInfinitiesAndNanAsStrings) {
   EXPECT_EQ(first["difference"], "NaN");
   EXPECT_EQ(first["relative"], nullptr);
   EXPECT_EQ(first["ulps"], nullptr);
-  EXPECT_EQ(first["tolerance"], 1e-4);
+  EXPECT_EQ(first["tolerance"], 1e-3);
   EXPECT_EQ(first["unit"], "N·m");
   EXPECT_EQ(first["stage"], "controller");
 }
@@ -414,7 +414,7 @@ TEST_F(Compare, WritesJsonWithAllThatTheTableTells) {
   const auto json = nlohmann::json::parse(to_json(compared({rule("Nobody/*")})));
   EXPECT_EQ(json["first"]["difference"], 1.5);
   EXPECT_EQ(json["first"]["relative"], 0.125);
-  EXPECT_EQ(json["first"]["times_tolerance"], 1.5 / 1e-4);
+  EXPECT_EQ(json["first"]["times_tolerance"], 1.5 / 1e-3);
   EXPECT_EQ(json["worst"], json["first"]);
   EXPECT_EQ(json["first_bit"], json["first"]);
   EXPECT_EQ(json["differing"], 2);

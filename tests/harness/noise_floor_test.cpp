@@ -30,8 +30,8 @@ class NoiseFloorTest : public ::testing::Test {
     noise_.perturbations = {{"last bits, pattern 1", "", false, true, true, 1.25, std::nullopt},
                             {"last bits, pattern 2", "", false, true, true, 0.5, std::nullopt},
                             {"renderer of SSE2", "no camera of the scenario runs", false, true, false, {}, {}}};
-    noise_.channels = {{"/SR1/joints", "rad", std::nullopt, 3.0e-15, 1e-9},
-                       {"/SR1/Pd/output/joints", "N·m", 2.0e-13, std::nullopt, 1e-4}};
+    noise_.channels = {{"/Robot/joints", "rad", std::nullopt, 3.0e-15, 1e-9},
+                       {"/Robot/Pd/output/joints", "N·m", 2.0e-13, std::nullopt, 1e-4}};
     noise_.growth = 1234.0;
   }
 
@@ -101,7 +101,7 @@ TEST_F(NoiseFloorTest, TellsSmallDifferencesFromOthers) {
   CompareOptions options;
   options.noise_floors = noise_of_series(noise_, golden_);
   options.stages = {Stage::physics};
-  EXPECT_EQ(options.noise_floors.at("SR1/KNEE/q"), 3.0e-15);
+  EXPECT_EQ(options.noise_floors.at("Robot/KNEE/q"), 3.0e-15);
   EXPECT_EQ(compare(golden_, run, {}, options).in_noise, 1);
   EXPECT_THAT(noise_of_series(noise_, run), IsEmpty()) << "that of another golden says nothing";
 }
@@ -110,13 +110,13 @@ TEST_F(NoiseFloorTest, SaysNothingOfTolerancesAboveIt) { EXPECT_THAT(remarks(), 
 
 TEST_F(NoiseFloorTest, TellsTolerancesBelowIt) {
   EXPECT_THAT(remarks(everything(1e-15)),
-              ElementsAre("2 tolerances lie below the measured noise, the most in /SR1/Pd/output/joints [N·m]: 1e-15 is "
+              ElementsAre("2 tolerances lie below the measured noise, the most in /Robot/Pd/output/joints [N·m]: 1e-15 is "
                           "allowed, 2e-13 is noise"));
 }
 
 TEST_F(NoiseFloorTest, TellsTolerancesFarAboveIt) {
   EXPECT_THAT(remarks(everything(1e-5)),
-              ElementsAre("1 tolerance lies more than 1e+09 times above the measured noise, the most in /SR1/joints [rad]: "
+              ElementsAre("1 tolerance lies more than 1e+09 times above the measured noise, the most in /Robot/joints [rad]: "
                           "1e-05 is allowed, 3e-15 is the noise of its unit"));
 }
 
@@ -145,7 +145,7 @@ TEST(BrokenNoiseFloor, IsAnsweredAtItsPlace) {
   EXPECT_THAT(answer("noise_without_recording"), HasSubstr("noise_without_recording.noise:1:1: error: "));
   EXPECT_THAT(answer("noise_without_recording"), HasSubstr("recording"));
   EXPECT_THAT(answer("noise_of_another_version"), HasSubstr("noise_of_another_version.noise:1:8: error: "));
-  EXPECT_THAT(answer("noise_negative"), HasSubstr("noise_negative.noise:5:51: error: "));
+  EXPECT_THAT(answer("noise_negative"), HasSubstr("noise_negative.noise:5:46: error: "));
   EXPECT_THAT(answer("noise_of_an_unknown_level"), HasSubstr("noise_of_an_unknown_level.noise:4:32: error: "));
   EXPECT_THAT(answer("noise_that_isnt_there"), HasSubstr("noise_that_isnt_there.noise"));
 }

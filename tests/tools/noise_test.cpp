@@ -78,7 +78,9 @@ TEST_F(GoldenNoise, LetsACheckSayWhichTolerancesLieBelowIt) {
   done({"golden", "noise", "stands.yaml"});
   EXPECT_THAT(done({"check", "stands.yaml", "--json"}).json()["remarks"], ::testing::IsEmpty());
   std::string scenario = read_file(folder() / "stands.yaml");
-  write("stands.yaml", scenario + "  - {channel: \"*/q\", atol: 1.0e-18}\n");
+  const std::string before = "{channel: \"SR1/*/q\", atol: 1.0e-7}";
+  ASSERT_NE(scenario.find(before), std::string::npos);
+  write("stands.yaml", scenario.replace(scenario.find(before), before.size(), "{channel: \"SR1/*/q\", atol: 1.0e-18}"));
   const Outcome outcome = done({"check", "stands.yaml"});
   EXPECT_THAT(outcome.out, HasSubstr("\n  note: 1 tolerance lies below the measured noise, the most in /SR1/joints [rad]: "
                                      "1e-18 is allowed, "));
