@@ -18,6 +18,8 @@ class ContactRecorder {
   ContactRecorder(TraceOutput& output, const Scenario& scenario);
   /// What has changed since the last call; before the first nothing touches. `touching` is ascending.
   Result<void> write(TraceOutput& output, std::int64_t tick, const std::vector<LinkPair>& touching);
+  /// The same of a run that begins in the middle: this touched before already.
+  void begin_with(const std::vector<LinkPair>& touching) { touching_ = touching; }
 
  private:
   Result<void> write_change(TraceOutput& output, std::int64_t tick, const LinkPair& pair, bool begins);

@@ -39,7 +39,11 @@ void set_pinned_environment() {
 }
 
 void pin_process(char** argv) {
-  if (is_pinned() || std::getenv(started_again)) return;
+  if (is_pinned()) {
+    unsetenv(started_again);  // the programs that this one starts may need to be pinned again
+    return;
+  }
+  if (std::getenv(started_again)) return;
   set_pinned_environment();
   setenv(started_again, "1", 1);
   execv("/proc/self/exe", argv);

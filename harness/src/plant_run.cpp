@@ -136,7 +136,11 @@ Result<bool> PlantRun::step(std::int64_t last) {
   const std::int64_t tick = plant->tick();
   plant->sense();
   if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done.errors();
-  if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done) return done.errors();
+  // what touches is known after a step; of a run that begins in the middle, the first that is known begins nothing
+  if (options.from > 0 && tick <= options.from + 1)
+    recorder->begin_with_contacts(plant->world().touching());
+  else if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done)
+    return done.errors();
   if (auto done = recorder->record_tick(tick, nullptr, {plant->world().state_hash(), 0, 0}); !done)
     return done.errors();
   if (tick >= last) return false;

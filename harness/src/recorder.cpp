@@ -474,6 +474,10 @@ Result<void> Recorder::Impl::write_link(std::int64_t tick, const SideChannels::L
   }
 }
 
+void Recorder::begin_with_contacts(const std::vector<LinkPair>& touching) {
+  impl_->contact_recorder->begin_with(touching);
+}
+
 Result<void> Recorder::record_contacts(std::int64_t tick, const std::vector<LinkPair>& touching) {
   return impl_->contact_recorder->write(*impl_, tick, touching);
 }

@@ -49,6 +49,8 @@ class Recorder {
   /// Which links touch after the last step, as World::touching() tells; what has changed since the last call is
   /// written.
   Result<void> record_contacts(std::int64_t tick, const std::vector<LinkPair>& touching);
+  /// A run that begins in the middle: these touched before already.
+  void begin_with_contacts(const std::vector<LinkPair>& touching);
   /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
