@@ -35,7 +35,6 @@ class Detective {
 
  private:
   std::optional<Comparison> plant_again(const Scenario& scenario, const PlantOptions& options);
-  Divergence place_in_plant(const Comparison& comparison) const;
   bool is_noise(const Divergence& place, const Scenario& recorded);
   std::string origin(const Divergence& place, const Comparison& comparison);
 
@@ -89,7 +88,7 @@ Blame Detective::controller(const Evidence& evidence) const {
     return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message, std::nullopt};
   const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
   if (first.stage == Stage::inputs) return {"the golden is not what was recorded: at " + to_string(first), first};
-  if (evidence.replay->same_libraries)
+  if (evidence.replay->same_controllers)
     return {"the controller is the one that was recorded, but fed with the golden's inputs it differs at " +
                 to_string(first) +
                 "; it depends on something that is no input of its: uninitialised memory, the clock, chance",
@@ -97,20 +96,20 @@ Blame Detective::controller(const Evidence& evidence) const {
   return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first), first};
 }
 
-/// Where the plant comes apart. What sensors and cameras tell follows from the state, and may leave its tolerance before
-/// the state does. Where bits can be trusted to be the same, other bits in the state tell that the physics changed.
-Divergence Detective::place_in_plant(const Comparison& comparison) const {
-  const Divergence* place = &*comparison.first;
-  if (place->stage == Stage::physics) return *place;
+/// What sensors and cameras tell follows from the state, and may leave its tolerance before the state does. Where bits
+/// can be trusted to be the same, other bits in the state before that tell that the physics changed.
+const Divergence* state_before(const Divergence& place, const Comparison& comparison) {
+  if (place.stage == Stage::physics) return nullptr;
+  const Divergence* before = nullptr;
   for (const ChannelComparison& channel : comparison.channels) {
     if (!channel.first_bit || channel.first_bit->stage != Stage::physics || channel.channel == "/tick") continue;
     const Divergence& bit = *channel.first_bit;
     const bool notable =
-        comparison.same_arithmetic || (channel.worst && times_tolerance(channel.worst->difference,
-                                                                        channel.worst->tolerance) > 1e-3);
-    if (notable && (bit.tick < place->tick || (bit.tick == place->tick && place->stage != Stage::physics))) place = &bit;
+        comparison.same_arithmetic ||
+        (channel.worst && times_tolerance(channel.worst->difference, channel.worst->tolerance) > 1e-3);
+    if (notable && bit.tick <= place.tick && (!before || bit.tick < before->tick)) before = &bit;
   }
-  return *place;
+  return before;
 }
 
 /// Whether the noise of the recorded scenario, instead of this one's, gives what was recorded.
@@ -167,10 +166,16 @@ Blame Detective::plant(const Evidence& evidence) {
   if (!evidence.plant_comparison)
     return {"the world can't be moved by the golden's commands: " + evidence.plant_problem, std::nullopt};
   const Comparison& comparison = *evidence.plant_comparison;
-  const Divergence place = place_in_plant(comparison);
-  const bool innocent = evidence.controller == LevelState::equal;
-  return {fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}", to_string(place.stage),
-                      innocent ? ", the controller did not" : "", to_string(place), origin(place, comparison)),
+  Divergence place = *comparison.first;
+  std::string since;
+  if (const Divergence* before = state_before(place, comparison)) {
+    since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel, before->element,
+                        before->tick);
+    place.stage = Stage::physics;
+  }
+  const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
+  return {fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}{}", to_string(place.stage),
+                      innocent ? ", the controller did not" : "", to_string(place), since, origin(place, comparison)),
           place};
 }
 

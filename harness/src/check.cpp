@@ -21,7 +21,8 @@ LevelState state_of(const Comparison& comparison) {
   return comparison.within ? LevelState::within : LevelState::differs;
 }
 
-/// The libraries of the scenario as it is now: the golden's own scenario knows names only, not where paths begin.
+/// Libraries and options of the scenario as it is now. The golden's own scenario knows names of libraries only, not where
+/// paths begin, and other options are a change of the controller.
 HostOptions host_options(const Scenario& scenario, const HostOptions& given) {
   HostOptions options = given;
   const auto add = [&](const ScenarioBody& body, const ScenarioController& controller) {
@@ -29,7 +30,9 @@ HostOptions host_options(const Scenario& scenario, const HostOptions& given) {
     std::error_code ignored;
     if (given.libraries.count(controller.name) == 0 && fs::is_regular_file(file, ignored))
       options.libraries.emplace(body.name + "/" + controller.name, fs::absolute(file, ignored).string());
+    options.controller_options.emplace(body.name + "/" + controller.name, controller.options);
   };
+  options.run_options = scenario.options;
   for (const ScenarioBody& body : scenario.bodies) {
     for (const ScenarioController& controller : body.controllers) {
       add(body, controller);

@@ -113,8 +113,11 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   hosted.label = owner.name + "/" + specification.name;
   hosted.body = body;
   hosted.parent = parent;
-  hosted.io = std::make_unique<ControllerIo>(specification.name, scenario_->options, specification.options,
-                                             scenario_->time_step);
+  const auto stated = options_.controller_options.find(hosted.label);
+  const std::string& own_options = stated == options_.controller_options.end() ? specification.options : stated->second;
+  const std::string& run_options = options_.run_options ? *options_.run_options : scenario_->options;
+  other_options_ = other_options_ || own_options != specification.options || run_options != scenario_->options;
+  hosted.io = std::make_unique<ControllerIo>(specification.name, run_options, own_options, scenario_->time_step);
   hosted.io->setNoDelayMode(!specification.delay);
   if (scenario_->joystick) hosted.joystick = std::make_unique<HostJoystick>();
 

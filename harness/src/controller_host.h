@@ -80,6 +80,8 @@ class ControllerHost {
   const std::optional<Diagnostic>& failure() const { return failure_; }
   /// A controller refused to configure, initialise or start; the run goes on without it.
   bool any_refused() const { return refused_; }
+  /// Some controller was given other options than the scenario's.
+  bool has_other_options() const { return other_options_; }
   /// What happened since the last call, in order; includes the controllers' messages (severity note).
   std::vector<msg::Event> take_events();
 
@@ -108,6 +110,7 @@ class ControllerHost {
   std::vector<msg::Event> events_;
   std::optional<Diagnostic> failure_;
   bool refused_ = false;
+  bool other_options_ = false;
   bool stopped_ = false;
   std::int64_t tick_ = 0;
 };

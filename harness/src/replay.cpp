@@ -37,7 +37,7 @@ class Replayer {
   bool finish_tick();
   void compare_inputs();
   void compare_results();
-  bool same_libraries() const;
+  bool same_controllers() const;
   double tolerance_for(const Divergence& found) const;
   void differs(Divergence&& found);
   void take_events();
@@ -140,7 +140,7 @@ Result<ReplayReport> Replayer::run() {
   take_events();
   report_.failure = host_.failure();
   report_.controller_refused = host_.any_refused();
-  report_.same_libraries = same_libraries();
+  report_.same_controllers = same_controllers();
   return report_;
 }
 
@@ -201,7 +201,8 @@ void Replayer::compare_inputs() {
   reads_the_same_ = false;  // said once
 }
 
-bool Replayer::same_libraries() const {
+bool Replayer::same_controllers() const {
+  if (host_.has_other_options()) return false;
   const mcap::StringMap* facts = nullptr;
   for (const mcap::Metadata& metadata : trace_.metadata())
     if (metadata.name == "rehearse") facts = &metadata.values;

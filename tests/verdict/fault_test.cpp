@@ -97,6 +97,8 @@ std::vector<Fault> faults() {
       controller_fault("a stale value kept", "StandWith_stale"),
       {"uninitialised memory", differs, equal, differs, Stage::controller, "uninitialised memory",
        "StandWith_uninitialised"},
+      {"an option off by 0.1 %", differs, equal, differs, Stage::controller, "the controller changed", nullptr,
+       Edit{"scenario.yaml", "library: StandWith_none}", "library: StandWith_none, options: \"1.001\"}"}},
       {"friction off by 1 %", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
        Edit{"scenario.yaml", "friction: 1}", "friction: 0.99}"}},
       {"a link's mass off by 1 g", equal, differs, differs, Stage::physics, "it is because of sr1.urdf", nullptr,

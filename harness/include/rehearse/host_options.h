@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 namespace rehearse {
@@ -9,6 +10,10 @@ namespace rehearse {
 struct HostOptions {
   /// Library (a name or a path) to load instead of the scenario's, by controller: NAME or BODY/NAME.
   std::map<std::string, std::string> libraries;
+  /// Options to give it instead of the scenario's, by BODY/NAME.
+  std::map<std::string, std::string> controller_options;
+  /// The options of the whole run instead of the scenario's; none: those.
+  std::optional<std::string> run_options;
   /// A call into a controller may take so much wall time [s]; then it counts as hung.
   double call_limit = 10.0;
 };

@@ -41,7 +41,7 @@ struct ReplayReport {
   std::optional<Divergence> beyond;   // the first beyond ReplayOptions::tolerances; without them, the first
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   bool controller_refused = false;
-  bool same_libraries = false;  // every controller's file is, byte by byte, the one that was recorded
+  bool same_controllers = false;  // every controller's file is, byte by byte, the one that was recorded; so are options
   Diagnostics remarks;
 
   bool equal() const { return !first && !failure; }

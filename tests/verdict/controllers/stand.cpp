@@ -6,7 +6,8 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -41,6 +42,7 @@ class Stand : public cnoid::SimpleController {
     effort_.assign(wanted_.size(), 0.0);
     last_ = wanted_;
     if (FAULT == uninitialised) offset_ = used_memory();
+    if (!io->optionString().empty()) strength_ = std::stod(io->optionString());
     return true;
   }
 
@@ -53,7 +55,7 @@ class Stand : public cnoid::SimpleController {
       const double d = knee && FAULT == sign ? -100.0 : 100.0;
       const double q = knee && FAULT == stale ? last_[i] : joint->q();
       last_[i] = joint->q();
-      effort_[i] = p * (wanted_[i] - q) - d * joint->dq();
+      effort_[i] = strength_ * (p * (wanted_[i] - q) - d * joint->dq());
       if (joint->jointName().find("ANKLE_P") != std::string::npos) effort_[i] -= 5.0 * gyro_->w().y();
       if (knee && FAULT == uninitialised) effort_[i] += offset_[12];
     }
@@ -70,6 +72,7 @@ class Stand : public cnoid::SimpleController {
   std::vector<double> wanted_;  // [rad]
   std::vector<double> last_;    // [rad]
   std::vector<double> effort_;  // [N·m]
+  double strength_ = 1.0;       // by which all gains are multiplied
   double* offset_ = nullptr;    // [N·m]; kept for good
 };
 
