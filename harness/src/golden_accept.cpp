@@ -1,6 +1,7 @@
 // How a run becomes a golden, and how one goes.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
+#include <rehearse/noise_floor.h>
 #include <rehearse/mcap.h>
 #include <rehearse/mcap_copy.h>
 #include <rehearse/picture_difference.h>
@@ -193,6 +194,7 @@ Result<void> GoldenStore::remove(const std::string& name) {
     fs::remove(file, failed);
     if (failed) return error(fmt::format("{} can't be removed: {}", file.string(), failed.message()));
   }
+  fs::remove(noise_file_of(trace), failed);  // means nothing without its golden
   return {};
 }
 

@@ -29,7 +29,8 @@ void emit_perturbation(YAML::Emitter& out, const Perturbation& perturbation) {
   if (perturbation.plant) out << "plant";
   if (perturbation.closed) out << "closed";
   out << YAML::EndSeq;
-  if (perturbation.horizon) out << YAML::Key << "horizon" << YAML::Value << fmt::format("{:.6g}", *perturbation.horizon);
+  if (perturbation.horizon)
+    out << YAML::Key << "horizon" << YAML::Value << fmt::format("{:.6g}", *perturbation.horizon);
   out << YAML::EndMap;
 }
 
@@ -45,10 +46,14 @@ void read_levels(Findings& findings, const YamlNode& list, Perturbation& perturb
   const std::vector<YamlNodePtr>* levels = read_list(findings, list, "'levels'", "a list of controller, plant, closed");
   if (!levels) return;
   for (const YamlNodePtr& level : *levels) {
-    if (level->text == "controller") perturbation.controller = true;
-    else if (level->text == "plant") perturbation.plant = true;
-    else if (level->text == "closed") perturbation.closed = true;
-    else expected(findings, *level, "a level", "controller, plant or closed");
+    if (level->text == "controller")
+      perturbation.controller = true;
+    else if (level->text == "plant")
+      perturbation.plant = true;
+    else if (level->text == "closed")
+      perturbation.closed = true;
+    else
+      expected(findings, *level, "a level", "controller, plant or closed");
   }
 }
 
@@ -107,7 +112,9 @@ fs::path noise_file_of(const fs::path& golden) { return fs::path(golden).replace
 
 std::string to_yaml(const NoiseFloor& noise) {
   YAML::Emitter out;
-  out << YAML::Comment("Measured by `rehearse golden noise`; not to be edited. Largest differences under the perturbations;") << YAML::Newline;
+  out << YAML::Comment(
+             "Measured by `rehearse golden noise`; not to be edited. Largest differences under the perturbations;")
+      << YAML::Newline;
   out << YAML::Comment("horizons [s], growth per second: in the closed loop.") << YAML::Newline;
   out << YAML::BeginMap << YAML::Key << "noise" << YAML::Value << file_version;
   out << YAML::Key << "scenario" << YAML::Value << noise.scenario;

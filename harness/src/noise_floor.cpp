@@ -126,17 +126,19 @@ std::vector<std::string> noise_remarks(const NoiseFloor& noise, const Trace& gol
     const double floor = noise.of_unit(channel.unit);
     if (measured > tolerance) keep_worst(below, channel, tolerance, measured, measured / tolerance);
     const bool loosened = tolerance > default_tolerance(channel.unit).atol;  // a default isn't doubted
-    if (channel.unit != "of pixels" && loosened && tolerance > doubtful * floor) keep_worst(above, channel, tolerance, floor, tolerance / floor);
+    if (channel.unit != "of pixels" && loosened && tolerance > doubtful * floor)
+      keep_worst(above, channel, tolerance, floor, tolerance / floor);
   }
   if (below.count > 0)
     remarks.push_back(fmt::format("{} {} below the measured noise, the most in {}: {:g} is allowed, {:.3g} is noise",
                                   below.count, below.count == 1 ? "tolerance lies" : "tolerances lie", below.where,
                                   below.tolerance, below.noise));
   if (above.count > 0)
-    remarks.push_back(fmt::format("{} {} more than {:g} times above the measured noise, the most in {}: {:g} is allowed, "
-                                  "{:.3g} is the noise of its unit",
-                                  above.count, above.count == 1 ? "tolerance lies" : "tolerances lie", doubtful,
-                                  above.where, above.tolerance, above.noise));
+    remarks.push_back(
+        fmt::format("{} {} more than {:g} times above the measured noise, the most in {}: {:g} is allowed, "
+                    "{:.3g} is the noise of its unit",
+                    above.count, above.count == 1 ? "tolerance lies" : "tolerances lie", doubtful, above.where,
+                    above.tolerance, above.noise));
   return remarks;
 }
 

@@ -106,8 +106,10 @@ std::vector<NoiseMeasurement::Step> NoiseMeasurement::plan() const {
   const auto draw_otherwise = [&](const char* name, std::optional<std::string> code, bool possible, const char* lacks) {
     Step& step = add(name, false, false);
     step.environment = {{"GALLIUM_OVERRIDE_CPU_CAPS", std::move(code)}};
-    if (!pictures) step.perturbation.not_made = "no camera of the scenario runs";
-    else if (!possible) step.perturbation.not_made = lacks;
+    if (!pictures)
+      step.perturbation.not_made = "no camera of the scenario runs";
+    else if (!possible)
+      step.perturbation.not_made = lacks;
   };
   draw_otherwise("renderer of SSE2", "sse2", __builtin_cpu_supports("sse4.1"), "this processor has no SSE4.1");
   draw_otherwise("renderer of all that the processor has", std::nullopt, __builtin_cpu_supports("avx"),

@@ -39,11 +39,16 @@ double finite(double value) { return std::isfinite(value) ? value : 1e300; }
 
 Json json_of_place(const std::optional<Divergence>& place) {
   if (!place) return nullptr;
-  return {{"tick", place->tick},         {"time", place->time},
-          {"channel", place->channel},   {"element", place->element},
-          {"expected", finite(place->expected)}, {"actual", finite(place->actual)},
-          {"difference", finite(place->difference)}, {"ulps", place->ulps},
-          {"tolerance", place->tolerance}, {"unit", place->unit},
+  return {{"tick", place->tick},
+          {"time", place->time},
+          {"channel", place->channel},
+          {"element", place->element},
+          {"expected", finite(place->expected)},
+          {"actual", finite(place->actual)},
+          {"difference", finite(place->difference)},
+          {"ulps", place->ulps},
+          {"tolerance", place->tolerance},
+          {"unit", place->unit},
           {"note", place->note}};
 }
 
@@ -123,10 +128,13 @@ Result<void> run_to_end(std::vector<std::string> arguments, std::vector<std::str
 }
 
 std::vector<std::string> command_line(const fs::path& program, const PerturbedRun& run) {
-  std::vector<std::string> words{program.string(), "golden", "noise", run.scenario.string(), "--perturbed",
-                                 run.folder.string(), "--recording", run.recording.string(), "--duration",
-                                 fmt::format("{}", run.duration)};
-  for (const auto& [level, wanted] : {std::pair{"controller", run.controller}, {"plant", run.plant}, {"closed", run.closed}})
+  std::vector<std::string> words{program.string(), "golden",
+                                 "noise",          run.scenario.string(),
+                                 "--perturbed",    run.folder.string(),
+                                 "--recording",    run.recording.string(),
+                                 "--duration",     fmt::format("{}", run.duration)};
+  for (const auto& [level, wanted] :
+       {std::pair{"controller", run.controller}, {"plant", run.plant}, {"closed", run.closed}})
     if (wanted) words.insert(words.end(), {"--level", level});
   for (const auto& [name, library] : run.host.libraries)
     words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});

@@ -12,7 +12,6 @@
 namespace rehearse {
 namespace {
 
-
 /// Work: the plant level as a check does it: the world under the recorded commands, set back at each checkpoint and
 /// recorded; that trace loaded and compared. Base: the closed level: the run recorded, loaded and compared.
 void plant_level_over_closed_level(benchmark::State& state) {
@@ -22,8 +21,7 @@ void plant_level_over_closed_level(benchmark::State& state) {
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);  // a writer compresses in a thread of its own
   for (auto _ : state) {
     const auto plant = [&] {
-      const PlantLevel level =
-          must(compare_plant(simulation, sr1.scenario(), golden, sr1.folder() / "plant.mcap", {}));
+      const PlantLevel level = must(compare_plant(simulation, sr1.scenario(), golden, sr1.folder() / "plant.mcap", {}));
       if (!level.comparison.equal) state.SkipWithError("the plant level differs");
     };
     const auto closed = [&] {
@@ -37,7 +35,8 @@ void plant_level_over_closed_level(benchmark::State& state) {
 }
 BENCHMARK(plant_level_over_closed_level)->UseManualTime()->Unit(benchmark::kMillisecond);
 
-/// Work: a whole recording with checkpoints, some of them tried out. Base: the same without. `size_ratio`: of the files.
+/// Work: a whole recording with checkpoints, some of them tried out. Base: the same without. `size_ratio`: of the
+/// files.
 void checkpoints_over_none(benchmark::State& state) {
   const Sr1Run& sr1 = Sr1Run::instance();
   RecordOptions without;

@@ -106,18 +106,29 @@ TEST_F(NoiseFloorTest, TellsSmallDifferencesFromOthers) {
   EXPECT_THAT(noise_of_series(noise_, run), IsEmpty()) << "that of another golden says nothing";
 }
 
+TEST_F(NoiseFloorTest, GoesWithItsGolden) {
+  GoldenStore store(folder_ / "golden", folder_ / "pending");
+  ASSERT_TRUE(store.accept("Box.Falls", golden_.file()));
+  const fs::path file = noise_file_of(store.trace_file("Box.Falls"));
+  ASSERT_TRUE(write_noise_floor(noise_, file));
+  ASSERT_TRUE(store.remove("Box.Falls"));
+  EXPECT_FALSE(fs::exists(file));
+}
+
 TEST_F(NoiseFloorTest, SaysNothingOfTolerancesAboveIt) { EXPECT_THAT(remarks(), IsEmpty()); }
 
 TEST_F(NoiseFloorTest, TellsTolerancesBelowIt) {
-  EXPECT_THAT(remarks(everything(1e-15)),
-              ElementsAre("2 tolerances lie below the measured noise, the most in /Robot/Pd/output/joints [N·m]: 1e-15 is "
-                          "allowed, 2e-13 is noise"));
+  EXPECT_THAT(
+      remarks(everything(1e-15)),
+      ElementsAre("2 tolerances lie below the measured noise, the most in /Robot/Pd/output/joints [N·m]: 1e-15 is "
+                  "allowed, 2e-13 is noise"));
 }
 
 TEST_F(NoiseFloorTest, TellsTolerancesFarAboveIt) {
-  EXPECT_THAT(remarks(everything(1e-5)),
-              ElementsAre("1 tolerance lies more than 1e+09 times above the measured noise, the most in /Robot/joints [rad]: "
-                          "1e-05 is allowed, 3e-15 is the noise of its unit"));
+  EXPECT_THAT(
+      remarks(everything(1e-5)),
+      ElementsAre("1 tolerance lies more than 1e+09 times above the measured noise, the most in /Robot/joints [rad]: "
+                  "1e-05 is allowed, 3e-15 is the noise of its unit"));
 }
 
 TEST_F(NoiseFloorTest, TellsThatItWasMeasuredWithAnotherVersion) {

@@ -82,10 +82,12 @@ TEST_F(GoldenNoise, LetsACheckSayWhichTolerancesLieBelowIt) {
   ASSERT_NE(scenario.find(before), std::string::npos);
   write("stands.yaml", scenario.replace(scenario.find(before), before.size(), "{channel: \"SR1/*/q\", atol: 1.0e-18}"));
   const Outcome outcome = done({"check", "stands.yaml"});
-  EXPECT_THAT(outcome.out, HasSubstr("\n  note: 1 tolerance lies below the measured noise, the most in /SR1/joints [rad]: "
-                                     "1e-18 is allowed, "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("\n  note: 1 tolerance lies below the measured noise, the most in /SR1/joints [rad]: "
+                        "1e-18 is allowed, "));
   write(noise_file, "noise: 1\n");
-  EXPECT_THAT(done({"check", "stands.yaml"}).out, HasSubstr("\n  note: the measured noise can't be read: golden/Robot.Stan"));
+  EXPECT_THAT(done({"check", "stands.yaml"}).out,
+              HasSubstr("\n  note: the measured noise can't be read: golden/Robot.Stan"));
 }
 
 /// A process that isn't pinned computes sin() otherwise, and a controller that calls it commands other last bits.

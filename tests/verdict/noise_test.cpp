@@ -1,5 +1,5 @@
-// Noise and faults, told apart: on every fixture with contacts, what must not matter stays within tolerance on the levels
-// controller and plant, and small faults of the plant lie far above it. Prints a table of both.
+// Noise and faults, told apart: on every fixture with contacts, what must not matter stays within tolerance on the
+// levels controller and plant, and small faults of the plant lie far above it. Prints a table of both.
 #include <rehearse/noise_floor.h>
 #include <rehearse/plant_run.h>
 #include <rehearse/session.h>
@@ -38,7 +38,8 @@ class Table : public ::testing::Environment {
   }
   void TearDown() override {
     if (rows().empty()) return;
-    fmt::print("\n{:<18} {:>10}  {:<34} {:>10}  {:>10}\n", "fixture, plant", "noise", "fault", "differs by", "over noise");
+    fmt::print("\n{:<18} {:>10}  {:<34} {:>10}  {:>10}\n", "fixture, plant", "noise", "fault", "differs by",
+               "over noise");
     for (const Row& row : rows())
       for (const auto& [fault, difference] : row.faults)
         fmt::print("{:<18} {:>10.2g}  {:<34} {:>10.2g}  {:>10.2g}\n", row.fixture, row.noise, fault, difference,
@@ -194,10 +195,10 @@ TEST_P(Noise, IsWithinToleranceAndFarBelowFaults) {
 // sr1_minimum is sr1_standing with cameras: pictures take long, so its ten seconds are left to the other.
 INSTANTIATE_TEST_SUITE_P(Of, Noise,
                          ::testing::Values(Fixture{"camera_follower", false}, Fixture{"drop_box", false},
-                                           Fixture{"mesh_arm", true, "Block"}, Fixture{"parent_and_child"}, Fixture{"playback"},
-                                           Fixture{"quadruped"}, Fixture{"room", false}, Fixture{"rover"},
-                                           Fixture{"sr1_minimum", true, nullptr, 0.3}, Fixture{"sr1_squat"}, Fixture{"sr1_standing"},
-                                           Fixture{"tank"}),
+                                           Fixture{"mesh_arm", true, "Block"}, Fixture{"parent_and_child"},
+                                           Fixture{"playback"}, Fixture{"quadruped"}, Fixture{"room", false},
+                                           Fixture{"rover"}, Fixture{"sr1_minimum", true, nullptr, 0.3},
+                                           Fixture{"sr1_squat"}, Fixture{"sr1_standing"}, Fixture{"tank"}),
                          [](const auto& of) { return std::string(of.param.scenario); });
 
 }  // namespace

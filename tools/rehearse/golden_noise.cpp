@@ -32,7 +32,7 @@ struct Settings {
 /// Of one scenario.
 struct Measured {
   NoiseFloor noise;
-  std::string file;      // that was written; empty: none
+  std::string file;       // that was written; empty: none
   std::string unwritten;  // why not
 };
 
@@ -148,11 +148,13 @@ void tell(const Measured& measured) {
       fmt::print("  {}: not made: {}\n", perturbation.name, perturbation.not_made);
       continue;
     }
-    const std::string closed = !perturbation.closed        ? ""
-                               : perturbation.horizon      ? fmt::format("; the closed loop leaves its tolerances at {:g} s", *perturbation.horizon)
-                                                           : "; the closed loop stays within its tolerances";
+    const std::string closed =
+        !perturbation.closed   ? ""
+        : perturbation.horizon ? fmt::format("; the closed loop leaves its tolerances at {:g} s", *perturbation.horizon)
+                               : "; the closed loop stays within its tolerances";
     fmt::print("  {}: {}{}\n", perturbation.name,
-               perturbation.beyond ? "beyond tolerance at " + to_string(*perturbation.beyond) : "within tolerance", closed);
+               perturbation.beyond ? "beyond tolerance at " + to_string(*perturbation.beyond) : "within tolerance",
+               closed);
   }
   if (noise.growth) fmt::print("  in the closed loop differences grow {:.2g} times a second\n", *noise.growth);
   if (measured.file.empty())

@@ -1,5 +1,5 @@
-// PerturbedRun: a recording run again on all levels by a process whose arithmetic is another one. The measurement of noise
-// (noise_floor.h) starts such processes; the command gives them their work.
+// PerturbedRun: a recording run again on all levels by a process whose arithmetic is another one. The measurement of
+// noise (noise_floor.h) starts such processes; the command gives them their work.
 #pragma once
 
 #include <rehearse/check.h>
