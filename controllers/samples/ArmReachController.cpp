@@ -10,6 +10,7 @@
 #include <cnoid/EigenUtil>
 #include <cnoid/JointPath>
 #include <cnoid/SimpleController>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -93,10 +94,13 @@ class ArmReachController : public cnoid::SimpleController {
     for (cnoid::Link* joint : path_->joints()) to_[static_cast<std::size_t>(joint->jointId())] = joint->q();
   }
 
+  /// Rounded up: what is below a micrometre is rounding, and says something else on another machine.
   void tell_deviation() {
     const cnoid::Isometry3 deviation = targets_[leg_].inverse() * tool_->T();
-    io_->os() << "target " << leg_ + 1 << " reached within " << 1000.0 * deviation.translation().norm() << " mm and "
-              << cnoid::degree(cnoid::omegaFromRot(deviation.linear()).norm()) << " deg\n";
+    const double micrometres = std::ceil(1e6 * deviation.translation().norm());
+    const double millidegrees = std::ceil(1e3 * cnoid::degree(cnoid::omegaFromRot(deviation.linear()).norm()));
+    io_->os() << "target " << leg_ + 1 << " reached within " << 0.001 * micrometres << " mm and "
+              << 0.001 * millidegrees << " deg\n";
   }
 
   cnoid::SimpleControllerIO* io_ = nullptr;
