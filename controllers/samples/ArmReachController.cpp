@@ -7,10 +7,10 @@
 // Options: the targets, each "X Y Z ROLL PITCH YAW" in quotes, [m] and [deg], in the world frame.
 
 #include <algorithm>
+#include <cmath>
 #include <cnoid/EigenUtil>
 #include <cnoid/JointPath>
 #include <cnoid/SimpleController>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
