@@ -4,6 +4,7 @@
 #include <rehearse/expectation.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
+#include <rehearse/noise_floor.h>
 #include <rehearse/test_support.h>
 #include <rehearse/tolerance.h>
 
@@ -80,6 +81,14 @@ bool wants(const MatchOptions& options, Level level) {
   return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
 }
 
+/// Of the noise that was measured of a golden, if it was.
+std::optional<double> measured_horizon(const fs::path& golden) {
+  std::error_code ignored;
+  if (!fs::exists(noise_file_of(golden), ignored)) return std::nullopt;
+  const auto trace = Trace::load(golden);
+  return trace ? estimated_horizon(*trace) : std::nullopt;
+}
+
 /// What a check says of a recording, which takes the place of the run that it would make.
 Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_by, const MatchOptions& options,
                                     const fs::path& golden, const fs::path& actual) {
@@ -144,13 +153,14 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
   scenario->tolerances = rules_of(*scenario, options);
-  scenario->horizon = options.until ? options.until : horizon_of(*scenario);
+  GoldenStore store = golden_store();
+  scenario->horizon =
+      options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
   const auto expectations = judge_expectations(scenario->expectations, trace);
   SettleOptions settling;
   settling.compare.until = scenario->horizon;
   settling.exact = options.exact && options.near.empty();
   if (first_violation(expectations)) settling.violation = verdict(expectations);
-  GoldenStore store = golden_store();
   const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
   GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
                                     : GoldenResult{true, "", std::nullopt, false};

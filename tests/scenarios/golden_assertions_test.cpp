@@ -2,6 +2,7 @@
 #include <rehearse/gtest.h>
 
 #include <gmock/gmock.h>
+#include <rehearse/noise_floor.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -51,7 +52,7 @@ class GoldenAssertion : public ::testing::Test {
   }
   /// The same under another name: one name is for one recording of a program.
   void copy_golden(const std::string& name) {
-    for (const char* kind : {".mcap", ".txt"})
+    for (const char* kind : {".mcap", ".txt", ".noise"})
       if (const auto file = folder_ / (std::string("golden/Box.Falls") + kind); std::filesystem::exists(file))
         std::filesystem::copy_file(file, folder_ / ("golden/" + name + kind));
   }
@@ -107,6 +108,27 @@ TEST_F(GoldenAssertion, ComesAfterTheRulesOfTheScenario) {
   const std::string wide = "tolerances: [{channel: \"*\", atol: 1}]\n";
   EXPECT_TRUE(match(fall(1.01, wide)).passed);
   EXPECT_FALSE(match(fall(1.01, wide), Near{"Box/Box/position/*", 0.001}).passed);
+}
+
+/// A noise file beside the golden: a perturbed run left its tolerances at that time [s].
+void measure_horizon(const std::filesystem::path& golden, double horizon) {
+  NoiseFloor noise;
+  noise.scenario = "fall";
+  noise.recording = hash_of_recording(*Trace::load(golden));
+  noise.duration = 0.05;
+  noise.perturbations.push_back({"last bits, pattern 1", "", false, true, true, horizon, {}});
+  const auto written = write_noise_floor(noise, noise_file_of(golden));
+  ASSERT_TRUE(written) << to_string(written.errors());
+}
+
+TEST_F(GoldenAssertion, ComparesUpToTheMeasuredHorizonIfTheScenarioStatesNone) {
+  make_golden();
+  measure_horizon(folder_ / "golden/Box.Falls.mcap", 0.036);  // times 0.8: before the push
+  EXPECT_TRUE(match(fall(1.0, push)).passed);
+  EXPECT_FALSE(match(fall(1.0, push + "horizon: 0.05\n")).passed) << "the scenario knows better";
+  EXPECT_FALSE(match(fall(1.0, push), Until{0.05}).passed) << "and the test best";
+  measure_horizon(folder_ / "golden/Box.Falls.mcap", 0.05);
+  EXPECT_FALSE(match(fall(1.0, push)).passed);
 }
 
 TEST_F(GoldenAssertion, ComparesUpToATime) {
