@@ -310,7 +310,8 @@ Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, Golden
     report.golden_written = true;
     report.message = fmt::format("replaced {}", store.trace_file(name).string());
   } else {
-    report.message += fmt::format("\nif it is right: rehearse golden accept {}", name);
+    report.message +=
+        fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
   }
   return {};
 }
