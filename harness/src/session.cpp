@@ -13,11 +13,6 @@
 #include "recorder.h"
 
 namespace rehearse {
-namespace {
-
-constexpr double checkpoint_period = 0.1;  // [s] of simulated time
-
-}  // namespace
 
 struct Session::Impl {
   const Scenario& scenario;
@@ -56,8 +51,9 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   impl->recorder = std::move(*recorder);
   impl->file = trace;
   if (options.nudge) impl->plant->world().nudge(*options.nudge);
-  if (options.checkpoints)
-    impl->checkpoint_interval = std::max<std::int64_t>(1, std::llround(checkpoint_period / scenario.time_step));
+  if (options.checkpoint_period > 0.0)
+    impl->checkpoint_interval =
+        std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
   impl->command = impl->host->initialize(initial_observation(scenario));
   for (const HostedController& hosted : impl->host->controllers())
     if (hosted.running)

@@ -40,7 +40,7 @@ BENCHMARK(plant_level_over_closed_level)->UseManualTime()->Unit(benchmark::kMill
 void checkpoints_over_none(benchmark::State& state) {
   const Sr1Run& sr1 = Sr1Run::instance();
   RecordOptions without;
-  without.checkpoints = false;
+  without.checkpoint_period = 0.0;
   const std::filesystem::path with_file = sr1.folder() / "with.mcap", without_file = sr1.folder() / "without.mcap";
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
   for (auto _ : state)

@@ -1,4 +1,6 @@
 // rehearse record: what it says, what it writes, and that it writes the same twice.
+#include <rehearse/trace.h>
+
 #include "command.h"
 
 #include <gmock/gmock.h>
@@ -48,6 +50,20 @@ TEST_F(Record, ExpectsOfAShorterRunOnlyWhatIsInIt) {
                         "  - {channel: Box/Box/position/z, above: 0.3}\n");
   const Outcome outcome = done({"record", "box.yaml", "--duration", "0.1"});
   EXPECT_THAT(outcome.out, HasSubstr("\nthe expectation holds: Box/Box/position/z above 0.3 m\n"));
+}
+
+TEST_F(Record, KeepsAsManyCheckpointsAsItIsTold) {
+  const auto checkpoints = [&](const std::vector<std::string>& how) {
+    std::vector<std::string> words{"record", box_scenario.string(), "--duration", "0.2", "-o", "box.mcap"};
+    words.insert(words.end(), how.begin(), how.end());
+    done(words);
+    const auto trace = Trace::load(folder() / "box.mcap");
+    return trace ? trace->find_channel("/checkpoint")->messages() : 999u;
+  };
+  EXPECT_EQ(checkpoints({}), 2u);
+  EXPECT_EQ(checkpoints({"--checkpoints", "0.02"}), 10u);
+  EXPECT_EQ(checkpoints({"--checkpoints", "0"}), 0u);
+  EXPECT_EQ(rehearse({"record", box_scenario.string(), "--checkpoints", "-1"}).status, 2);
 }
 
 TEST_F(Record, NamesTheTraceLikeTheScenario) {

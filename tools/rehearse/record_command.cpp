@@ -108,6 +108,8 @@ std::function<Exit()> declare(CLI::App& options) {
               [=](std::int64_t seed) { settings->seed = static_cast<std::uint32_t>(seed); });
   add_number(options, "--duration", "simulated time [s], instead of the scenario's", 0.0, Scenario::max_duration,
              [=](double duration) { settings->duration = duration; });
+  add_number(options, "--checkpoints", "simulated time from one checkpoint to the next [s], 0: none (0.1)", 0.0,
+             Scenario::max_duration, [=](double period) { settings->record.checkpoint_period = period; });
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   add_host_options(options, settings->record);
   return [settings] { return run(*settings); };

@@ -17,8 +17,9 @@
 namespace rehearse {
 
 struct RecordOptions : HostOptions {
-  /// Keep the state every 0.1 s. Without, the plant level of a check runs from the start.
-  bool checkpoints = true;
+  /// Simulated time from one checkpoint to the next [s]; at least a tick; 0: there are none, and the plant level of a
+  /// check runs from the start.
+  double checkpoint_period = 0.1;
   /// Moves each body by a last bit before the first tick, to see how far that carries. See World::nudge().
   std::optional<std::uint32_t> nudge;
   /// Called about every hundredth of the run with the ticks done and all; null: not.
