@@ -192,8 +192,15 @@ Blame of_the_loop(const Comparison& comparison, const Evidence& evidence) {
                         "since tick {})",
                         verdict(comparison), bit.tick),
             first};
+  Divergence place = first;  // the world does as it is commanded: what it does otherwise, it was commanded otherwise
+  place.stage = Stage::controller;
+  if (!comparison.changed_files.empty())
+    return {fmt::format("the controller goes by what changed in {}: with the golden's own it repeats its recorded "
+                        "commands, with that of now it doesn't; the run differs at {}",
+                        changed_files(comparison), to_string(place)),
+            place};
   return {"the controller repeats its recorded commands, but in a run of its own it doesn't: it depends on something "
-          "that is no input of its; it " + verdict(comparison),
+          "that is no input of its; it differs at " + to_string(place),
           first};
 }
 

@@ -56,6 +56,7 @@ class Stand : public cnoid::SimpleController {
       const double q = knee && FAULT == stale ? last_[i] : joint->q();
       last_[i] = joint->q();
       effort_[i] = strength_ * (p * (wanted_[i] - q) - d * joint->dq());
+      if (knee) effort_[i] *= 1.0 + 0.001 * joint->q_upper();  // something that it reads of its model
       if (joint->jointName().find("ANKLE_P") != std::string::npos) effort_[i] -= 5.0 * gyro_->w().y();
       if (knee && FAULT == uninitialised) effort_[i] += offset_[12];
     }
