@@ -30,6 +30,7 @@ target_sources(rehearse_harness PRIVATE
   src/picture_difference.cpp
   src/plant_level.cpp
   src/recorded_picture.cpp
+  src/reproduction.cpp
   src/series_plot.cpp)
 find_package(yaml-cpp 0.7 REQUIRED)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json yaml-cpp)

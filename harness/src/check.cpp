@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/picture_difference.h>
+#include <rehearse/reproduction.h>
 
 #include <nlohmann/json.hpp>
 
@@ -57,6 +58,7 @@ struct Check {
   Result<void> check_plant();
   Result<void> check_closed();
   void blame();
+  Result<void> certify(const Trace& fresh);
   void judge_by_expectations(const Trace& fresh);
   void find_noise();
   void judge_tolerances();
@@ -68,6 +70,14 @@ Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, co
                             const Simulation& simulation) {
   if (auto made = make_folder_of(actual); !made) return made.errors();
   return simulation.record(scenario, actual, options.run);
+}
+
+/// Whether a run repeats itself; what the world does meanwhile is written beside it.
+Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,
+                                      const HostOptions& host, const Simulation& simulation) {
+  ReproductionOptions trying;
+  static_cast<HostOptions&>(trying) = host_options(scenario, host);
+  return reproduce(scenario, run, fs::path(file).concat(".again"), trying, simulation);
 }
 
 /// Whether the same program gives the same bits here as where the golden was recorded.
@@ -137,7 +147,33 @@ Result<void> Check::check_closed() {
   if (report.closed == LevelState::differs || first_violation(report.expectations))
     tell_files(*fresh, *report.comparison, actual, "this run");
   blame();
+  if (auto done = certify(*fresh); !done) return done;
+  if (report.not_reproduced) tell_files(*fresh, *report.comparison, actual, "this run");
   judge_by_expectations(*fresh);
+  return {};
+}
+
+/// Tolerances are for what changed. Where nothing did, or where a run doesn't repeat itself, other bits are chance, and
+/// a golden that is met by chance certifies nothing.
+Result<void> Check::certify(const Trace& fresh) {
+  if (report.closed != LevelState::within) return {};
+  auto found = try_reproduction(scenario, fresh, actual, options.run, simulation);
+  if (!found) return found.errors();
+  const Divergence& bit = *report.comparison->first_bit;
+  if (!found->reproduced()) {
+    report.verdict = fmt::format("the golden isn't certified, though this run is within its tolerances: {}", found->verdict);
+    report.first = found->first ? found->first : bit;
+  } else if (report.comparison->same_origin) {
+    report.verdict = fmt::format(
+        "the golden isn't certified, though this run is within its tolerances: it names these very programs, files and "
+        "controllers, and yet this run, which repeats itself, isn't the golden's, bit for bit: {}",
+        to_string(bit));
+    report.first = bit;
+  } else {
+    return {};
+  }
+  report.not_reproduced = true;
+  report.closed = LevelState::differs;
   return {};
 }
 
@@ -268,6 +304,22 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   return report;
 }
 
+/// Whether a run that is to become a golden repeats itself. If not, the report says so.
+Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual, const HostOptions& host,
+                               const Simulation& simulation, CheckReport& report) {
+  const auto candidate = Trace::load(actual);
+  if (!candidate) return candidate.errors();
+  const auto found = try_reproduction(scenario, *candidate, actual, host, simulation);
+  if (!found) return found.errors();
+  if (found->reproduced()) return true;
+  report.closed = LevelState::differs;
+  report.not_reproduced = true;
+  report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
+  report.first = found->first;
+  report.message = fmt::format("this run: {}", actual.string());
+  return false;
+}
+
 /// There is no golden yet: the run becomes it, or waits to be.
 Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation) {
@@ -284,6 +336,9 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
           fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), scenario.golden);
     return report;
   }
+  auto certified = certify_candidate(scenario, actual, options.run, simulation, *report);
+  if (!certified) return certified.errors();
+  if (!*certified) return report;
   if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
   report->closed = LevelState::skipped;  // there was nothing to compare with
   report->golden_written = true;
@@ -301,11 +356,15 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
 }
 
 /// What becomes of a run that waits.
-Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, CheckReport& report) {
+Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
+                            const Simulation& simulation, CheckReport& report) {
   const std::string& name = scenario.golden;
   if (first_violation(report.expectations)) {
     report.message += fmt::format("\nif it is right, {} expects what is wrong", scenario.file);
   } else if (mode == GoldenMode::accept) {
+    auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);
+    if (!certified) return certified.errors();
+    if (!*certified) return {};
     if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
     report.golden_written = true;
     report.message = fmt::format("replaced {}", store.trace_file(name).string());
@@ -334,7 +393,7 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
   if (!report) return report;
   if (options.closed && !report->within()) {
-    if (auto done = settle_pending(scenario, store, mode, *report); !done) return done.errors();
+    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done) return done.errors();
   } else if (const auto digest = store.check_digest(name); !digest) {
     return digest.errors();
   }

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "compare_parts.h"
+#include "provenance.h"
 #include "trace_version.h"
 
 namespace rehearse {
@@ -48,7 +49,7 @@ const std::vector<Fact>& known_facts() {
 
 /// Of these nobody needs to hear: they are compared as such, or describe the file.
 bool is_of_no_interest(const std::string& key) {
-  return key == "trace_version" || key == "trace_revision" || key == "scenario";
+  return key == "trace_version" || key == "trace_revision" || key == "scenario" || key == programs_fact;
 }
 
 const Fact* find_fact(const std::string& key) {
@@ -93,6 +94,18 @@ std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, cons
     change.arithmetic = fact->arithmetic;
   }
   return changes;
+}
+
+/// Every fact is the golden's, and so are the programs, bit by bit. The processor counts unless it is pinned away.
+bool same_facts(const Trace& golden, const Trace& actual) {
+  const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
+  if (!before || !now || before->count(programs_fact) == 0) return false;
+  mcap::StringMap left = *before, right = *now;
+  if (is_pinned_alike(left, right)) {
+    left.erase("processor");
+    right.erase("processor");
+  }
+  return left == right;
 }
 
 /// "physics, sensors and inputs"
@@ -170,6 +183,7 @@ void compare_provenance(const ComparedTraces& traces, Comparison& comparison) {
   const std::vector<Change> changes = changed_facts(traces.golden, traces.actual, traces.options);
   comparison.same_arithmetic =
       std::none_of(changes.begin(), changes.end(), [](const Change& change) { return change.arithmetic; });
+  comparison.same_origin = comparison.changed_files.empty() && same_facts(traces.golden, traces.actual);
   const std::vector<std::string> remarks = remarks_of(traces.actual, comparison.changed_files, changes);
   comparison.remarks.insert(comparison.remarks.end(), remarks.begin(), remarks.end());
   if (comparison.first)

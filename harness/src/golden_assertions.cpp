@@ -5,6 +5,7 @@
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/noise_floor.h>
+#include <rehearse/reproduction.h>
 #include <rehearse/test_support.h>
 #include <rehearse/tolerance.h>
 
@@ -109,6 +110,16 @@ Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_b
   return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant});
 }
 
+/// Why a run that this program made may not become a golden: it doesn't repeat itself. Empty if it does.
+Result<std::string> doubt_about(const Trace& trace) {
+  if (scenario_file_of(trace).empty()) return std::string();
+  const auto scenario = Scenario::load(scenario_file_of(trace));
+  if (!scenario) return scenario.errors();
+  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, {record, run_plant});
+  if (!found) return found.errors();
+  return found->reproduced() ? std::string() : found->verdict;
+}
+
 /// The same as `rehearse check` would say it.
 std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
   std::string text =
@@ -129,7 +140,9 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
 TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
                          const MatchOptions& options, GoldenResult settled, bool wrong) {
   const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
-  if (settled.passed && !beside_closed) return {true, std::move(settled.message)};
+  // a run within tolerance but of other bits has to repeat itself, which a check tells
+  const bool certain = !settled.comparison || settled.comparison->equal || scenario_file_of(trace).empty();
+  if (settled.passed && !beside_closed && certain) return {true, std::move(settled.message)};
   // no golden, or nothing wrong with the values: there is nothing to blame
   const bool differs = settled.comparison && (wrong || !settled.comparison->within);
   if (!settled.passed && !differs) return {false, std::move(settled.message)};
@@ -161,6 +174,11 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   settling.compare.until = scenario->horizon;
   settling.exact = options.exact && options.near.empty();
   if (first_violation(expectations)) settling.violation = verdict(expectations);
+  if (*mode != GoldenMode::check && settling.violation.empty()) {
+    auto doubt = doubt_about(trace);
+    if (!doubt) return {false, to_string(doubt.errors())};
+    settling.violation = *std::move(doubt);
+  }
   const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
   GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
                                     : GoldenResult{true, "", std::nullopt, false};

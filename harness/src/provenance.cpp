@@ -2,10 +2,16 @@
 
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
+#include <link.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <map>
+#include <string_view>
 
+#include "hashing.h"
 #include "trace_version.h"
 
 namespace rehearse {
@@ -27,6 +33,57 @@ std::string compiler() {
 #else
   return "gcc " __VERSION__;
 #endif
+}
+
+/// The linker's mark of a loaded library: another one for other code.
+std::string build_id(const dl_phdr_info& library) {
+  for (int i = 0; i < library.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& header = library.dlpi_phdr[i];
+    if (header.p_type != PT_NOTE) continue;
+    const char* at = reinterpret_cast<const char*>(library.dlpi_addr + header.p_vaddr);
+    const char* const end = at + header.p_memsz;
+    while (at + sizeof(ElfW(Nhdr)) <= end) {
+      ElfW(Nhdr) note;
+      std::memcpy(&note, at, sizeof note);
+      const char* name = at + sizeof note;
+      const char* content = name + (note.n_namesz + 3) / 4 * 4;
+      if (content + note.n_descsz > end) break;
+      if (note.n_type == NT_GNU_BUILD_ID && std::string_view(name, note.n_namesz) == std::string_view("GNU", 4))
+        return std::string(content, note.n_descsz);
+      at = content + (note.n_descsz + 3) / 4 * 4;
+    }
+  }
+  return {};
+}
+
+/// A hash over the libraries whose code decides bits, as far as they are loaded: ours, and what they compute with.
+/// Empty if one of them has no mark.
+std::string programs() {
+  struct Libraries {
+    std::map<std::string, std::string> marks;
+    bool all_marked = true;
+  } libraries;
+  const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
+    const std::string_view path = library->dlpi_name;
+    const std::string name(path.substr(path.rfind('/') + 1));
+    constexpr std::string_view deciding[] = {"librehearse_model.",    "librehearse_world.",      "librehearse_renderer.",
+                                             "librehearse_scenario.", "librehearse_harness.",    "librehearse_trace.",
+                                             "librehearse_cnoid.",    "librehearse_simulation.", "libode.",
+                                             "libOSMesa.",            "libm.",                   "libc.",
+                                             "libstdc++."};
+    const auto names_it = [&](std::string_view prefix) { return name.starts_with(prefix); };
+    if (std::any_of(std::begin(deciding), std::end(deciding), names_it)) {
+      auto& found = *static_cast<Libraries*>(into);
+      found.marks[name] = build_id(*library);
+      found.all_marked = found.all_marked && !found.marks[name].empty();
+    }
+    return 0;
+  };
+  dl_iterate_phdr(take, &libraries);
+  if (!libraries.all_marked || libraries.marks.empty()) return {};
+  std::string all;
+  for (const auto& [name, mark] : libraries.marks) all += name + '\0' + mark + '\0';
+  return hash_text(hash_bytes(all.data(), all.size()));
 }
 
 std::string environment(const char* variable) {
@@ -58,6 +115,7 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
   if (!renderer.empty()) facts["renderer"] = renderer;
+  if (const std::string mark = programs(); !mark.empty()) facts[programs_fact] = mark;
   if (host) facts.merge(controller_facts(*host));
   return facts;
 }

@@ -20,10 +20,10 @@ inline std::optional<std::vector<std::byte>> untouched(const mcap::Message& mess
   return std::vector<std::byte>(message.data.begin(), message.data.end());
 }
 
-/// Replaces the file by a copy in which every message is what `change` makes of it, and the outcome says what `outcome`
-/// does.
+/// Replaces the file by a copy in which every message is what `change` makes of it, the outcome says what `outcome` does,
+/// and the provenance what `facts` do.
 inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation& change,
-                             const mcap::StringMap& outcome = {}) {
+                             const mcap::StringMap& outcome = {}, const mcap::StringMap& facts = {}) {
   const std::filesystem::path whole = file.string() + ".whole";
   std::filesystem::rename(file, whole);
   auto reader = mcap::Reader::open(whole);
@@ -36,6 +36,8 @@ inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation
   for (mcap::Metadata metadata : (*reader)->metadata()) {
     if (metadata.name == "rehearse.outcome")
       for (const auto& [fact, value] : outcome) metadata.values[fact] = value;
+    if (metadata.name == "rehearse")
+      for (const auto& [fact, value] : facts) metadata.values[fact] = value;
     if (auto done = writer.add_metadata(metadata.name, metadata.values); !done) return done;
   }
   std::vector<std::uint16_t> ids;

@@ -25,6 +25,7 @@ rehearse_add_test(session_tests LABEL sim
     session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
+    session/reproduction_test.cpp
     session/self_collision_test.cpp
     session/traps_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::world Rehearse::cnoid Rehearse::png)

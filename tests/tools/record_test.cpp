@@ -66,6 +66,17 @@ TEST_F(Record, KeepsAsManyCheckpointsAsItIsTold) {
   EXPECT_EQ(rehearse({"record", box_scenario.string(), "--checkpoints", "-1"}).status, 2);
 }
 
+TEST_F(Record, TellsOnRequestWhetherTheRecordingRepeatsItself) {
+  EXPECT_THAT(done({"record", box_scenario.string(), "--verify"}).out,
+              HasSubstr("\nthe recording repeats itself, bit for bit: "));
+  EXPECT_FALSE(exists("drop_box.mcap.again"));
+  const Outcome outcome = rehearse({"record", pendulum(MISBEHAVING, "chance 12").string(), "--verify"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe recording doesn't repeat itself: fed with its inputs, the controller differs "
+                                     "at tick 12 (0.012 s): "));
+  EXPECT_TRUE(exists("pendulum.mcap"));
+}
+
 TEST_F(Record, NamesTheTraceLikeTheScenario) {
   done({"record", box_scenario.string()});
   EXPECT_TRUE(exists("drop_box.mcap"));

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
 #include <rehearse/expectation.h>
+#include <rehearse/plant_run.h>
+#include <rehearse/reproduction.h>
 #include <rehearse/session.h>
 
 #include <algorithm>
@@ -27,6 +29,7 @@ struct Settings {
   std::optional<std::uint32_t> seed;
   std::optional<double> duration;  // [s]
   bool no_frames = false;
+  bool verify = false;
   RecordOptions record;
 };
 
@@ -73,6 +76,17 @@ Result<std::vector<ExpectationResult>> judge(const Scenario& scenario, const std
   return judge_expectations(scenario.expectations, *run);
 }
 
+/// Runs a sample of the recording again: does it repeat itself?
+Result<Reproduction> verify(const Settings& settings, const Scenario& scenario, const std::string& trace) {
+  const auto recording = Trace::load(trace);
+  if (!recording) return recording.errors();
+  Progress progress("verifying");
+  ReproductionOptions trying;
+  static_cast<HostOptions&>(trying) = settings.record;
+  trying.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+  return reproduce(scenario, *recording, trace + ".again", trying, {rehearse::record, run_plant});
+}
+
 Exit run(Settings& settings) {
   const Result<Scenario> scenario = load(settings);
   if (!scenario) return refuse(scenario.errors());
@@ -93,10 +107,17 @@ Exit run(Settings& settings) {
   const auto judged = judge(*scenario, trace, failed);
   if (!judged) return refuse(judged.errors());
   if (!judged->empty() && !first_violation(*judged)) fmt::print("{}\n", verdict(*judged));
+  Exit exit = failed ? Exit::controller_failed : Exit::done;
+  if (settings.verify && !failed) {
+    const auto verified = verify(settings, *scenario, trace);
+    if (!verified) return refuse(verified.errors());
+    fmt::print("{}\n", verified->verdict);
+    if (!verified->reproduced()) exit = verified->failure ? Exit::controller_failed : Exit::differs;
+  }
   std::fflush(stdout);  // before what stderr says of it
   tell_remarks(*summary);
   tell_violations(*judged);
-  return failed ? Exit::controller_failed : Exit::done;
+  return exit;
 }
 
 std::function<Exit()> declare(CLI::App& options) {
@@ -110,6 +131,8 @@ std::function<Exit()> declare(CLI::App& options) {
              [=](double duration) { settings->duration = duration; });
   add_number(options, "--checkpoints", "simulated time from one checkpoint to the next [s], 0: none (0.1)", 0.0,
              Scenario::max_duration, [=](double period) { settings->record.checkpoint_period = period; });
+  options.add_flag("--verify", settings->verify,
+                   "then run a sample of it again, from its checkpoints, and all its commands: does it repeat itself?");
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   add_host_options(options, settings->record);
   return [settings] { return run(*settings); };

@@ -3,7 +3,7 @@
 // controller: the golden's inputs into the controllers, without physics; their commands have to be the same bits.
 // plant: the golden's commands into the world, set back at each checkpoint; state, sensors and frames compared.
 // closed: the whole run again, compared within the scenario's tolerances and up to its horizon; and what the scenario
-// expects of a run, judged on all of it.
+// expects of a run, judged on all of it. A run that is within tolerance but not equal has to repeat itself.
 //
 // Nothing amplifies a difference on the first two levels for longer than from one checkpoint to the next, so they tell
 // what changed: the controller, or the physics, the sensors, the renderer. This library does not simulate: whoever
@@ -72,6 +72,9 @@ struct CheckReport {
   /// What the measured noise says of the tolerances (noise_floor.h). Sentences; they fail nothing.
   std::vector<std::string> remarks;
   bool golden_written = false;
+  /// The closed loop is within tolerance, but other bits came of the same programs and files, or the run doesn't repeat
+  /// itself (reproduction.h). It counts as different then.
+  bool not_reproduced = false;
 
   bool equal() const;   // every level that was compared
   bool within() const;  // no level differs

@@ -112,6 +112,9 @@ struct Comparison {
   std::vector<EventDifference> event_differences;  // by tick, the first thousand
   std::vector<std::string> changed_files;          // attachments that are not what they were in the golden
   bool same_arithmetic = true;                     // versions and pins that bits depend on are the golden's
+  /// All that the traces say they come from is the same: scenario, models, controllers, the very same programs. Then
+  /// their bits have to be. False if one of them doesn't say.
+  bool same_origin = false;
   /// What explains a difference or makes one likely: another scenario, model, controller, library. Sentences.
   std::vector<std::string> remarks;
   /// What whoever asked will want to mend: rules that match nothing.

@@ -1,5 +1,7 @@
 // Controllers that show what is copied to them and from them.
 
+#include <random>
+
 #include "behaviours.h"
 
 namespace behaviours {
@@ -73,6 +75,21 @@ class Driver : public cnoid::SimpleController {
   Link* link_ = nullptr;
 };
 const Add<Driver> driver("drive");
+
+/// chance SIZE: commands SHOULDER an effort between 0 and SIZE that nobody can foretell [N·m].
+class Chance : public Pusher {
+ public:
+  explicit Chance(const Words& words) : Pusher(0.0), size_(std::stod(words.at(0))) {}
+  bool control() override {
+    effort_ = std::uniform_real_distribution<double>(0.0, size_)(device_);
+    return Pusher::control();
+  }
+
+ private:
+  double size_;
+  std::random_device device_;
+};
+const Add<Chance> chance("chance");
 
 /// Nothing is input. Commands SHOULDER one more than what it commanded before, and RAIL what it believes its q to be.
 class Stale : public cnoid::SimpleController {

@@ -1,8 +1,9 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, overflow, hang, nan.
+// initialize(). Knows: refuse, throw, crash, abort, overflow, hang, nan, chance.
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdlib>
+#include <random>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -43,6 +44,7 @@ class Misbehaving : public cnoid::SimpleController {
     if (deed_ == "crash") missing_->u() = 1.0;
     if (deed_ == "abort") std::abort();
     if (deed_ == "nan") joint_->u() = std::nan("");
+    if (deed_ == "chance") joint_->u() = 1e-9 * std::random_device()();
     if (deed_ == "overflow") {
       volatile char bottom = 0;
       sink(&bottom);
