@@ -108,7 +108,7 @@ TEST_P(Checkpoints, LetAnotherProcessGoOnWithTheSameBits) {
     const auto tick = static_cast<std::size_t>(
         std::llround(static_cast<double>(checkpoints.times[number]) * 1e-9 / scenario->time_step));
     const std::string solver = GetParam().solver == Method::quick ? "quick" : "exact";
-    const std::string command = "'" PROBE "' '" + file.string() + "' " + solver + " '" +
+    const std::string command = "'" PROBE "' go-on '" + file.string() + "' " + solver + " '" +
                                 (folder_ / "later.mcap").string() + "' '" + (folder_ / "recording.mcap").string() +
                                 "' " + std::to_string(tick);
     ASSERT_EQ(std::system(command.c_str()), 0) << command;

@@ -1,36 +1,128 @@
-// Runs a scenario of the fixtures in a process of its own:
-//   probe SCENARIO SECONDS TRACE                        records it
-//   probe SCENARIO SOLVER TRACE RECORDING TICK          goes on from a checkpoint of a recording, under its commands
+// Runs scenarios of the fixtures in a process of its own:
+//   determinism_probe record FOLDER SECONDS [--not-pinned] [--beside] [--nudge] SCENARIO...
+//     records each, one after the other, its first SECONDS (or "all"), as FOLDER/<name>.mcap; a name that is there
+//     twice is recorded twice, and the later one counts. FOLDER/made_by.txt then tells the processor and the compiler.
+//     --not-pinned: as the environment has it. --beside: tick by tick in turns with the scenario behind it, which is
+//     not kept. --nudge: from a place that is off by a last bit.
+//   determinism_probe go-on SCENARIO SOLVER TRACE RECORDING TICK
+//     goes on from a checkpoint of a recording, under its commands
+#include <cpuid.h>
+#include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <rehearse/plant_run.h>
 #include <rehearse/session.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <fstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace {
 
 using namespace rehearse;
+namespace fs = std::filesystem;
+
+struct Order {
+  fs::path folder;
+  std::string seconds;
+  bool beside = false;
+  RecordOptions options;
+  std::vector<fs::path> scenarios;
+};
 
 int fail(const Diagnostics& errors) { return std::fputs(to_string(errors).c_str(), stderr), 1; }
 
-int record_scenario(Scenario& scenario, char** argv) {
-  scenario.duration = std::atof(argv[2]);
-  const auto summary = record(scenario, argv[3]);
-  if (!summary) return fail(summary.errors());
-  return summary->failure ? 1 : 0;
+/// As the processor calls itself; an emulated one is asked too, which /proc/cpuinfo would not tell.
+std::string processor() {
+  char name[49] = "";
+  for (unsigned part = 0; part < 3; ++part) {
+    unsigned words[4] = {};
+    if (!__get_cpuid(0x80000002u + part, &words[0], &words[1], &words[2], &words[3])) return "unnamed processor";
+    std::memcpy(name + 16 * part, words, sizeof words);
+  }
+  const std::string_view text = name;
+  return std::string(text.substr(0, text.find_last_not_of(' ') + 1));
 }
 
-int go_on(Scenario& scenario, char** argv) {
+std::string made_by() {
+#if defined(__clang__)
+  const std::string compiler = fmt::format("clang {}.{}", __clang_major__, __clang_minor__);
+#else
+  const std::string compiler = fmt::format("gcc {}.{}", __GNUC__, __GNUC_MINOR__);
+#endif
+#if defined(__OPTIMIZE__)
+  const char* how = "optimised";
+#else
+  const char* how = "not optimised";
+#endif
+  return fmt::format("{}\n{}, {}\n{}", processor(), compiler, how, is_pinned() ? "pinned" : "not pinned");
+}
+
+Result<Scenario> load(const fs::path& file, const std::string& seconds) {
+  auto scenario = Scenario::load(file);
+  if (scenario && seconds != "all") scenario->duration = std::min(scenario->duration, std::atof(seconds.c_str()));
+  return scenario;
+}
+
+/// Two sessions in turns. The other one is begun again whenever it is over.
+Result<RunSummary> record_beside(const Scenario& scenario, const Scenario& other, const fs::path& trace,
+                                 const RecordOptions& options) {
+  const fs::path other_trace = trace.string() + ".other";
+  auto session = Session::create(scenario, trace, options);
+  if (!session) return session.errors();
+  auto beside = Session::create(other, other_trace, options);
+  for (;;) {
+    if (!beside) return beside.errors();
+    const Result<bool> going_on = (*session)->step();
+    if (!going_on) return going_on.errors();
+    if (!*going_on) break;
+    const Result<bool> other_going_on = (*beside)->step();
+    if (!other_going_on) return other_going_on.errors();
+    if (*other_going_on) continue;
+    if (const auto done = (*beside)->finish(); !done) return done.errors();
+    beside = Session::create(other, other_trace, options);
+  }
+  auto summary = (*session)->finish();
+  std::error_code ignored;
+  fs::remove(other_trace, ignored);
+  return summary;
+}
+
+int record_all(const Order& order) {
+  for (std::size_t i = 0; i < order.scenarios.size(); ++i) {
+    const auto scenario = load(order.scenarios[i], order.seconds);
+    if (!scenario) return fail(scenario.errors());
+    const fs::path trace = order.folder / (order.scenarios[i].stem().string() + ".mcap");
+    Result<RunSummary> summary = RunSummary{};
+    if (order.beside) {
+      const auto other = load(order.scenarios[(i + 1) % order.scenarios.size()], order.seconds);
+      if (!other) return fail(other.errors());
+      summary = record_beside(*scenario, *other, trace, order.options);
+    } else {
+      summary = record(*scenario, trace, order.options);
+    }
+    if (!summary) return fail(summary.errors());
+    if (summary->failure) return fail({*summary->failure});
+  }
+  std::ofstream(order.folder / "made_by.txt") << made_by() << '\n';
+  return 0;
+}
+
+int go_on(char** argv) {
   using Method = SolverSettings::Method;
-  scenario.solver.method = std::string(argv[2]) == "quick" ? Method::quick : Method::exact;
-  const auto recording = Trace::load(argv[4]);
+  auto scenario = Scenario::load(argv[2]);
+  if (!scenario) return fail(scenario.errors());
+  scenario->solver.method = std::string_view(argv[3]) == "quick" ? Method::quick : Method::exact;
+  const auto recording = Trace::load(argv[5]);
   if (!recording) return fail(recording.errors());
   PlantOptions options;
-  options.from = std::atoll(argv[5]);
+  options.from = std::atoll(argv[6]);
   options.resync = false;
-  const auto summary = run_plant(scenario, *recording, argv[3], options);
+  const auto summary = run_plant(*scenario, *recording, argv[4], options);
   if (!summary) return fail(summary.errors());
   return summary->failure || summary->restored != 1 ? 1 : 0;
 }
@@ -38,9 +130,18 @@ int go_on(Scenario& scenario, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  pin_process(argv);
-  if (argc != 4 && argc != 6) return std::fputs("usage: probe SCENARIO SECONDS TRACE, or see the source\n", stderr), 2;
-  auto scenario = Scenario::load(argv[1]);
-  if (!scenario) return fail(scenario.errors());
-  return argc == 4 ? record_scenario(*scenario, argv) : go_on(*scenario, argv);
+  const std::vector<std::string_view> words(argv + 1, argv + argc);
+  if (std::find(words.begin(), words.end(), "--not-pinned") == words.end()) pin_process(argv);
+  if (words.size() == 6 && words[0] == "go-on") return go_on(argv);
+  if (words.size() < 4 || words[0] != "record") return std::fputs("see the top of the source\n", stderr), 2;
+  Order order{words[1], std::string(words[2]), false, {}, {}};
+  for (const std::string_view word : std::vector(words.begin() + 3, words.end())) {
+    if (word == "--beside")
+      order.beside = true;
+    else if (word == "--nudge")
+      order.options.nudge = 1;
+    else if (word != "--not-pinned")
+      order.scenarios.emplace_back(word);
+  }
+  return record_all(order);
 }
