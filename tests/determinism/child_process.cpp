@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -18,16 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string_view name_in(std::string_view variable) { return variable.substr(0, variable.find('=')); }
+
 /// A sanitized build stops at what it wasn't told to pass over.
-bool is_for_a_sanitizer(std::string_view variable) { return variable.substr(1).starts_with("SAN_OPTIONS="); }
+bool is_for_a_sanitizer(std::string_view name) { return name.ends_with("SAN_OPTIONS"); }
 
 std::vector<std::string> environment_of(const Surroundings& surroundings) {
   std::vector<std::string> all;
-  for (char** entry = environ; *entry; ++entry) {
-    const std::string_view text = *entry;
-    const bool changed = surroundings.variables.count(std::string(text.substr(0, text.find('=')))) != 0;
-    const bool wanted = !surroundings.bare || (text.size() > 4 && is_for_a_sanitizer(text.substr(text[0] == 'U')));
-    if (!changed && wanted) all.emplace_back(text);
+  for (char** variable = environ; *variable; ++variable) {
+    const std::string_view name = name_in(*variable);
+    const bool changed = surroundings.variables.count(std::string(name)) != 0;
+    if (!changed && (!surroundings.bare || is_for_a_sanitizer(name))) all.emplace_back(*variable);
   }
   for (const auto& [name, value] : surroundings.variables)
     if (value) all.push_back(name + "=" + *value);

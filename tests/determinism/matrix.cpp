@@ -232,7 +232,7 @@ Result<std::vector<Row>> chosen_rows(const Options& options) {
 
 void print_line(const std::string& row, const std::string& made_by, const Matrix& matrix, std::uint64_t hash,
                 const std::string& verdict) {
-  fmt::print("{:<50} {:<58} {:>3} {:>7.2f} s  {:016x}  {}\n", row, made_by, matrix.scenarios(), matrix.seconds(), hash,
+  fmt::print("{:<48} {:<63} {:>3} {:>6.2f} s  {:016x}  {}\n", row, made_by, matrix.scenarios(), matrix.seconds(), hash,
              verdict);
   std::fflush(stdout);
 }
@@ -240,7 +240,7 @@ void print_line(const std::string& row, const std::string& made_by, const Matrix
 /// Returns whether it is as it should be.
 Result<bool> make_and_print(const Matrix& matrix, const Row& row) {
   if (!row.impossible.empty()) {
-    fmt::print("{:<50} not made: {}\n", row.name, row.impossible);
+    fmt::print("{:<48} not made: {}\n", row.name, row.impossible);
     return true;
   }
   const auto outcome = matrix.make(row);
@@ -261,7 +261,7 @@ int print_matrix(const Options& options, const fs::path& folder) {
   }
   Matrix matrix(options, folder);
   if (auto done = matrix.prepare(); !done) return refuse(done.errors());
-  fmt::print("{:<50} {:<58} {}\n", "", "made by", "scenarios, simulated; hash of all messages");
+  fmt::print("{:<48} {:<63} {}\n", "", "made by", "scenarios, simulated; hash of all messages");
   const Outcome reference = matrix.reference();
   print_line("the reference", reference.made_by, matrix, reference.hash, reference.verdict);
   bool all_right = true;
@@ -304,6 +304,11 @@ int run_main(int argc, char** argv) {
 }  // namespace rehearse::matrix
 
 int main(int argc, char** argv) {
-  rehearse::pin_process(argv);  // so that the programs in an emulator, which can't pin themselves, are
-  return rehearse::matrix::run_main(argc, argv);
+  rehearse::pin_process(argv);
+  try {
+    return rehearse::matrix::run_main(argc, argv);
+  } catch (const std::exception& problem) {  // the file system's: no space, no right to write
+    std::fprintf(stderr, "error: %s\n", problem.what());
+    return rehearse::matrix::bad_usage;
+  }
 }

@@ -8,8 +8,10 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <span>
 
 #include "child_process.h"
+#include "matrix_rows.h"
 #include "recording_content.h"
 
 namespace rehearse::matrix {
@@ -168,6 +170,16 @@ TEST(Matrix, RefusesARowAndABuildThatAreNone) {
   EXPECT_EQ(status("--first 0"), 2);
   EXPECT_EQ(status("--list"), 0);
 }
+
+#ifdef ROWS  // not under sanitizers
+TEST(Matrix, HasATestForEveryRow) {
+  std::ifstream stream(ROWS);
+  std::vector<std::string> tested, listed;
+  for (std::string name; std::getline(stream, name);) tested.push_back(name);
+  for (const Row& row : rows({})) listed.push_back(row.name);
+  EXPECT_THAT(tested, ::testing::UnorderedElementsAreArray(listed));
+}
+#endif
 
 }  // namespace
 }  // namespace rehearse::matrix

@@ -13,10 +13,12 @@
 #include <rehearse/session.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,8 +30,8 @@ namespace fs = std::filesystem;
 
 struct Order {
   fs::path folder;
-  std::string seconds;
-  bool beside = false;
+  std::optional<double> first;  // [s]; none: all
+  bool beside = false;          // each in turns with the next
   RecordOptions options;
   std::vector<fs::path> scenarios;
 };
@@ -39,9 +41,10 @@ int fail(const Diagnostics& errors) { return std::fputs(to_string(errors).c_str(
 /// As the processor calls itself; an emulated one is asked too, which /proc/cpuinfo would not tell.
 std::string processor() {
   char name[49] = "";
-  for (unsigned part = 0; part < 3; ++part) {
-    unsigned words[4] = {};
-    if (!__get_cpuid(0x80000002u + part, &words[0], &words[1], &words[2], &words[3])) return "unnamed processor";
+  for (std::size_t part = 0; part < 3; ++part) {
+    std::uint32_t words[4] = {};
+    if (!__get_cpuid(0x80000002u + static_cast<unsigned>(part), &words[0], &words[1], &words[2], &words[3]))
+      return "unnamed processor";
     std::memcpy(name + 16 * part, words, sizeof words);
   }
   const std::string_view text = name;
@@ -62,9 +65,17 @@ std::string made_by() {
   return fmt::format("{}\n{}, {}\n{}", processor(), compiler, how, is_pinned() ? "pinned" : "not pinned");
 }
 
-Result<Scenario> load(const fs::path& file, const std::string& seconds) {
+template <class Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number number{};
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+Result<Scenario> load(const fs::path& file, const Order& order) {
   auto scenario = Scenario::load(file);
-  if (scenario && seconds != "all") scenario->duration = std::min(scenario->duration, std::atof(seconds.c_str()));
+  if (scenario && order.first) scenario->duration = std::min(scenario->duration, *order.first);
   return scenario;
 }
 
@@ -94,12 +105,12 @@ Result<RunSummary> record_beside(const Scenario& scenario, const Scenario& other
 
 int record_all(const Order& order) {
   for (std::size_t i = 0; i < order.scenarios.size(); ++i) {
-    const auto scenario = load(order.scenarios[i], order.seconds);
+    const auto scenario = load(order.scenarios[i], order);
     if (!scenario) return fail(scenario.errors());
     const fs::path trace = order.folder / (order.scenarios[i].stem().string() + ".mcap");
     Result<RunSummary> summary = RunSummary{};
     if (order.beside) {
-      const auto other = load(order.scenarios[(i + 1) % order.scenarios.size()], order.seconds);
+      const auto other = load(order.scenarios[(i + 1) % order.scenarios.size()], order);
       if (!other) return fail(other.errors());
       summary = record_beside(*scenario, *other, trace, order.options);
     } else {
@@ -112,19 +123,39 @@ int record_all(const Order& order) {
   return 0;
 }
 
-int go_on(char** argv) {
+int go_on(const std::vector<std::string_view>& words) {
   using Method = SolverSettings::Method;
-  auto scenario = Scenario::load(argv[2]);
+  const auto tick = number_in<std::int64_t>(words[5]);
+  if (!tick) return fail({error(fmt::format("'{}' is no tick", words[5]))});
+  auto scenario = Scenario::load(words[1]);
   if (!scenario) return fail(scenario.errors());
-  scenario->solver.method = std::string_view(argv[3]) == "quick" ? Method::quick : Method::exact;
-  const auto recording = Trace::load(argv[5]);
+  scenario->solver.method = words[2] == "quick" ? Method::quick : Method::exact;
+  const auto recording = Trace::load(words[4]);
   if (!recording) return fail(recording.errors());
   PlantOptions options;
-  options.from = std::atoll(argv[6]);
+  options.from = *tick;
   options.resync = false;
-  const auto summary = run_plant(*scenario, *recording, argv[4], options);
+  const auto summary = run_plant(*scenario, *recording, words[3], options);
   if (!summary) return fail(summary.errors());
   return summary->failure || summary->restored != 1 ? 1 : 0;
+}
+
+int run(const std::vector<std::string_view>& words) {
+  if (words.size() == 6 && words[0] == "go-on") return go_on(words);
+  if (words.size() < 4 || words[0] != "record") return fail({error("bad usage", "see the top of the source")});
+  Order order;
+  order.folder = words[1];
+  order.first = number_in<double>(words[2]);
+  if (!order.first && words[2] != "all") return fail({error(fmt::format("'{}' are no seconds", words[2]))});
+  for (std::size_t i = 3; i < words.size(); ++i) {
+    if (words[i] == "--beside")
+      order.beside = true;
+    else if (words[i] == "--nudge")
+      order.options.nudge = 1;
+    else if (words[i] != "--not-pinned")
+      order.scenarios.emplace_back(words[i]);
+  }
+  return record_all(order);
 }
 
 }  // namespace
@@ -132,16 +163,5 @@ int go_on(char** argv) {
 int main(int argc, char** argv) {
   const std::vector<std::string_view> words(argv + 1, argv + argc);
   if (std::find(words.begin(), words.end(), "--not-pinned") == words.end()) pin_process(argv);
-  if (words.size() == 6 && words[0] == "go-on") return go_on(argv);
-  if (words.size() < 4 || words[0] != "record") return std::fputs("see the top of the source\n", stderr), 2;
-  Order order{words[1], std::string(words[2]), false, {}, {}};
-  for (const std::string_view word : std::vector(words.begin() + 3, words.end())) {
-    if (word == "--beside")
-      order.beside = true;
-    else if (word == "--nudge")
-      order.options.nudge = 1;
-    else if (word != "--not-pinned")
-      order.scenarios.emplace_back(word);
-  }
-  return record_all(order);
+  return run(words);
 }
