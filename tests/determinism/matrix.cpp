@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -53,6 +54,16 @@ struct Outcome {
   int differing = 0;    // scenarios
   std::string verdict;  // "same", or where not
 };
+
+/// A row's name as that of a folder, without blanks and colons: control_not_pinned.
+std::string folder_name(const std::string& row) {
+  std::string name;
+  for (const char letter : row) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(letter)) != 0;
+    if (plain || (!name.empty() && name.back() != '_')) name += plain ? letter : '_';
+  }
+  return name;
+}
 
 class Matrix {
  public:
@@ -142,7 +153,7 @@ Result<std::string> Matrix::made_by(const Row& row, const fs::path& folder) cons
 
 Result<void> Matrix::prepare() {
   if (auto found = find_scenarios(); !found) return found;
-  const fs::path folder = folder_ / "plain run";
+  const fs::path folder = folder_ / "plain_run";
   fs::create_directories(folder);
   if (auto done = record(rows({}).front(), folder); !done) return done;
   for (Reference& reference : references_) {
@@ -172,7 +183,7 @@ Outcome Matrix::reference() const {
 }
 
 Result<Outcome> Matrix::make(const Row& row) const {
-  const fs::path folder = folder_ / row.name;
+  const fs::path folder = folder_ / folder_name(row.name);
   fs::create_directories(folder);
   if (auto done = record(row, folder); !done) return done.errors();
   Outcome outcome;
