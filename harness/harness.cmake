@@ -19,6 +19,7 @@ rehearse_add_library(harness
   src/io_body.cpp
   src/joint_arrays.cpp
   src/mesh_digests.cpp
+  src/output_record.cpp
   src/pin.cpp
   src/provenance.cpp
   src/recorded_inputs.cpp

@@ -134,6 +134,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   auto loaded = ControllerLibrary::open(*file, options_.call_limit);
   if (!loaded) return at(specification.place, loaded.errors()[0]);
   hosted.library = *loaded;
+  if (options_.keep_libraries) hosted.library->keep_loaded();
   libraries_.push_back(*loaded);
   try {
     hosted.io->options();

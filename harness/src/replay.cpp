@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "controller_host.h"
+#include "output_record.h"
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
 #include "trace_scenario.h"
@@ -48,6 +49,7 @@ class Replayer {
   ControllerHost& host_;
   RecordedInputs inputs_;
   std::vector<RecordedOutputs> outputs_;     // by controller
+  std::optional<OutputRecord> output_record_;  // if somebody wants it
   std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
   std::vector<bool> is_input_;               // by channel id
   std::uint16_t tick_channel_ = 0;
@@ -84,6 +86,8 @@ Result<void> Replayer::begin() {
       channels_.push_back(id);
     }
   }
+  if (options_.on_outputs) output_record_.emplace(host_, scenario_);
+  if (options_.on_started && output_record_) options_.on_started(output_record_->fields());
   from_ = static_cast<std::uint64_t>(std::llround(std::max(0.0, options_.from) * 1e9));
   if (options_.until) until_ = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options_.until) * 1e9));
   return {};
@@ -168,6 +172,7 @@ bool Replayer::finish_tick() {
   if (last_state || now_ >= until_) return false;  // after the last step only the state is recorded
   tick_differs_ = false;
   if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
+  if (output_record_) options_.on_outputs(tick_.tick, output_record_->row());
   compare_inputs();
   if (now_ >= from_) {
     for (const RecordedOutputs& outputs : outputs_)

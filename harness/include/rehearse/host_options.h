@@ -16,6 +16,8 @@ struct HostOptions {
   std::optional<std::string> run_options;
   /// A call into a controller may take so much wall time [s]; then it counts as hung.
   double call_limit = 10.0;
+  /// Libraries stay loaded after the run, with what their static objects hold.
+  bool keep_libraries = false;
 };
 
 }  // namespace rehearse

@@ -20,6 +20,19 @@
 
 namespace rehearse {
 
+/// One word of what the controllers give in a tick.
+struct OutputField {
+  enum class Kind {
+    number,  // the bits of a double
+    flag,    // 0 or 1: whether it takes part, what control() returned, whether a device was told anything
+  };
+  std::string controller;  // "SR1/SR1Minimum"
+  std::string channel;     // topic, as in a recording
+  std::string element;     // within it: RLEG_KNEE/u
+  std::string unit;        // may be empty
+  Kind kind = Kind::number;
+};
+
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before it are not compared [s]
   std::optional<double> until;  // the replay ends there [s]
@@ -27,6 +40,10 @@ struct ReplayOptions : HostOptions {
   std::optional<std::vector<ToleranceRule>> tolerances;
   /// Called with each difference, in the order of ticks; null: not.
   std::function<void(const Divergence&)> on_difference;
+  /// Called once, when the controllers have started, with what on_outputs will be given; null: not.
+  std::function<void(const std::vector<OutputField>&)> on_started;
+  /// Called after each tick with a word for each of those fields; null: not.
+  std::function<void(std::int64_t tick, const std::vector<std::uint64_t>&)> on_outputs;
   /// Called about every hundredth of the recording with the ticks done and all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };

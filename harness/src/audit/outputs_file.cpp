@@ -1,0 +1,254 @@
+#include "outputs_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+namespace rehearse::audit {
+
+namespace fs = std::filesystem;
+
+constexpr char file_magic[8] = {'R', 'H', 'A', 'U', 'D', 'I', 'T', '1'};
+
+/// The begin of the file. Behind it: the fields as text, a line each, then the rows.
+struct OutputsHead {
+  char magic[8];
+  std::uint64_t beats;        // calls into controllers, begun and ended
+  std::uint64_t names_size;   // of the fields' text [bytes]
+  std::uint64_t fields;       // how many
+  std::uint64_t rows_at;      // offset of the first row
+  std::uint64_t rows;         // complete ones
+  std::int64_t tick;          // of the call that is under way
+  std::uint64_t under_way;    // 1: a call is
+  char controller[256];       // whose
+  char function[128];
+};
+
+namespace {
+
+constexpr std::size_t first_size = 1 << 16;
+
+Diagnostic unwritable(const fs::path& file, const char* why) {
+  return error(fmt::format("can't write {}: {}", file.string(), why));
+}
+
+Diagnostic unreadable(const fs::path& file) {
+  return error(fmt::format("{} is not what a replay of an audit writes", file.string()));
+}
+
+void put_text(char* place, std::size_t size, const char* text) {
+  const std::size_t length = std::min(size - 1, std::strlen(text));
+  std::memcpy(place, text, length);
+  place[length] = '\0';
+}
+
+/// Names hold no tabs and no line ends: a URDF's are attributes, and those have spaces for them.
+std::string text_of(const std::vector<OutputField>& fields) {
+  std::string text;
+  for (const OutputField& field : fields)
+    text += fmt::format("{}\t{}\t{}\t{}\t{}\n", field.controller, field.channel, field.element, field.unit,
+                        static_cast<int>(field.kind));
+  return text;
+}
+
+std::vector<OutputField> fields_of(const std::string& text) {
+  std::vector<OutputField> fields;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    OutputField field;
+    std::istringstream words(line);
+    std::string kind;
+    std::getline(words, field.controller, '\t');
+    std::getline(words, field.channel, '\t');
+    std::getline(words, field.element, '\t');
+    std::getline(words, field.unit, '\t');
+    std::getline(words, kind);
+    field.kind = kind == "0" ? OutputField::Kind::number : OutputField::Kind::flag;
+    fields.push_back(std::move(field));
+  }
+  return fields;
+}
+
+}  // namespace
+
+Result<OutputsWriter> OutputsWriter::create(const fs::path& file) {
+  const int opened = ::open(file.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (opened < 0) return unwritable(file, std::strerror(errno));
+  const bool sized = ::ftruncate(opened, first_size) == 0;
+  void* memory = sized ? ::mmap(nullptr, first_size, PROT_READ | PROT_WRITE, MAP_SHARED, opened, 0) : MAP_FAILED;
+  const int problem = errno;
+  ::close(opened);
+  if (memory == MAP_FAILED) return unwritable(file, std::strerror(problem));
+  OutputsWriter writer(fs::absolute(file), static_cast<std::byte*>(memory), first_size);
+  std::memcpy(writer.head().magic, file_magic, sizeof file_magic);
+  return writer;
+}
+
+OutputsWriter::OutputsWriter(fs::path file, std::byte* memory, std::size_t size)
+    : file_(std::move(file)), memory_(memory), size_(size) {}
+
+OutputsWriter::OutputsWriter(OutputsWriter&& other) noexcept
+    : file_(std::move(other.file_)),
+      memory_(std::exchange(other.memory_, nullptr)),
+      size_(other.size_),
+      complete_(other.complete_) {}
+
+OutputsWriter::~OutputsWriter() {
+  if (memory_) ::munmap(memory_, size_);
+}
+
+OutputsHead& OutputsWriter::head() const { return *reinterpret_cast<OutputsHead*>(memory_); }
+
+/// By name: a controller may have closed every descriptor that there was.
+bool OutputsWriter::grow(std::size_t size) {
+  if (size <= size_) return true;
+  std::size_t larger = size_;
+  while (larger < size) larger *= 2;
+  if (::truncate(file_.c_str(), static_cast<off_t>(larger)) != 0) return false;
+  void* memory = ::mremap(memory_, size_, larger, MREMAP_MAYMOVE);
+  if (memory == MAP_FAILED) return false;
+  memory_ = static_cast<std::byte*>(memory);
+  size_ = larger;
+  return true;
+}
+
+void OutputsWriter::begin(const std::vector<OutputField>& fields) {
+  const std::string text = text_of(fields);
+  const std::size_t rows_at = (sizeof(OutputsHead) + text.size() + 7) / 8 * 8;
+  complete_ = complete_ && grow(rows_at);
+  if (!complete_) return;
+  std::memcpy(memory_ + sizeof(OutputsHead), text.data(), text.size());
+  head().names_size = text.size();
+  head().rows_at = rows_at;
+  head().fields = fields.size();
+}
+
+void OutputsWriter::add(std::int64_t tick, const std::vector<std::uint64_t>& row) {
+  const std::size_t stride = (row.size() + 1) * sizeof(std::uint64_t);
+  const std::size_t at = head().rows_at + head().rows * stride;
+  complete_ = complete_ && grow(at + stride);
+  if (!complete_) return;
+  const auto number = static_cast<std::uint64_t>(tick);
+  std::memcpy(memory_ + at, &number, sizeof number);
+  std::memcpy(memory_ + at + sizeof number, row.data(), row.size() * sizeof(std::uint64_t));
+  ++head().rows;
+}
+
+void OutputsWriter::enter(const char* controller, const char* function, std::int64_t tick) {
+  OutputsHead& now = head();
+  put_text(now.controller, sizeof now.controller, controller);
+  put_text(now.function, sizeof now.function, function);
+  now.tick = tick;
+  now.under_way = 1;
+  ++now.beats;
+}
+
+void OutputsWriter::leave() {
+  head().under_way = 0;
+  ++head().beats;
+}
+
+Result<Outputs> Outputs::read(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  OutputsHead head{};
+  if (!stream.read(reinterpret_cast<char*>(&head), sizeof head)) return unreadable(file);
+  if (std::memcmp(head.magic, file_magic, sizeof file_magic) != 0) return unreadable(file);
+  Outputs outputs;
+  if (head.under_way != 0) outputs.unfinished_ = UnfinishedCall{head.controller, head.function, head.tick};
+  if (head.fields == 0) return outputs;
+  std::error_code ignored;
+  const std::uintmax_t size = fs::file_size(file, ignored);
+  const std::uint64_t words = head.rows * (head.fields + 1);
+  if (head.names_size > size || head.rows_at > size || words > (size - head.rows_at) / sizeof(std::uint64_t))
+    return unreadable(file);
+  std::string text(head.names_size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  outputs.fields_ = fields_of(text);
+  outputs.words_.resize(words);
+  stream.seekg(static_cast<std::streamoff>(head.rows_at));
+  stream.read(reinterpret_cast<char*>(outputs.words_.data()), static_cast<std::streamsize>(words * sizeof(std::uint64_t)));
+  if (!stream || outputs.fields_.size() != head.fields) return unreadable(file);
+  return outputs;
+}
+
+std::optional<std::uint64_t> heartbeat_of(const fs::path& file) {
+  OutputsHead head{};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(reinterpret_cast<char*>(&head), sizeof head)) return std::nullopt;
+  return head.beats + head.rows;
+}
+
+namespace {
+
+bool same_layout(const Outputs& a, const Outputs& b) {
+  const auto same = [](const OutputField& one, const OutputField& other) {
+    return one.controller == other.controller && one.channel == other.channel && one.element == other.element;
+  };
+  return std::equal(a.fields().begin(), a.fields().end(), b.fields().begin(), b.fields().end(), same);
+}
+
+Divergence divergence_at(const OutputField& field, std::uint64_t expected, std::uint64_t actual) {
+  Divergence found;
+  found.channel = field.channel;
+  found.element = field.element;
+  found.unit = field.unit;
+  if (field.kind == OutputField::Kind::flag) {
+    found.expected = static_cast<double>(expected);
+    found.actual = static_cast<double>(actual);
+    found.difference = 1.0;
+    const bool running = field.element.starts_with("running");
+    found.note = field.element == "told" ? "a device is told something in one run, and nothing in the other"
+                 : running               ? "the controller takes part in one run, and not in the other"
+                           : fmt::format("control() returned {}, then {}", expected != 0, actual != 0);
+    return found;
+  }
+  found.expected = std::bit_cast<double>(expected);
+  found.actual = std::bit_cast<double>(actual);
+  found.difference = std::abs(found.actual - found.expected);
+  found.ulps = ulps_between(found.expected, found.actual);
+  return found;
+}
+
+}  // namespace
+
+std::optional<Divergence> first_difference(const Outputs& expected, const Outputs& actual, double time_step,
+                                           const std::string& controller) {
+  Divergence found;
+  found.channel = controller.empty() ? "/tick" : "/" + controller + "/output";
+  if (!same_layout(expected, actual)) {
+    const bool begun = !expected.fields().empty() && !actual.fields().empty();
+    found.note = begun ? "another set of outputs was enabled" : "only one of two runs came to its first tick";
+    return found;
+  }
+  const std::int64_t rows = std::min(expected.rows(), actual.rows());
+  for (std::int64_t row = 0; row < rows; ++row) {
+    const auto a = expected.row(row), b = actual.row(row);
+    if (std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) continue;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const OutputField& field = expected.fields()[i];
+      if (a[i] == b[i] || (!controller.empty() && field.controller != controller)) continue;
+      found = divergence_at(field, a[i], b[i]);
+      found.tick = expected.tick(row);
+      found.time = time_of(found.tick, time_step);
+      return found;
+    }
+  }
+  if (expected.rows() == actual.rows()) return std::nullopt;
+  found.tick = rows == 0 ? 0 : (expected.rows() > rows ? expected.tick(rows) : actual.tick(rows));
+  found.time = time_of(found.tick, time_step);
+  found.note = "only one of two runs came to this tick";
+  return found;
+}
+
+}  // namespace rehearse::audit
