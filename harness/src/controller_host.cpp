@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "cnoid_body.h"
+#include "controller_watch.h"
 #include "guarded_call.h"
 #include "hashing.h"
 #include "info_text.h"
@@ -131,7 +132,11 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   }
   const auto file = find_controller_library(library, directory);
   if (!file) return at(specification.place, file.errors()[0]);
-  auto loaded = ControllerLibrary::open(*file, options_.call_limit);
+  const std::filesystem::path loaded_file = std::filesystem::absolute(*file);
+  auto loaded = [&] {
+    const Watched watched(options_.watch, {hosted.label, loaded_file, "load"});
+    return ControllerLibrary::open(loaded_file, options_.call_limit);
+  }();
   if (!loaded) return at(specification.place, loaded.errors()[0]);
   hosted.library = *loaded;
   if (options_.keep_libraries) hosted.library->keep_loaded();
@@ -164,7 +169,11 @@ void ControllerHost::collect_messages(HostedController& hosted) {
 
 bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code) {
   const PluggedIn plugged_in(hosted.joystick.get());
-  const CallOutcome outcome = guarded_call(code, options_.call_limit);
+  const CallOutcome outcome = [&] {
+    const Watched watched(options_.watch,
+                          {hosted.label, hosted.library->file(), function, tick_, time_of(tick_, scenario_->time_step)});
+    return guarded_call(code, options_.call_limit);
+  }();
   if (outcome.changed_float_mode)
     event(Severity::warning, hosted.label,
           fmt::format("{}() left another floating-point mode behind; it was set back (is the controller built with "

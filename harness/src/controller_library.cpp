@@ -22,14 +22,6 @@ namespace fs = std::filesystem;
 constexpr const char* factory_name = "createSimpleController";
 constexpr const char* abi_name = "rehearseCnoidAbi";
 
-/// The folder that holds the shared library with this code.
-fs::path own_library_folder() {
-  Dl_info info{};
-  if (dladdr(reinterpret_cast<const void*>(&find_controller_library), &info) == 0 || !info.dli_fname) return {};
-  std::error_code ignored;
-  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
-}
-
 std::vector<fs::path> search_folders() {
   std::vector<fs::path> folders;
   if (const char* listed = std::getenv("REHEARSE_CONTROLLER_PATH")) {
@@ -69,6 +61,13 @@ std::string hash_of_file(const fs::path& file) {
 }
 
 }  // namespace
+
+fs::path own_library_folder() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&find_controller_library), &info) == 0 || !info.dli_fname) return {};
+  std::error_code ignored;
+  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+}
 
 Result<fs::path> find_controller_library(const std::string& name, const fs::path& directory) {
   std::vector<fs::path> candidates;

@@ -19,6 +19,9 @@ namespace rehearse {
 /// Fails saying where it looked.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
+/// The folder that holds our own shared libraries; empty if it can't be told.
+std::filesystem::path own_library_folder();
+
 class ControllerLibrary {
  public:
   /// Loads the file. Fails if it can't be loaded (naming an undefined symbol as its author wrote it) or is no

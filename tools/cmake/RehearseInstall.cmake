@@ -5,7 +5,7 @@
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Rehearse)
-set(libraries cnoid model world png renderer trace scenario harness simulation testing gtest)
+set(libraries cnoid model world png renderer trace scenario harness audit simulation testing gtest)
 list(TRANSFORM libraries PREPEND rehearse_)
 
 install(TARGETS ${libraries} EXPORT RehearseTargets
@@ -13,6 +13,8 @@ install(TARGETS ${libraries} EXPORT RehearseTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# nobody links it: audit names it to the dynamic linker
+install(TARGETS rehearse_interposer LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS ${REHEARSE_SAMPLES} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers)
 install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion)

@@ -7,6 +7,8 @@
 
 namespace rehearse {
 
+class ControllerWatch;
+
 struct HostOptions {
   /// Library (a name or a path) to load instead of the scenario's, by controller: NAME or BODY/NAME.
   std::map<std::string, std::string> libraries;
@@ -18,6 +20,8 @@ struct HostOptions {
   double call_limit = 10.0;
   /// Libraries stay loaded after the run, with what their static objects hold.
   bool keep_libraries = false;
+  /// Is told of each call; null: nobody is. Must outlive the run.
+  ControllerWatch* watch = nullptr;
 };
 
 }  // namespace rehearse

@@ -1,0 +1,53 @@
+// The log that the interposer keeps in a file mapped into memory: so what it holds survives the process, whatever ends
+// it, and no descriptor of it is open for a controller to close.
+//
+// A header, a table of entries, a heap of texts. Little-endian, of the machine that wrote it: it is read within a minute.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace rehearse::interposer {
+
+inline constexpr char log_magic[8] = {'R', 'H', 'C', 'A', 'L', 'L', 'S', '1'};
+inline constexpr std::uint32_t max_entries = 4096;
+inline constexpr std::uint32_t max_chain = 6;
+inline constexpr std::uint32_t heap_size = 4u << 20;
+
+/// Where a text with its final zero begins in the heap; 0: the empty text.
+using TextOffset = std::uint32_t;
+
+struct LoggedPlace {
+  TextOffset module;
+  std::uint32_t unused;
+  std::uint64_t offset;  // virtual address in the module
+};
+
+struct LogEntry {
+  std::uint32_t source;  // ObservedCall::Source
+  TextOffset function;
+  TextOffset argument;
+  TextOffset controller;
+  TextOffset phase;
+  TextOffset digest;
+  std::uint32_t chain_length;
+  std::uint32_t unused;
+  std::int64_t first_tick;
+  std::int64_t last_tick;
+  std::int64_t count;
+  std::uint64_t key;  // hash of all that tells entries apart
+  LoggedPlace place;
+  LoggedPlace chain[max_chain];
+};
+
+struct Log {
+  char magic[8];
+  std::uint32_t entries;    // how many are complete
+  std::uint32_t heap_used;  // [bytes]
+  std::uint32_t overflowed;
+  std::uint32_t unused;
+  LogEntry entry[max_entries];
+  char heap[heap_size];
+};
+
+}  // namespace rehearse::interposer

@@ -1,0 +1,60 @@
+// The log of an interposed run: what controllers asked of the system besides their inputs, and from where.
+//
+// The interposer (harness/interposer) writes it while the process runs; it is complete at any moment, also after a
+// crash. Calls are summed up: one entry for each function, argument, place and phase.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+/// An address in a file of code: of the call itself, not of what follows it.
+struct CodePlace {
+  std::string module;        // path of the library
+  std::uint64_t offset = 0;  // virtual address in it, as its symbols have it
+
+  friend bool operator==(const CodePlace&, const CodePlace&) = default;
+  friend auto operator<=>(const CodePlace&, const CodePlace&) = default;
+};
+
+struct ObservedCall {
+  enum class Source { clock, random, thread, file, network, environment, locale, process };
+
+  Source source = Source::clock;
+  std::string function;          // "clock_gettime"
+  std::string argument;          // "CLOCK_MONOTONIC", "HOME", "gains.txt"; empty: none worth a word
+  std::string controller;        // "SR1/SR1Minimum"
+  std::string phase;             // "load", "configure", "control", ...; "its own thread": on a thread it created
+  std::int64_t first_tick = -1;  // -1: before the run
+  std::int64_t last_tick = -1;
+  std::int64_t count = 0;
+  CodePlace place;               // innermost in the controller's library (else in a library that it brought along)
+  std::vector<CodePlace> chain;  // from there to the function, innermost first; empty: called directly
+  std::string digest;            // of the file's bytes at the time of opening: "214 bytes 8c7dd9...", else empty
+};
+
+struct CallLog {
+  std::vector<ObservedCall> calls;  // in order of their first occurrence
+  bool complete = true;             // false: there were more kinds of calls than the log has room for
+};
+
+/// Reads the log of a process that has ended, however it did. Fails if the file can't be read or is no log.
+Result<CallLog> read_call_log(const std::filesystem::path& file);
+
+/// "clock", "random", ...
+std::string_view to_string(ObservedCall::Source source);
+
+/// "clock_gettime(CLOCK_MONOTONIC)"
+std::string text_of(const ObservedCall& call);
+
+/// "Filter::update() (filter.cpp:31)" by the library's symbols and debug information; as much of it as there is, at
+/// least "BadFilter.so+0x1139".
+std::string place_of(const ObservedCall& call);
+
+}  // namespace rehearse

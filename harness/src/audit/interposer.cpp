@@ -1,0 +1,131 @@
+#include "audit/interposer.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+
+#include "controller_library.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* library_name = "librehearse_interposer.so";
+constexpr const char* settings_variable = "REHEARSE_INTERPOSER";
+
+using Enter = void (*)(const char* controller, const char* library, const char* function, long long tick, double time);
+using Leave = void (*)();
+
+/// What the interposer offers to its host; nulls if this process runs without it.
+struct Interposer {
+  Enter enter = reinterpret_cast<Enter>(dlsym(RTLD_DEFAULT, "rehearse_interposer_enter"));
+  Leave leave = reinterpret_cast<Leave>(dlsym(RTLD_DEFAULT, "rehearse_interposer_leave"));
+};
+
+const Interposer& interposer() {
+  static const Interposer found;
+  return found;
+}
+
+/// Settings are separated by semicolons, which a path may hold too.
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char letter : text) {
+    if (letter == ';' || letter == '%')
+      result += fmt::format("%{:02x}", static_cast<unsigned char>(letter));
+    else
+      result += letter;
+  }
+  return result;
+}
+
+/// "clock.date=...;seed=...;": numbers in full, since two runs must get the same.
+std::string text_of(const Substitution& substitution, std::string_view prefix) {
+  std::string text;
+  const auto add = [&](std::string_view name, auto value) { text += fmt::format("{}{}={};", prefix, name, value); };
+  if (const auto& clock = substitution.clock) {
+    add("clock.date", clock->date);
+    add("clock.uptime", clock->uptime);
+    add("clock.rate", clock->rate);
+    add("clock.read_step", clock->read_step);
+  }
+  if (substitution.seed) add("seed", *substitution.seed);
+  if (substitution.threads == ThreadSchedule::late) add("threads", "late");
+  if (substitution.threads == ThreadSchedule::early) add("threads", "early");
+  if (substitution.slow > 0) add("slow", substitution.slow);
+  return text;
+}
+
+std::string text_of(const InterposerSettings& settings) {
+  std::string text;
+  if (!settings.log.empty()) text += "log=" + escaped(fs::absolute(settings.log).string()) + ";";
+  text += text_of(settings.everywhere, "");
+  if (settings.only) {
+    text += fmt::format("only={}+{:x};", escaped(settings.only->module), settings.only->offset);
+    text += text_of(settings.there, "there.");
+  }
+  return text;
+}
+
+/// The variable's value with something in front of it.
+std::string with_own(const char* variable, std::string value, char separator) {
+  const char* own = std::getenv(variable);
+  return own && *own ? value + separator + own : value;
+}
+
+}  // namespace
+
+SimulatedClock SimulatedClock::shifted() const {
+  SimulatedClock other = *this;
+  other.date += 400.0 * 86400.0 + 12345.678;  // another year, weekday, hour and fraction
+  other.uptime += 7654.321;
+  other.rate *= 3.0;
+  other.read_step *= 3;
+  return other;
+}
+
+Result<fs::path> interposer_library() {
+  const fs::path file = own_library_folder() / library_name;
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored)) return file;
+  return error("the interposer isn't there: " + file.string(), "it is installed beside Rehearse's other libraries");
+}
+
+Result<std::map<std::string, std::optional<std::string>>> interposer_environment(const InterposerSettings& settings) {
+  const auto library = interposer_library();
+  if (!library) return library.errors();
+  if (library->string().find_first_of(": ") != std::string::npos)
+    return error("the interposer can't be loaded from " + library->string(),
+                 "LD_PRELOAD takes no path with a space or a colon");
+  std::map<std::string, std::optional<std::string>> changes;
+  changes["LD_PRELOAD"] = with_own("LD_PRELOAD", library->string(), ':');
+  changes[settings_variable] = text_of(settings);
+  // AddressSanitizer insists on being loaded first, else
+  changes["ASAN_OPTIONS"] = with_own("ASAN_OPTIONS", "verify_asan_link_order=0", ':');
+  return changes;
+}
+
+bool is_interposed() { return interposer().enter != nullptr; }
+
+__attribute__((noinline, no_sanitize("address"))) void StackFill::paint() const {
+  auto* const below = static_cast<volatile unsigned char*>(__builtin_alloca(depth));
+  for (std::size_t i = 0; i < depth; ++i) below[i] = pattern_;
+}
+
+InterposerWatch::InterposerWatch(std::optional<StackFill> fill) : fill_(fill) {}
+
+void InterposerWatch::enter(const ControllerCall& call) {
+  if (interposer().enter)
+    interposer().enter(call.controller.c_str(), call.library.c_str(), call.function, call.tick, call.time);
+  if (fill_) fill_->paint();  // last: whatever is called writes to the stack, too
+}
+
+void InterposerWatch::leave() {
+  if (interposer().leave) interposer().leave();
+}
+
+}  // namespace rehearse

@@ -1,0 +1,43 @@
+// ControllerWatch: is told when somebody else's code begins to run, and when it has ended.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace rehearse {
+
+/// One call into a controller, or the loading of its library.
+struct ControllerCall {
+  const std::string& controller;         // "SR1/SR1Minimum"
+  const std::filesystem::path& library;  // its file, absolute
+  const char* function;                  // "load", "createSimpleController", "configure", "control", ...
+  std::int64_t tick = -1;                // -1: while it is loaded; 0 until the first control()
+  double time = 0.0;                     // [s] of simulation
+};
+
+/// On the thread that makes the calls. Calls don't nest, and each enter() is followed by a leave(), however the call ended.
+class ControllerWatch {
+ public:
+  virtual ~ControllerWatch() = default;
+  virtual void enter(const ControllerCall& call) = 0;
+  virtual void leave() = 0;
+};
+
+/// Tells the watch of one call while it lives. Without a watch it does nothing.
+class Watched {
+ public:
+  Watched(ControllerWatch* watch, const ControllerCall& call) : watch_(watch) {
+    if (watch_) watch_->enter(call);
+  }
+  ~Watched() {
+    if (watch_) watch_->leave();
+  }
+  Watched(const Watched&) = delete;
+  Watched& operator=(const Watched&) = delete;
+
+ private:
+  ControllerWatch* watch_;
+};
+
+}  // namespace rehearse
