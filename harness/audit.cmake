@@ -1,16 +1,27 @@
 # Watching controllers: what they call, what their libraries hold. A library of its own, so that a replay links neither a
 # disassembler nor a reader of debug information.
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(AUDIT REQUIRED IMPORTED_TARGET libdw libelf capstone)
+pkg_check_modules(AUDIT REQUIRED IMPORTED_TARGET libdw libelf capstone tinyxml2)
 
 add_subdirectory(interposer)
 
 rehearse_add_library(audit
+  src/audit/audit.cpp
+  src/audit/audit_json.cpp
+  src/audit/audited_replay.cpp
   src/audit/call_log.cpp
-  src/audit/interposer.cpp
-  src/audit/library_scan.cpp)
+  src/audit/experiments.cpp
+  src/audit/judgement.cpp
+  src/audit/library_scan.cpp
+  src/audit/memory_check.cpp
+  src/audit/outputs_file.cpp
+  src/audit/reasons.cpp
+  src/audit/replay_process.cpp
+  src/audit/valgrind_report.cpp)
+# Recordings and replays with simulated time need it, too.
+target_sources(rehearse_harness PRIVATE src/audit/interposer.cpp)
 target_include_directories(rehearse_audit PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(rehearse_audit
   PUBLIC Rehearse::harness
-  PRIVATE PkgConfig::AUDIT fmt::fmt ${CMAKE_DL_LIBS})
+  PRIVATE PkgConfig::AUDIT nlohmann_json::nlohmann_json fmt::fmt ${CMAKE_DL_LIBS})
 add_dependencies(rehearse_audit rehearse_interposer)

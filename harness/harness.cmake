@@ -27,7 +27,7 @@ rehearse_add_library(harness
   src/recorder.cpp
   src/replay.cpp
   src/trace_scenario.cpp)
-target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})
+target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/src)
 target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
 target_link_libraries(rehearse_harness
   PUBLIC Rehearse::scenario Rehearse::trace

@@ -13,6 +13,7 @@
 #include "golden_files.h"
 #include "hashing.h"
 #include "perturbed_process.h"
+#include "place_json.h"
 
 namespace rehearse {
 namespace {
@@ -32,41 +33,6 @@ std::uint64_t hash_of_mathematics() {
     hash = hash_bytes(values, sizeof values, hash);
   }
   return hash;
-}
-
-/// JSON has no infinity and no NaN.
-double finite(double value) { return std::isfinite(value) ? value : 1e300; }
-
-Json json_of_place(const std::optional<Divergence>& place) {
-  if (!place) return nullptr;
-  return {{"tick", place->tick},
-          {"time", place->time},
-          {"channel", place->channel},
-          {"element", place->element},
-          {"expected", finite(place->expected)},
-          {"actual", finite(place->actual)},
-          {"difference", finite(place->difference)},
-          {"ulps", place->ulps},
-          {"tolerance", place->tolerance},
-          {"unit", place->unit},
-          {"note", place->note}};
-}
-
-std::optional<Divergence> place_of_json(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  Divergence place;
-  json.at("tick").get_to(place.tick);
-  json.at("time").get_to(place.time);
-  json.at("channel").get_to(place.channel);
-  json.at("element").get_to(place.element);
-  json.at("expected").get_to(place.expected);
-  json.at("actual").get_to(place.actual);
-  json.at("difference").get_to(place.difference);
-  json.at("ulps").get_to(place.ulps);
-  json.at("tolerance").get_to(place.tolerance);
-  json.at("unit").get_to(place.unit);
-  json.at("note").get_to(place.note);
-  return place;
 }
 
 /// The recorded inputs into the controllers; how far their commands are from the recorded ones.

@@ -14,15 +14,18 @@ namespace rehearse::tool {
 namespace {
 
 constexpr VerbSummary verbs[] = {
-    {"record", "run a scenario in closed loop and record all that passes", true},
-    {"check", "run scenarios and compare them with their goldens", true},
-    {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands", false},
-    {"diff", "compare two traces; what differs first, first", false},
-    {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise", true},
-    {"info", "what stands in a trace", false},
-    {"inspect", "load a robot model and report what was understood of it", false},
-    {"render", "draw a picture of a scenario or a model", true},
-    {"new", "begin a repository of your own: a controller, its scenario, its tests", false},
+    {"record", "run a scenario in closed loop and record all that passes", Program::simulate},
+    {"check", "run scenarios and compare them with their goldens", Program::simulate},
+    {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
+     Program::rehearse},
+    {"diff", "compare two traces; what differs first, first", Program::rehearse},
+    {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
+     Program::simulate},
+    {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit},
+    {"info", "what stands in a trace", Program::rehearse},
+    {"inspect", "load a robot model and report what was understood of it", Program::rehearse},
+    {"render", "draw a picture of a scenario or a model", Program::simulate},
+    {"new", "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse},
 };
 
 Exit usage_error(const std::string& verb, const std::string& what) {

@@ -1,7 +1,8 @@
 // A verb of the command: its options, what it does, and how it ends.
 //
-// Each verb is one file, VERB_command.cpp, with one Verb object. Two programs share them: `rehearse`, which simulates
-// nothing and links neither physics nor renderer, and `rehearse-simulate` behind it, which does.
+// Each verb is one file, VERB_command.cpp, with one Verb object. Three programs share them: `rehearse`, which simulates
+// nothing and links neither physics nor renderer; behind it `rehearse-simulate`, which does, and `rehearse-audit`, which
+// reads machine code and debug information.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -32,6 +33,7 @@ struct Verb {
 };
 
 // Defined in NAME_command.cpp.
+extern const Verb audit_verb;
 extern const Verb check_verb;
 extern const Verb diff_verb;
 extern const Verb golden_verb;
@@ -42,11 +44,14 @@ extern const Verb record_verb;
 extern const Verb render_verb;
 extern const Verb replay_verb;
 
+/// The programs that verbs live in.
+enum class Program { rehearse, simulate, audit };
+
 /// A verb as the list of all of them shows it.
 struct VerbSummary {
   std::string_view name;
   std::string_view summary;
-  bool simulates;  // lives in rehearse-simulate
+  Program program;
 };
 
 /// All verbs, in the order in which one meets them.

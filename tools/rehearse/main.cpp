@@ -19,14 +19,14 @@ namespace {
 
 constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb, &info_verb, &inspect_verb, &new_verb};
 
-/// Goes on as rehearse-simulate, which stands at a fixed place beside this program. Comes back only if it can't.
-Exit become_simulator(char** argv) {
+/// Goes on as another of our programs, which stand at a fixed place beside this one. Comes back only if it can't.
+Exit become(const char* program, char** argv) {
   std::error_code problem;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", problem);
-  const std::filesystem::path simulator = (self.parent_path() / SIMULATOR_BESIDE_COMMAND).lexically_normal();
+  const std::filesystem::path other = (self.parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
   set_pinned_environment();
-  execv(simulator.c_str(), argv);
-  return refuse(error(fmt::format("can't start {}: {}", simulator.string(), std::strerror(errno)),
+  execv(other.c_str(), argv);
+  return refuse(error(fmt::format("can't start {}: {}", other.string(), std::strerror(errno)),
                       "it is built and installed together with rehearse"));
 }
 
@@ -51,11 +51,12 @@ Exit run(int argc, char** argv) {
   if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
   const VerbSummary* known = find_verb(word);
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
-  if (known->simulates) return become_simulator(argv);
+  if (known->program == Program::simulate) return become("rehearse-simulate", argv);
+  if (known->program == Program::audit) return become("rehearse-audit", argv);
   pin_process(argv);
   const auto verb = std::find_if(std::begin(own_verbs), std::end(own_verbs),
                                  [&](const Verb* candidate) { return candidate->name == word; });
-  REHEARSE_ASSERT(verb != std::end(own_verbs), "a verb that is listed is in one of the two programs");
+  REHEARSE_ASSERT(verb != std::end(own_verbs), "a verb that is listed is in one of the programs");
   return run_verb(**verb, argc, argv);
 }
 

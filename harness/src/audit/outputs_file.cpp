@@ -15,7 +15,7 @@
 #include <sstream>
 #include <utility>
 
-namespace rehearse::audit {
+namespace rehearse {
 
 namespace fs = std::filesystem;
 
@@ -251,4 +251,4 @@ std::optional<Divergence> first_difference(const Outputs& expected, const Output
   return found;
 }
 
-}  // namespace rehearse::audit
+}  // namespace rehearse

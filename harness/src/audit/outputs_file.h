@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace rehearse::audit {
+namespace rehearse {
 
 struct OutputsHead;
 
@@ -81,4 +81,4 @@ std::optional<std::uint64_t> heartbeat_of(const std::filesystem::path& file);
 std::optional<Divergence> first_difference(const Outputs& expected, const Outputs& actual, double time_step,
                                            const std::string& controller);
 
-}  // namespace rehearse::audit
+}  // namespace rehearse

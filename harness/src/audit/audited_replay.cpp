@@ -1,0 +1,116 @@
+// The work of one process of an audit: recorded inputs into the controllers, and what they give into a file.
+#include <fmt/format.h>
+#include <rehearse/audit.h>
+#include <rehearse/replay.h>
+#include <stdlib.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "audit/interposer.h"
+#include "audit/memory_check.h"
+#include "audit/outputs_file.h"
+#include "place_json.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// Tells the outputs' file of each call, so that it names the one that ended the process.
+class AuditWatch : public ControllerWatch {
+ public:
+  AuditWatch(OutputsWriter& outputs, std::optional<int> stack_fill)
+      : outputs_(outputs),
+        inner_(stack_fill ? std::optional(StackFill(static_cast<unsigned char>(*stack_fill))) : std::nullopt) {}
+  void enter(const ControllerCall& call) override {
+    outputs_.enter(call.controller.c_str(), call.function, call.tick);
+    inner_.enter(call);
+  }
+  void leave() override {
+    inner_.leave();
+    outputs_.leave();
+  }
+
+ private:
+  OutputsWriter& outputs_;
+  InterposerWatch inner_;
+};
+
+/// Takes memory in odd sizes, small and large, and keeps every second piece: what comes later lies elsewhere, and in
+/// another order.
+void pad_memory(std::uint32_t seed) {
+  static std::vector<void*>& kept = *new std::vector<void*>;
+  std::vector<void*> given_back;
+  std::uint32_t random = seed;
+  for (int i = 0; i < 400; ++i) {
+    random = random * 1664525u + 1013904223u;
+    const std::size_t size = (random >> 8) % (i % 20 == 0 ? 200000u : 900u) + 1;
+    (random >> 30 & 1 ? kept : given_back).push_back(malloc(size));
+  }
+  for (void* piece : given_back) free(piece);
+}
+
+Json json_of_texts(const Diagnostics& diagnostics) {
+  Json texts = Json::array();
+  for (const Diagnostic& diagnostic : diagnostics)
+    texts.push_back({{"warning", diagnostic.severity != Severity::error}, {"text", diagnostic.message}});
+  return texts;
+}
+
+Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
+  AuditWatch watch(outputs, work.stack_fill);
+  MemoryCheck memory;
+  ReplayOptions options;
+  static_cast<HostOptions&>(options) = work.host;
+  options.keep_libraries = work.passes > 1;
+  options.watch = &watch;
+  options.until = work.until;
+  options.on_started = [&](const std::vector<OutputField>& fields) {
+    outputs.begin(fields);
+    memory.begin(fields);
+  };
+  options.on_outputs = [&](std::int64_t tick, const std::vector<std::uint64_t>& row) {
+    memory.look_at(tick, row);
+    outputs.add(tick, row);
+  };
+  const auto report = replay(work.trace, options);
+  Json result{{"problem", nullptr}, {"failure", nullptr}, {"refused", false}, {"differs_from_recording", nullptr},
+              {"undefined", nullptr}, {"remarks", Json::array()}};
+  if (!report) {
+    const Diagnostic& problem = report.errors()[0];
+    result["problem"] = {{"file", problem.file}, {"line", problem.line}, {"column", problem.column},
+                         {"message", problem.message}, {"hint", problem.hint}};
+    return result;
+  }
+  if (report->failure) result["failure"] = report->failure->message;
+  if (!memory.undefined().empty()) result["undefined"] = memory.undefined();
+  result["refused"] = report->controller_refused;
+  result["differs_from_recording"] = json_of_place(report->first);
+  result["remarks"] = json_of_texts(report->remarks);
+  return result;
+}
+
+}  // namespace
+
+Result<void> make_audited_replay(const AuditedReplay& work) {
+  if (work.padding != 0) pad_memory(work.padding);
+  const fs::path folder = fs::absolute(work.folder);  // a controller may change the working folder
+  AuditedReplay here = work;
+  here.trace = fs::absolute(work.trace);
+  for (int number = 1; number <= work.passes; ++number) {
+    auto outputs = OutputsWriter::create(folder / fmt::format("{}.outputs", number));
+    if (!outputs) return outputs.errors();
+    Json result = pass(here, *outputs);
+    if (!outputs->complete()) return error("what the controllers commanded can't be kept: the disk is full");
+    const fs::path file = folder / fmt::format("{}.json", number);
+    std::ofstream stream(file);
+    stream << result.dump(1, ' ', false, Json::error_handler_t::replace);
+    stream.close();
+    if (!stream) return error(fmt::format("can't write {}", file.string()));
+  }
+  return {};
+}
+
+}  // namespace rehearse

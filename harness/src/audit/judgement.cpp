@@ -1,0 +1,230 @@
+#include "audit/judgement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+namespace rehearse {
+namespace {
+
+using Source = ObservedCall::Source;
+
+auto identity(const ObservedCall& call) {
+  return std::tie(call.source, call.function, call.argument, call.controller, call.phase, call.place);
+}
+
+/// Earlier, or the first there is.
+void keep_earlier(std::optional<Divergence>& first, std::optional<Divergence> found) {
+  if (found && (!first || found->tick < first->tick)) first = std::move(found);
+}
+
+class FactorJudge {
+ public:
+  FactorJudge(const Evidence& evidence, const std::string& controller) : evidence_(evidence), controller_(controller) {}
+
+  FactorResult judge(const Experiment& experiment, const std::vector<ReplayOutcome>& outcomes) const {
+    FactorResult result;
+    result.factor = experiment.factor;
+    result.not_varied = experiment.not_varied;
+    for (const ReplayOutcome& outcome : outcomes) {
+      result.replays += static_cast<int>(outcome.passes.size());
+      if (experiment.factor == Factor::nothing)
+        keep_earlier(result.first, compare(evidence_.plain.passes[0], outcome.passes[0]));
+      else if (experiment.factor != Factor::again)
+        keep_earlier(result.first, compare(evidence_.still.passes[0], outcome.passes[0]));
+      else if (outcome.passes.size() > 1)
+        keep_earlier(result.first, compare(outcome.passes[0], outcome.passes[1]));
+    }
+    return result;
+  }
+
+  std::optional<Divergence> compare(const ReplayPass& expected, const ReplayPass& actual) const {
+    return difference(expected, actual, evidence_.time_step, controller_);
+  }
+
+ private:
+  const Evidence& evidence_;
+  const std::string& controller_;
+};
+
+/// The still replay against itself, made again in another process.
+std::optional<Divergence> still_difference(const Evidence& evidence, const std::string& controller) {
+  std::optional<Divergence> first;
+  for (std::size_t i = 0; i < evidence.experiments.size(); ++i)
+    if (evidence.experiments[i].factor == Factor::again)
+      for (const ReplayOutcome& outcome : evidence.outcomes[i])
+        keep_earlier(first, difference(evidence.still.passes[0], outcome.passes[0], evidence.time_step, controller));
+  return first;
+}
+
+}  // namespace
+
+std::vector<ObservedCall> calls_of(const Evidence& evidence, const std::string& controller) {
+  std::vector<ObservedCall> all;
+  for (const CallLog* log : {&evidence.plain.log, &evidence.still.log})
+    for (const ObservedCall& call : log->calls) {
+      if (!controller.empty() && call.controller != controller) continue;
+      const auto same = [&](const ObservedCall& known) { return identity(known) == identity(call); };
+      if (std::none_of(all.begin(), all.end(), same)) all.push_back(call);
+    }
+  return all;
+}
+
+std::optional<Divergence> difference(const ReplayPass& expected, const ReplayPass& actual, double time_step,
+                                     const std::string& controller) {
+  const bool one_failed = expected.failure.has_value() != actual.failure.has_value();
+  const std::string& failure = expected.failure ? *expected.failure : actual.failure.value_or("");
+  // another controller's failure ends this one's run as well
+  const bool own = failure.find("'" + controller + "'") != std::string::npos;
+  auto found = first_difference(expected.outputs, actual.outputs, time_step, controller);
+  if (!one_failed) return found;
+  if (found && found->note.find("only one of two runs") == std::string::npos) return found;
+  if (!own) return std::nullopt;
+  if (!found) {
+    found.emplace();
+    found->channel = "/" + controller + "/output";
+  }
+  found->note = "in one run it failed: " + failure;
+  return found;
+}
+
+bool is_repeatable(const Evidence& evidence, const std::string& controller) {
+  return !still_difference(evidence, controller);
+}
+
+const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor factor) {
+  const auto found = std::find_if(factors.begin(), factors.end(),
+                                  [=](const FactorResult& result) { return result.factor == factor; });
+  return found == factors.end() ? nullptr : &*found;
+}
+
+std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::string& controller) {
+  const FactorJudge judge(evidence, controller);
+  std::vector<FactorResult> results;
+  for (std::size_t i = 0; i < evidence.experiments.size(); ++i)
+    results.push_back(judge.judge(evidence.experiments[i], evidence.outcomes[i]));
+  const auto of = [&](Factor factor) -> FactorResult& {
+    for (FactorResult& result : results)
+      if (result.factor == factor) return result;
+    return results.emplace_back(FactorResult{factor, 0, "", {}});
+  };
+  if (const auto chance = still_difference(evidence, controller)) {
+    // it never repeats: then that it differs under a change says nothing about the change
+    keep_earlier(of(Factor::nothing).first, chance);
+    for (FactorResult& result : results) {
+      if (result.factor == Factor::nothing || result.factor == Factor::threads || !result.first) continue;
+      result.first.reset();
+      result.not_varied = "it differs from one run to the next anyway";
+    }
+  } else {
+    // memory that is painted against memory as it comes, if neither the clock nor random numbers make the difference
+    const bool virtual_matters = of(Factor::clock).first || of(Factor::random).first;
+    if (!virtual_matters && !of(Factor::nothing).first && !of(Factor::memory).first)
+      of(Factor::memory).first = judge.compare(evidence.plain.passes[0], evidence.still.passes[0]);
+  }
+  FactorResult& recording = of(Factor::recording);
+  if (!evidence.recorded_here) {
+    recording.not_varied = "it was given";
+  } else {
+    recording.replays = 1;
+    recording.first = evidence.plain.passes[0].differs_from_recording;
+    if (recording.first && !recording.first->channel.starts_with("/" + controller + "/")) recording.first.reset();
+  }
+  std::sort(results.begin(), results.end(),
+            [](const FactorResult& a, const FactorResult& b) { return a.factor < b.factor; });
+  return results;
+}
+
+AuditedCall describe(const ObservedCall& call, const Evidence& evidence) {
+  AuditedCall described;
+  described.source = to_string(call.source);
+  described.function = text_of(call);
+  described.phase = call.phase;
+  described.place = place_of(call);
+  described.first_tick = call.first_tick;
+  described.last_tick = call.last_tick;
+  described.count = call.count;
+  if (call.digest.empty()) return described;
+  std::set<std::string> contents;
+  const auto look_into = [&](const ReplayOutcome& outcome) {
+    for (const ObservedCall& other : outcome.log.calls)
+      if (identity(other) == identity(call)) contents.insert(other.digest);
+  };
+  look_into(evidence.plain);
+  look_into(evidence.still);
+  for (const auto& outcomes : evidence.outcomes) std::for_each(outcomes.begin(), outcomes.end(), look_into);
+  if (contents.size() > 1) described.note = "its content changed between two runs";
+  return described;
+}
+
+namespace {
+
+/// The change that answers calls of a source otherwise.
+std::optional<Factor> factor_of(const ObservedCall& call) {
+  switch (call.source) {
+    case Source::clock: return Factor::clock;
+    case Source::random: return Factor::random;
+    case Source::thread: return Factor::threads;
+    case Source::environment: return Factor::environment;
+    case Source::locale: return Factor::locale;
+    default: return std::nullopt;
+  }
+}
+
+}  // namespace
+
+void judge_calls(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
+                 const std::vector<std::pair<CodePlace, bool>>& tried, std::vector<AuditedCall>& calls) {
+  using Reached = AuditedCall::Reached;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!calls[i].note.empty()) calls[i].reached = Reached::yes;
+    const auto asked = std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
+    if (asked != tried.end()) {
+      calls[i].reached = asked->second ? Reached::yes : Reached::no;
+      continue;
+    }
+    const auto factor = factor_of(seen[i]);
+    const FactorResult* result = factor ? find_factor(factors, *factor) : nullptr;
+    if (!result || !result->not_varied.empty()) continue;
+    const auto alike = [&](const ObservedCall& other) {
+      return other.source == seen[i].source && other.place != seen[i].place;
+    };
+    if (!result->first)
+      calls[i].reached = Reached::no;
+    else if (std::none_of(seen.begin(), seen.end(), alike))
+      calls[i].reached = Reached::yes;
+  }
+}
+
+std::vector<std::string> liberties_of(const std::vector<ObservedCall>& calls) {
+  static const std::pair<const char*, const char*> deeds[] = {
+      {"exit", "ends the process"},          {"_exit", "ends the process"},
+      {"_Exit", "ends the process"},         {"quick_exit", "ends the process"},
+      {"abort", "ends the process"},         {"close", "closes a file descriptor that isn't its own"},
+      {"close_range", "closes file descriptors that aren't its own"},
+      {"closefrom", "closes file descriptors that aren't its own"},
+      {"chdir", "changes the working folder of the whole process"},
+      {"fchdir", "changes the working folder of the whole process"},
+      {"signal", "changes how the whole process takes a signal"},
+      {"sigaction", "changes how the whole process takes a signal"},
+      {"setlocale", "changes the locale of the whole process"},
+      {"setenv", "changes the environment of the whole process"},
+      {"putenv", "changes the environment of the whole process"},
+      {"unsetenv", "changes the environment of the whole process"}};
+  std::vector<std::string> sentences;
+  std::set<std::pair<std::string, std::string>> told;
+  for (const ObservedCall& call : calls) {
+    const auto deed = std::find_if(std::begin(deeds), std::end(deeds),
+                                   [&](const auto& known) { return call.function == known.first; });
+    if (deed == std::end(deeds)) continue;
+    if (call.function == "setlocale" && call.argument.find("NULL") != std::string::npos) continue;  // it only asks
+    if (!told.emplace(call.controller, call.function).second) continue;
+    sentences.push_back(fmt::format("{}: {} by {} in {}, called in {}", call.controller, deed->second, text_of(call),
+                                    call.phase + "()", place_of(call)));
+  }
+  return sentences;
+}
+
+}  // namespace rehearse

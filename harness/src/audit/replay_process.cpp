@@ -1,0 +1,343 @@
+#include "audit/replay_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <rehearse/pin.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/personality.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "golden_files.h"
+#include "place_json.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+using Changes = std::map<std::string, std::optional<std::string>>;
+
+constexpr int at_a_time = 2;
+constexpr std::chrono::milliseconds poll_interval{1};
+constexpr std::chrono::milliseconds heartbeat_interval{250};
+constexpr double patience = 10.0;          // beyond the limit of one call, before a silent process is killed [s]
+constexpr double valgrind_slowness = 50.0;
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// Addresses that aren't chosen by chance, for what this thread starts while it lives.
+class FixedAddresses {
+ public:
+  explicit FixedAddresses(bool wanted) : before_(::personality(0xffffffff)) {
+    if (wanted && before_ != -1) ::personality(static_cast<unsigned long>(before_) | ADDR_NO_RANDOMIZE);
+  }
+  ~FixedAddresses() {
+    if (before_ != -1) ::personality(static_cast<unsigned long>(before_));
+  }
+  FixedAddresses(const FixedAddresses&) = delete;
+  FixedAddresses& operator=(const FixedAddresses&) = delete;
+
+ private:
+  int before_;
+};
+
+Result<pid_t> spawn(std::vector<std::string> words, std::vector<std::string> environment, const fs::path& output,
+                    const fs::path& folder, bool fixed_addresses) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  if (!folder.empty()) posix_spawn_file_actions_addchdir_np(&files, folder.c_str());
+  pid_t child = 0;
+  const FixedAddresses fixed(fixed_addresses);
+  const int failed = posix_spawn(&child, words[0].c_str(), &files, nullptr, pointers_to(words).data(),
+                                 pointers_to(environment).data());
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) return error(fmt::format("{} can't be started: {}", words[0], strerror(failed)));
+  return child;
+}
+
+/// Variables that a replay needs, or that decide how it computes: they are the same in each.
+bool is_needed(const std::string& name) {
+  for (const char* kept : {"PATH", "GLIBC_TUNABLES", "GALLIUM_OVERRIDE_CPU_CAPS", "LP_NUM_THREADS", "LOCPATH"})
+    if (name == kept) return true;
+  for (const char* prefix : {"REHEARSE_", "LD_", "ASAN_", "UBSAN_", "LSAN_", "TSAN_", "VALGRIND_"})
+    if (name.starts_with(prefix)) return true;
+  return false;
+}
+
+/// None of the user's variables, other values of the usual ones, and 100 kB more.
+void change_environment(Changes& changes, const fs::path& home) {
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string name(*entry, std::min(strcspn(*entry, "="), strlen(*entry)));
+    if (!is_needed(name)) changes.emplace(name, std::nullopt);
+  }
+  const std::pair<const char*, std::string> others[] = {
+      {"HOME", home.string()}, {"USER", "somebody-else"}, {"LOGNAME", "somebody-else"}, {"HOSTNAME", "elsewhere"},
+      {"TZ", "XST-9:30"},      {"TMPDIR", home.string()}, {"EDITOR", "none"},           {"TERM", "dumb"}};
+  for (const auto& [name, value] : others) changes[name] = value;
+  for (int i = 0; i < 100; ++i) changes[fmt::format("AUDIT_FILLER_{}", i)] = std::string(1000, 'x');
+}
+
+std::string tunables(const ReplaySettings& settings) {
+  std::string pinned;
+  for (const auto& [name, value] : pinned_environment())
+    if (name == "GLIBC_TUNABLES") pinned = value;
+  std::string memory;
+  // without its cache malloc() paints every piece that it gives out or takes back
+  if (settings.fill != 0) memory += fmt::format("glibc.malloc.tcache_count=0:glibc.malloc.perturb={}:", settings.fill);
+  if (settings.padding != 0)
+    memory += "glibc.malloc.top_pad=1048576:glibc.malloc.mmap_threshold=60000:glibc.malloc.arena_max=1:";
+  return memory + pinned;
+}
+
+std::string sentence_of_death(int status, const std::optional<UnfinishedCall>& call) {
+  const std::string how = WIFEXITED(status)
+                              ? fmt::format("ended the process, with exit status {},", WEXITSTATUS(status))
+                              : fmt::format("ended the process by a signal ({})", strsignal(WTERMSIG(status)));
+  if (call) return fmt::format("controller '{}' {} in {}() at tick {}", call->controller, how, call->function, call->tick);
+  return fmt::format("something that a controller left behind, as a thread or a handler, {}", how);
+}
+
+}  // namespace
+
+bool can_fix_addresses() {
+  const int before = ::personality(0xffffffff);
+  if (before == -1) return false;
+  const FixedAddresses fixed(true);
+  return (::personality(0xffffffff) & ADDR_NO_RANDOMIZE) != 0;
+}
+
+std::vector<std::string> environment_with(const Changes& changes) {
+  std::vector<std::string> variables;
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string_view text = *entry;
+    if (changes.count(std::string(text.substr(0, text.find('=')))) == 0) variables.emplace_back(text);
+  }
+  for (const auto& [name, value] : changes)
+    if (value) variables.push_back(name + "=" + *value);
+  return variables;
+}
+
+Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+                        const fs::path& output) {
+  const auto child = spawn(words, environment, output, {}, false);
+  if (!child) return child.errors();
+  int status = 0;
+  while (waitpid(*child, &status, 0) < 0)
+    if (errno != EINTR) return error(fmt::format("{} was lost: {}", words[0], strerror(errno)));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+struct ReplayProcesses::Child {
+  const ReplaySettings* settings = nullptr;
+  std::size_t number = 0;  // in the list that was asked for
+  fs::path folder;
+  pid_t process = 0;
+  int status = 0;
+  bool killed = false;
+  Clock::time_point begin = Clock::now(), last_looked = begin, last_beat = begin;
+  std::uint64_t beat = 0;
+  double seconds = 0.0;
+};
+
+ReplayProcesses::ReplayProcesses(const AuditOptions& options, fs::path trace)
+    : options_(options), trace_(std::move(trace)) {}
+
+fs::path ReplayProcesses::folder_of(const ReplaySettings& settings) const { return options_.scratch / settings.name; }
+
+std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& settings) const {
+  std::vector<std::string> words;
+  if (settings.valgrind)
+    words = {"/usr/bin/env", "valgrind", "--quiet", "--tool=memcheck", "--track-origins=yes", "--num-callers=40",
+             "--trace-children=yes", "--child-silent-after-fork=yes", "--leak-check=no", "--xml=yes",
+             fmt::format("--xml-file={}", (folder_of(settings) / "valgrind.%p.xml").string())};
+  words.insert(words.end(), {options_.auditor.string(), "audit", trace_.string(), "--replay-into",
+                             folder_of(settings).string(), "--passes", std::to_string(settings.passes)});
+  if (settings.padding != 0) words.insert(words.end(), {"--padding", std::to_string(settings.padding)});
+  if (settings.fill != 0) words.insert(words.end(), {"--stack-fill", std::to_string(settings.fill ^ 0xff)});
+  if (options_.until) words.insert(words.end(), {"--until", fmt::format("{}", *options_.until)});
+  const double limit = options_.call_limit * (settings.valgrind ? valgrind_slowness : 1.0);
+  words.insert(words.end(), {"--call-limit", fmt::format("{}", std::min(limit, 86400.0))});
+  for (const auto& [name, library] : options_.libraries)
+    words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});
+  return words;
+}
+
+Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettings& settings) const {
+  Changes changes = settings.environment;
+  if (settings.other_environment) change_environment(changes, folder_of(settings));
+  for (const auto& [name, value] : pinned_environment()) changes[name] = value;
+  changes["GLIBC_TUNABLES"] = tunables(settings);
+  if (!settings.valgrind) {
+    const auto watched = interposer_environment(
+        {folder_of(settings) / "calls", settings.everywhere, settings.only, settings.there});
+    if (!watched) return watched.errors();
+    for (const auto& [name, value] : *watched) changes[name] = value;
+  }
+  return environment_with(changes);
+}
+
+Result<ReplayProcesses::Child> ReplayProcesses::start(const ReplaySettings& settings) {
+  Child child;
+  child.settings = &settings;
+  child.folder = folder_of(settings);
+  const fs::path elsewhere = child.folder / "elsewhere";
+  std::error_code failed;
+  fs::create_directories(elsewhere, failed);
+  if (failed) return error(fmt::format("the folder {} can't be made: {}", elsewhere.string(), failed.message()));
+  const auto variables = environment(settings);
+  if (!variables) return variables.errors();
+  const auto process = spawn(command_line(settings), *variables, child.folder / "output.txt",
+                             settings.other_folder ? elsewhere : fs::path(), !settings.other_addresses);
+  if (!process) return process.errors();
+  child.process = *process;
+  return child;
+}
+
+/// Looks once. A process from which no call has come back for too long is killed: its controllers block the watchdog of
+/// the replay itself, or a thread of theirs never ends.
+bool ReplayProcesses::has_ended(Child& child) const {
+  const pid_t ended = waitpid(child.process, &child.status, WNOHANG);
+  const Clock::time_point now = Clock::now();
+  if (ended != 0 && !(ended < 0 && errno == EINTR)) {
+    child.seconds = std::chrono::duration<double>(now - child.begin).count();
+    return true;
+  }
+  if (now - child.last_looked < heartbeat_interval) return false;
+  child.last_looked = now;
+  std::uint64_t beat = 0;
+  for (int pass = 1; pass <= child.settings->passes; ++pass)
+    beat += heartbeat_of(child.folder / fmt::format("{}.outputs", pass)).value_or(0);
+  if (beat != child.beat) child.last_beat = now;
+  child.beat = beat;
+  const double silent = std::chrono::duration<double>(now - child.last_beat).count();
+  const double slowness = child.settings->valgrind ? valgrind_slowness : 1.0;
+  if (!child.killed && silent > (options_.call_limit + patience) * slowness) {
+    child.killed = true;
+    ::kill(child.process, SIGKILL);
+  }
+  return false;
+}
+
+Result<std::vector<ReplayOutcome>> ReplayProcesses::run(const std::vector<ReplaySettings>& settings) {
+  std::vector<ReplayOutcome> outcomes(settings.size());
+  std::vector<Child> running;
+  std::size_t next = 0;
+  Diagnostics problems;
+  while (next < settings.size() || !running.empty()) {
+    while (problems.empty() && next < settings.size() && running.size() < at_a_time) {
+      auto child = start(settings[next]);
+      if (!child) {
+        problems = child.errors();
+        break;
+      }
+      child->number = next++;
+      running.push_back(*std::move(child));
+    }
+    for (auto child = running.begin(); child != running.end();) {
+      if (!has_ended(*child)) {
+        ++child;
+        continue;
+      }
+      auto result = outcome(*child);
+      if (!result && problems.empty()) problems = result.errors();
+      if (result) outcomes[child->number] = *std::move(result);
+      child = running.erase(child);
+      if (on_progress) on_progress(++done_);
+    }
+    if (!problems.empty() && running.empty()) return problems;
+    std::this_thread::sleep_for(poll_interval);
+  }
+  return outcomes;
+}
+
+namespace {
+
+Diagnostic diagnostic_of(const Json& json) {
+  Diagnostic diagnostic = error(json.at("message"), json.at("hint"));
+  diagnostic.file = json.at("file");
+  diagnostic.line = json.at("line");
+  diagnostic.column = json.at("column");
+  return diagnostic;
+}
+
+}  // namespace
+
+Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) const {
+  auto outputs = Outputs::read(child.folder / fmt::format("{}.outputs", number));
+  if (!outputs) return outputs.errors();
+  ReplayPass pass;
+  pass.outputs = *std::move(outputs);
+  const fs::path file = child.folder / fmt::format("{}.json", number);
+  const auto text = read_text(file);
+  if (!text) {  // the process ended before it could say anything
+    pass.hung = child.killed;
+    const auto& call = pass.outputs.unfinished();
+    pass.failure = !child.killed ? sentence_of_death(child.status, call)
+                   : call        ? fmt::format("controller '{}' hung in {}() at tick {}: its process had to be killed",
+                                               call->controller, call->function, call->tick)
+                                 : std::string("a controller's process didn't end, and had to be killed");
+    return pass;
+  }
+  const Json report = Json::parse(*text, nullptr, false);
+  try {
+    if (!report.at("problem").is_null()) return diagnostic_of(report.at("problem"));
+    if (!report.at("failure").is_null()) pass.failure = report.at("failure").get<std::string>();
+    pass.hung = pass.failure && pass.failure->find(" did not return within ") != std::string::npos;
+    pass.refused = report.at("refused");
+    pass.differs_from_recording = place_of_json(report.at("differs_from_recording"));
+    if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");
+    for (const Json& remark : report.at("remarks")) {
+      Diagnostic& added = pass.remarks.emplace_back(error(remark.at("text")));
+      if (remark.at("warning")) added.severity = Severity::warning;
+    }
+  } catch (const Json::exception& wrong) {
+    return error(fmt::format("{}: a replay's report can't be read: {}", file.string(), wrong.what()));
+  }
+  return pass;
+}
+
+Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
+  ReplayOutcome outcome;
+  outcome.seconds = child.seconds;
+  std::error_code ignored;
+  if (!fs::exists(child.folder / "1.outputs", ignored)) {
+    auto said = read_text(child.folder / "output.txt");
+    while (said && said->ends_with('\n')) said->pop_back();
+    return error(fmt::format("a process of the audit failed: {}", said ? *said : "it said nothing"));
+  }
+  for (int number = 1; number <= child.settings->passes; ++number) {
+    if (!fs::exists(child.folder / fmt::format("{}.outputs", number), ignored)) break;  // the one before ended it
+    auto pass = read_pass(child, number);
+    if (!pass) return pass.errors();
+    outcome.passes.push_back(*std::move(pass));
+  }
+  if (child.settings->valgrind) {
+    for (const auto& entry : fs::directory_iterator(child.folder, ignored))
+      if (entry.path().extension() == ".xml")
+        if (auto text = read_text(entry.path()); text && text->size() > outcome.valgrind_report.size())
+          outcome.valgrind_report = *std::move(text);
+    return outcome;
+  }
+  if (auto log = read_call_log(child.folder / "calls")) outcome.log = *std::move(log);
+  return outcome;
+}
+
+}  // namespace rehearse

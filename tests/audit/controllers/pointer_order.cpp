@@ -1,0 +1,33 @@
+// Adds numbers up in the order in which a hash of pointers has them: sums of doubles depend on their order.
+#include "zoo.h"
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+namespace {
+
+struct Joint {
+  double weight;
+};
+
+class PointerOrder : public ZooController {
+  bool begin() override {
+    for (int i = 0; i < 200; ++i) {
+      joints_.push_back(std::make_unique<Joint>(Joint{1.0 / (i + 3)}));
+      gain_[joints_.back().get()] = 1e-3 * joints_.back()->weight;
+    }
+    return true;
+  }
+  double term() override {
+    double sum = 0.0;
+    for (const auto& [joint, gain] : gain_) sum += gain * joint->weight * joint_->q();
+    return sum;
+  }
+  std::vector<std::unique_ptr<Joint>> joints_;
+  std::unordered_map<const Joint*, double> gain_;
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(PointerOrder)

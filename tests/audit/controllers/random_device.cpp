@@ -1,0 +1,15 @@
+// Draws its dither from the machine's random numbers.
+#include "zoo.h"
+
+#include <random>
+
+namespace {
+
+class RandomDevice : public ZooController {
+  double term() override { return 1e-12 * device_(); }
+  std::random_device device_;
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(RandomDevice)

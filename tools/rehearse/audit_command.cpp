@@ -1,0 +1,188 @@
+// rehearse audit: is a controller a function of its inputs, and if not, what else does it depend on.
+#include <fmt/format.h>
+#include <rehearse/audit.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double longest_time = 1e9;  // [s]
+
+struct Settings {
+  std::string subject;
+  std::string output;  // with --virtualise: where the recording is kept
+  bool json = false;
+  bool verbose = false;
+  AuditOptions audit;
+  AuditedReplay replay;  // what this process is to do; without a folder: audit
+};
+
+/// A folder for what the processes of an audit write; removed with all that is in it.
+class Scratch {
+ public:
+  Scratch() : path_(fs::temp_directory_path() / fmt::format("rehearse-audit.{}", getpid())) {}
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+const char* words_for(Factor factor) {
+  switch (factor) {
+    case Factor::nothing: return "nothing: run again as it is";
+    case Factor::memory: return "what fresh and freed memory holds";
+    case Factor::addresses: return "addresses";
+    case Factor::environment: return "environment variables";
+    case Factor::folder: return "working folder";
+    case Factor::locale: return "locale, with a decimal comma";
+    case Factor::clock: return "date, and how fast time runs";
+    case Factor::random: return "random numbers";
+    case Factor::threads: return "schedule of threads";
+    case Factor::again: return "an earlier run in the process";
+    case Factor::recording: return "recorded in closed loop";
+  }
+  return "";
+}
+
+std::string outcome_of(const FactorResult& result) {
+  if (!result.not_varied.empty()) return "not varied: " + result.not_varied;
+  if (!result.first) return "same";
+  return fmt::format("differs at tick {}, {} {}", result.first->tick, result.first->channel, result.first->element);
+}
+
+std::string ticks_of(const AuditedCall& call) {
+  if (call.last_tick < 0) return "before the run";
+  if (call.first_tick == call.last_tick) return fmt::format("tick {}", call.first_tick);
+  return fmt::format("ticks {} to {}", std::max<std::int64_t>(0, call.first_tick), call.last_tick);
+}
+
+void tell_controller(const ControllerAudit& controller, bool named, bool verbose) {
+  if (named) fmt::print("{}\n", controller.controller);
+  std::vector<TableRow> factors{{"varied", "commands"}};
+  for (const FactorResult& result : controller.factors) factors.push_back({words_for(result.factor), outcome_of(result)});
+  if (factors.size() > 1) print_table(factors);
+  if (!controller.calls.empty()) {
+    std::vector<TableRow> calls{{"asked the system", "in", "when", "times", "reached a command"}};
+    for (const AuditedCall& call : controller.calls)
+      calls.push_back({call.function, fmt::format("{}, {}()", call.place, call.phase), ticks_of(call),
+                       std::to_string(call.count),
+                       std::string(to_string(call.reached)) + (call.note.empty() ? "" : ": " + call.note)});
+    print_table(calls);
+  }
+  for (const AuditedCode& code : controller.code)
+    if (verbose || code.kind != "imported_source") fmt::print("  note: {}\n", code.sentence);
+}
+
+void tell(const Settings& settings, const AuditReport& report) {
+  fmt::print("{}\n", report.verdict);
+  for (const ControllerAudit& controller : report.controllers)
+    tell_controller(controller, report.controllers.size() > 1, settings.verbose);
+  for (const std::string& found : report.memory_errors) fmt::print("  valgrind: {}\n", found);
+  std::fflush(stdout);  // before what stderr says of it
+  for (const Diagnostic& remark : report.remarks)
+    if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
+}
+
+/// What another process asked this one to do.
+Exit run_replay(Settings& settings) {
+  settings.replay.trace = settings.subject;
+  settings.replay.until = settings.audit.until;
+  settings.replay.host = settings.audit;
+  const auto done = make_audited_replay(settings.replay);
+  return done ? Exit::done : refuse(done.errors());
+}
+
+Result<void> keep_recording(const Settings& settings) {
+  std::error_code failed;
+  fs::copy_file(recording_of_audit(settings.audit.scratch), settings.output, fs::copy_options::overwrite_existing,
+                failed);
+  if (failed) return error(fmt::format("can't write {}: {}", settings.output, failed.message()));
+  return {};
+}
+
+Exit run(Settings& settings) {
+  if (!settings.replay.folder.empty()) return run_replay(settings);
+  if (!settings.output.empty() && !settings.audit.virtualise)
+    return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
+  if (!settings.output.empty())
+    if (const auto allowed = check_output(settings.output, mcap_magic, "trace"); !allowed)
+      return refuse(allowed.errors());
+  const Scratch scratch;
+  std::error_code failed;
+  settings.audit.scratch = scratch.path();
+  settings.audit.auditor = fs::read_symlink("/proc/self/exe", failed);
+  settings.audit.recorder = settings.audit.auditor.parent_path() / "rehearse-simulate";
+  const Result<AuditReport> report = [&] {
+    Progress progress("auditing");
+    settings.audit.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
+    return audit(settings.subject, settings.audit);
+  }();
+  if (!report) return refuse(report.errors());
+  if (!settings.output.empty())
+    if (const auto kept = keep_recording(settings); !kept) return refuse(kept.errors());
+  if (settings.json)
+    fmt::print("{}\n", to_json(*report));
+  else
+    tell(settings, *report);
+  if (report->failure || report->controller_refused) return Exit::controller_failed;
+  return report->deterministic ? Exit::done : Exit::differs;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options
+      .add_option("SCENARIO_OR_TRACE", settings->subject,
+                  "a YAML file, which is recorded first, or a recording, whose inputs are used")
+      ->required()
+      ->type_name("");
+  add_number(options, "--until", "end there [s]", 0.0, longest_time,
+             [=](double until) { settings->audit.until = until; });
+  add_integer(options, "--repeat", "replays under each change (1)", 1, 1000,
+              [=](std::int64_t repeat) { settings->audit.repeat = static_cast<int>(repeat); });
+  options.add_flag("--valgrind", settings->audit.valgrind, "one more replay under valgrind's memcheck; it is slow");
+  options.add_flag("--virtualise", settings->audit.virtualise,
+                   "give the controllers simulated time and seeded random numbers instead of the system's");
+  options.add_option("-o,--output", settings->output, "with --virtualise: the trace to write")->type_name("TRACE");
+  add_integer(options, "--seed", "of the random numbers that replace the system's (1)", 0,
+              std::numeric_limits<std::uint32_t>::max(),
+              [=](std::int64_t seed) { settings->audit.seed = static_cast<std::uint64_t>(seed); });
+  options.add_flag("-v,--verbose", settings->verbose, "also what its library could call, and didn't");
+  add_host_options(options, settings->audit);
+  add_json_flag(options, settings->json);
+  // for the processes that it starts: of no group, so that --help doesn't list them
+  options.add_option("--replay-into", settings->replay.folder)->group("");
+  options.add_option("--passes", settings->replay.passes)->group("");
+  options.add_option("--padding", settings->replay.padding)->group("");
+  options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb audit_verb{"audit",
+                      "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
+                      "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
+                      "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
+                      declare};
+
+}  // namespace rehearse::tool
