@@ -10,6 +10,7 @@ rehearse_add_library(audit
   src/audit/audit_json.cpp
   src/audit/audited_replay.cpp
   src/audit/call_log.cpp
+  src/audit/elf_library.cpp
   src/audit/experiments.cpp
   src/audit/judgement.cpp
   src/audit/library_scan.cpp
@@ -17,6 +18,8 @@ rehearse_add_library(audit
   src/audit/outputs_file.cpp
   src/audit/reasons.cpp
   src/audit/replay_process.cpp
+  src/audit/sources.cpp
+  src/audit/symbols.cpp
   src/audit/valgrind_report.cpp)
 # Recordings and replays with simulated time need it, too.
 target_sources(rehearse_harness PRIVATE src/audit/interposer.cpp)

@@ -1,10 +1,10 @@
 #include "audit/call_log.h"
 
-#include <fmt/format.h>
-
+#include <cstring>
 #include <fstream>
 #include <memory>
 
+#include "audit/symbols.h"
 #include "interposer/log_format.h"
 
 namespace rehearse {
@@ -87,8 +87,6 @@ std::string_view to_string(ObservedCall::Source source) { return source_names[st
 
 std::string text_of(const ObservedCall& call) { return call.function + "(" + call.argument + ")"; }
 
-std::string place_of(const ObservedCall& call) {
-  return fmt::format("{}+{:#x}", fs::path(call.place.module).filename().string(), call.place.offset);
-}
+std::string place_of(const ObservedCall& call) { return Symbols(call.place.module).describe(call.place.offset); }
 
 }  // namespace rehearse

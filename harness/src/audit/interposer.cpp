@@ -43,7 +43,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// "clock.date=...;seed=...;": numbers in full, since two runs must get the same.
+/// "clock.date=...;seed=...;": whole numbers, which look the same in any locale.
 std::string text_of(const Substitution& substitution, std::string_view prefix) {
   std::string text;
   const auto add = [&](std::string_view name, auto value) { text += fmt::format("{}{}={};", prefix, name, value); };
@@ -81,9 +81,9 @@ std::string with_own(const char* variable, std::string value, char separator) {
 
 SimulatedClock SimulatedClock::shifted() const {
   SimulatedClock other = *this;
-  other.date += 400.0 * 86400.0 + 12345.678;  // another year, weekday, hour and fraction
-  other.uptime += 7654.321;
-  other.rate *= 3.0;
+  other.date += 400 * 86'400'000'000'000 + 12'345'678'901'234;  // another year, weekday, hour and fraction
+  other.uptime += 7'654'321'098'765;
+  other.rate *= 3;
   other.read_step *= 3;
   return other;
 }

@@ -23,10 +23,10 @@ namespace rehearse {
 /// A clock that follows the simulation: `start + rate * (time of the tick)`, and `read_step` more with each further
 /// reading in the same call, so that nobody waits for ever. Sleeping takes no time but moves it on by what was asked for.
 struct SimulatedClock {
-  double date = 1767225600.0;  // [s] since 1970 at time 0: 2026-01-01 UTC
-  double uptime = 1000.0;      // [s] monotonic clocks at time 0
-  double rate = 1.0;           // seconds per second of simulation
-  std::int64_t read_step = 1;  // [ns]
+  std::int64_t date = 1'767'225'600'000'000'000;  // [ns] since 1970 at time 0: 2026-01-01 UTC
+  std::int64_t uptime = 1'000'000'000'000;        // [ns] monotonic clocks at time 0
+  std::int64_t rate = 1'000'000;                  // [ppm] of simulated time
+  std::int64_t read_step = 1;                     // [ns]
 
   /// Another date, another uptime, and running at another rate.
   SimulatedClock shifted() const;

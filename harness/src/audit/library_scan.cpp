@@ -1,11 +1,216 @@
 #include "audit/library_scan.h"
 
+#include <capstone/capstone.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "audit/elf_library.h"
+#include "audit/sources.h"
+#include "audit/symbols.h"
+
 namespace rehearse {
+namespace {
+
+using Kind = LibraryFinding::Kind;
+
+constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_change", "fused_arithmetic",
+                                           "approximation",     "time_stamp_counter", "hardware_random",
+                                           "processor_query",   "direct_syscall",     "imported_source"};
+
+/// What an instruction is remarkable for, if it is.
+std::optional<Kind> kind_of(std::string_view mnemonic) {
+  const auto begins_with_one_of = [&](std::initializer_list<std::string_view> beginnings) {
+    return std::any_of(beginnings.begin(), beginnings.end(),
+                       [&](std::string_view beginning) { return mnemonic.starts_with(beginning); });
+  };
+  const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), mnemonic) != names.end();
+  };
+  switch (mnemonic.empty() ? 0 : mnemonic[0]) {
+    case 'v':
+      if (begins_with_one_of({"vfmadd", "vfmsub", "vfnmadd", "vfnmsub"})) return Kind::fused_arithmetic;
+      if (begins_with_one_of({"vrcp", "vrsqrt"})) return Kind::approximation;
+      if (mnemonic == "vldmxcsr") return Kind::float_mode_change;
+      return std::nullopt;
+    case 'r':
+      if (begins_with_one_of({"rcpp", "rcps", "rsqrt"})) return Kind::approximation;
+      if (is_one_of({"rdtsc", "rdtscp", "rdpmc"})) return Kind::time_stamp_counter;
+      if (is_one_of({"rdrand", "rdseed"})) return Kind::hardware_random;
+      return std::nullopt;
+    case 'f':
+      if (is_one_of({"fsin", "fcos", "fsincos", "fptan", "fpatan", "f2xm1", "fyl2x", "fyl2xp1"}))
+        return Kind::approximation;
+      return std::nullopt;  // fldcw is how long double is rounded to a whole number: it is set back at once
+    case 'l': return mnemonic == "ldmxcsr" ? std::optional(Kind::float_mode_change) : std::nullopt;
+    case 'c': return mnemonic == "cpuid" ? std::optional(Kind::processor_query) : std::nullopt;
+    case 'x': return mnemonic == "xgetbv" ? std::optional(Kind::processor_query) : std::nullopt;
+    case 's': return is_one_of({"syscall", "sysenter"}) ? std::optional(Kind::direct_syscall) : std::nullopt;
+    default: return std::nullopt;
+  }
+}
+
+/// A disassembler for x86-64.
+class Disassembler {
+ public:
+  Disassembler() {
+    opened_ = cs_open(CS_ARCH_X86, CS_MODE_64, &handle_) == CS_ERR_OK;
+    REHEARSE_ASSERT(opened_, "capstone knows x86");
+    cs_option(handle_, CS_OPT_SKIPDATA, CS_OPT_ON);  // tables between functions aren't the end of the code
+    instruction_ = cs_malloc(handle_);
+  }
+  ~Disassembler() {
+    cs_free(instruction_, 1);
+    cs_close(&handle_);
+  }
+  Disassembler(const Disassembler&) = delete;
+  Disassembler& operator=(const Disassembler&) = delete;
+
+  /// Calls `visit` with each instruction from an address on, until it returns false or the section ends.
+  template <class Visit>
+  void each(const CodeSection& section, std::uint64_t from, const Visit& visit) {
+    if (from < section.address || from - section.address >= section.bytes.size()) return;
+    const std::uint8_t* bytes = section.bytes.data() + (from - section.address);
+    std::size_t left = section.bytes.size() - (from - section.address);
+    while (cs_disasm_iter(handle_, &bytes, &left, &from, instruction_))
+      if (!visit(*instruction_)) return;
+  }
+
+ private:
+  csh handle_ = 0;
+  bool opened_ = false;
+  cs_insn* instruction_ = nullptr;
+};
+
+struct Spot {
+  std::int64_t count = 0;
+  std::uint64_t first = 0;  // address
+  std::string instruction;  // the first one's name
+};
+
+/// Finds out whether loading the library changes the floating-point mode.
+class StartupSearch {
+ public:
+  explicit StartupSearch(const ElfLibrary& library) : library_(library) {}
+
+  /// The address of the instruction that does it.
+  std::optional<std::uint64_t> find() {
+    for (const std::uint64_t function : library_.startup) search(function, most_calls);
+    return found_;
+  }
+
+ private:
+  static constexpr int most_calls = 3;            // from function to function
+  static constexpr int most_instructions = 2000;  // of one function
+
+  void search(std::uint64_t function, int calls_left) {
+    if (found_ || !seen_.insert(function).second) return;
+    std::vector<std::uint64_t> called;
+    for (const CodeSection& section : library_.code) {
+      int count = 0;
+      disassembler_.each(section, function, [&](const cs_insn& instruction) {
+        const std::string_view name = instruction.mnemonic;
+        if (name == "ldmxcsr" || name == "vldmxcsr") found_ = instruction.address;
+        if (name == "call" || name == "jmp")
+          if (const char* target = instruction.op_str; std::string_view(target).starts_with("0x"))
+            called.push_back(std::strtoull(target, nullptr, 16));
+        return !found_ && !name.starts_with("ret") && name != "jmp" && name != "ud2" && ++count < most_instructions;
+      });
+    }
+    if (calls_left == 0) return;
+    for (const std::uint64_t next : called) search(next, calls_left - 1);
+  }
+
+  const ElfLibrary& library_;
+  Disassembler disassembler_;
+  std::set<std::uint64_t> seen_;
+  std::optional<std::uint64_t> found_;
+};
+
+std::map<Kind, Spot> remarkable_instructions(const ElfLibrary& library, std::optional<std::uint64_t> startup) {
+  std::map<Kind, Spot> spots;
+  Disassembler disassembler;
+  for (const CodeSection& section : library.code)
+    disassembler.each(section, section.address, [&](const cs_insn& instruction) {
+      const auto kind = kind_of(instruction.mnemonic);
+      if (!kind || (startup == instruction.address)) return true;
+      Spot& spot = spots[*kind];
+      if (spot.count++ > 0) return true;
+      spot.first = instruction.address;
+      spot.instruction = instruction.mnemonic;
+      return true;
+    });
+  return spots;
+}
+
+std::string sentence_of(Kind kind, const Spot& spot, const std::string& where) {
+  const std::string times = spot.count == 1 ? "" : fmt::format(" and {} more", spot.count - 1);
+  const std::string it = fmt::format("{} in {}{}", spot.instruction, where, times);
+  switch (kind) {
+    case Kind::fast_math_startup:
+      return fmt::format("loading it switches the whole process to flush-to-zero ({}): it was linked with -ffast-math, "
+                         "-Ofast or -funsafe-math-optimizations",
+                         where);
+    case Kind::float_mode_change: return "it changes the floating-point mode: " + it;
+    case Kind::fused_arithmetic:
+      return "it multiplies and adds with one rounding instead of two, as processors without FMA can't: " + it +
+             " (compiled with -march=native, -mfma or the like; -ffp-contract=off turns it off)";
+    case Kind::approximation:
+      return "it computes with instructions whose last bits differ from processor to processor: " + it;
+    case Kind::time_stamp_counter: return "it reads the processor's time: " + it;
+    case Kind::hardware_random: return "it draws random numbers from the processor: " + it;
+    case Kind::processor_query: return "it asks which processor it runs on: " + it;
+    case Kind::direct_syscall: return "it calls the kernel past the C library, which can't be watched: " + it;
+    case Kind::imported_source: break;
+  }
+  return {};
+}
+
+LibraryFinding finding_of(Kind kind, const Spot& spot, const Symbols& symbols) {
+  LibraryFinding finding;
+  finding.kind = kind;
+  finding.count = spot.count;
+  finding.function = symbols.function_at(spot.first);
+  finding.place = symbols.line_at(spot.first);
+  const std::string where = symbols.describe(spot.first);
+  if (finding.place.empty()) finding.place = symbols.address_text(spot.first);
+  finding.sentence = sentence_of(kind, spot, where);
+  return finding;
+}
+
+void add_imports(const ElfLibrary& library, std::vector<LibraryFinding>& findings) {
+  for (const std::string& symbol : library.imports) {
+    const auto source = source_of_symbol(symbol);
+    if (!source) continue;
+    LibraryFinding& finding = findings.emplace_back();
+    finding.kind = Kind::imported_source;
+    finding.source = source;
+    finding.count = 1;
+    finding.function = demangled(symbol.c_str());
+    finding.sentence = fmt::format("it can call {} ({})", finding.function, to_string(*source));
+  }
+}
+
+}  // namespace
 
 Result<LibraryScan> scan_library(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return error("can't read " + file.string());
-  return LibraryScan{};
+  const auto library = ElfLibrary::load(file);
+  if (!library) return library.errors();
+  const Symbols symbols(file);
+  LibraryScan scan;
+  scan.is_stripped = library->is_stripped;
+  scan.has_debug_information = symbols.has_lines();
+  const auto startup = StartupSearch(*library).find();
+  if (startup) scan.findings.push_back(finding_of(Kind::fast_math_startup, {1, *startup, "ldmxcsr"}, symbols));
+  for (const auto& [kind, spot] : remarkable_instructions(*library, startup))
+    scan.findings.push_back(finding_of(kind, spot, symbols));
+  add_imports(*library, scan.findings);
+  return scan;
 }
+
+std::string_view to_string(LibraryFinding::Kind kind) { return kind_names[static_cast<int>(kind)]; }
 
 }  // namespace rehearse

@@ -1,0 +1,155 @@
+// What tells the time.
+#include "clocks.h"
+
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/timeb.h>
+#include <sys/times.h>
+#include <unistd.h>
+
+#include "next.h"
+
+namespace rehearse::interposer {
+namespace {
+
+const char* name_of(clockid_t clock) {
+  switch (clock) {
+    case CLOCK_REALTIME: return "CLOCK_REALTIME";
+    case CLOCK_MONOTONIC: return "CLOCK_MONOTONIC";
+    case CLOCK_PROCESS_CPUTIME_ID: return "CLOCK_PROCESS_CPUTIME_ID";
+    case CLOCK_THREAD_CPUTIME_ID: return "CLOCK_THREAD_CPUTIME_ID";
+    case CLOCK_MONOTONIC_RAW: return "CLOCK_MONOTONIC_RAW";
+    case CLOCK_REALTIME_COARSE: return "CLOCK_REALTIME_COARSE";
+    case CLOCK_MONOTONIC_COARSE: return "CLOCK_MONOTONIC_COARSE";
+    case CLOCK_BOOTTIME: return "CLOCK_BOOTTIME";
+    case CLOCK_TAI: return "CLOCK_TAI";
+    default: return "another clock";
+  }
+}
+
+void begin_call() {
+  const uint64_t call = current_call().number;
+  if (thread_state.call == call) return;
+  thread_state.call = call;
+  thread_state.passed = 0;
+}
+
+}  // namespace
+
+ClockKind kind_of(clockid_t clock) {
+  switch (clock) {
+    case CLOCK_REALTIME:
+    case CLOCK_REALTIME_COARSE:
+    case CLOCK_REALTIME_ALARM:
+    case CLOCK_TAI: return ClockKind::date;
+    case CLOCK_MONOTONIC:
+    case CLOCK_MONOTONIC_RAW:
+    case CLOCK_MONOTONIC_COARSE:
+    case CLOCK_BOOTTIME:
+    case CLOCK_BOOTTIME_ALARM: return ClockKind::monotonic;
+    default: return ClockKind::processor_time;
+  }
+}
+
+int64_t peek_clock(const Substitution& substitution, ClockKind kind) {
+  begin_call();
+  const int64_t start = kind == ClockKind::date        ? substitution.date
+                        : kind == ClockKind::monotonic ? substitution.uptime
+                                                       : 0;
+  const double run = current_call().time * 1e3 * static_cast<double>(substitution.rate);  // s * ppm -> ns
+  const int64_t now = start + static_cast<int64_t>(run + 0.5) + thread_state.passed;
+  const int64_t last = thread_state.last_reading[static_cast<int>(kind)];
+  return now > last ? now : last;
+}
+
+int64_t read_clock(const Substitution& substitution, ClockKind kind) {
+  const int64_t now = peek_clock(substitution, kind);
+  thread_state.passed += substitution.read_step;
+  thread_state.last_reading[static_cast<int>(kind)] = now;
+  return now;
+}
+
+void let_pass(int64_t nanoseconds) {
+  begin_call();
+  if (nanoseconds > 0) thread_state.passed += nanoseconds;
+}
+
+REHEARSE_INTERPOSED(int, clock_gettime, (clockid_t clock, timespec* time)) {
+  if (!watching()) return next_clock_gettime.get()(clock, time);
+  const Caller caller = note(Source::clock, "clock_gettime", name_of(clock), __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock) return next_clock_gettime.get()(clock, time);
+  *time = timespec_of(read_clock(substitution, kind_of(clock)));
+  return 0;
+}
+
+REHEARSE_INTERPOSED(int, timespec_get, (timespec * time, int base)) {
+  if (!watching()) return next_timespec_get.get()(time, base);
+  const Caller caller = note(Source::clock, "timespec_get", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock || base != TIME_UTC) return next_timespec_get.get()(time, base);
+  *time = timespec_of(read_clock(substitution, ClockKind::date));
+  return base;
+}
+
+REHEARSE_INTERPOSED(time_t, time, (time_t * also)) {
+  if (!watching()) return next_time.get()(also);
+  const Caller caller = note(Source::clock, "time", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock) return next_time.get()(also);
+  const time_t seconds = timespec_of(read_clock(substitution, ClockKind::date)).tv_sec;
+  if (also) *also = seconds;
+  return seconds;
+}
+
+REHEARSE_INTERPOSED(int, gettimeofday, (timeval * time, void* zone)) {
+  if (!watching()) return next_gettimeofday.get()(time, zone);
+  const Caller caller = note(Source::clock, "gettimeofday", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock || !time) return next_gettimeofday.get()(time, zone);
+  const timespec now = timespec_of(read_clock(substitution, ClockKind::date));
+  *time = {now.tv_sec, now.tv_nsec / 1000};
+  return 0;
+}
+
+REHEARSE_INTERPOSED(int, ftime, (timeb * time)) {
+  if (!watching()) return next_ftime.get()(time);
+  const Caller caller = note(Source::clock, "ftime", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock) return next_ftime.get()(time);
+  const timespec now = timespec_of(read_clock(substitution, ClockKind::date));
+  *time = {now.tv_sec, static_cast<unsigned short>(now.tv_nsec / 1'000'000), 0, 0};
+  return 0;
+}
+
+REHEARSE_INTERPOSED(clock_t, clock, ()) {
+  if (!watching()) return next_clock.get()();
+  const Caller caller = note(Source::clock, "clock", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock) return next_clock.get()();
+  return read_clock(substitution, ClockKind::processor_time) / (1'000'000'000 / CLOCKS_PER_SEC);
+}
+
+REHEARSE_INTERPOSED(clock_t, times, (tms * times)) {
+  if (!watching()) return next_times.get()(times);
+  const Caller caller = note(Source::clock, "times", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  if (!substitution.has_clock) return next_times.get()(times);
+  const int64_t tick = 1'000'000'000 / sysconf(_SC_CLK_TCK);
+  if (times) *times = {read_clock(substitution, ClockKind::processor_time) / tick, 0, 0, 0};
+  return read_clock(substitution, ClockKind::monotonic) / tick;
+}
+
+REHEARSE_INTERPOSED(int, getrusage, (int who, rusage* usage)) {
+  if (!watching()) return next_getrusage.get()(who, usage);
+  const Caller caller = note(Source::clock, "getrusage", "", __builtin_return_address(0));
+  const Substitution& substitution = substitution_for(caller);
+  const int result = next_getrusage.get()(who, usage);
+  if (!substitution.has_clock || result != 0) return result;
+  const timespec now = timespec_of(read_clock(substitution, ClockKind::processor_time));
+  *usage = {};
+  usage->ru_utime = {now.tv_sec, now.tv_nsec / 1000};
+  return result;
+}
+
+}  // namespace rehearse::interposer

@@ -1,0 +1,45 @@
+// How a function of ours stands in the place of the C library's of the same name, and calls that one.
+#pragma once
+
+#include <dlfcn.h>
+#include <stdlib.h>
+
+namespace rehearse::interposer {
+
+/// The function of this name that would be called without us.
+template <class Function>
+class Next {
+ public:
+  constexpr explicit Next(const char* name) : name_(name) {}
+  Function* get() {
+    Function* found = __atomic_load_n(&found_, __ATOMIC_RELAXED);
+    if (!found) {
+      found = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name_));
+      if (!found) abort();  // only who links it can call it, so it is there
+      __atomic_store_n(&found_, found, __ATOMIC_RELAXED);
+    }
+    return found;
+  }
+
+ private:
+  const char* name_;
+  Function* found_ = nullptr;
+};
+
+}  // namespace rehearse::interposer
+
+/// Begins the definition of a function that is exported under `name`. In C++ it has a name of its own, since the C
+/// library's headers declare theirs with attributes, and redirect some to others. What it stands for is next_name.
+#define REHEARSE_INTERPOSED(result, name, parameters)                                                     \
+  static ::rehearse::interposer::Next<result parameters> next_##name{#name};                              \
+  extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name);   \
+  extern "C" result interposed_##name parameters
+
+/// A function that is noted and otherwise left alone. The call is the last thing it does, so that it is compiled to a
+/// jump: the real one sees its caller's return address.
+#define REHEARSE_NOTED(source, result, name, parameters, arguments, text)                                          \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                                                  \
+    if (::rehearse::interposer::watching())                                                                        \
+      ::rehearse::interposer::note(::rehearse::interposer::Source::source, #name, text, __builtin_return_address(0)); \
+    return next_##name.get() arguments;                                                                            \
+  }

@@ -1,0 +1,31 @@
+// The random numbers that a seed stands for.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "watching.h"
+
+namespace rehearse::interposer {
+
+enum Stream {
+  stream_rand,
+  stream_drand48,
+  stream_lrand48,
+  stream_mrand48,
+  stream_arc4random,
+  stream_getrandom,
+  stream_random_device,
+  stream_device_file,
+  stream_count
+};
+
+/// The next number of a stream.
+uint64_t draw(uint64_t seed, Stream stream);
+
+void fill(uint64_t seed, Stream stream, void* bytes, size_t count);
+
+/// What is opened instead of /dev/urandom: a file of a mebibyte of numbers. The descriptor, or -1 and errno.
+int open_random_file(uint64_t seed);
+
+}  // namespace rehearse::interposer

@@ -1,0 +1,36 @@
+// What the interposer was told to do, by the variable REHEARSE_INTERPOSER; its form is that of
+// harness/src/audit/interposer.cpp.
+#pragma once
+
+#include <stdint.h>
+
+namespace rehearse::interposer {
+
+enum class Threads { as_they_come, late, early };
+
+struct Substitution {
+  bool has_clock = false;
+  int64_t date = 0;    // [ns] since 1970 at time 0
+  int64_t uptime = 0;  // [ns]
+  int64_t rate = 1'000'000;  // [ppm] of simulated time
+  int64_t read_step = 1;  // [ns]
+  bool has_seed = false;
+  uint64_t seed = 0;
+  Threads threads = Threads::as_they_come;
+  int slow = 0;  // [us]
+};
+
+struct Settings {
+  char log[4096] = "";
+  Substitution everywhere;
+  bool has_only = false;
+  char only_module[4096] = "";
+  uint64_t only_offset = 0;
+  Substitution there;
+};
+
+/// Reads the variable's value. What it can't read it says on stderr, and ends the process: the value comes from a
+/// program, so this is a mistake of ours.
+void read_settings(const char* text, Settings& settings);
+
+}  // namespace rehearse::interposer

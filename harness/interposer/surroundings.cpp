@@ -1,0 +1,95 @@
+// What a controller asks of its process and its machine, and what it does to them.
+#include <locale.h>
+#include <pwd.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include "next.h"
+#include "watching.h"
+
+namespace rehearse::interposer {
+namespace {
+
+const char* name_of_query(int name) {
+  switch (name) {
+    case _SC_NPROCESSORS_CONF: return "_SC_NPROCESSORS_CONF";
+    case _SC_NPROCESSORS_ONLN: return "_SC_NPROCESSORS_ONLN";
+    case _SC_PHYS_PAGES: return "_SC_PHYS_PAGES";
+    case _SC_AVPHYS_PAGES: return "_SC_AVPHYS_PAGES";
+    default: return nullptr;  // the same on all machines, near enough
+  }
+}
+
+const char* name_of_category(int category) {
+  switch (category) {
+    case LC_ALL: return "LC_ALL";
+    case LC_NUMERIC: return "LC_NUMERIC";
+    case LC_CTYPE: return "LC_CTYPE";
+    case LC_TIME: return "LC_TIME";
+    case LC_COLLATE: return "LC_COLLATE";
+    case LC_MONETARY: return "LC_MONETARY";
+    case LC_MESSAGES: return "LC_MESSAGES";
+    default: return "";
+  }
+}
+
+}  // namespace
+
+REHEARSE_NOTED(environment, char*, getenv, (const char* name), (name), name)
+REHEARSE_NOTED(environment, char*, secure_getenv, (const char* name), (name), name)
+REHEARSE_NOTED(environment, int, setenv, (const char* name, const char* value, int overwrite), (name, value, overwrite),
+               name)
+REHEARSE_NOTED(environment, int, unsetenv, (const char* name), (name), name)
+REHEARSE_NOTED(environment, int, putenv, (char* text), (text), text)
+REHEARSE_NOTED(environment, int, clearenv, (), (), "")
+REHEARSE_NOTED(environment, pid_t, getpid, (), (), "")
+REHEARSE_NOTED(environment, pid_t, getppid, (), (), "")
+REHEARSE_NOTED(environment, pid_t, gettid, (), (), "")
+REHEARSE_NOTED(environment, uid_t, getuid, (), (), "")
+REHEARSE_NOTED(environment, uid_t, geteuid, (), (), "")
+REHEARSE_NOTED(environment, passwd*, getpwuid, (uid_t user), (user), "")
+REHEARSE_NOTED(environment, char*, getlogin, (), (), "")
+REHEARSE_NOTED(environment, int, gethostname, (char* name, size_t size), (name, size), "")
+REHEARSE_NOTED(environment, int, uname, (utsname * names), (names), "")
+REHEARSE_NOTED(environment, char*, getcwd, (char* to, size_t size), (to, size), "")
+REHEARSE_NOTED(environment, int, sched_getcpu, (), (), "")
+REHEARSE_NOTED(environment, int, sched_getaffinity, (pid_t process, size_t size, void* set), (process, size, set), "")
+REHEARSE_NOTED(environment, int, get_nprocs, (), (), "")
+REHEARSE_INTERPOSED(long, sysconf, (int name)) {
+  if (watching() && name_of_query(name)) note(Source::environment, "sysconf", name_of_query(name), __builtin_return_address(0));
+  return next_sysconf.get()(name);
+}
+
+REHEARSE_INTERPOSED(char*, setlocale, (int category, const char* name)) {
+  // with a null it only asks; for "" the environment answers
+  if (watching()) note(Source::locale, "setlocale", name ? name : name_of_category(category), __builtin_return_address(0));
+  return next_setlocale.get()(category, name);
+}
+REHEARSE_NOTED(locale, locale_t, newlocale, (int mask, const char* name, locale_t base), (mask, name, base), name)
+REHEARSE_NOTED(locale, locale_t, __newlocale, (int mask, const char* name, locale_t base), (mask, name, base), name)
+REHEARSE_NOTED(locale, locale_t, uselocale, (locale_t to), (to), "")
+REHEARSE_NOTED(locale, lconv*, localeconv, (), (), "")
+
+REHEARSE_NOTED(process, void, exit, (int status), (status), Digits(status))
+REHEARSE_NOTED(process, void, _exit, (int status), (status), Digits(status))
+REHEARSE_NOTED(process, void, _Exit, (int status), (status), Digits(status))
+REHEARSE_NOTED(process, void, quick_exit, (int status), (status), Digits(status))
+REHEARSE_NOTED(process, void, abort, (), (), "")
+REHEARSE_NOTED(process, int, chdir, (const char* path), (path), path)
+REHEARSE_NOTED(process, int, fchdir, (int folder), (folder), "")
+REHEARSE_NOTED(process, mode_t, umask, (mode_t mask), (mask), "")
+REHEARSE_NOTED(process, void*, dlopen, (const char* file, int mode), (file, mode), file)
+REHEARSE_NOTED(process, int, raise, (int number), (number), Digits(number))
+REHEARSE_NOTED(process, int, kill, (pid_t process, int number), (process, number), Digits(number))
+REHEARSE_NOTED(process, sighandler_t, signal, (int number, sighandler_t handler), (number, handler), Digits(number))
+REHEARSE_NOTED(process, int, sigaction, (int number, const void* action, void* before), (number, action, before),
+               Digits(number))
+REHEARSE_NOTED(process, int, sigprocmask, (int how, const sigset_t* set, sigset_t* before), (how, set, before), "")
+REHEARSE_NOTED(process, int, pthread_sigmask, (int how, const sigset_t* set, sigset_t* before), (how, set, before), "")
+REHEARSE_NOTED(process, long, syscall, (long number, long a, long b, long c, long d, long e, long f),
+               (number, a, b, c, d, e, f), Digits(number))
+
+}  // namespace rehearse::interposer

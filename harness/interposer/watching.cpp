@@ -1,0 +1,180 @@
+#include "watching.h"
+
+#include <dlfcn.h>
+#include <link.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <unwind.h>
+
+#include "call_table.h"
+#include "descriptors.h"
+
+namespace rehearse::interposer {
+
+__thread ThreadState thread_state;
+
+namespace {
+
+constexpr int most_frames = 200;
+constexpr int most_known = 512;
+
+Settings settings;
+CurrentCall current;
+char current_controller[256];
+char current_library[4096];
+char current_phase[64];
+// What was in the process before the first controller: the host, and the system's libraries.
+const link_map* known[most_known];
+int known_count = 0;
+const link_map* own_map = nullptr;  // the interposer
+
+const link_map* map_of(const void* address) {
+  dl_find_object object{};
+  return _dl_find_object(const_cast<void*>(address), &object) == 0 ? object.dlfo_link_map : nullptr;
+}
+
+void remember_loaded_libraries() {
+  own_map = map_of(reinterpret_cast<const void*>(&remember_loaded_libraries));
+  const link_map* map = own_map;
+  while (map && map->l_prev) map = map->l_prev;
+  for (; map && known_count < most_known; map = map->l_next) known[known_count++] = map;
+}
+
+bool is_known(const link_map* map) {
+  for (int i = 0; i < known_count; ++i)
+    if (known[i] == map) return true;
+  return false;
+}
+
+bool is_controllers_own(const link_map* map) { return strcmp(map->l_name, current_library) == 0; }
+
+uint64_t offset_in(const link_map* map, const char* address) { return reinterpret_cast<uint64_t>(address) - map->l_addr; }
+
+void set_place(Caller& caller, const link_map* map, const char* address) {
+  caller.is_controller = true;
+  caller.module = map->l_name;
+  caller.offset = offset_in(map, address);
+}
+
+/// A walk up the stack. The innermost frame in the controller's library is the place; without one, the innermost in a
+/// library that came with it.
+struct Walk {
+  Caller caller;
+  int frames = 0;
+  bool in_brought_library = false;
+};
+
+_Unwind_Reason_Code visit(_Unwind_Context* context, void* argument) {
+  Walk& walk = *static_cast<Walk*>(argument);
+  if (++walk.frames > most_frames) return _URC_END_OF_STACK;
+  const char* address = reinterpret_cast<const char*>(_Unwind_GetIP(context)) - 1;  // in the call, not after it
+  const link_map* map = map_of(address);
+  if (!map || map == own_map) return _URC_NO_REASON;
+  if (is_controllers_own(map)) {
+    set_place(walk.caller, map, address);
+    return _URC_END_OF_STACK;
+  }
+  if (walk.in_brought_library) return _URC_NO_REASON;
+  if (!is_known(map)) {
+    walk.in_brought_library = true;
+    set_place(walk.caller, map, address);
+    return _URC_NO_REASON;
+  }
+  if (walk.caller.chain_length < max_chain)
+    walk.caller.chain[walk.caller.chain_length++] = {map->l_name, offset_in(map, address)};
+  return _URC_NO_REASON;
+}
+
+Caller find_caller(void* return_address) {
+  const char* address = static_cast<const char*>(return_address) - 1;
+  const link_map* map = map_of(address);
+  Walk walk;
+  if (map && is_controllers_own(map)) {
+    set_place(walk.caller, map, address);
+  } else {
+    _Unwind_Backtrace(visit, &walk);
+    if (!walk.caller.is_controller && thread_state.own_thread && map) set_place(walk.caller, map, address);
+  }
+  Caller& caller = walk.caller;
+  caller.is_only = settings.has_only && caller.is_controller && caller.offset == settings.only_offset &&
+                   strcmp(caller.module, settings.only_module) == 0;
+  return caller;
+}
+
+/// Programs that a controller starts are not to be watched; nor is a controller to see that it is.
+void leave_environment() {
+  unsetenv("REHEARSE_INTERPOSER");
+  const char* preloaded = getenv("LD_PRELOAD");
+  if (!preloaded) return;
+  const char* others = strpbrk(preloaded, ": ");
+  if (others) {
+    char* rest = strdup(others + 1);
+    setenv("LD_PRELOAD", rest, 1);
+    free(rest);
+  } else {
+    unsetenv("LD_PRELOAD");
+  }
+}
+
+void begin() {
+  static bool begun = false;
+  if (begun) return;
+  begun = true;
+  const Busy busy;
+  if (const char* text = getenv("REHEARSE_INTERPOSER")) read_settings(text, settings);
+  leave_environment();
+  remember_loaded_libraries();
+  remember_open_descriptors();
+  if (*settings.log) open_log(settings.log);
+}
+
+void copy(char* to, size_t size, const char* text) {
+  if (strcmp(to, text) != 0) snprintf(to, size, "%s", text);
+}
+
+}  // namespace
+
+CurrentCall current_call() { return current; }
+
+const Substitution& substitution_for(const Caller& caller) {
+  static constexpr Substitution nothing;
+  if (!caller.is_controller) return nothing;
+  return caller.is_only ? settings.there : settings.everywhere;
+}
+
+Caller note(Source source, const char* function, const char* argument, void* return_address, const char* digest) {
+  const Busy busy;
+  const Caller caller = find_caller(return_address);
+  if (caller.is_controller)
+    log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
+             thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
+  return caller;
+}
+
+Digits::Digits(long long number) { snprintf(text, sizeof text, "%lld", number); }
+
+extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter(const char* controller,
+                                                                                 const char* library,
+                                                                                 const char* function, long long tick,
+                                                                                 double time) {
+  begin();
+  copy(current_controller, sizeof current_controller, controller);
+  copy(current_library, sizeof current_library, library);
+  copy(current_phase, sizeof current_phase, function);
+  ++current.number;
+  current.tick = tick;
+  current.time = time;
+  if (settings.everywhere.slow > 0 && strcmp(function, "control") == 0) {
+    const timespec nap{0, settings.everywhere.slow * 1000L};
+    nanosleep(&nap, nullptr);
+  }
+  thread_state.busy = false;  // a call before this one may have been interrupted anywhere
+  thread_state.in_call = true;
+}
+
+extern "C" __attribute__((visibility("default"))) void rehearse_interposer_leave() { thread_state.in_call = false; }
+
+}  // namespace rehearse::interposer

@@ -1,0 +1,69 @@
+#include "audit/sources.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+namespace rehearse {
+namespace {
+
+using Source = ObservedCall::Source;
+
+struct Group {
+  Source source;
+  std::string_view names;  // each between spaces
+};
+
+constexpr Group functions[] = {
+    {Source::clock,
+     " alarm clock clock_gettime clock_nanosleep ftime getrusage gettimeofday nanosleep poll pthread_cond_clockwait "
+     "pthread_cond_timedwait pthread_mutex_clocklock pthread_mutex_timedlock select sem_clockwait sem_timedwait "
+     "setitimer sleep time timer_create timerfd_create times timespec_get usleep "},
+    {Source::random,
+     " arc4random arc4random_buf arc4random_uniform drand48 getentropy getrandom lrand48 mrand48 rand random srand "
+     "srand48 srandom "},
+    {Source::thread,
+     " clone execv execve execvp fork popen posix_spawn posix_spawnp pthread_create system thrd_create vfork "},
+    {Source::file,
+     " __open64_2 __open_2 __openat64_2 __openat_2 access creat creat64 fopen fopen64 freopen freopen64 lstat lstat64 "
+     "mkdir mkdtemp mkstemp mkstemp64 open open64 openat openat64 opendir readlink realpath remove rename rmdir shm_open "
+     "stat stat64 statx tmpfile tmpfile64 truncate unlink "},
+    {Source::network, " bind connect getaddrinfo gethostbyname socket "},
+    {Source::environment,
+     " environ get_nprocs getcwd getenv gethostname getlogin getpid getppid getpwuid gettid getuid geteuid putenv "
+     "sched_getaffinity sched_getcpu secure_getenv setenv sysconf uname unsetenv "},
+    {Source::locale, " __newlocale localeconv newlocale setlocale uselocale "},
+    {Source::process,
+     " _Exit _exit abort chdir close_range closefrom dlopen exit fchdir kill pthread_sigmask quick_exit raise sigaction "
+     "signal sigprocmask syscall umask "},
+};
+
+/// Of the C++ library: by how the mangled name begins, since constructors come in several kinds.
+constexpr std::pair<std::string_view, Source> members[] = {
+    {"_ZNSt6chrono3_V212system_clock3now", Source::clock},
+    {"_ZNSt6chrono3_V212steady_clock3now", Source::clock},
+    {"_ZNSt13random_device", Source::random},
+    {"_ZNSt6thread15_M_start_thread", Source::thread},
+    {"_ZNSt6thread20hardware_concurrency", Source::environment},
+    {"_ZNSt14basic_ifstream", Source::file},
+    {"_ZNSt14basic_ofstream", Source::file},
+    {"_ZNSt13basic_fstream", Source::file},
+    {"_ZNSt13basic_filebuf", Source::file},
+    {"_ZNSt10filesystem", Source::file},
+    {"_ZNSt6localeC1EPKc", Source::locale},
+    {"_ZNSt6localeC2EPKc", Source::locale},
+    {"_ZNSt6locale6global", Source::locale},
+};
+
+}  // namespace
+
+std::optional<Source> source_of_symbol(std::string_view symbol) {
+  const std::string word = " " + std::string(symbol) + " ";
+  for (const Group& group : functions)
+    if (group.names.find(word) != std::string_view::npos) return group.source;
+  for (const auto& [beginning, source] : members)
+    if (symbol.starts_with(beginning)) return source;
+  return std::nullopt;
+}
+
+}  // namespace rehearse

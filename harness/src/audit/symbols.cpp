@@ -1,0 +1,123 @@
+#include "audit/symbols.h"
+
+#include <cxxabi.h>
+#include <dwarf.h>
+#include <elfutils/libdw.h>
+#include <elfutils/libdwfl.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <string_view>
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string file_name(const char* path) { return fs::path(path).filename().string(); }
+
+/// Of the compiler or of another package: what interests is who called it.
+bool is_systems(const char* path) { return std::string_view(path).starts_with("/usr/"); }
+
+std::string name_of(Dwarf_Die& function) {
+  Dwarf_Attribute attribute;
+  for (const unsigned name : {DW_AT_linkage_name, DW_AT_MIPS_linkage_name})
+    if (const char* linkage = dwarf_formstring(dwarf_attr_integrate(&function, name, &attribute)))
+      return demangled(linkage);
+  const char* plain = dwarf_diename(&function);
+  return plain ? plain : "";
+}
+
+/// Where an inlined function was called; the file is null if that isn't known.
+struct CallSite {
+  const char* file = nullptr;
+  int line = 0;
+};
+
+CallSite call_site_of(Dwarf_Die& inlined, Dwarf_Die& unit) {
+  Dwarf_Attribute attribute;
+  Dwarf_Word file = 0;
+  Dwarf_Word line = 0;
+  Dwarf_Files* files = nullptr;
+  if (dwarf_formudata(dwarf_attr(&inlined, DW_AT_call_file, &attribute), &file) != 0 ||
+      dwarf_formudata(dwarf_attr(&inlined, DW_AT_call_line, &attribute), &line) != 0 ||
+      dwarf_getsrcfiles(&unit, &files, nullptr) != 0)
+    return {};
+  return {dwarf_filesrc(files, file, nullptr, nullptr), static_cast<int>(line)};
+}
+
+char* no_debug_path = nullptr;
+const Dwfl_Callbacks callbacks{dwfl_build_id_find_elf, dwfl_standard_find_debuginfo, dwfl_offline_section_address,
+                               &no_debug_path};
+
+}  // namespace
+
+std::string demangled(const char* symbol) {
+  int status = 0;
+  char* text = abi::__cxa_demangle(symbol, nullptr, nullptr, &status);
+  std::string result = status == 0 && text ? text : symbol;
+  std::free(text);
+  constexpr std::string_view nameless = "(anonymous namespace)::";
+  for (std::size_t at; (at = result.find(nameless)) != std::string::npos;) result.erase(at, nameless.size());
+  return result;
+}
+
+void Symbols::Close::operator()(Dwfl* session) const { dwfl_end(session); }
+
+Symbols::Symbols(const fs::path& file) : name_(file.filename().string()), session_(dwfl_begin(&callbacks)) {
+  if (!session_) return;
+  module_ = dwfl_report_offline(session_.get(), name_.c_str(), file.c_str(), -1);
+  dwfl_report_end(session_.get(), nullptr, nullptr);
+}
+
+Symbols::Found Symbols::find(std::uint64_t address) const {
+  if (!module_) return {};
+  GElf_Addr bias = 0;
+  if (!dwfl_module_getelf(module_, &bias)) return {};
+  const Dwarf_Addr pc = address + bias;
+  Found found;
+  if (const char* symbol = dwfl_module_addrname(module_, pc)) found.function = demangled(symbol);
+
+  Dwfl_Line* line = dwfl_module_getsrc(module_, pc);
+  int number = 0;
+  const char* path = line ? dwfl_lineinfo(line, nullptr, &number, nullptr, nullptr, nullptr) : nullptr;
+  if (!path) return found;
+  found.line = fmt::format("{}:{}", file_name(path), number);
+
+  Dwarf_Addr debug_bias = 0;
+  Dwarf_Die* unit = dwfl_module_addrdie(module_, pc, &debug_bias);
+  Dwarf_Die* scopes = nullptr;
+  const int count = unit ? dwarf_getscopes(unit, pc - debug_bias, &scopes) : 0;
+  for (int i = 0; i < count; ++i) {
+    const int tag = dwarf_tag(&scopes[i]);
+    if (tag != DW_TAG_inlined_subroutine && tag != DW_TAG_subprogram) continue;
+    const std::string name = name_of(scopes[i]);
+    if (!name.empty()) found.function = name;
+    if (tag == DW_TAG_subprogram || !is_systems(path)) break;
+    const CallSite site = call_site_of(scopes[i], *unit);
+    if (!site.file) break;
+    path = site.file;
+    found.line = fmt::format("{}:{}", file_name(path), site.line);
+  }
+  std::free(scopes);
+  return found;
+}
+
+std::string Symbols::function_at(std::uint64_t address) const { return find(address).function; }
+
+std::string Symbols::line_at(std::uint64_t address) const { return find(address).line; }
+
+std::string Symbols::describe(std::uint64_t address) const {
+  const Found found = find(address);
+  const std::string line = found.line.empty() ? address_text(address) : found.line;
+  return found.function.empty() ? line : fmt::format("{} ({})", found.function, line);
+}
+
+std::string Symbols::address_text(std::uint64_t address) const { return fmt::format("{}+{:#x}", name_, address); }
+
+bool Symbols::has_lines() const {
+  Dwarf_Addr bias = 0;
+  return module_ && dwfl_module_nextcu(module_, nullptr, &bias) != nullptr;
+}
+
+}  // namespace rehearse
