@@ -1,0 +1,28 @@
+// Verbs for tests of audits: a pendulum under one of the zoo's controllers, and what the command says of it.
+#pragma once
+
+#include "command.h"
+
+#include <string>
+
+namespace rehearse::test {
+
+class Audited : public Command {
+ protected:
+  /// 200 ms of a pendulum that is let go at 20 degrees.
+  fs::path scenario(const std::string& library, const std::string& options = "") const {
+    return write("zoo.yaml", "rehearse: 1\nduration: 0.2\nbodies:\n  - name: Pendulum\n    model: " +
+                                 (fixtures / "models/pendulum.urdf").string() +
+                                 "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Zoo\n        library: " +
+                                 ZOO "/zoo_" + library + ".so\n        options: \"" + options + "\"\n");
+  }
+};
+
+/// The reason that the report gives for its first controller that has one, or the empty text.
+inline std::string reason_in(const nlohmann::json& report) {
+  for (const auto& controller : report["controllers"])
+    if (!controller["reason"].is_null()) return controller["reason"];
+  return "";
+}
+
+}  // namespace rehearse::test

@@ -1,0 +1,76 @@
+// Controllers that do something to the process they run in: an audit says so in a sentence, and lives.
+#include "audited.h"
+
+#include <gmock/gmock.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class BadManners : public Audited {
+ protected:
+  Outcome audited(const std::string& deed, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"audit", scenario("bad_manners", deed).string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return rehearse(words);
+  }
+};
+
+TEST_F(BadManners, ACrashIsAFailure) {
+  const Outcome outcome = audited("crash");
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("failed: controller 'Pendulum/Zoo' crashed: segmentation fault"));
+  EXPECT_THAT(outcome.out, HasSubstr("in control() at tick 7"));
+}
+
+TEST_F(BadManners, AnExceptionIsAFailure) {
+  const Outcome outcome = audited("throw");
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out,
+              StartsWith("failed: controller 'Pendulum/Zoo' threw std::runtime_error: no gait for this slope"));
+}
+
+TEST_F(BadManners, AbortIsAFailure) {
+  const Outcome outcome = audited("abort");
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("failed: controller 'Pendulum/Zoo' crashed: it called abort"));
+}
+
+TEST_F(BadManners, AHangIsAFailure) {
+  const Outcome outcome = audited("hang", {"--call-limit", "0.2"});
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("failed: controller 'Pendulum/Zoo' did not return within 0.2 s in control()"));
+}
+
+TEST_F(BadManners, LeavingTheProcessIsAFailure) {
+  for (const char* deed : {"exit", "quick"}) {
+    const Outcome outcome = audited(deed);
+    EXPECT_EQ(outcome.status, 3) << deed << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, ContainsRegex("^failed: controller 'Pendulum/Zoo' .*exit.* in control\\(\\) at tick 7"));
+  }
+}
+
+TEST_F(BadManners, WhatConcernsTheWholeProcessIsSaid) {
+  const Outcome moved = audited("chdir");
+  EXPECT_THAT(moved.err, HasSubstr("Pendulum/Zoo: changes the working folder of the whole process by chdir(/)"));
+  EXPECT_EQ(moved.status, 0) << moved.out;
+  const Outcome deaf = audited("signal");
+  EXPECT_THAT(deaf.err, HasSubstr("changes how the whole process takes a signal"));
+  EXPECT_EQ(deaf.status, 0) << deaf.out;
+  const Outcome rounding = audited("float");
+  EXPECT_THAT(rounding.err, HasSubstr("floating-point mode"));
+  EXPECT_EQ(rounding.status, 0) << rounding.out;
+}
+
+TEST_F(BadManners, ClosingWhatIsOpenHurtsNobody) {
+  const Outcome outcome = audited("close");
+  EXPECT_THAT(outcome.err, HasSubstr("close"));
+  EXPECT_LE(outcome.status, 3);
+  EXPECT_NE(outcome.status, 1) << outcome.out;
+}
+
+}  // namespace
+}  // namespace rehearse::test

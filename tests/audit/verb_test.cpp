@@ -1,0 +1,108 @@
+// The verb itself: what it takes, what it refuses, what it says.
+#include "audited.h"
+
+#include <gmock/gmock.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+using AuditVerb = Audited;
+
+TEST_F(AuditVerb, TakesARecording) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  const Outcome outcome = done({"audit", "zoo.mcap"});
+  EXPECT_THAT(outcome.out, StartsWith("Pendulum/Zoo is a function of its inputs: 8 replays of 0.2 s under other memory, "
+                                      "addresses and variables gave the same 200 commands, bit for bit\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("recorded in closed loop            not varied: it was given\n"));
+}
+
+TEST_F(AuditVerb, TakesAnotherLibraryForIt) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  const Outcome outcome = rehearse({"audit", "zoo.mcap", "--controller", "Zoo=" ZOO "/zoo_time.so"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("Pendulum/Zoo is not deterministic: it depends on the clock"));
+}
+
+TEST_F(AuditVerb, SaysWhichOfTwoCallsReachesACommand) {
+  const nlohmann::json report = rehearse({"audit", scenario("steady_clock").string(), "--json"}).json();
+  std::string filtered, counted;
+  for (const auto& call : report["calls"]) {
+    const std::string place = call["place"];
+    if (place.find("filtered") != std::string::npos) filtered = call["reached"];
+    if (place.find("count_busy_time") != std::string::npos) counted = call["reached"];
+  }
+  EXPECT_EQ(filtered, "yes");
+  EXPECT_EQ(counted, "no");
+}
+
+TEST_F(AuditVerb, RepeatsAsOftenAsItIsTold) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  EXPECT_THAT(done({"audit", "zoo.mcap", "--repeat", "3"}).out, HasSubstr(": 20 replays of "));
+}
+
+TEST_F(AuditVerb, EndsWhereItIsTold) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  EXPECT_THAT(done({"audit", "zoo.mcap", "--until", "0.05"}).out, HasSubstr(" of 0.05 s under"));
+}
+
+TEST_F(AuditVerb, RefusesWhatIsNoRun) {
+  EXPECT_EQ(rehearse({"audit"}).status, 2);
+  const Outcome missing = rehearse({"audit", "nothing.mcap"});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_THAT(missing.err, HasSubstr("error: there is no nothing.mcap"));
+  write("text.mcap", "not a recording\n");
+  const Outcome text = rehearse({"audit", "text.mcap"});
+  EXPECT_EQ(text.status, 2);
+  EXPECT_THAT(text.err, HasSubstr("not an MCAP file"));
+  done({"record", box_scenario.string(), "-o", "box.mcap"});
+  const Outcome nobody = rehearse({"audit", "box.mcap"});
+  EXPECT_EQ(nobody.status, 2);
+  EXPECT_THAT(nobody.err, HasSubstr("has no controllers: there is nothing to audit"));
+}
+
+TEST_F(AuditVerb, RefusesControllersThatDoNotLoad) {
+  const Outcome missing = rehearse({"audit", scenario("nobody").string()});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_THAT(missing.err, HasSubstr("zoo_nobody.so' not found"));
+  write("no_library.so", "not a library\n");
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  const Outcome text = rehearse({"audit", "zoo.mcap", "--controller", "Zoo=./no_library.so"});
+  EXPECT_EQ(text.status, 2);
+  EXPECT_THAT(text.err, HasSubstr("is not a shared library"));
+  const Outcome unknown = rehearse({"audit", "zoo.mcap", "--controller", "Walker=" ZOO "/zoo_time.so"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("there is no controller 'Walker'"));
+}
+
+TEST_F(AuditVerb, RefusesATraceThatIsCutOff) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  fs::resize_file(folder() / "zoo.mcap", fs::file_size(folder() / "zoo.mcap") / 2);
+  const Outcome outcome = rehearse({"audit", "zoo.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, ContainsRegex("zoo.mcap"));
+}
+
+TEST_F(AuditVerb, LeavesNothingBehind) {
+  done({"audit", scenario("good_own_generator").string()});
+  fs::remove(folder() / "zoo.yaml");
+  EXPECT_TRUE(is_empty());
+}
+
+#if !defined(SANITIZED)
+TEST_F(AuditVerb, NamesThePlaceByValgrind) {
+  const Outcome outcome = rehearse({"audit", scenario("use_after_free").string(), "--valgrind"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("valgrind: memory is read that is not its own in "));
+  EXPECT_THAT(outcome.out, ContainsRegex("UseAfterFree::term\\(\\) \\(use_after_free.cpp:19\\)"));
+  const Outcome member = rehearse({"audit", scenario("uninitialised_member").string(), "--valgrind"});
+  EXPECT_EQ(member.status, 1);
+  EXPECT_THAT(member.out, HasSubstr("valgrind: a command was never set: hinge/u of /Pendulum/Zoo/output/joints at tick 0"));
+}
+#endif
+
+}  // namespace
+}  // namespace rehearse::test
