@@ -21,6 +21,18 @@ rehearse_add_library(audit
   src/audit/sources.cpp
   src/audit/symbols.cpp
   src/audit/valgrind_report.cpp)
+# A locale with a decimal comma, for audits to vary; without the sources of locales none is varied.
+find_program(LOCALEDEF localedef)
+set(comma_locale ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/rehearse/locale/de_DE.utf8)
+if(LOCALEDEF AND EXISTS /usr/share/i18n/locales/de_DE)
+  add_custom_command(OUTPUT ${comma_locale}/LC_NUMERIC
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/rehearse/locale
+    COMMAND ${LOCALEDEF} --no-archive --inputfile=de_DE --charmap=UTF-8 ${comma_locale}
+    COMMENT "Building a locale with a decimal comma" VERBATIM)
+  add_custom_target(rehearse_locale DEPENDS ${comma_locale}/LC_NUMERIC)
+  add_dependencies(rehearse_audit rehearse_locale)
+  install(DIRECTORY ${comma_locale} DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/locale)
+endif()
 # Recordings and replays with simulated time need it, too.
 target_sources(rehearse_harness PRIVATE src/audit/interposer.cpp)
 target_include_directories(rehearse_audit PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})

@@ -97,7 +97,7 @@ TEST_F(AuditVerb, NamesThePlaceByValgrind) {
   const Outcome outcome = rehearse({"audit", scenario("use_after_free").string(), "--valgrind"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, HasSubstr("valgrind: memory is read that is not its own in "));
-  EXPECT_THAT(outcome.out, ContainsRegex("UseAfterFree::term\\(\\) \\(use_after_free.cpp:19\\)"));
+  EXPECT_THAT(outcome.out, ContainsRegex("UseAfterFree::term\\(\\) \\(use_after_free.cpp:16\\)"));
   const Outcome member = rehearse({"audit", scenario("uninitialised_member").string(), "--valgrind"});
   EXPECT_EQ(member.status, 1);
   EXPECT_THAT(member.out, HasSubstr("valgrind: a command was never set: hinge/u of /Pendulum/Zoo/output/joints at tick 0"));

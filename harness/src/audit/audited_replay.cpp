@@ -4,8 +4,10 @@
 #include <rehearse/replay.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "audit/interposer.h"
 #include "audit/memory_check.h"
@@ -38,17 +40,18 @@ class AuditWatch : public ControllerWatch {
   InterposerWatch inner_;
 };
 
-/// Takes memory in odd sizes, small and large, and keeps every second piece: what comes later lies elsewhere, and in
-/// another order.
+/// Takes memory in odd sizes, some large and many small, and keeps about every second piece: what comes later lies in the
+/// holes between, elsewhere and in another order.
 void pad_memory(std::uint32_t seed) {
+  constexpr int pieces = 20000, every = 200;
   static std::vector<void*>& kept = *new std::vector<void*>;
   std::vector<void*> given_back;
-  std::uint32_t random = seed;
-  for (int i = 0; i < 400; ++i) {
-    random = random * 1664525u + 1013904223u;
-    const std::size_t size = (random >> 8) % (i % 20 == 0 ? 200000u : 900u) + 1;
-    (random >> 30 & 1 ? kept : given_back).push_back(malloc(size));
+  std::mt19937 random(seed);
+  for (int i = 0; i < pieces; ++i) {
+    const std::size_t size = random() % (i % every == 0 ? 100000u : 200u) + 1;
+    (random() % 2 == 0 ? kept : given_back).push_back(malloc(size));
   }
+  std::shuffle(given_back.begin(), given_back.end(), random);
   for (void* piece : given_back) free(piece);
 }
 

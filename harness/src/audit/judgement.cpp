@@ -119,10 +119,10 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
       result.not_varied = "it differs from one run to the next anyway";
     }
   } else {
-    // memory that is painted against memory as it comes, if neither the clock nor random numbers make the difference
-    const bool virtual_matters = of(Factor::clock).first || of(Factor::random).first;
-    if (!virtual_matters && !of(Factor::nothing).first && !of(Factor::memory).first)
-      of(Factor::memory).first = judge.compare(evidence.plain.passes[0], evidence.still.passes[0]);
+    // memory that is painted against memory as it comes, if nothing else that this changes makes the difference
+    const bool explained =
+        std::any_of(results.begin(), results.end(), [](const FactorResult& result) { return result.first.has_value(); });
+    if (!explained) of(Factor::memory).first = judge.compare(evidence.plain.passes[0], evidence.still.passes[0]);
   }
   FactorResult& recording = of(Factor::recording);
   if (!evidence.recorded_here) {

@@ -30,7 +30,7 @@ class Conclusion {
       : evidence_(evidence), seen_(seen), audit_(audit) {}
 
   void draw() {
-    if (found_by_factors()) return;
+    if (found_by_file() || found_by_factors()) return;
     for (const AuditedCode& code : audit_.code)
       if (code.kind == to_string(Kind::fast_math_startup)) {
         audit_.deterministic = false;
@@ -40,6 +40,29 @@ class Conclusion {
   }
 
  private:
+  bool differs_under(Factor factor) const {
+    const FactorResult* result = find_factor(audit_.factors, factor);
+    return result && result->first;
+  }
+
+  /// A file with another content in each run makes all of them differ, whatever else was changed.
+  bool found_by_file() {
+    const auto changed = std::find_if(audit_.calls.begin(), audit_.calls.end(), [](const AuditedCall& call) {
+      return call.source == "file" && !call.note.empty();
+    });
+    if (changed == audit_.calls.end() || differs_under(Factor::clock) || differs_under(Factor::random)) return false;
+    for (const FactorResult& result : audit_.factors) {
+      if (!result.first) continue;
+      audit_.deterministic = false;
+      audit_.depends_on = Factor::nothing;
+      audit_.first = result.first;
+      audit_.reason = fmt::format("it reads a file that changes: {} called in {}: {}; {}", changed->function,
+                                  changed->place, changed->note, text_of_place(*result.first));
+      return true;
+    }
+    return false;
+  }
+
   /// The change that says most: what never repeats first, then what others follow from.
   bool found_by_factors() {
     for (const Factor factor : {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random,
@@ -103,10 +126,6 @@ class Conclusion {
 
   /// It differs from one run to the next, with nothing changed.
   std::string chance(const std::string& where) const {
-    for (const AuditedCall& call : audit_.calls)
-      if (call.source == "file" && !call.note.empty())
-        return fmt::format("it reads a file that changes: {} called in {}: {}; {}", call.function, call.place, call.note,
-                           where);
     const auto asks = [&](Source source) {
       return std::any_of(seen_.begin(), seen_.end(), [=](const ObservedCall& call) { return call.source == source; });
     };

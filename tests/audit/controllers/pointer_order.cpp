@@ -15,7 +15,7 @@ class PointerOrder : public ZooController {
   bool begin() override {
     for (int i = 0; i < 200; ++i) {
       joints_.push_back(std::make_unique<Joint>(Joint{1.0 / (i + 3)}));
-      gain_[joints_.back().get()] = 1e-3 * joints_.back()->weight;
+      gain_[joints_.back().get()] = 10.0 * joints_.back()->weight;  // [N·m/rad]
     }
     return true;
   }
