@@ -79,13 +79,13 @@ void open_log(const char* file) {
   mapped->heap_used = 1;  // the empty text
 }
 
-void log_call(Source source, const char* function, const char* argument, const char* digest, const char* controller,
-              const char* phase, int64_t tick, const Caller& caller) {
-  if (!mapped) return;
+LogEntry* log_call(Source source, const char* function, const char* argument, const char* digest, const char* controller,
+                   const char* phase, int64_t tick, const Caller& caller) {
+  if (!mapped) return nullptr;
   const uint64_t where = hash_of(caller.module, caller.offset) ^ hash_of(function, hash_of(controller, hash_of(phase, 1)));
   uint64_t key = hash_of(argument, hash_of(digest, where));
   const Lock lock;
-  if (!lock.held()) return;
+  if (!lock.held()) return nullptr;
   uint32_t slot = 0;
   LogEntry* entry = find(key, slot);
   if (!entry && arguments_at[where % table_size] >= most_arguments) {
@@ -94,10 +94,11 @@ void log_call(Source source, const char* function, const char* argument, const c
     key = hash_of(argument, hash_of(digest, where));
     entry = find(key, slot);
   }
-  if (!entry) {
+  const bool is_new = !entry;
+  if (is_new) {
     if (mapped->entries == max_entries) {
       mapped->overflowed = 1;
-      return;
+      return nullptr;
     }
     entry = &mapped->entry[mapped->entries];
     entry->source = static_cast<uint32_t>(source);
@@ -117,6 +118,7 @@ void log_call(Source source, const char* function, const char* argument, const c
   }
   entry->last_tick = tick;
   ++entry->count;
+  return is_new ? entry : nullptr;
 }
 
 }  // namespace rehearse::interposer

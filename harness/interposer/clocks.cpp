@@ -27,11 +27,16 @@ const char* name_of(clockid_t clock) {
   }
 }
 
-void begin_call() {
-  const uint64_t call = current_call().number;
-  if (thread_state.call == call) return;
-  thread_state.call = call;
-  thread_state.passed = 0;
+/// A lead is made up for by the simulation as it goes on: a clock never goes back.
+ClockLead& lead_of(const Substitution& substitution) {
+  ClockLead& lead = thread_state.lead[substitution.layer];
+  const CurrentCall call = current_call();
+  if (lead.call == call.number) return lead;
+  const double run = call.time * 1e3 * static_cast<double>(substitution.rate);  // s * ppm -> ns
+  const ClockLead before = lead;
+  lead = {call.number, static_cast<int64_t>(run + 0.5), 0};
+  if (before.run + before.passed > lead.run) lead.passed = before.run + before.passed - lead.run;
+  return lead;
 }
 
 }  // namespace
@@ -52,26 +57,25 @@ ClockKind kind_of(clockid_t clock) {
 }
 
 int64_t peek_clock(const Substitution& substitution, ClockKind kind) {
-  begin_call();
   const int64_t start = kind == ClockKind::date        ? substitution.date
                         : kind == ClockKind::monotonic ? substitution.uptime
                                                        : 0;
-  const double run = current_call().time * 1e3 * static_cast<double>(substitution.rate);  // s * ppm -> ns
-  const int64_t now = start + static_cast<int64_t>(run + 0.5) + thread_state.passed;
-  const int64_t last = thread_state.last_reading[static_cast<int>(kind)];
-  return now > last ? now : last;
+  const ClockLead& lead = lead_of(substitution);
+  return start + lead.run + lead.passed;
 }
 
 int64_t read_clock(const Substitution& substitution, ClockKind kind) {
   const int64_t now = peek_clock(substitution, kind);
-  thread_state.passed += substitution.read_step;
-  thread_state.last_reading[static_cast<int>(kind)] = now;
+  for (int layer = 0; layer < 2; ++layer) {
+    const Substitution& each = substitution_of_layer(layer);
+    lead_of(each).passed += each.read_step;
+  }
   return now;
 }
 
 void let_pass(int64_t nanoseconds) {
-  begin_call();
-  if (nanoseconds > 0) thread_state.passed += nanoseconds;
+  if (nanoseconds <= 0) return;
+  for (int layer = 0; layer < 2; ++layer) lead_of(substitution_of_layer(layer)).passed += nanoseconds;
 }
 
 REHEARSE_INTERPOSED(int, clock_gettime, (clockid_t clock, timespec* time)) {

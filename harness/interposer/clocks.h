@@ -17,7 +17,7 @@ int64_t read_clock(const Substitution& substitution, ClockKind kind);
 /// What a reading would show, without being one.
 int64_t peek_clock(const Substitution& substitution, ClockKind kind);
 
-/// Time passes for this thread, until its call ends.
+/// Time passes for this thread.
 void let_pass(int64_t nanoseconds);
 
 inline int64_t nanoseconds_of(const timespec& time) { return time.tv_sec * 1'000'000'000 + time.tv_nsec; }

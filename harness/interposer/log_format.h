@@ -12,6 +12,7 @@ namespace rehearse::interposer {
 inline constexpr char log_magic[8] = {'R', 'H', 'C', 'A', 'L', 'L', 'S', '1'};
 inline constexpr std::uint32_t max_entries = 4096;
 inline constexpr std::uint32_t max_chain = 6;
+inline constexpr std::uint32_t max_outer = 6;
 inline constexpr std::uint32_t heap_size = 4u << 20;
 
 /// Where a text with its final zero begins in the heap; 0: the empty text.
@@ -31,13 +32,14 @@ struct LogEntry {
   TextOffset phase;
   TextOffset digest;
   std::uint32_t chain_length;
-  std::uint32_t unused;
+  std::uint32_t outer_length;
   std::int64_t first_tick;
   std::int64_t last_tick;
   std::int64_t count;
   std::uint64_t key;  // hash of all that tells entries apart
   LoggedPlace place;
   LoggedPlace chain[max_chain];
+  std::uint64_t outer[max_outer];  // addresses in the module of the place
 };
 
 struct Log {

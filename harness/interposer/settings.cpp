@@ -72,6 +72,7 @@ void read_setting(char* setting, Settings& settings) {
 }  // namespace
 
 void read_settings(const char* text, Settings& settings) {
+  settings.there.layer = 1;
   char* copy = strdup(text);
   char* rest = copy;
   while (char* setting = strsep(&rest, ";"))

@@ -9,6 +9,7 @@ namespace rehearse::interposer {
 enum class Threads { as_they_come, late, early };
 
 struct Substitution {
+  int layer = 0;  // everywhere; 1: at one place
   bool has_clock = false;
   int64_t date = 0;    // [ns] since 1970 at time 0
   int64_t uptime = 0;  // [ns]

@@ -64,7 +64,7 @@ void set_place(Caller& caller, const link_map* map, const char* address) {
 struct Walk {
   Caller caller;
   int frames = 0;
-  bool in_brought_library = false;
+  uint32_t chain_to_brought = 0;  // length of the chain when a library was met that came with the controller
 };
 
 _Unwind_Reason_Code visit(_Unwind_Context* context, void* argument) {
@@ -75,16 +75,37 @@ _Unwind_Reason_Code visit(_Unwind_Context* context, void* argument) {
   if (!map || map == own_map) return _URC_NO_REASON;
   if (is_controllers_own(map)) {
     set_place(walk.caller, map, address);
+    walk.chain_to_brought = walk.caller.chain_length;
     return _URC_END_OF_STACK;
   }
-  if (walk.in_brought_library) return _URC_NO_REASON;
-  if (!is_known(map)) {
-    walk.in_brought_library = true;
+  if (!walk.caller.is_controller && !is_known(map)) {
     set_place(walk.caller, map, address);
-    return _URC_NO_REASON;
+    walk.chain_to_brought = walk.caller.chain_length;
   }
   if (walk.caller.chain_length < max_chain)
     walk.caller.chain[walk.caller.chain_length++] = {map->l_name, offset_in(map, address)};
+  return _URC_NO_REASON;
+}
+
+/// The frames of the same library around a place: a function of the C++ library's headers is compiled into it, and who
+/// called that is of more interest.
+struct OuterWalk {
+  LogEntry* entry;
+  const char* module;
+  int frames = 0;
+  bool past_place = false;
+};
+
+_Unwind_Reason_Code visit_outer(_Unwind_Context* context, void* argument) {
+  OuterWalk& walk = *static_cast<OuterWalk*>(argument);
+  LogEntry& entry = *walk.entry;
+  if (++walk.frames > most_frames || entry.outer_length == max_outer) return _URC_END_OF_STACK;
+  const char* address = reinterpret_cast<const char*>(_Unwind_GetIP(context)) - 1;
+  const link_map* map = map_of(address);
+  if (!map || strcmp(map->l_name, walk.module) != 0) return _URC_NO_REASON;
+  const uint64_t offset = offset_in(map, address);
+  if (walk.past_place) entry.outer[entry.outer_length++] = offset;
+  walk.past_place = walk.past_place || offset == entry.place.offset;
   return _URC_NO_REASON;
 }
 
@@ -96,6 +117,7 @@ Caller find_caller(void* return_address) {
     set_place(walk.caller, map, address);
   } else {
     _Unwind_Backtrace(visit, &walk);
+    walk.caller.chain_length = walk.chain_to_brought;
     if (!walk.caller.is_controller && thread_state.own_thread && map) set_place(walk.caller, map, address);
   }
   Caller& caller = walk.caller;
@@ -145,12 +167,19 @@ const Substitution& substitution_for(const Caller& caller) {
   return caller.is_only ? settings.there : settings.everywhere;
 }
 
+const Substitution& substitution_of_layer(int layer) { return layer == 0 ? settings.everywhere : settings.there; }
+
 Caller note(Source source, const char* function, const char* argument, void* return_address, const char* digest) {
   const Busy busy;
   const Caller caller = find_caller(return_address);
-  if (caller.is_controller)
-    log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
-             thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
+  if (!caller.is_controller) return caller;
+  LogEntry* const added =
+      log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
+               thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
+  if (added) {
+    OuterWalk walk{added, caller.module};
+    _Unwind_Backtrace(visit_outer, &walk);
+  }
   return caller;
 }
 

@@ -11,13 +11,18 @@ namespace rehearse::interposer {
 /// In the order of ObservedCall::Source.
 enum class Source : uint32_t { clock, random, thread, file, network, environment, locale, process };
 
+/// How far readings and sleeping have moved the simulated clocks of a thread ahead of the simulation.
+struct ClockLead {
+  uint64_t call = 0;   // number of the call in which this was true
+  int64_t run = 0;     // [ns] that the clocks had run by the simulation alone
+  int64_t passed = 0;  // [ns] more
+};
+
 struct ThreadState {
-  bool in_call = false;       // between enter and leave
-  bool own_thread = false;    // a controller created it
-  bool busy = false;          // in our own code: whatever it calls is nobody else's
-  uint64_t call = 0;          // number of the call that the readings below belong to
-  int64_t passed = 0;         // [ns] that readings and sleeping have moved the simulated clocks on in this call
-  int64_t last_reading[3]{};  // [ns] of each clock, so that it never goes back
+  bool in_call = false;     // between enter and leave
+  bool own_thread = false;  // a controller created it
+  bool busy = false;        // in our own code: whatever it calls is nobody else's
+  ClockLead lead[2];        // by layer: what happens at one place changes nothing for the others
 };
 extern __thread ThreadState thread_state;
 
@@ -51,6 +56,7 @@ Caller note(Source source, const char* function, const char* argument, void* ret
 
 /// What a call by this caller is given instead of the system's answers.
 const Substitution& substitution_for(const Caller& caller);
+const Substitution& substitution_of_layer(int layer);
 
 /// While it lives, what this thread calls is passed through.
 class Busy {

@@ -44,7 +44,8 @@ class Texts {
 };
 
 std::optional<ObservedCall> call_of(const Log& log, const LogEntry& entry) {
-  if (entry.source >= std::size(source_names) || entry.chain_length > interposer::max_chain) return std::nullopt;
+  if (entry.source >= std::size(source_names) || entry.chain_length > interposer::max_chain ||
+      entry.outer_length > interposer::max_outer) return std::nullopt;
   Texts texts(log);
   ObservedCall call;
   call.source = static_cast<ObservedCall::Source>(entry.source);
@@ -58,6 +59,7 @@ std::optional<ObservedCall> call_of(const Log& log, const LogEntry& entry) {
   call.count = entry.count;
   call.place = texts.at(entry.place);
   for (std::uint32_t i = 0; i < entry.chain_length; ++i) call.chain.push_back(texts.at(entry.chain[i]));
+  call.outer.assign(entry.outer, entry.outer + entry.outer_length);
   if (!texts.all_found()) return std::nullopt;
   return call;
 }
@@ -87,6 +89,12 @@ std::string_view to_string(ObservedCall::Source source) { return source_names[st
 
 std::string text_of(const ObservedCall& call) { return call.function + "(" + call.argument + ")"; }
 
-std::string place_of(const ObservedCall& call) { return Symbols(call.place.module).describe(call.place.offset); }
+std::string place_of(const ObservedCall& call) {
+  const Symbols symbols(call.place.module);
+  if (!symbols.is_in_system_header(call.place.offset)) return symbols.describe(call.place.offset);
+  for (const std::uint64_t address : call.outer)
+    if (!symbols.is_in_system_header(address)) return symbols.describe(address);
+  return symbols.describe(call.place.offset);
+}
 
 }  // namespace rehearse

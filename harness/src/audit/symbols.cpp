@@ -6,8 +6,10 @@
 #include <elfutils/libdwfl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string_view>
+#include <vector>
 
 namespace rehearse {
 namespace {
@@ -19,13 +21,49 @@ std::string file_name(const char* path) { return fs::path(path).filename().strin
 /// Of the compiler or of another package: what interests is who called it.
 bool is_systems(const char* path) { return std::string_view(path).starts_with("/usr/"); }
 
+/// The declaration of a function, where its class is.
+Dwarf_Die declaration_of(Dwarf_Die function) {
+  for (const unsigned link : {DW_AT_abstract_origin, DW_AT_specification}) {
+    Dwarf_Attribute attribute;
+    Dwarf_Die origin;
+    if (dwarf_formref_die(dwarf_attr(&function, link, &attribute), &origin)) function = origin;
+  }
+  return function;
+}
+
+/// "Filter::update()", as the debug information has it.
 std::string name_of(Dwarf_Die& function) {
   Dwarf_Attribute attribute;
   for (const unsigned name : {DW_AT_linkage_name, DW_AT_MIPS_linkage_name})
     if (const char* linkage = dwarf_formstring(dwarf_attr_integrate(&function, name, &attribute)))
       return demangled(linkage);
-  const char* plain = dwarf_diename(&function);
-  return plain ? plain : "";
+  Dwarf_Die declaration = declaration_of(function);
+  const char* own_name = dwarf_diename(&declaration);
+  if (!own_name) return {};
+  std::string name = std::string(own_name) + "()";
+  Dwarf_Die* scopes = nullptr;
+  const int count = dwarf_getscopes_die(&declaration, &scopes);
+  for (int i = 1; i < count; ++i) {  // the first is the function itself
+    const int tag = dwarf_tag(&scopes[i]);
+    const bool has_name = tag == DW_TAG_class_type || tag == DW_TAG_structure_type || tag == DW_TAG_namespace;
+    const char* scope = has_name ? dwarf_diename(&scopes[i]) : nullptr;
+    if (scope) name = std::string(scope) + "::" + name;
+  }
+  std::free(scopes);
+  return name;
+}
+
+/// The functions and blocks around an address, innermost first, each within the next: an inlined function is in the one
+/// that calls it.
+std::vector<Dwarf_Die> scopes_around(Dwarf_Die& unit, Dwarf_Addr pc) {
+  Dwarf_Die* by_definition = nullptr;  // an inlined function is where it was written
+  Dwarf_Die* around = nullptr;
+  const int found = dwarf_getscopes(&unit, pc, &by_definition);
+  const int count = found > 0 ? dwarf_getscopes_die(&by_definition[0], &around) : 0;
+  const std::vector<Dwarf_Die> scopes(around, around + std::max(count, 0));
+  std::free(around);
+  std::free(by_definition);
+  return scopes;
 }
 
 /// Where an inlined function was called; the file is null if that isn't known.
@@ -86,20 +124,20 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
 
   Dwarf_Addr debug_bias = 0;
   Dwarf_Die* unit = dwfl_module_addrdie(module_, pc, &debug_bias);
-  Dwarf_Die* scopes = nullptr;
-  const int count = unit ? dwarf_getscopes(unit, pc - debug_bias, &scopes) : 0;
-  for (int i = 0; i < count; ++i) {
-    const int tag = dwarf_tag(&scopes[i]);
+  const std::vector<Dwarf_Die> scopes = unit ? scopes_around(*unit, pc - debug_bias) : std::vector<Dwarf_Die>();
+  for (Dwarf_Die scope : scopes) {
+    const int tag = dwarf_tag(&scope);
     if (tag != DW_TAG_inlined_subroutine && tag != DW_TAG_subprogram) continue;
-    const std::string name = name_of(scopes[i]);
-    if (!name.empty()) found.function = name;
+    // the symbol says more of a function that has one, such as the types of its parameters
+    const bool has_symbol = tag == DW_TAG_subprogram && !found.function.empty();
+    if (const std::string name = name_of(scope); !name.empty() && !has_symbol) found.function = name;
     if (tag == DW_TAG_subprogram || !is_systems(path)) break;
-    const CallSite site = call_site_of(scopes[i], *unit);
+    const CallSite site = call_site_of(scope, *unit);
     if (!site.file) break;
     path = site.file;
     found.line = fmt::format("{}:{}", file_name(path), site.line);
   }
-  std::free(scopes);
+  found.is_systems = is_systems(path);
   return found;
 }
 
@@ -112,6 +150,8 @@ std::string Symbols::describe(std::uint64_t address) const {
   const std::string line = found.line.empty() ? address_text(address) : found.line;
   return found.function.empty() ? line : fmt::format("{} ({})", found.function, line);
 }
+
+bool Symbols::is_in_system_header(std::uint64_t address) const { return find(address).is_systems; }
 
 std::string Symbols::address_text(std::uint64_t address) const { return fmt::format("{}+{:#x}", name_, address); }
 

@@ -23,6 +23,8 @@ class Symbols {
   std::string line_at(std::uint64_t address) const;
   /// "Filter::update() (filter.cpp:31)", or as much of it as there is, at least "BadFilter.so+0x1139".
   std::string describe(std::uint64_t address) const;
+  /// Its line is one of the compiler's or another package's header; false if it has no line.
+  bool is_in_system_header(std::uint64_t address) const;
   /// "BadFilter.so+0x1139"
   std::string address_text(std::uint64_t address) const;
   bool has_lines() const;
@@ -31,6 +33,7 @@ class Symbols {
   struct Found {
     std::string function;
     std::string line;
+    bool is_systems = false;
   };
   Found find(std::uint64_t address) const;
 

@@ -1,0 +1,189 @@
+// What a library's file says of it.
+#include "audit/library_scan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+namespace rehearse {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+using Kind = LibraryFinding::Kind;
+
+namespace fs = std::filesystem;
+
+class ScanTest : public ::testing::Test {
+ protected:
+  ScanTest() : folder_(fs::path(::testing::TempDir()) / ("rehearse_scan_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~ScanTest() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  static fs::path library(const std::string& name) { return fs::path(AUDIT_LIBRARIES) / ("lib" + name + ".so"); }
+
+  static LibraryScan scan(const fs::path& file) {
+    auto result = scan_library(file);
+    EXPECT_TRUE(result.ok()) << to_string(result.errors());
+    return result ? *result : LibraryScan{};
+  }
+  static std::optional<LibraryFinding> found(const LibraryScan& scan, Kind kind, const std::string& function = {}) {
+    for (const LibraryFinding& finding : scan.findings)
+      if (finding.kind == kind && (function.empty() || finding.function == function)) return finding;
+    return std::nullopt;
+  }
+  /// Without what it imports.
+  static std::vector<std::string> sentences(const LibraryScan& scan) {
+    std::vector<std::string> all;
+    for (const LibraryFinding& finding : scan.findings)
+      if (finding.kind != Kind::imported_source) all.push_back(finding.sentence);
+    return all;
+  }
+
+  static std::string bytes_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  }
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+  /// Why it can't be scanned.
+  std::string refusal(const std::string& bytes) const {
+    const auto result = scan_library(write("Odd.so", bytes));
+    return result ? "" : to_string(result.errors());
+  }
+
+  fs::path folder_;
+};
+
+using LibraryScanner = ScanTest;
+
+TEST_F(LibraryScanner, HasNothingToSayOfAPlainLibrary) {
+  const LibraryScan plain = scan(library("watched_plugin").parent_path() / "plugins" / "libwatched_plugin.so");
+  EXPECT_THAT(plain.findings, IsEmpty());
+  EXPECT_TRUE(plain.has_debug_information);
+  EXPECT_FALSE(plain.is_stripped);
+}
+
+TEST_F(LibraryScanner, FindsEachKindOfInstructionWithItsFunctionAndLine) {
+  const LibraryScan seen = scan(library("instructions"));
+  const std::pair<Kind, std::string> expected[] = {
+      {Kind::float_mode_change, "remarkable::flush_to_zero()"},
+      {Kind::fused_arithmetic, "remarkable::fused(double, double, double)"},
+      {Kind::approximation, "remarkable::approximate(float)"},
+      {Kind::time_stamp_counter, "remarkable::time_stamp()"},
+      {Kind::hardware_random, "remarkable::drawn()"},
+      {Kind::processor_query, "remarkable::processor()"},
+      {Kind::direct_syscall, "remarkable::kernel_call()"},
+  };
+  for (const auto& [kind, function] : expected) {
+    const auto finding = found(seen, kind);
+    ASSERT_TRUE(finding) << to_string(kind);
+    EXPECT_EQ(finding->function, function);
+    EXPECT_THAT(finding->place, StartsWith("instructions.cpp:"));
+    EXPECT_THAT(finding->sentence, HasSubstr(function + " (instructions.cpp:"));
+    EXPECT_GE(finding->count, 1);
+  }
+  EXPECT_FALSE(found(seen, Kind::fast_math_startup));
+}
+
+TEST_F(LibraryScanner, FindsWhatLinkingWithFastMathAdds) {
+  EXPECT_THAT(sentences(scan(library("fast_math"))),
+              ElementsAre(AllOf(StartsWith("loading it switches the whole process to flush-to-zero"),
+                                HasSubstr("set_fast_math"), HasSubstr("-ffast-math"))));
+}
+
+TEST_F(LibraryScanner, FindsAModeThatAStaticObjectSets) {
+  EXPECT_THAT(sentences(scan(library("startup"))), ElementsAre(AllOf(HasSubstr("flush-to-zero"), HasSubstr("startup.cpp:6"))));
+}
+
+TEST_F(LibraryScanner, ListsTheSourcesThatALibraryCanCall) {
+  const LibraryScan seen = scan(library("watched"));
+  const auto finding = found(seen, Kind::imported_source, "std::chrono::_V2::steady_clock::now()");
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->source, ObservedCall::Source::clock);
+  EXPECT_EQ(finding->sentence, "it can call std::chrono::_V2::steady_clock::now() (clock)");
+  for (const auto& [function, source] : {std::pair{"rand", ObservedCall::Source::random},
+                                         {"getenv", ObservedCall::Source::environment},
+                                         {"fopen", ObservedCall::Source::file},
+                                         {"system", ObservedCall::Source::thread}}) {
+    const auto import = found(seen, Kind::imported_source, function);
+    ASSERT_TRUE(import) << function;
+    EXPECT_EQ(import->source, source);
+  }
+  EXPECT_FALSE(found(seen, Kind::imported_source, "fprintf"));
+}
+
+TEST_F(LibraryScanner, SaysLessOfAStrippedLibrary) {
+  const fs::path stripped = folder_ / "Stripped.so";
+  ASSERT_EQ(std::system(("strip --strip-all -o " + stripped.string() + " " + library("fast_math").string()).c_str()), 0);
+  const LibraryScan seen = scan(stripped);
+  EXPECT_TRUE(seen.is_stripped);
+  EXPECT_FALSE(seen.has_debug_information);
+  const auto finding = found(seen, Kind::fast_math_startup);
+  ASSERT_TRUE(finding);
+  EXPECT_THAT(finding->place, StartsWith("Stripped.so+0x"));
+}
+
+using HostileLibrary = ScanTest;
+
+TEST_F(HostileLibrary, ThatIsMissingEmptyOrATextIsRefused) {
+  EXPECT_THAT(to_string(scan_library(folder_ / "None.so").errors()),
+              HasSubstr("'None.so' can't be read: No such file or directory"));
+  EXPECT_THAT(to_string(scan_library(folder_).errors()), HasSubstr("is not a shared library"));
+  EXPECT_THAT(refusal(""), HasSubstr("'Odd.so' is not a shared library"));
+  EXPECT_THAT(refusal("int main() {}\n"), HasSubstr("'Odd.so' is not a shared library"));
+}
+
+TEST_F(HostileLibrary, OfAnotherMachineOrKindIsRefused) {
+  std::string other = bytes_of(library("watched"));
+  other[18] = static_cast<char>(183);  // e_machine: AArch64
+  EXPECT_THAT(refusal(other), HasSubstr("another kind of processor than x86-64"));
+  std::string program = bytes_of(library("watched"));
+  program[16] = 2;  // e_type: a program at fixed addresses
+  EXPECT_THAT(refusal(program), HasSubstr("an object file or a program"));
+  std::string small = bytes_of(library("watched"));
+  small[4] = 1;  // 32 bit
+  EXPECT_THAT(refusal(small), HasSubstr("32-bit"));
+}
+
+TEST_F(HostileLibrary, WithoutATableOfSectionsIsRefused) {
+  std::string bytes = bytes_of(library("watched"));
+  bytes.replace(0x28, 8, 8, '\0');  // e_shoff
+  bytes.replace(0x3c, 4, 4, '\0');  // e_shnum, e_shstrndx
+  EXPECT_THAT(refusal(bytes), HasSubstr("has no table of sections"));
+}
+
+TEST_F(HostileLibrary, ThatWasCutOffIsRefusedWhereverItWas) {
+  const std::string whole = bytes_of(library("instructions"));
+  for (std::size_t length = 0; length < whole.size(); length += whole.size() / 97 + 1)
+    EXPECT_THAT(refusal(whole.substr(0, length)), EndsWith("\n")) << length << " of " << whole.size() << " bytes";
+}
+
+TEST_F(HostileLibrary, WithAnyByteChangedEndsInAnAnswer) {
+  const std::string whole = bytes_of(library("instructions"));
+  for (std::size_t at = 0; at < whole.size(); at += whole.size() / 499 + 1) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(~changed[at]);
+    const auto result = scan_library(write("Odd.so", changed));  // whatever it is, it comes back
+    if (!result) EXPECT_THAT(to_string(result.errors()), HasSubstr("'Odd.so'"));
+  }
+}
+
+}  // namespace
+}  // namespace rehearse

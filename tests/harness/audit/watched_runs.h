@@ -1,0 +1,99 @@
+// Runs a function of libraries/watched.cpp in a process under the interposer, and reads what was seen of it.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "audit/call_log.h"
+#include "audit/interposer.h"
+
+namespace rehearse {
+
+inline std::string watched_library() { return AUDIT_LIBRARIES "/libwatched.so"; }
+
+struct WatchedRun {
+  std::vector<double> values;  // returned, by tick
+  CallLog log;
+
+  /// The calls of a function.
+  std::vector<ObservedCall> calls_of(const std::string& function) const {
+    std::vector<ObservedCall> found;
+    for (const ObservedCall& call : log.calls)
+      if (call.function == function) found.push_back(call);
+    return found;
+  }
+  /// The only one.
+  ObservedCall call_of(const std::string& function) const {
+    const auto found = calls_of(function);
+    EXPECT_EQ(found.size(), 1u) << function;
+    return found.empty() ? ObservedCall{} : found[0];
+  }
+};
+
+class WatchedTest : public ::testing::Test {
+ protected:
+  WatchedTest() : folder_(std::filesystem::path(::testing::TempDir()) / ("rehearse watch;" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+    setenv("LC_ALL", "C.UTF-8", 1);
+  }
+  ~WatchedTest() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+  /// Simulated time, numbers by a seed.
+  static Substitution substituted(std::uint64_t seed = 1) {
+    Substitution substitution;
+    substitution.clock = SimulatedClock{};
+    substitution.seed = seed;
+    return substitution;
+  }
+
+  WatchedRun run(const std::string& function, int ticks = 5, const Substitution& everywhere = {}) {
+    InterposerSettings settings;
+    settings.everywhere = everywhere;
+    return run(function, ticks, settings);
+  }
+
+  WatchedRun run(const std::string& function, int ticks, InterposerSettings settings) {
+    WatchedRun result;
+    settings.log = folder_ / "calls.log";
+    std::filesystem::remove(settings.log);
+    std::ifstream output(start(function, ticks, settings));
+    for (std::string line; std::getline(output, line);) result.values.push_back(std::strtod(line.c_str(), nullptr));
+    auto log = read_call_log(settings.log);
+    EXPECT_TRUE(log.ok()) << to_string(log.errors());
+    if (log) result.log = *log;
+    return result;
+  }
+
+  std::filesystem::path folder_;
+  int status_ = 0;  // of the last process
+
+ private:
+  static std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+  /// Runs it in the folder; the file with its output.
+  std::filesystem::path start(const std::string& function, int ticks, const InterposerSettings& settings) {
+    const auto changes = interposer_environment(settings);
+    EXPECT_TRUE(changes.ok()) << to_string(changes.errors());
+    std::string command = "cd " + quoted(folder_.string()) + " && env";
+    for (const auto& [name, value] : *changes) command += " " + quoted(name + "=" + value.value_or(""));
+    command += " " WATCHED_PROCESS " " + watched_library() + " " + function + " " + std::to_string(ticks) + " > output";
+    status_ = std::system(("(" + command + ") 2> errors").c_str());
+    return folder_ / "output";
+  }
+};
+
+}  // namespace rehearse
