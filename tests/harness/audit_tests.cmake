@@ -24,7 +24,8 @@ target_include_directories(watched_process PRIVATE ${PROJECT_SOURCE_DIR}/harness
 target_link_libraries(watched_process PRIVATE rehearse_flags Rehearse::audit ${CMAKE_DL_LIBS})
 
 rehearse_add_test(audit_tests LABEL unit
-  SOURCES audit/interposer_test.cpp audit/library_scan_test.cpp audit/substitution_test.cpp
+  SOURCES audit/interposer_test.cpp audit/library_scan_test.cpp audit/stack_fill_test.cpp
+          audit/substitution_test.cpp
   LIBRARIES Rehearse::audit)
 target_include_directories(audit_tests PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)
 target_compile_definitions(audit_tests PRIVATE

@@ -15,6 +15,7 @@ rehearse_add_test(session_tests LABEL sim
   SOURCES
     session/actuation_test.cpp
     session/contacts_test.cpp
+    session/controller_watch_test.cpp
     session/failures_test.cpp
     session/joystick_test.cpp
     session/lifecycle_test.cpp

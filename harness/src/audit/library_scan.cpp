@@ -146,14 +146,22 @@ std::map<Kind, Spot> remarkable_instructions(const ElfLibrary& library, std::opt
   return spots;
 }
 
+/// The compiler's own start-up code has a name; where that was stripped, it is still the most likely.
+std::string_view why_at_startup(std::string_view where) {
+  if (where.find("set_fast_math") != std::string_view::npos)
+    return ", since it was linked with -ffast-math, -Ofast or -funsafe-math-optimizations";
+  if (where.find('(') == std::string_view::npos)
+    return "; it was probably linked with -ffast-math, -Ofast or -funsafe-math-optimizations";
+  return "";
+}
+
 std::string sentence_of(Kind kind, const Spot& spot, const std::string& where) {
   const std::string times = spot.count == 1 ? "" : fmt::format(" and {} more", spot.count - 1);
   const std::string it = fmt::format("{} in {}{}", spot.instruction, where, times);
   switch (kind) {
     case Kind::fast_math_startup:
-      return fmt::format("loading it switches the whole process to flush-to-zero ({}): it was linked with -ffast-math, "
-                         "-Ofast or -funsafe-math-optimizations",
-                         where);
+      return fmt::format("loading it switches the whole process to another floating-point mode, flush-to-zero: {} in {}{}",
+                         spot.instruction, where, why_at_startup(where));
     case Kind::float_mode_change: return "it changes the floating-point mode: " + it;
     case Kind::fused_arithmetic:
       return "it multiplies and adds with one rounding instead of two, as processors without FMA can't: " + it +

@@ -114,7 +114,8 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
   if (!dwfl_module_getelf(module_, &bias)) return {};
   const Dwarf_Addr pc = address + bias;
   Found found;
-  if (const char* symbol = dwfl_module_addrname(module_, pc)) found.function = demangled(symbol);
+  if (const char* name = dwfl_module_addrname(module_, pc)) found.function = demangled(name);
+  const std::string symbol = found.function;
 
   Dwfl_Line* line = dwfl_module_getsrc(module_, pc);
   int number = 0;
@@ -129,8 +130,8 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
     const int tag = dwarf_tag(&scope);
     if (tag != DW_TAG_inlined_subroutine && tag != DW_TAG_subprogram) continue;
     // the symbol says more of a function that has one, such as the types of its parameters
-    const bool has_symbol = tag == DW_TAG_subprogram && !found.function.empty();
-    if (const std::string name = name_of(scope); !name.empty() && !has_symbol) found.function = name;
+    const bool has_symbol = tag == DW_TAG_subprogram && !symbol.empty();
+    found.function = has_symbol ? symbol : name_of(scope);
     if (tag == DW_TAG_subprogram || !is_systems(path)) break;
     const CallSite site = call_site_of(scope, *unit);
     if (!site.file) break;

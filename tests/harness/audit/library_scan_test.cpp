@@ -104,12 +104,12 @@ TEST_F(LibraryScanner, FindsEachKindOfInstructionWithItsFunctionAndLine) {
 
 TEST_F(LibraryScanner, FindsWhatLinkingWithFastMathAdds) {
   EXPECT_THAT(sentences(scan(library("fast_math"))),
-              ElementsAre(AllOf(StartsWith("loading it switches the whole process to flush-to-zero"),
-                                HasSubstr("set_fast_math"), HasSubstr("-ffast-math"))));
+              ElementsAre(AllOf(StartsWith("loading it switches the whole process to another floating-point mode, flush-to-zero"),
+                                HasSubstr("set_fast_math"), HasSubstr("since it was linked with -ffast-math"))));
 }
 
 TEST_F(LibraryScanner, FindsAModeThatAStaticObjectSets) {
-  EXPECT_THAT(sentences(scan(library("startup"))), ElementsAre(AllOf(HasSubstr("flush-to-zero"), HasSubstr("startup.cpp:6"))));
+  EXPECT_THAT(sentences(scan(library("startup"))), ElementsAre(AllOf(HasSubstr("flush-to-zero"), EndsWith("Quick::Quick() (startup.cpp:7)"))));
 }
 
 TEST_F(LibraryScanner, ListsTheSourcesThatALibraryCanCall) {
@@ -138,6 +138,7 @@ TEST_F(LibraryScanner, SaysLessOfAStrippedLibrary) {
   const auto finding = found(seen, Kind::fast_math_startup);
   ASSERT_TRUE(finding);
   EXPECT_THAT(finding->place, StartsWith("Stripped.so+0x"));
+  EXPECT_THAT(finding->sentence, HasSubstr("probably linked with -ffast-math"));
 }
 
 using HostileLibrary = ScanTest;
@@ -181,7 +182,7 @@ TEST_F(HostileLibrary, WithAnyByteChangedEndsInAnAnswer) {
     std::string changed = whole;
     changed[at] = static_cast<char>(~changed[at]);
     const auto result = scan_library(write("Odd.so", changed));  // whatever it is, it comes back
-    if (!result) EXPECT_THAT(to_string(result.errors()), HasSubstr("'Odd.so'"));
+    EXPECT_TRUE(result.ok() || to_string(result.errors()).find("'Odd.so'") != std::string::npos);
   }
 }
 
