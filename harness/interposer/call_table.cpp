@@ -79,10 +79,11 @@ void open_log(const char* file) {
   mapped->heap_used = 1;  // the empty text
 }
 
-LogEntry* log_call(Source source, const char* function, const char* argument, const char* digest, const char* controller,
-                   const char* phase, int64_t tick, const Caller& caller) {
+LogEntry* log_call(Source source, const char* function, const char* argument, const char* digest,
+                   const char* controller, const char* phase, int64_t tick, const Caller& caller) {
   if (!mapped) return nullptr;
-  const uint64_t where = hash_of(caller.module, caller.offset) ^ hash_of(function, hash_of(controller, hash_of(phase, 1)));
+  const uint64_t where =
+      hash_of(caller.module, caller.offset) ^ hash_of(function, hash_of(controller, hash_of(phase, 1)));
   uint64_t key = hash_of(argument, hash_of(digest, where));
   const Lock lock;
   if (!lock.held()) return nullptr;

@@ -9,7 +9,7 @@ namespace rehearse::interposer {
 void open_log(const char* file);
 
 /// Counts a call, with a new entry if it is the first of its kind; then that is returned, else null.
-LogEntry* log_call(Source source, const char* function, const char* argument, const char* digest, const char* controller,
-                   const char* phase, int64_t tick, const Caller& caller);
+LogEntry* log_call(Source source, const char* function, const char* argument, const char* digest,
+                   const char* controller, const char* phase, int64_t tick, const Caller& caller);
 
 }  // namespace rehearse::interposer

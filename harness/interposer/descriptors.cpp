@@ -27,15 +27,21 @@ void remember_open_descriptors() {
   closedir(folder);
 }
 
+int now_controllers(int descriptor) {
+  if (descriptor >= 0 && descriptor < most_descriptors) is_hosts[descriptor] = false;
+  return descriptor;
+}
+
 REHEARSE_INTERPOSED(int, close, (int descriptor)) {
   if (watching() && descriptor >= 0 && descriptor < most_descriptors && is_hosts[descriptor]) {
     const Caller caller = note(Source::process, "close", Digits(descriptor), __builtin_return_address(0));
-    if (caller.is_controller) is_hosts[descriptor] = false;  // from now on the number is the controller's to use
+    if (caller.is_controller) now_controllers(descriptor);
   }
   return next_close.get()(descriptor);
 }
 
 REHEARSE_NOTED(process, void, closefrom, (int first), (first), Digits(first))
-REHEARSE_NOTED(process, int, close_range, (unsigned first, unsigned last, int flags), (first, last, flags), Digits(first))
+REHEARSE_NOTED(process, int, close_range, (unsigned first, unsigned last, int flags), (first, last, flags),
+               Digits(first))
 
 }  // namespace rehearse::interposer

@@ -12,6 +12,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "descriptors.h"
 #include "next.h"
 #include "random_stream.h"
 #include "watching.h"
@@ -83,12 +84,12 @@ FILE* fopen_instead(const Caller& caller, const char* path, const char* mode) {
 
 // Their third or fourth parameter is there only if a file may be created. Passing it on when it isn't passes on what is
 // in its register, at which nobody looks.
-#define REHEARSE_OPENED(name, parameters, arguments, folder, reading)                                     \
-  REHEARSE_INTERPOSED(int, name, parameters) {                                                            \
-    if (!watching()) return next_##name.get() arguments;                                                  \
-    const Caller caller = note_opening(#name, folder, path, reading, __builtin_return_address(0));        \
-    const int instead = open_instead(caller, path);                                                       \
-    return instead == -2 ? next_##name.get() arguments : instead;                                         \
+#define REHEARSE_OPENED(name, parameters, arguments, folder, reading)                              \
+  REHEARSE_INTERPOSED(int, name, parameters) {                                                     \
+    if (!watching()) return next_##name.get() arguments;                                           \
+    const Caller caller = note_opening(#name, folder, path, reading, __builtin_return_address(0)); \
+    const int instead = open_instead(caller, path);                                                \
+    return now_controllers(instead == -2 ? next_##name.get() arguments : instead);                 \
   }
 REHEARSE_OPENED(open, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, reads(flags))
 REHEARSE_OPENED(open64, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, reads(flags))
@@ -104,12 +105,12 @@ REHEARSE_OPENED(creat, (const char* path, unsigned mode), (path, mode), AT_FDCWD
 REHEARSE_OPENED(creat64, (const char* path, unsigned mode), (path, mode), AT_FDCWD, false)
 #undef REHEARSE_OPENED
 
-#define REHEARSE_OPENED(name, parameters, arguments)                                                        \
-  REHEARSE_INTERPOSED(FILE*, name, parameters) {                                                            \
-    if (!watching()) return next_##name.get() arguments;                                                    \
-    const Caller caller = note_opening(#name, AT_FDCWD, path, reads(mode), __builtin_return_address(0));    \
-    FILE* const instead = fopen_instead(caller, path, mode);                                                \
-    return instead ? instead : next_##name.get() arguments;                                                 \
+#define REHEARSE_OPENED(name, parameters, arguments)                                                     \
+  REHEARSE_INTERPOSED(FILE*, name, parameters) {                                                         \
+    if (!watching()) return next_##name.get() arguments;                                                 \
+    const Caller caller = note_opening(#name, AT_FDCWD, path, reads(mode), __builtin_return_address(0)); \
+    FILE* const instead = fopen_instead(caller, path, mode);                                             \
+    return instead ? instead : next_##name.get() arguments;                                              \
   }
 REHEARSE_OPENED(fopen, (const char* path, const char* mode), (path, mode))
 REHEARSE_OPENED(fopen64, (const char* path, const char* mode), (path, mode))

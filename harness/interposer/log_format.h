@@ -1,7 +1,8 @@
 // The log that the interposer keeps in a file mapped into memory: so what it holds survives the process, whatever ends
 // it, and no descriptor of it is open for a controller to close.
 //
-// A header, a table of entries, a heap of texts. Little-endian, of the machine that wrote it: it is read within a minute.
+// A header, a table of entries, a heap of texts. Little-endian, of the machine that wrote it: it is read within a
+// minute.
 #pragma once
 
 #include <cstddef>

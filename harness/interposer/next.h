@@ -30,16 +30,16 @@ class Next {
 
 /// Begins the definition of a function that is exported under `name`. In C++ it has a name of its own, since the C
 /// library's headers declare theirs with attributes, and redirect some to others. What it stands for is next_name.
-#define REHEARSE_INTERPOSED(result, name, parameters)                                                     \
-  static ::rehearse::interposer::Next<result parameters> next_##name{#name};                              \
-  extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name);   \
+#define REHEARSE_INTERPOSED(result, name, parameters)                                                   \
+  static ::rehearse::interposer::Next<result parameters> next_##name{#name};                            \
+  extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name); \
   extern "C" result interposed_##name parameters
 
 /// A function that is noted and otherwise left alone. The call is the last thing it does, so that it is compiled to a
 /// jump: the real one sees its caller's return address.
-#define REHEARSE_NOTED(source, result, name, parameters, arguments, text)                                          \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                                                  \
-    if (::rehearse::interposer::watching())                                                                        \
+#define REHEARSE_NOTED(source, result, name, parameters, arguments, text)                                             \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                                                     \
+    if (::rehearse::interposer::watching())                                                                           \
       ::rehearse::interposer::note(::rehearse::interposer::Source::source, #name, text, __builtin_return_address(0)); \
-    return next_##name.get() arguments;                                                                            \
+    return next_##name.get() arguments;                                                                               \
   }

@@ -69,14 +69,14 @@ int open_random_file(uint64_t seed) {
 }
 
 // A function that draws a number: noted, and drawn from our stream if there is a seed.
-#define REHEARSE_DRAWN(result, name, stream, generator, value)                               \
-  REHEARSE_INTERPOSED(result, name, ()) {                                                    \
-    if (!watching()) return next_##name.get()();                                             \
-    const Caller caller = note(Source::random, #name, "", __builtin_return_address(0));      \
-    const Substitution& substitution = substitution_for(caller);                             \
-    if (!substitution.has_seed) return next_##name.get()();                                  \
-    const uint64_t drawn = draw(substitution, stream, generator);                            \
-    return value;                                                                            \
+#define REHEARSE_DRAWN(result, name, stream, generator, value)                          \
+  REHEARSE_INTERPOSED(result, name, ()) {                                               \
+    if (!watching()) return next_##name.get()();                                        \
+    const Caller caller = note(Source::random, #name, "", __builtin_return_address(0)); \
+    const Substitution& substitution = substitution_for(caller);                        \
+    if (!substitution.has_seed) return next_##name.get()();                             \
+    const uint64_t drawn = draw(substitution, stream, generator);                       \
+    return value;                                                                       \
   }
 REHEARSE_DRAWN(int, rand, stream_rand, generator_rand, static_cast<int>(drawn >> 33))
 REHEARSE_DRAWN(long, random, stream_rand, generator_rand, static_cast<long>(drawn >> 33))
@@ -145,8 +145,8 @@ REHEARSE_INTERPOSED(void, srand48, (long seed)) {
   next_srand48.get()(seed);
 }
 
-// std::random_device. What it asks (the processor, by default) it asks inside of libstdc++, so it is caught at its door:
-// the constructor with its token, and the drawing of a number.
+// std::random_device. What it asks (the processor, by default) it asks inside of libstdc++, so it is caught at its
+// door: the constructor with its token, and the drawing of a number.
 namespace {
 
 /// libstdc++'s std::string: a pointer to its text, ended by a zero, comes first.
@@ -156,9 +156,9 @@ struct StringHead {
 
 }  // namespace
 
-#define REHEARSE_MEMBER(result, name, mangled, parameters)                                                  \
-  static Next<result parameters> next_##name{mangled};                                                      \
-  extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(mangled);   \
+#define REHEARSE_MEMBER(result, name, mangled, parameters)                                                \
+  static Next<result parameters> next_##name{mangled};                                                    \
+  extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(mangled); \
   extern "C" result interposed_##name parameters
 
 REHEARSE_MEMBER(void, random_device_init,

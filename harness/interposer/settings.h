@@ -11,10 +11,10 @@ enum class Threads { as_they_come, late, early };
 struct Substitution {
   int layer = 0;  // everywhere; 1: at one place
   bool has_clock = false;
-  int64_t date = 0;    // [ns] since 1970 at time 0
-  int64_t uptime = 0;  // [ns]
+  int64_t date = 0;          // [ns] since 1970 at time 0
+  int64_t uptime = 0;        // [ns]
   int64_t rate = 1'000'000;  // [ppm] of simulated time
-  int64_t read_step = 1;  // [ns]
+  int64_t read_step = 1;     // [ns]
   bool has_seed = false;
   uint64_t seed = 0;
   Threads threads = Threads::as_they_come;

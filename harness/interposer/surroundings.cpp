@@ -59,13 +59,15 @@ REHEARSE_NOTED(environment, int, sched_getcpu, (), (), "")
 REHEARSE_NOTED(environment, int, sched_getaffinity, (pid_t process, size_t size, void* set), (process, size, set), "")
 REHEARSE_NOTED(environment, int, get_nprocs, (), (), "")
 REHEARSE_INTERPOSED(long, sysconf, (int name)) {
-  if (watching() && name_of_query(name)) note(Source::environment, "sysconf", name_of_query(name), __builtin_return_address(0));
+  if (watching() && name_of_query(name))
+    note(Source::environment, "sysconf", name_of_query(name), __builtin_return_address(0));
   return next_sysconf.get()(name);
 }
 
 REHEARSE_INTERPOSED(char*, setlocale, (int category, const char* name)) {
   // with a null it only asks; for "" the environment answers
-  if (watching()) note(Source::locale, "setlocale", name ? name : name_of_category(category), __builtin_return_address(0));
+  if (watching())
+    note(Source::locale, "setlocale", name ? name : name_of_category(category), __builtin_return_address(0));
   return next_setlocale.get()(category, name);
 }
 REHEARSE_NOTED(locale, locale_t, newlocale, (int mask, const char* name, locale_t base), (mask, name, base), name)

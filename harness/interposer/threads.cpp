@@ -35,8 +35,8 @@ void* run_own_thread(void* argument) {
 
 }  // namespace
 
-REHEARSE_INTERPOSED(int, pthread_create, (pthread_t * thread, const pthread_attr_t* attributes, void* (*routine)(void*),
-                                          void* argument)) {
+REHEARSE_INTERPOSED(int, pthread_create,
+                    (pthread_t * thread, const pthread_attr_t* attributes, void* (*routine)(void*), void* argument)) {
   if (!watching()) return next_pthread_create.get()(thread, attributes, routine, argument);
   const Caller caller = note(Source::thread, "pthread_create", "", __builtin_return_address(0));
   if (!caller.is_controller) return next_pthread_create.get()(thread, attributes, routine, argument);
@@ -58,7 +58,8 @@ REHEARSE_INTERPOSED(pid_t, vfork, ()) {
 }
 
 REHEARSE_NOTED(thread, int, clone,
-               (int (*function)(void*), void* stack, int flags, void* argument, void* parent, void* storage, void* child),
+               (int (*function)(void*), void* stack, int flags, void* argument, void* parent, void* storage,
+                void* child),
                (function, stack, flags, argument, parent, storage, child), "")
 REHEARSE_NOTED(thread, int, posix_spawn,
                (pid_t * child, const char* path, const void* actions, const void* attributes, char* const* arguments,

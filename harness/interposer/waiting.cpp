@@ -85,17 +85,16 @@ REHEARSE_INTERPOSED(unsigned, sleep, (unsigned seconds)) {
   return slept(caller, seconds * 1'000'000'000LL) ? 0 : next_sleep.get()(seconds);
 }
 
-REHEARSE_INTERPOSED(int, pthread_cond_timedwait, (pthread_cond_t * condition, pthread_mutex_t* mutex,
-                                                  const timespec* deadline)) {
+REHEARSE_INTERPOSED(int, pthread_cond_timedwait,
+                    (pthread_cond_t * condition, pthread_mutex_t* mutex, const timespec* deadline)) {
   if (!watching()) return next_pthread_cond_timedwait.get()(condition, mutex, deadline);
   const Caller caller = note(Source::clock, "pthread_cond_timedwait", "", __builtin_return_address(0));
-  return wait_until(caller, clock_of(substitution_for(caller), *deadline), *deadline, [&](const timespec& until) {
-    return next_pthread_cond_timedwait.get()(condition, mutex, &until);
-  });
+  return wait_until(caller, clock_of(substitution_for(caller), *deadline), *deadline,
+                    [&](const timespec& until) { return next_pthread_cond_timedwait.get()(condition, mutex, &until); });
 }
 
-REHEARSE_INTERPOSED(int, pthread_cond_clockwait, (pthread_cond_t * condition, pthread_mutex_t* mutex, clockid_t clock,
-                                                  const timespec* deadline)) {
+REHEARSE_INTERPOSED(int, pthread_cond_clockwait,
+                    (pthread_cond_t * condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* deadline)) {
   if (!watching()) return next_pthread_cond_clockwait.get()(condition, mutex, clock, deadline);
   const Caller caller = note(Source::clock, "pthread_cond_clockwait", "", __builtin_return_address(0));
   return wait_until(caller, clock, *deadline, [&](const timespec& until) {
@@ -110,7 +109,8 @@ REHEARSE_INTERPOSED(int, pthread_mutex_timedlock, (pthread_mutex_t * mutex, cons
                     [&](const timespec& until) { return next_pthread_mutex_timedlock.get()(mutex, &until); });
 }
 
-REHEARSE_INTERPOSED(int, pthread_mutex_clocklock, (pthread_mutex_t * mutex, clockid_t clock, const timespec* deadline)) {
+REHEARSE_INTERPOSED(int, pthread_mutex_clocklock,
+                    (pthread_mutex_t * mutex, clockid_t clock, const timespec* deadline)) {
   if (!watching()) return next_pthread_mutex_clocklock.get()(mutex, clock, deadline);
   const Caller caller = note(Source::clock, "pthread_mutex_clocklock", "", __builtin_return_address(0));
   return wait_until(caller, clock, *deadline,

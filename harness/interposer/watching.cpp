@@ -51,7 +51,9 @@ bool is_known(const link_map* map) {
 
 bool is_controllers_own(const link_map* map) { return strcmp(map->l_name, current_library) == 0; }
 
-uint64_t offset_in(const link_map* map, const char* address) { return reinterpret_cast<uint64_t>(address) - map->l_addr; }
+uint64_t offset_in(const link_map* map, const char* address) {
+  return reinterpret_cast<uint64_t>(address) - map->l_addr;
+}
 
 void set_place(Caller& caller, const link_map* map, const char* address) {
   caller.is_controller = true;
@@ -173,9 +175,8 @@ Caller note(Source source, const char* function, const char* argument, void* ret
   const Busy busy;
   const Caller caller = find_caller(return_address);
   if (!caller.is_controller) return caller;
-  LogEntry* const added =
-      log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
-               thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
+  LogEntry* const added = log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
+                                   thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
   if (added) {
     OuterWalk walk{added, caller.module};
     _Unwind_Backtrace(visit_outer, &walk);

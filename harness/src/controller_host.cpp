@@ -170,8 +170,8 @@ void ControllerHost::collect_messages(HostedController& hosted) {
 bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code) {
   const PluggedIn plugged_in(hosted.joystick.get());
   const CallOutcome outcome = [&] {
-    const Watched watched(options_.watch,
-                          {hosted.label, hosted.library->file(), function, tick_, time_of(tick_, scenario_->time_step)});
+    const Watched watched(
+        options_.watch, {hosted.label, hosted.library->file(), function, tick_, time_of(tick_, scenario_->time_step)});
     return guarded_call(code, options_.call_limit);
   }();
   if (outcome.changed_float_mode)

@@ -16,7 +16,8 @@ struct ControllerCall {
   double time = 0.0;                     // [s] of simulation
 };
 
-/// On the thread that makes the calls. Calls don't nest, and each enter() is followed by a leave(), however the call ended.
+/// On the thread that makes the calls. Calls don't nest, and each enter() is followed by a leave(), however the call
+/// ended.
 class ControllerWatch {
  public:
   virtual ~ControllerWatch() = default;

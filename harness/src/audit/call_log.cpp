@@ -43,13 +43,24 @@ class Texts {
   bool all_found_ = true;
 };
 
+/// What a person wrote: a compiler or the C library's headers make __open64_2 of open, and fopen64 of fopen.
+std::string plain_name(std::string_view name) {
+  if (name.starts_with("__")) {
+    name.remove_prefix(2);
+    if (name.ends_with("_2")) name.remove_suffix(2);
+  }
+  if (name.ends_with("64")) name.remove_suffix(2);
+  return std::string(name);
+}
+
 std::optional<ObservedCall> call_of(const Log& log, const LogEntry& entry) {
   if (entry.source >= std::size(source_names) || entry.chain_length > interposer::max_chain ||
-      entry.outer_length > interposer::max_outer) return std::nullopt;
+      entry.outer_length > interposer::max_outer)
+    return std::nullopt;
   Texts texts(log);
   ObservedCall call;
   call.source = static_cast<ObservedCall::Source>(entry.source);
-  call.function = texts.at(entry.function);
+  call.function = plain_name(texts.at(entry.function));
   call.argument = texts.at(entry.argument);
   call.controller = texts.at(entry.controller);
   call.phase = texts.at(entry.phase);
@@ -71,8 +82,8 @@ Result<CallLog> read_call_log(const fs::path& file) {
   if (!stream) return error("can't read the call log " + file.string());
   const auto log = std::make_unique<Log>();
   stream.read(reinterpret_cast<char*>(log.get()), sizeof(Log));
-  const bool is_log = stream.gcount() == sizeof(Log) && std::equal(std::begin(log->magic), std::end(log->magic),
-                                                                   std::begin(interposer::log_magic));
+  const bool is_log = stream.gcount() == sizeof(Log) &&
+                      std::equal(std::begin(log->magic), std::end(log->magic), std::begin(interposer::log_magic));
   const std::string broken = file.string() + " is no call log, or a damaged one";
   if (!is_log || log->entries > interposer::max_entries || log->heap_used > interposer::heap_size) return error(broken);
   CallLog result;

@@ -34,10 +34,10 @@ struct ObservedCall {
   std::int64_t first_tick = -1;  // -1: before the run
   std::int64_t last_tick = -1;
   std::int64_t count = 0;
-  CodePlace place;               // innermost in the controller's library (else in a library that it brought along)
-  std::vector<CodePlace> chain;  // from there to the function, innermost first; empty: called directly
+  CodePlace place;                   // innermost in the controller's library (else in a library that it brought along)
+  std::vector<CodePlace> chain;      // from there to the function, innermost first; empty: called directly
   std::vector<std::uint64_t> outer;  // further addresses in that library, of the functions around the place
-  std::string digest;            // of the file's bytes at the time of opening: "214 bytes 8c7dd9...", else empty
+  std::string digest;                // of the file's bytes at the time of opening: "214 bytes 8c7dd9...", else empty
 };
 
 struct CallLog {

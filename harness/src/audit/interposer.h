@@ -1,8 +1,9 @@
-// The interposer: a library that is loaded before all others (LD_PRELOAD) and sees what a controller asks of the system.
+// The interposer: a library that is loaded before all others (LD_PRELOAD) and sees what a controller asks of the
+// system.
 //
-// It takes note of the calls (call_log.h), and gives other answers than the system's where it was told to: another time,
-// other random numbers, other thread schedules. It does so only for calls made by a controller: on the thread that
-// called it, while it is called, with the controller's own code on the stack; and on threads that it created.
+// It takes note of the calls (call_log.h), and gives other answers than the system's where it was told to: another
+// time, other random numbers, other thread schedules. It does so only for calls made by a controller: on the thread
+// that called it, while it is called, with the controller's own code on the stack; and on threads that it created.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -21,7 +22,8 @@
 namespace rehearse {
 
 /// A clock that follows the simulation: `start + rate * (time of the tick)`, and `read_step` more with each further
-/// reading in the same call, so that nobody waits for ever. Sleeping takes no time but moves it on by what was asked for.
+/// reading in the same call, so that nobody waits for ever. Sleeping takes no time but moves it on by what was asked
+/// for.
 struct SimulatedClock {
   std::int64_t date = 1'767'225'600'000'000'000;  // [ns] since 1970 at time 0: 2026-01-01 UTC
   std::int64_t uptime = 1'000'000'000'000;        // [ns] monotonic clocks at time 0

@@ -17,7 +17,7 @@ namespace {
 
 using Kind = LibraryFinding::Kind;
 
-constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_change", "fused_arithmetic",
+constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_change",  "fused_arithmetic",
                                            "approximation",     "time_stamp_counter", "hardware_random",
                                            "processor_query",   "direct_syscall",     "imported_source"};
 
@@ -160,8 +160,9 @@ std::string sentence_of(Kind kind, const Spot& spot, const std::string& where) {
   const std::string it = fmt::format("{} in {}{}", spot.instruction, where, times);
   switch (kind) {
     case Kind::fast_math_startup:
-      return fmt::format("loading it switches the whole process to another floating-point mode, flush-to-zero: {} in {}{}",
-                         spot.instruction, where, why_at_startup(where));
+      return fmt::format(
+          "loading it switches the whole process to another floating-point mode, flush-to-zero: {} in {}{}",
+          spot.instruction, where, why_at_startup(where));
     case Kind::float_mode_change: return "it changes the floating-point mode: " + it;
     case Kind::fused_arithmetic:
       return "it multiplies and adds with one rounding instead of two, as processors without FMA can't: " + it +
@@ -190,15 +191,16 @@ LibraryFinding finding_of(Kind kind, const Spot& spot, const Symbols& symbols) {
 }
 
 void add_imports(const ElfLibrary& library, std::vector<LibraryFinding>& findings) {
-  for (const std::string& symbol : library.imports) {
-    const auto source = source_of_symbol(symbol);
-    if (!source) continue;
+  std::map<std::string, ObservedCall::Source> sources;  // one thing may be imported as many symbols
+  for (const std::string& symbol : library.imports)
+    if (auto found = source_of_symbol(symbol)) sources.emplace(std::move(found->name), found->source);
+  for (const auto& [name, source] : sources) {
     LibraryFinding& finding = findings.emplace_back();
     finding.kind = Kind::imported_source;
     finding.source = source;
     finding.count = 1;
-    finding.function = demangled(symbol.c_str());
-    finding.sentence = fmt::format("it can call {} ({})", finding.function, to_string(*source));
+    finding.function = name;
+    finding.sentence = fmt::format("it can call {} ({})", name, to_string(source));
   }
 }
 

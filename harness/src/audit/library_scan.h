@@ -29,10 +29,10 @@ struct LibraryFinding {
   };
   Kind kind = Kind::fast_math_startup;
   std::optional<ObservedCall::Source> source;  // of imported_source
-  std::int64_t count = 0;  // instructions; 1 for a start-up function or an import
-  std::string function;    // the first that holds one, demangled; of imported_source: the imported function
-  std::string place;       // "filter.cpp:31" if there is debug information, else "BadFilter.so+0x1139"; of imports: empty
-  std::string sentence;    // for a person, complete
+  std::int64_t count = 0;                      // instructions; 1 for a start-up function or an import
+  std::string function;  // the first that holds one, demangled; of imported_source: the imported function
+  std::string place;     // "filter.cpp:31" if there is debug information, else "BadFilter.so+0x1139"; of imports: empty
+  std::string sentence;  // for a person, complete
 };
 
 struct LibraryScan {

@@ -1,9 +1,5 @@
 #include "audit/sources.h"
 
-#include <algorithm>
-#include <array>
-#include <string>
-
 namespace rehearse {
 namespace {
 
@@ -26,7 +22,8 @@ constexpr Group functions[] = {
      " clone execv execve execvp fork popen posix_spawn posix_spawnp pthread_create system thrd_create vfork "},
     {Source::file,
      " __open64_2 __open_2 __openat64_2 __openat_2 access creat creat64 fopen fopen64 freopen freopen64 lstat lstat64 "
-     "mkdir mkdtemp mkstemp mkstemp64 open open64 openat openat64 opendir readlink realpath remove rename rmdir shm_open "
+     "mkdir mkdtemp mkstemp mkstemp64 open open64 openat openat64 opendir readlink realpath remove rename rmdir "
+     "shm_open "
      "stat stat64 statx tmpfile tmpfile64 truncate unlink "},
     {Source::network, " bind connect getaddrinfo gethostbyname socket "},
     {Source::environment,
@@ -34,35 +31,46 @@ constexpr Group functions[] = {
      "sched_getaffinity sched_getcpu secure_getenv setenv sysconf uname unsetenv "},
     {Source::locale, " __newlocale localeconv newlocale setlocale uselocale "},
     {Source::process,
-     " _Exit _exit abort chdir close_range closefrom dlopen exit fchdir kill pthread_sigmask quick_exit raise sigaction "
+     " _Exit _exit abort chdir close_range closefrom dlopen exit fchdir kill pthread_sigmask quick_exit raise "
+     "sigaction "
      "signal sigprocmask syscall umask "},
 };
 
-/// Of the C++ library: by how the mangled name begins, since constructors come in several kinds.
-constexpr std::pair<std::string_view, Source> members[] = {
-    {"_ZNSt6chrono3_V212system_clock3now", Source::clock},
-    {"_ZNSt6chrono3_V212steady_clock3now", Source::clock},
-    {"_ZNSt13random_device", Source::random},
-    {"_ZNSt6thread15_M_start_thread", Source::thread},
-    {"_ZNSt6thread20hardware_concurrency", Source::environment},
-    {"_ZNSt14basic_ifstream", Source::file},
-    {"_ZNSt14basic_ofstream", Source::file},
-    {"_ZNSt13basic_fstream", Source::file},
-    {"_ZNSt13basic_filebuf", Source::file},
-    {"_ZNSt10filesystem", Source::file},
-    {"_ZNSt6localeC1EPKc", Source::locale},
-    {"_ZNSt6localeC2EPKc", Source::locale},
-    {"_ZNSt6locale6global", Source::locale},
+/// Of the C++ library: by how the mangled name begins, since one thing has many members.
+struct Member {
+  std::string_view beginning;
+  Source source;
+  std::string_view name;
 };
+
+constexpr Member members[] = {
+    {"_ZNSt6chrono3_V212system_clock3now", Source::clock, "std::chrono::system_clock::now"},
+    {"_ZNSt6chrono3_V212steady_clock3now", Source::clock, "std::chrono::steady_clock::now"},
+    {"_ZNSt13random_device", Source::random, "std::random_device"},
+    {"_ZNSt6thread15_M_start_thread", Source::thread, "std::thread"},
+    {"_ZNSt6thread20hardware_concurrency", Source::environment, "std::thread::hardware_concurrency"},
+    {"_ZNSt14basic_ifstream", Source::file, "std::fstream"},
+    {"_ZNSt14basic_ofstream", Source::file, "std::fstream"},
+    {"_ZNSt13basic_fstream", Source::file, "std::fstream"},
+    {"_ZNSt13basic_filebuf", Source::file, "std::fstream"},
+    {"_ZNSt10filesystem", Source::file, "std::filesystem"},
+    {"_ZNSt6localeC1EPKc", Source::locale, "std::locale(name)"},
+    {"_ZNSt6localeC2EPKc", Source::locale, "std::locale(name)"},
+    {"_ZNSt6locale6global", Source::locale, "std::locale::global"},
+};
+
+/// A path is a name, whether there is such a file or not.
+constexpr std::string_view paths = "_ZNSt10filesystem7__cxx114path";
 
 }  // namespace
 
-std::optional<Source> source_of_symbol(std::string_view symbol) {
+std::optional<SymbolSource> source_of_symbol(std::string_view symbol) {
   const std::string word = " " + std::string(symbol) + " ";
   for (const Group& group : functions)
-    if (group.names.find(word) != std::string_view::npos) return group.source;
-  for (const auto& [beginning, source] : members)
-    if (symbol.starts_with(beginning)) return source;
+    if (group.names.find(word) != std::string_view::npos) return SymbolSource{group.source, std::string(symbol)};
+  if (symbol.starts_with(paths)) return std::nullopt;
+  for (const Member& member : members)
+    if (symbol.starts_with(member.beginning)) return SymbolSource{member.source, std::string(member.name)};
   return std::nullopt;
 }
 

@@ -21,6 +21,11 @@ std::string file_name(const char* path) { return fs::path(path).filename().strin
 /// Of the compiler or of another package: what interests is who called it.
 bool is_systems(const char* path) { return std::string_view(path).starts_with("/usr/"); }
 
+/// A function of C has no types in its symbol.
+std::string with_parentheses(const std::string& name) {
+  return name.find('(') == std::string::npos ? name + "()" : name;
+}
+
 /// The declaration of a function, where its class is.
 Dwarf_Die declaration_of(Dwarf_Die function) {
   for (const unsigned link : {DW_AT_abstract_origin, DW_AT_specification}) {
@@ -29,6 +34,19 @@ Dwarf_Die declaration_of(Dwarf_Die function) {
     if (dwarf_formref_die(dwarf_attr(&function, link, &attribute), &origin)) function = origin;
   }
   return function;
+}
+
+/// What stands before a name that was declared in this scope: "Filter::"; empty for what has no name, or counts for
+/// none.
+std::string scope_name(Dwarf_Die& scope) {
+  const char* const name = dwarf_diename(&scope);
+  switch (dwarf_tag(&scope)) {
+    case DW_TAG_namespace: return name ? std::string(name) + "::" : "";
+    case DW_TAG_structure_type:
+    case DW_TAG_class_type: return std::string(name ? name : "{lambda}") + "::";
+    case DW_TAG_subprogram: return name ? std::string(name) + "()::" : "";
+    default: return "";
+  }
 }
 
 /// "Filter::update()", as the debug information has it.
@@ -43,12 +61,8 @@ std::string name_of(Dwarf_Die& function) {
   std::string name = std::string(own_name) + "()";
   Dwarf_Die* scopes = nullptr;
   const int count = dwarf_getscopes_die(&declaration, &scopes);
-  for (int i = 1; i < count; ++i) {  // the first is the function itself
-    const int tag = dwarf_tag(&scopes[i]);
-    const bool has_name = tag == DW_TAG_class_type || tag == DW_TAG_structure_type || tag == DW_TAG_namespace;
-    const char* scope = has_name ? dwarf_diename(&scopes[i]) : nullptr;
-    if (scope) name = std::string(scope) + "::" + name;
-  }
+  for (int i = 1; i < count; ++i)  // the first is the function itself
+    name = scope_name(scopes[i]) + name;
   std::free(scopes);
   return name;
 }
@@ -114,7 +128,7 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
   if (!dwfl_module_getelf(module_, &bias)) return {};
   const Dwarf_Addr pc = address + bias;
   Found found;
-  if (const char* name = dwfl_module_addrname(module_, pc)) found.function = demangled(name);
+  if (const char* name = dwfl_module_addrname(module_, pc)) found.function = with_parentheses(demangled(name));
   const std::string symbol = found.function;
 
   Dwfl_Line* line = dwfl_module_getsrc(module_, pc);

@@ -16,8 +16,8 @@ class Symbols {
  public:
   explicit Symbols(const std::filesystem::path& file);
 
-  /// The function at a virtual address, demangled: "Filter::update()". Of inlined functions the innermost that isn't in a
-  /// header of the system.
+  /// The function at a virtual address, demangled: "Filter::update()". Of inlined functions the innermost that isn't in
+  /// a header of the system.
   std::string function_at(std::uint64_t address) const;
   /// "filter.cpp:31", of the same function.
   std::string line_at(std::uint64_t address) const;

@@ -73,7 +73,7 @@ TEST_P(InterposerSees, EachCall) {
     if (text_of(call) != expected.call) continue;
     found = true;
     EXPECT_EQ(call.source, expected.source);
-    EXPECT_THAT(place_of(call), HasSubstr("watched.cpp:"));
+    EXPECT_THAT(place_of(call), AllOf(HasSubstr("()"), HasSubstr(" (watched.cpp:")));
   }
   EXPECT_TRUE(found) << "seen: " << all;
 }
@@ -91,42 +91,43 @@ INSTANTIATE_TEST_SUITE_P(
                       Expected{"draw_random_device", Source::random, "std::random_device(default)"},
                       Expected{"draw_random_device", Source::random, "std::random_device::operator()()"},
                       Expected{"draw_getrandom", Source::random, "getrandom()"},
-                      Expected{"draw_urandom", Source::random, "fopen64(/dev/urandom)"},
+                      Expected{"draw_urandom", Source::random, "fopen(/dev/urandom)"},
                       Expected{"start_a_thread", Source::thread, "pthread_create()"},
                       Expected{"start_a_thread", Source::clock, "time()"},
                       Expected{"run_a_program", Source::thread, "system(exit 3)"},
                       Expected{"write_a_file", Source::file, "fopen(written.txt)"},
                       Expected{"ask_for_home", Source::environment, "getenv(HOME)"},
                       Expected{"ask_for_process", Source::environment, "getpid()"},
-                      Expected{"take_users_locale", Source::locale, "__newlocale(C.UTF-8)"},
+                      Expected{"take_users_locale", Source::locale, "newlocale(C.UTF-8)"},
                       Expected{"load_a_plugin", Source::process, "dlopen(libwatched_plugin.so)"}),
     [](const auto& test) { return std::string(test.param.function) + "_" + std::to_string(test.index); });
 
 TEST_F(Interposer, SaysThatAThreadOfTheControllersOwnCalled) {
   const ObservedCall call = run("start_a_thread").call_of("time");
   EXPECT_EQ(call.phase, "its own thread");
+  EXPECT_THAT(place_of(call), StartsWith("start_a_thread"));
   EXPECT_EQ(call.count, 5);
 }
 
 TEST_F(Interposer, SeesThatAFileWasAnotherOne) {
   write("gains.txt", "1.5\n");
-  const std::string before = run("read_a_file").call_of("fopen64").digest;
+  const std::string before = run("read_a_file").call_of("fopen").digest;
   EXPECT_THAT(before, StartsWith("4 bytes "));
-  EXPECT_EQ(run("read_a_file").call_of("fopen64").digest, before);
+  EXPECT_EQ(run("read_a_file").call_of("fopen").digest, before);
   write("gains.txt", "2.5\n");
-  EXPECT_NE(run("read_a_file").call_of("fopen64").digest, before);
+  EXPECT_NE(run("read_a_file").call_of("fopen").digest, before);
 }
 
 TEST_F(Interposer, TellsAMissingFileFromAnEmptyOne) {
-  EXPECT_EQ(run("read_a_file").call_of("fopen64").digest, "");
+  EXPECT_EQ(run("read_a_file").call_of("fopen").digest, "");
   write("gains.txt", "");
-  EXPECT_THAT(run("read_a_file").call_of("fopen64").digest, StartsWith("0 bytes "));
+  EXPECT_THAT(run("read_a_file").call_of("fopen").digest, StartsWith("0 bytes "));
 }
 
 TEST_F(Interposer, SumsUpFilesOfManyNames) {
   const WatchedRun seen = run("open_many_files", 5000);
   EXPECT_TRUE(seen.log.complete);
-  const auto calls = seen.calls_of("fopen64");
+  const auto calls = seen.calls_of("fopen");
   ASSERT_FALSE(calls.empty());
   EXPECT_LT(calls.size(), 50u);
   EXPECT_EQ(calls.back().argument, "...");

@@ -104,23 +104,27 @@ TEST_F(LibraryScanner, FindsEachKindOfInstructionWithItsFunctionAndLine) {
 
 TEST_F(LibraryScanner, FindsWhatLinkingWithFastMathAdds) {
   EXPECT_THAT(sentences(scan(library("fast_math"))),
-              ElementsAre(AllOf(StartsWith("loading it switches the whole process to another floating-point mode, flush-to-zero"),
-                                HasSubstr("set_fast_math"), HasSubstr("since it was linked with -ffast-math"))));
+              ElementsAre(AllOf(
+                  StartsWith("loading it switches the whole process to another floating-point mode, flush-to-zero"),
+                  HasSubstr("set_fast_math"), HasSubstr("since it was linked with -ffast-math"))));
 }
 
 TEST_F(LibraryScanner, FindsAModeThatAStaticObjectSets) {
-  EXPECT_THAT(sentences(scan(library("startup"))), ElementsAre(AllOf(HasSubstr("flush-to-zero"), EndsWith("Quick::Quick() (startup.cpp:7)"))));
+  EXPECT_THAT(sentences(scan(library("startup"))),
+              ElementsAre(AllOf(HasSubstr("flush-to-zero"), EndsWith("Quick::Quick() (startup.cpp:7)"))));
 }
 
 TEST_F(LibraryScanner, ListsTheSourcesThatALibraryCanCall) {
   const LibraryScan seen = scan(library("watched"));
-  const auto finding = found(seen, Kind::imported_source, "std::chrono::_V2::steady_clock::now()");
+  const auto finding = found(seen, Kind::imported_source, "std::chrono::steady_clock::now");
   ASSERT_TRUE(finding);
   EXPECT_EQ(finding->source, ObservedCall::Source::clock);
-  EXPECT_EQ(finding->sentence, "it can call std::chrono::_V2::steady_clock::now() (clock)");
+  EXPECT_EQ(finding->sentence, "it can call std::chrono::steady_clock::now (clock)");
   for (const auto& [function, source] : {std::pair{"rand", ObservedCall::Source::random},
                                          {"getenv", ObservedCall::Source::environment},
                                          {"fopen", ObservedCall::Source::file},
+                                         {"std::fstream", ObservedCall::Source::file},
+                                         {"std::random_device", ObservedCall::Source::random},
                                          {"system", ObservedCall::Source::thread}}) {
     const auto import = found(seen, Kind::imported_source, function);
     ASSERT_TRUE(import) << function;
@@ -131,7 +135,8 @@ TEST_F(LibraryScanner, ListsTheSourcesThatALibraryCanCall) {
 
 TEST_F(LibraryScanner, SaysLessOfAStrippedLibrary) {
   const fs::path stripped = folder_ / "Stripped.so";
-  ASSERT_EQ(std::system(("strip --strip-all -o " + stripped.string() + " " + library("fast_math").string()).c_str()), 0);
+  ASSERT_EQ(std::system(("strip --strip-all -o " + stripped.string() + " " + library("fast_math").string()).c_str()),
+            0);
   const LibraryScan seen = scan(stripped);
   EXPECT_TRUE(seen.is_stripped);
   EXPECT_FALSE(seen.has_debug_information);

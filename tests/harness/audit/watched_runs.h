@@ -41,7 +41,8 @@ struct WatchedRun {
 
 class WatchedTest : public ::testing::Test {
  protected:
-  WatchedTest() : folder_(std::filesystem::path(::testing::TempDir()) / ("rehearse watch;" + std::to_string(getpid()))) {
+  WatchedTest()
+      : folder_(std::filesystem::path(::testing::TempDir()) / ("rehearse watch;" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
     setenv("LC_ALL", "C.UTF-8", 1);
   }

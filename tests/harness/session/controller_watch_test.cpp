@@ -35,7 +35,8 @@ class ControllerWatching : public RunTest {
   void record_watched(const std::string& options) {
     RecordOptions recording;
     recording.watch = &notes_;
-    const auto recorded = record(load(rig(behaviour("A", options), "cameras: none\n", "0.003")), path("run.mcap"), recording);
+    const auto recorded =
+        record(load(rig(behaviour("A", options), "cameras: none\n", "0.003")), path("run.mcap"), recording);
     ASSERT_TRUE(recorded.ok()) << to_string(recorded.errors());
   }
   Notes notes_;

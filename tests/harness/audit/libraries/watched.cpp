@@ -4,13 +4,13 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <dlfcn.h>
 #include <chrono>
 #include <clocale>
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <dlfcn.h>
 #include <fstream>
 #include <locale>
 #include <mutex>
