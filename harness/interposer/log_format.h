@@ -11,10 +11,10 @@
 namespace rehearse::interposer {
 
 inline constexpr char log_magic[8] = {'R', 'H', 'C', 'A', 'L', 'L', 'S', '1'};
-inline constexpr std::uint32_t max_entries = 4096;
+inline constexpr std::uint32_t max_entries = 2048;
 inline constexpr std::uint32_t max_chain = 6;
 inline constexpr std::uint32_t max_outer = 6;
-inline constexpr std::uint32_t heap_size = 4u << 20;
+inline constexpr std::uint32_t heap_size = 1u << 20;
 
 /// Where a text with its final zero begins in the heap; 0: the empty text.
 using TextOffset = std::uint32_t;

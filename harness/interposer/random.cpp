@@ -33,6 +33,12 @@ void set_seed(Generator generator, uint64_t seed, Stream first, Stream last) {
   for (int stream = first; stream <= last; ++stream) __atomic_store_n(&draws[stream], 0, __ATOMIC_RELAXED);
 }
 
+uint64_t words_as_seed(const unsigned short* words, int count) {
+  uint64_t seed = 0;
+  for (int i = 0; i < count; ++i) seed = mixed(seed ^ words[i]);
+  return seed;
+}
+
 uint64_t draw(const Substitution& substitution, Stream stream, Generator generator) {
   const OwnSeed& own = own_seed[generator];
   return draw(own.given ? own.seed : substitution.seed, stream);
@@ -143,6 +149,24 @@ REHEARSE_INTERPOSED(void, srand48, (long seed)) {
   if (watching() && note(Source::random, "srand48", Digits(seed), __builtin_return_address(0)).is_controller)
     set_seed(generator_drand48, static_cast<uint64_t>(seed), stream_drand48, stream_mrand48);
   next_srand48.get()(seed);
+}
+
+REHEARSE_INTERPOSED(char*, initstate, (unsigned seed, char* state, size_t size)) {
+  if (watching() && note(Source::random, "initstate", Digits(seed), __builtin_return_address(0)).is_controller)
+    set_seed(generator_rand, seed, stream_rand, stream_rand);
+  return next_initstate.get()(seed, state, size);
+}
+
+REHEARSE_INTERPOSED(unsigned short*, seed48, (unsigned short* seed)) {
+  if (watching() && note(Source::random, "seed48", "", __builtin_return_address(0)).is_controller)
+    set_seed(generator_drand48, words_as_seed(seed, 3), stream_drand48, stream_mrand48);
+  return next_seed48.get()(seed);
+}
+
+REHEARSE_INTERPOSED(void, lcong48, (unsigned short* parameters)) {
+  if (watching() && note(Source::random, "lcong48", "", __builtin_return_address(0)).is_controller)
+    set_seed(generator_drand48, words_as_seed(parameters, 7), stream_drand48, stream_mrand48);
+  next_lcong48.get()(parameters);
 }
 
 // std::random_device. What it asks (the processor, by default) it asks inside of libstdc++, so it is caught at its

@@ -3,6 +3,7 @@
 #include <pwd.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <sys/utsname.h>
 #include <unistd.h>
@@ -65,9 +66,11 @@ REHEARSE_INTERPOSED(long, sysconf, (int name)) {
 }
 
 REHEARSE_INTERPOSED(char*, setlocale, (int category, const char* name)) {
-  // with a null it only asks; for "" the environment answers
-  if (watching())
-    note(Source::locale, "setlocale", name ? name : name_of_category(category), __builtin_return_address(0));
+  if (watching()) {
+    char text[128];  // with a null it only asks; for "" the environment answers
+    snprintf(text, sizeof text, name ? "%s, \"%s\"" : "%s, NULL", name_of_category(category), name);
+    note(Source::locale, "setlocale", text, __builtin_return_address(0));
+  }
   return next_setlocale.get()(category, name);
 }
 REHEARSE_NOTED(locale, locale_t, newlocale, (int mask, const char* name, locale_t base), (mask, name, base), name)
@@ -87,10 +90,21 @@ REHEARSE_NOTED(process, void*, dlopen, (const char* file, int mode), (file, mode
 REHEARSE_NOTED(process, int, raise, (int number), (number), Digits(number))
 REHEARSE_NOTED(process, int, kill, (pid_t process, int number), (process, number), Digits(number))
 REHEARSE_NOTED(process, sighandler_t, signal, (int number, sighandler_t handler), (number, handler), Digits(number))
-REHEARSE_NOTED(process, int, sigaction, (int number, const void* action, void* before), (number, action, before),
-               Digits(number))
-REHEARSE_NOTED(process, int, sigprocmask, (int how, const sigset_t* set, sigset_t* before), (how, set, before), "")
-REHEARSE_NOTED(process, int, pthread_sigmask, (int how, const sigset_t* set, sigset_t* before), (how, set, before), "")
+
+// Without a new action or mask they only ask.
+REHEARSE_INTERPOSED(int, sigaction, (int number, const void* action, void* before)) {
+  if (watching() && action) note(Source::process, "sigaction", Digits(number), __builtin_return_address(0));
+  return next_sigaction.get()(number, action, before);
+}
+REHEARSE_INTERPOSED(int, sigprocmask, (int how, const sigset_t* set, sigset_t* before)) {
+  if (watching() && set) note(Source::process, "sigprocmask", "", __builtin_return_address(0));
+  return next_sigprocmask.get()(how, set, before);
+}
+REHEARSE_INTERPOSED(int, pthread_sigmask, (int how, const sigset_t* set, sigset_t* before)) {
+  if (watching() && set) note(Source::process, "pthread_sigmask", "", __builtin_return_address(0));
+  return next_pthread_sigmask.get()(how, set, before);
+}
+
 REHEARSE_NOTED(process, long, syscall, (long number, long a, long b, long c, long d, long e, long f),
                (number, a, b, c, d, e, f), Digits(number))
 

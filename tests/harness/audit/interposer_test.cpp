@@ -99,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Expected{"ask_for_home", Source::environment, "getenv(HOME)"},
                       Expected{"ask_for_process", Source::environment, "getpid()"},
                       Expected{"take_users_locale", Source::locale, "newlocale(C.UTF-8)"},
+                      Expected{"set_the_locale", Source::locale, "setlocale(LC_ALL, \"C\")"},
+                      Expected{"set_the_locale", Source::locale, "setlocale(LC_NUMERIC, NULL)"},
                       Expected{"load_a_plugin", Source::process, "dlopen(libwatched_plugin.so)"}),
     [](const auto& test) { return std::string(test.param.function) + "_" + std::to_string(test.index); });
 

@@ -66,8 +66,10 @@ TEST_P(SeededSource, GivesWhatTheSeedSays) {
 }
 
 TEST_F(SeededNumbers, FollowTheSeedThatAControllerSetsItself) {
-  const std::vector<double> values = run("draw_seeded_rand", 20, substituted(1)).values;
-  EXPECT_EQ(run("draw_seeded_rand", 20, substituted(2)).values, values);
+  for (const char* function : {"draw_seeded_rand", "draw_seeded_drand48"}) {
+    const std::vector<double> values = run(function, 20, substituted(1)).values;
+    EXPECT_EQ(run(function, 20, substituted(2)).values, values) << function;
+  }
 }
 
 TEST_F(SeededNumbers, ChangeAtOnePlaceAlone) {

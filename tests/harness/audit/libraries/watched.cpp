@@ -84,6 +84,11 @@ double draw_seeded_rand(int tick) {
   if (tick == 0) srand(42);
   return rand();
 }
+double draw_seeded_drand48(int tick) {
+  unsigned short seed[] = {1, 2, 3};
+  if (tick == 0) seed48(seed);
+  return drand48();
+}
 double draw_drand48(int) { return drand48(); }
 double draw_random_device(int) {
   std::random_device device;
@@ -135,6 +140,7 @@ double take_users_locale(int) {
   const std::locale users("");
   return users == std::locale::classic() ? 1.0 : 0.0;
 }
+double set_the_locale(int) { return setlocale(LC_ALL, "C") && setlocale(LC_NUMERIC, nullptr) ? 1.0 : 0.0; }
 double run_a_program(int) { return system("exit 3") / 256; }
 double close_the_hosts_files(int) {
   for (int file = 3; file < 100; ++file) close(file);
