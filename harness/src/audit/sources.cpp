@@ -16,18 +16,21 @@ constexpr Group functions[] = {
      "pthread_cond_timedwait pthread_mutex_clocklock pthread_mutex_timedlock select sem_clockwait sem_timedwait "
      "setitimer sleep time timer_create timerfd_create times timespec_get usleep "},
     {Source::random,
-     " arc4random arc4random_buf arc4random_uniform drand48 getentropy getrandom lrand48 mrand48 rand random srand "
+     " arc4random arc4random_buf arc4random_uniform drand48 getentropy getrandom initstate lcong48 lrand48 mrand48 "
+     "rand random seed48 srand "
      "srand48 srandom "},
     {Source::thread,
      " clone execv execve execvp fork popen posix_spawn posix_spawnp pthread_create system thrd_create vfork "},
     {Source::file,
-     " __open64_2 __open_2 __openat64_2 __openat_2 access creat creat64 fopen fopen64 freopen freopen64 lstat lstat64 "
+     " __open64_2 __open_2 __openat64_2 __openat_2 access creat creat64 fopen fopen64 freopen freopen64 fstatat "
+     "fstatat64 lstat lstat64 "
      "mkdir mkdtemp mkstemp mkstemp64 open open64 openat openat64 opendir readlink realpath remove rename rmdir "
      "shm_open "
      "stat stat64 statx tmpfile tmpfile64 truncate unlink "},
     {Source::network, " bind connect getaddrinfo gethostbyname socket "},
     {Source::environment,
-     " environ get_nprocs getcwd getenv gethostname getlogin getpid getppid getpwuid gettid getuid geteuid putenv "
+     " clearenv environ get_nprocs getcwd getenv gethostname getlogin getpid getppid getpwuid gettid getuid geteuid "
+     "putenv "
      "sched_getaffinity sched_getcpu secure_getenv setenv sysconf uname unsetenv "},
     {Source::locale, " __newlocale localeconv newlocale setlocale uselocale "},
     {Source::process,

@@ -5,11 +5,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
+
+#include "audit/interposer.h"
+#include "audit/sources.h"
 
 namespace rehearse {
 namespace {
@@ -131,6 +136,23 @@ TEST_F(LibraryScanner, ListsTheSourcesThatALibraryCanCall) {
     EXPECT_EQ(import->source, source);
   }
   EXPECT_FALSE(found(seen, Kind::imported_source, "fprintf"));
+}
+
+TEST_F(LibraryScanner, KnowsAllThatTheInterposerSees) {
+  const auto interposer = interposer_library();
+  ASSERT_TRUE(interposer.ok()) << to_string(interposer.errors());
+  const std::string listing = "nm --dynamic --defined-only --format=posix '" + interposer->string() + "'";
+  FILE* const names = popen(listing.c_str(), "r");
+  ASSERT_TRUE(names);
+  int known = 0;
+  for (char line[512]; fgets(line, sizeof line, names);) {
+    const std::string name(line, strcspn(line, " "));
+    if (name.starts_with("rehearse_interposer_") || name == "close") continue;  // most files closed are one's own
+    EXPECT_TRUE(source_of_symbol(name)) << name;
+    ++known;
+  }
+  EXPECT_EQ(pclose(names), 0);
+  EXPECT_GT(known, 100);
 }
 
 TEST_F(LibraryScanner, SaysLessOfAStrippedLibrary) {
