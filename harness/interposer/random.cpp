@@ -51,6 +51,11 @@ uint64_t draw(uint64_t seed, Stream stream) {
   return mixed(mixed(mixed(seed) ^ (stream + 1)) ^ number);
 }
 
+void restart_streams() {
+  for (OwnSeed& own : own_seed) own = {};
+  for (uint64_t& number : draws) __atomic_store_n(&number, 0, __ATOMIC_RELAXED);
+}
+
 void fill(uint64_t seed, Stream stream, void* bytes, size_t count) {
   auto* to = static_cast<unsigned char*>(bytes);
   for (; count > 0;) {

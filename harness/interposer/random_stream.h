@@ -23,6 +23,9 @@ enum Stream {
 /// The next number of a stream.
 uint64_t draw(uint64_t seed, Stream stream);
 
+/// All streams begin again, and no generator has a seed of its own.
+void restart_streams();
+
 void fill(uint64_t seed, Stream stream, void* bytes, size_t count);
 
 /// What is opened instead of /dev/urandom: a file of a mebibyte of numbers. The descriptor, or -1 and errno.

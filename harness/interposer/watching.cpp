@@ -1,3 +1,4 @@
+#include "random_stream.h"
 #include "watching.h"
 
 #include <dlfcn.h>
@@ -194,6 +195,10 @@ extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter
   copy(current_controller, sizeof current_controller, controller);
   copy(current_library, sizeof current_library, library);
   copy(current_phase, sizeof current_phase, function);
+  if (strcmp(function, "load") == 0) {  // a run begins: it gets what each gets
+    restart_streams();
+    for (ClockLead& lead : thread_state.lead) lead = {};
+  }
   ++current.number;
   current.tick = tick;
   current.time = time;

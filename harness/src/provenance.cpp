@@ -11,6 +11,7 @@
 #include <map>
 #include <string_view>
 
+#include "audit/virtualised.h"
 #include "hashing.h"
 #include "trace_version.h"
 
@@ -116,6 +117,7 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
   };
   if (!renderer.empty()) facts["renderer"] = renderer;
   if (const std::string mark = programs(); !mark.empty()) facts[programs_fact] = mark;
+  if (const std::string given = virtualisation(); !given.empty()) facts["virtualised"] = given;
   if (host) facts.merge(controller_facts(*host));
   return facts;
 }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "audit/virtualised.h"
 #include "controller_host.h"
 #include "output_record.h"
 #include "recorded_inputs.h"
@@ -127,6 +128,13 @@ Diagnostics Replayer::unrecorded_inputs() const {
 }
 
 Result<ReplayReport> Replayer::run() {
+  if (virtualised_seed(trace_) && virtualisation().empty()) {
+    Diagnostic& remark = report_.remarks.emplace_back(in_trace(
+        trace_, error("its controllers were given simulated time and seeded random numbers, and here they are given the "
+                      "system's: their commands may differ for that",
+                      "rehearse replay gives them what they had")));
+    remark.severity = Severity::warning;
+  }
   if (auto begun = begin(); !begun) return begun.errors();
   take_events();
   bool going_on = !host_.failure();

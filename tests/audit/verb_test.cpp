@@ -39,6 +39,31 @@ TEST_F(AuditVerb, SaysWhichOfTwoCallsReachesACommand) {
   EXPECT_EQ(counted, "no");
 }
 
+TEST_F(AuditVerb, GivesSimulatedTimeAndSeededRandomNumbers) {
+  for (const char* controller : {"time", "random_device", "rand", "steady_clock"}) {
+    const fs::path zoo = scenario(controller);
+    const Outcome outcome = rehearse({"audit", zoo.string(), "--virtualise", "--seed", "7", "-o", "virtual.mcap"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("of its inputs, with simulated time and seeded random numbers: "));
+    EXPECT_THAT(done({"info", "virtual.mcap"}).out, HasSubstr("clock, random; seed 7"));
+    EXPECT_THAT(done({"replay", "virtual.mcap"}).out, HasSubstr("equal bit for bit"));
+    EXPECT_THAT(done({"audit", "virtual.mcap"}).out, HasSubstr(", with simulated time and seeded random numbers: "));
+    EXPECT_EQ(rehearse({"check", zoo.string(), "--golden", "virtual.mcap"}).status, 0);
+    done({"record", zoo.string(), "-o", "real.mcap"});
+    const std::string real = rehearse({"replay", "real.mcap"}).out;
+    if (controller == std::string("random_device")) {
+      EXPECT_THAT(real, HasSubstr("differs at tick 0"));
+    }
+  }
+}
+
+TEST_F(AuditVerb, KeepsARecordingOnlyIfItIsVirtual) {
+  const Outcome outcome = rehearse({"audit", scenario("time").string(), "-o", "kept.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("-o is the recording that --virtualise makes"));
+  EXPECT_FALSE(exists("kept.mcap"));
+}
+
 TEST_F(AuditVerb, RepeatsAsOftenAsItIsTold) {
   done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
   EXPECT_THAT(done({"audit", "zoo.mcap", "--repeat", "3"}).out, HasSubstr(": 20 replays of "));

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "audit/virtualised.h"
 #include "command.h"
 #include "options.h"
 #include "output.h"
@@ -91,10 +92,38 @@ Result<void> check_owner(const Scenario& scenario) {
   return finding;
 }
 
+/// What the scenario will be compared with; empty: nothing, or not known yet.
+fs::path golden_of(const Settings& settings, const Scenario& scenario) {
+  if (!settings.golden.empty()) return settings.golden;
+  const auto folder = find_golden_folder(scenario.file);
+  if (scenario.golden.empty() || !folder) return {};
+  const GoldenStore store(*folder);
+  return store.has(scenario.golden) ? store.trace_file(scenario.golden) : fs::path();
+}
+
+/// A golden whose controllers were given simulated time and seeded random numbers is checked with them, which takes
+/// a process of its own.
+Result<void> virtualise_like_goldens(const Settings& settings, const std::vector<Scenario>& scenarios) {
+  for (const Scenario& scenario : scenarios) {
+    const fs::path golden = golden_of(settings, scenario);
+    if (golden.empty()) continue;
+    const auto trace = mcap::Reader::open(golden);
+    if (!trace || !virtualised_seed(**trace)) continue;
+    if (scenarios.size() > 1)
+      return error(fmt::format("the golden of {} was recorded with simulated time and seeded random numbers",
+                               scenario.name),
+                   "check it by itself");
+    return virtualise_process_like(golden);
+  }
+  return {};
+}
+
 Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
+  InterposerWatch watch;
   Progress progress("checking " + scenario.name);
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+  if (is_interposed()) options.run.watch = &watch;
   if (!settings.golden.empty())
     return check_scenario(scenario, settings.golden, pending_folder() / (scenario.name + ".mcap"), options,
                           {record, run_plant});
@@ -174,6 +203,7 @@ Exit run(const Settings& settings) {
   if (!scenarios) return refuse(scenarios.errors());
   if (!settings.golden.empty() && scenarios->size() != 1)
     return refuse(error("--golden compares one scenario", "name that scenario"));
+  if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
   Exit worst = Exit::done;
   std::vector<Checked> all;
   for (const Scenario& scenario : *scenarios) {

@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 
+#include "audit/interposer.h"
 #include "command.h"
 #include "options.h"
 #include "output.h"
@@ -95,6 +96,8 @@ Exit run(Settings& settings) {
       settings.trace.empty() ? std::filesystem::path(settings.scenario).stem().string() + ".mcap" : settings.trace;
   if (const auto allowed = check_output(trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
 
+  InterposerWatch watch;
+  if (is_interposed()) settings.record.watch = &watch;
   const Stopwatch stopwatch;
   Result<RunSummary> summary = [&] {
     Progress progress("recording");

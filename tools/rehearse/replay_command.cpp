@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "audit/virtualised.h"
 #include "command.h"
 #include "options.h"
 #include "output.h"
@@ -63,6 +64,9 @@ void tell_remarks(const ReplayReport& report) {
 }
 
 Exit run(Settings& settings) {
+  if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
+  InterposerWatch watch;
+  if (is_interposed()) settings.replay.watch = &watch;
   const Stopwatch stopwatch;
   const Result<ReplayReport> report = [&] {
     Progress progress("replaying");

@@ -10,6 +10,7 @@
 
 #include "audit/judgement.h"
 #include "audit/valgrind_report.h"
+#include "audit/virtualised.h"
 #include "controller_library.h"
 #include "golden_files.h"
 #include "trace_scenario.h"
@@ -75,6 +76,22 @@ std::vector<std::string> words_of(const AuditOptions& options) {
   return words;
 }
 
+/// What a controller did to the process that recorded it, so that the recording has no end.
+std::string why_cut_off(const fs::path& log, int status) {
+  if (const auto calls = read_call_log(log))
+    for (auto call = calls->calls.rbegin(); call != calls->calls.rend(); ++call) {
+      const std::string where = fmt::format("in {}() at tick {}", call->phase, call->first_tick);
+      for (const char* function : {"exit", "_exit", "_Exit", "quick_exit"})
+        if (call->function == function)
+          return fmt::format("controller '{}' ended the process by {} {}", call->controller, text_of(*call), where);
+      for (const char* function : {"close", "close_range", "closefrom"})
+        if (call->function == function)
+          return fmt::format("controller '{}' closed the recording by {} {}, called in {}", call->controller,
+                             text_of(*call), where, place_of(*call));
+    }
+  return fmt::format("the recording has no end: its process ended with status {}", status);
+}
+
 Result<void> Audit::record() {
   tell("recording", 1);
   trace_ = recording_of_audit(options_.scratch);
@@ -82,21 +99,22 @@ Result<void> Audit::record() {
                                  trace_.string()};
   for (const std::string& word : words_of(options_)) words.push_back(word);
   if (options_.until) words.insert(words.end(), {"--duration", fmt::format("{}", *options_.until)});
-  const ReplaySettings plain = plain_replay(options_);
-  const auto watched = interposer_environment({options_.scratch / "recording.calls", plain.everywhere, {}, {}});
-  if (!watched) return watched.errors();
-  const fs::path output = options_.scratch / "recording.txt";
-  const auto status = run_program(words, environment_with(*watched), output);
+  const fs::path log = options_.scratch / "recording.calls", output = options_.scratch / "recording.txt";
+  auto changes = interposer_environment({log, plain_replay(options_).everywhere, {}, {}});
+  if (!changes) return changes.errors();
+  for (const auto& [name, value] : pinned_environment()) (*changes)[name] = value;
+  if (options_.virtualise) changes->merge(virtualised_environment(options_.seed));
+  const auto status = run_program(words, environment_with(*changes), output);
   if (!status) return status.errors();
-  constexpr int controller_failed = 3;
   std::error_code ignored;
-  const bool there = fs::exists(trace_, ignored) && fs::file_size(trace_, ignored) > 0;
-  if (*status != 0 && !(*status == controller_failed || *status > 3 || there)) {
+  if (!fs::exists(trace_, ignored)) {
     auto said = read_text(output);
     if (said && said->starts_with("error: ")) said = said->substr(7);
     while (said && said->ends_with('\n')) said->pop_back();
     return error(said && !said->empty() ? *said : fmt::format("recording it ended with status {}", *status));
   }
+  const auto reader = mcap::Reader::open(trace_);
+  if (!reader || !(*reader)->damage().empty()) report_.failure = error(why_cut_off(log, *status));
   evidence_.recorded_here = true;
   tell(what_, 0);
   ++done_;
@@ -157,11 +175,17 @@ Result<void> Audit::prepare() {
     if (auto found = find_libraries(*scenario); !found) return found;
     if (auto made = record(); !made) return made;
   }
+  if (report_.failure) return {};
   const auto reader = mcap::Reader::open(trace_);
   if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return (*reader)->damage();
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
   evidence_.time_step = scenario->time_step;
+  if (const auto seed = virtualised_seed(**reader)) {
+    options_.virtualise = true;  // as it was recorded
+    options_.seed = *seed;
+  }
   if (is_trace(subject_))
     if (auto found = find_libraries(*scenario); !found) return found;
   evidence_.fixed_addresses = can_fix_addresses();
@@ -359,7 +383,8 @@ void Audit::sum_up() {
 
 Result<AuditReport> Audit::run() {
   if (auto ready = prepare(); !ready) return ready.errors();
-  if (auto done = run_first(); !done) return done.errors();
+  if (!report_.failure)
+    if (auto done = run_first(); !done) return done.errors();
   for (const AuditedLibrary& library : libraries_) {
     ControllerAudit& controller = report_.controllers.emplace_back();
     controller.controller = library.label;

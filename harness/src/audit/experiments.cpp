@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "audit/virtualised.h"
 #include "controller_library.h"
 
 namespace rehearse {
@@ -143,18 +144,14 @@ class Plan {
 ReplaySettings plain_replay(const AuditOptions& options) {
   ReplaySettings settings;
   settings.name = "plain";
-  if (options.virtualise) {
-    settings.everywhere.clock = SimulatedClock{};
-    settings.everywhere.seed = options.seed;
-  }
+  if (options.virtualise) settings.everywhere = virtualised(options.seed);
   return settings;
 }
 
 ReplaySettings still_replay(const AuditOptions& options) {
   ReplaySettings settings;
   settings.name = "still";
-  settings.everywhere.clock = SimulatedClock{};
-  settings.everywhere.seed = options.seed;
+  settings.everywhere = virtualised(options.seed);
   settings.fill = first_fill;
   settings.other_addresses = false;
   return settings;

@@ -34,7 +34,7 @@ class Conclusion {
     for (const AuditedCode& code : audit_.code)
       if (code.kind == to_string(Kind::fast_math_startup)) {
         audit_.deterministic = false;
-        audit_.reason = "loading it changes the arithmetic of the whole process: " + code.sentence;
+        audit_.reason = code.sentence;
         return;
       }
   }
@@ -108,15 +108,16 @@ class Conclusion {
 
   /// The call of that source that reached an output, or that may have.
   std::string by_call(Source source, const char* verb, const std::string& where) const {
+    const auto rank = [](const AuditedCall& call) {
+      return (call.reached == AuditedCall::Reached::yes ? 2 : 0) + (call.phase == "control" ? 1 : 0);
+    };
     const AuditedCall* likely = nullptr;
-    int others = 0;
+    int others = -1;
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       const AuditedCall& call = audit_.calls[i];
       if (seen_[i].source != source || call.reached == AuditedCall::Reached::no) continue;
-      if (!likely || (call.reached == AuditedCall::Reached::yes && likely->reached != AuditedCall::Reached::yes))
-        likely = &call;
-      else
-        ++others;
+      ++others;
+      if (!likely || rank(call) > rank(*likely)) likely = &call;
     }
     if (!likely) return where;
     const bool sure = likely->reached == AuditedCall::Reached::yes || others == 0;

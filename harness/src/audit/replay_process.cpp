@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "audit/virtualised.h"
 #include "golden_files.h"
 #include "place_json.h"
 
@@ -184,6 +185,7 @@ Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettin
   Changes changes = settings.environment;
   if (settings.other_environment) change_environment(changes, folder_of(settings));
   for (const auto& [name, value] : pinned_environment()) changes[name] = value;
+  if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
   changes["GLIBC_TUNABLES"] = tunables(settings);
   if (!settings.valgrind) {
     const auto watched = interposer_environment(

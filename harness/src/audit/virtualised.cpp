@@ -1,0 +1,80 @@
+#include "audit/virtualised.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+constexpr const char* variable = "REHEARSE_VIRTUALISED";
+constexpr std::string_view words_before_seed = "clock, random; seed ";
+
+/// The arguments that this process was started with.
+std::vector<std::string> own_arguments() {
+  std::ifstream stream("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> arguments;
+  for (std::string argument; std::getline(stream, argument, '\0');) arguments.push_back(argument);
+  return arguments;
+}
+
+}  // namespace
+
+Substitution virtualised(std::uint64_t seed) {
+  Substitution substitution;
+  substitution.clock = SimulatedClock{};
+  substitution.seed = seed;
+  return substitution;
+}
+
+std::map<std::string, std::optional<std::string>> virtualised_environment(std::uint64_t seed) {
+  return {{variable, fmt::format("{}{}", words_before_seed, seed)}};
+}
+
+std::string virtualisation() {
+  const char* given = std::getenv(variable);
+  return given && is_interposed() ? given : "";
+}
+
+std::optional<std::uint64_t> virtualised_seed(const mcap::Reader& trace) {
+  for (const mcap::Metadata& metadata : trace.metadata()) {
+    if (metadata.name != "rehearse") continue;
+    const auto fact = metadata.values.find("virtualised");
+    if (fact == metadata.values.end() || !fact->second.starts_with(words_before_seed)) continue;
+    std::uint64_t seed = 0;
+    const std::string_view text = std::string_view(fact->second).substr(words_before_seed.size());
+    if (std::from_chars(text.data(), text.data() + text.size(), seed).ec == std::errc()) return seed;
+  }
+  return std::nullopt;
+}
+
+Result<void> virtualise_process_like(const std::filesystem::path& trace) {
+  const auto reader = mcap::Reader::open(trace);
+  if (!reader) return {};  // whoever reads it says so
+  const auto seed = virtualised_seed(**reader);
+  if (!seed || !virtualisation().empty()) return {};
+  const auto interposed = interposer_environment({{}, virtualised(*seed), {}, {}});
+  if (!interposed) return interposed.errors();
+  for (const auto& changes : {*interposed, virtualised_environment(*seed)})
+    for (const auto& [name, value] : changes) {
+      if (value) setenv(name.c_str(), value->c_str(), 1);
+      else unsetenv(name.c_str());
+    }
+  std::vector<std::string> arguments = own_arguments();
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  execv("/proc/self/exe", pointers.data());
+  return error(fmt::format("{} was recorded with simulated time and seeded random numbers, and this process can't start "
+                           "itself again with them: {}",
+                           trace.string(), std::strerror(errno)));
+}
+
+}  // namespace rehearse
