@@ -1,4 +1,3 @@
-#include "random_stream.h"
 #include "watching.h"
 
 #include <dlfcn.h>
@@ -9,6 +8,8 @@
 #include <time.h>
 #include <unistd.h>
 #include <unwind.h>
+
+#include "random_stream.h"
 
 #include "call_table.h"
 #include "descriptors.h"

@@ -27,6 +27,23 @@ TEST_F(AuditVerb, TakesAnotherLibraryForIt) {
   EXPECT_THAT(outcome.out, StartsWith("Pendulum/Zoo is not deterministic: it depends on the clock"));
 }
 
+TEST_F(AuditVerb, JudgesEachOfSeveralControllers) {
+  const auto pendulum = [](const std::string& name, const std::string& library, const std::string& x) {
+    return "  - name: " + name + "\n    model: " + (fixtures / "models/pendulum.urdf").string() + "\n    position: [" + x +
+           ", 0, 0]\n    joints: {hinge: 20 deg}\n    controllers: [{name: Zoo, library: " + ZOO "/zoo_" + library +
+           ".so}]\n";
+  };
+  const fs::path two = write("two.yaml", "rehearse: 1\nduration: 0.1\nbodies:\n" + pendulum("Good", "good_own_generator", "0") +
+                                             pendulum("Bad", "rand", "5"));
+  const Outcome outcome = rehearse({"audit", two.string(), "--json"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  const nlohmann::json report = outcome.json();
+  EXPECT_THAT(std::string(report["verdict"]), StartsWith("Bad/Zoo is not deterministic: it depends on random numbers"));
+  EXPECT_EQ(report["controllers"][0]["deterministic"], true);
+  EXPECT_EQ(report["controllers"][1]["deterministic"], false);
+  EXPECT_EQ(report["first"]["channel"], "/Bad/Zoo/output/joints");
+}
+
 TEST_F(AuditVerb, SaysWhichOfTwoCallsReachesACommand) {
   const nlohmann::json report = rehearse({"audit", scenario("steady_clock").string(), "--json"}).json();
   std::string filtered, counted;
