@@ -31,7 +31,7 @@ class Next {
 /// Begins the definition of a function that is exported under `name`. In C++ it has a name of its own, since the C
 /// library's headers declare theirs with attributes, and redirect some to others. What it stands for is next_name.
 #define REHEARSE_INTERPOSED(result, name, parameters)                                                   \
-  static ::rehearse::interposer::Next<result parameters> next_##name{#name};                            \
+  [[maybe_unused]] static ::rehearse::interposer::Next<result parameters> next_##name{#name};           \
   extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name); \
   extern "C" result interposed_##name parameters
 

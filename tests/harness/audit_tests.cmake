@@ -16,6 +16,7 @@ target_link_options(watched PRIVATE "LINKER:-rpath,${audit_libraries}/plugins")
 
 add_watched_library(instructions audit/libraries/instructions.cpp)
 add_watched_library(startup audit/libraries/startup.cpp)
+add_watched_library(starts_early audit/libraries/starts_early.cpp)
 add_watched_library(fast_math audit/libraries/plugin.cpp)
 target_link_options(fast_math PRIVATE -ffast-math)
 
@@ -30,4 +31,4 @@ rehearse_add_test(audit_tests LABEL unit
 target_include_directories(audit_tests PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)
 target_compile_definitions(audit_tests PRIVATE
   AUDIT_LIBRARIES="${audit_libraries}" WATCHED_PROCESS="$<TARGET_FILE:watched_process>")
-add_dependencies(audit_tests watched watched_plugin instructions startup fast_math watched_process rehearse_interposer)
+add_dependencies(audit_tests watched watched_plugin instructions starts_early startup fast_math watched_process rehearse_interposer)

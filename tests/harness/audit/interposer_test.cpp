@@ -38,6 +38,17 @@ TEST_F(Interposer, NamesTheLineThatReadsAClockThroughTheCppLibrary) {
   EXPECT_THAT(call.chain[0].module, HasSubstr("libstdc++"));
 }
 
+TEST_F(Interposer, SeesWhatIsCalledWhileTheLibraryIsLoaded) {
+  library_ = watched_library("starts_early");
+  const auto calls = run("since_loaded").calls_of("time");
+  ASSERT_EQ(calls.size(), 2u);
+  EXPECT_EQ(calls[0].phase, "load");
+  EXPECT_EQ(calls[0].first_tick, -1);
+  EXPECT_THAT(place_of(calls[0]), HasSubstr("(starts_early.cpp:6)"));
+  EXPECT_EQ(calls[1].phase, "control");
+  EXPECT_EQ(calls[1].count, 5);
+}
+
 TEST_F(Interposer, NamesTheInlinedFunctionThatCalled) {
   EXPECT_THAT(place_of(run("draw_inlined").call_of("rand")), StartsWith("inlined_draw() (watched.cpp:"));
 }

@@ -18,7 +18,9 @@
 
 namespace rehearse {
 
-inline std::string watched_library() { return AUDIT_LIBRARIES "/libwatched.so"; }
+inline std::string watched_library(const std::string& name = "watched") {
+  return AUDIT_LIBRARIES "/lib" + name + ".so";
+}
 
 struct WatchedRun {
   std::vector<double> values;  // returned, by tick
@@ -80,6 +82,7 @@ class WatchedTest : public ::testing::Test {
   }
 
   std::filesystem::path folder_;
+  std::string library_ = watched_library();
   int status_ = 0;  // of the last process
 
  private:
@@ -91,7 +94,7 @@ class WatchedTest : public ::testing::Test {
     EXPECT_TRUE(changes.ok()) << to_string(changes.errors());
     std::string command = "cd " + quoted(folder_.string()) + " && env";
     for (const auto& [name, value] : *changes) command += " " + quoted(name + "=" + value.value_or(""));
-    command += " " WATCHED_PROCESS " " + watched_library() + " " + function + " " + std::to_string(ticks) + " > output";
+    command += " " WATCHED_PROCESS " " + library_ + " " + function + " " + std::to_string(ticks) + " > output";
     status_ = std::system(("(" + command + ") 2> errors").c_str());
     return folder_ / "output";
   }
