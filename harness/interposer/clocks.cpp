@@ -34,7 +34,7 @@ ClockLead& lead_of(const Substitution& substitution) {
   if (lead.call == call.number) return lead;
   const double run = call.time * 1e3 * static_cast<double>(substitution.rate);  // s * ppm -> ns
   const ClockLead before = lead;
-  lead = {call.number, static_cast<int64_t>(run + 0.5), 0};
+  lead = {call.number, (static_cast<int64_t>(2.0 * run) + 1) / 2, 0};
   if (before.run + before.passed > lead.run) lead.passed = before.run + before.passed - lead.run;
   return lead;
 }

@@ -20,7 +20,7 @@ void remember_open_descriptors() {
   DIR* folder = opendir("/proc/self/fd");
   if (!folder) return;
   while (const dirent* entry = readdir(folder)) {
-    const int descriptor = atoi(entry->d_name);
+    const long descriptor = strtol(entry->d_name, nullptr, 10);
     if (entry->d_name[0] != '.' && descriptor < most_descriptors && descriptor != dirfd(folder))
       is_hosts[descriptor] = true;
   }

@@ -82,6 +82,8 @@ FILE* fopen_instead(const Caller& caller, const char* path, const char* mode) {
 
 }  // namespace
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
+
 // Their third or fourth parameter is there only if a file may be created. Passing it on when it isn't passes on what is
 // in its register, at which nobody looks.
 #define REHEARSE_OPENED(name, parameters, arguments, folder, reading)                              \
@@ -105,16 +107,17 @@ REHEARSE_OPENED(creat, (const char* path, unsigned mode), (path, mode), AT_FDCWD
 REHEARSE_OPENED(creat64, (const char* path, unsigned mode), (path, mode), AT_FDCWD, false)
 #undef REHEARSE_OPENED
 
-#define REHEARSE_OPENED(name, parameters, arguments)                                                     \
+#define REHEARSE_FILE_OPENED(name, parameters, arguments)                                                \
   REHEARSE_INTERPOSED(FILE*, name, parameters) {                                                         \
     if (!watching()) return next_##name.get() arguments;                                                 \
     const Caller caller = note_opening(#name, AT_FDCWD, path, reads(mode), __builtin_return_address(0)); \
     FILE* const instead = fopen_instead(caller, path, mode);                                             \
     return instead ? instead : next_##name.get() arguments;                                              \
   }
-REHEARSE_OPENED(fopen, (const char* path, const char* mode), (path, mode))
-REHEARSE_OPENED(fopen64, (const char* path, const char* mode), (path, mode))
-#undef REHEARSE_OPENED
+REHEARSE_FILE_OPENED(fopen, (const char* path, const char* mode), (path, mode))
+REHEARSE_FILE_OPENED(fopen64, (const char* path, const char* mode), (path, mode))
+#undef REHEARSE_FILE_OPENED
+// NOLINTEND(bugprone-macro-parentheses)
 
 REHEARSE_NOTED(file, FILE*, freopen, (const char* path, const char* mode, FILE* file), (path, mode, file), path)
 REHEARSE_NOTED(file, FILE*, freopen64, (const char* path, const char* mode, FILE* file), (path, mode, file), path)

@@ -35,6 +35,8 @@ class Next {
   extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name); \
   extern "C" result interposed_##name parameters
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
+
 /// A function that is noted and otherwise left alone. The call is the last thing it does, so that it is compiled to a
 /// jump: the real one sees its caller's return address.
 #define REHEARSE_NOTED(source, result, name, parameters, arguments, text)                                             \
@@ -43,3 +45,4 @@ class Next {
       ::rehearse::interposer::note(::rehearse::interposer::Source::source, #name, text, __builtin_return_address(0)); \
     return next_##name.get() arguments;                                                                               \
   }
+// NOLINTEND(bugprone-macro-parentheses)

@@ -1,5 +1,6 @@
 #include "settings.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,9 +18,9 @@ namespace {
 void unescape(const char* text, char* to, size_t size) {
   size_t length = 0;
   for (; *text && length + 1 < size; ++text) {
-    unsigned code = 0;
-    if (*text == '%' && sscanf(text + 1, "%2x", &code) == 1) {
-      to[length++] = static_cast<char>(code);
+    if (*text == '%' && isxdigit(text[1]) && isxdigit(text[2])) {
+      const char digits[] = {text[1], text[2], 0};
+      to[length++] = static_cast<char>(strtoul(digits, nullptr, 16));
       text += 2;
     } else {
       to[length++] = *text;

@@ -24,7 +24,7 @@ struct ThreadState {
   bool busy = false;        // in our own code: whatever it calls is nobody else's
   ClockLead lead[2];        // by layer: what happens at one place changes nothing for the others
 };
-extern __thread ThreadState thread_state;
+extern __thread ThreadState thread_state;  // NOLINT(bugprone-dynamic-static-initializers): it is constant
 
 inline bool watching() { return (thread_state.in_call || thread_state.own_thread) && !thread_state.busy; }
 

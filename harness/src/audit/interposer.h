@@ -70,7 +70,7 @@ bool is_interposed();
 /// left there.
 class StackFill {
  public:
-  static constexpr std::size_t depth = 64 * 1024;  // [bytes]
+  static constexpr std::size_t depth = 65536;  // [bytes]
   explicit StackFill(unsigned char pattern) : pattern_(pattern) {}
   void paint() const;
 

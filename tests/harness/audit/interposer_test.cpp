@@ -7,7 +7,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::EndsWith;
-using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;

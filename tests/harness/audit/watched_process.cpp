@@ -4,8 +4,8 @@
 #include <fcntl.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
+#include <string>
 
 #include "audit/interposer.h"
 
@@ -23,7 +23,7 @@ int main(int, char** arguments) {
     time(nullptr);  // the host's own calls are nobody's business
   }
   if (!function) return std::printf("%s\n", dlerror()), 1;
-  const int ticks = std::atoi(arguments[3]);
+  const int ticks = std::stoi(arguments[3]);
   for (int tick = 0; tick < ticks; ++tick) {
     double value = 0.0;
     {
