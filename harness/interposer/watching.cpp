@@ -145,16 +145,14 @@ void leave_environment() {
   }
 }
 
-void begin() {
-  static bool begun = false;
-  if (begun) return;
-  begun = true;
+/// Once, before the first controller.
+void look_around() {
+  static bool done = false;
+  if (done) return;
+  done = true;
   const Busy busy;
-  if (const char* text = getenv("REHEARSE_INTERPOSER")) read_settings(text, settings);
-  leave_environment();
   remember_loaded_libraries();
   remember_open_descriptors();
-  if (*settings.log) open_log(settings.log);
 }
 
 void copy(char* to, size_t size, const char* text) {
@@ -188,11 +186,21 @@ Caller note(Source source, const char* function, const char* argument, void* ret
 
 Digits::Digits(long long number) { snprintf(text, sizeof text, "%lld", number); }
 
+extern "C" __attribute__((visibility("default"))) void rehearse_interposer_begin() {
+  static bool begun = false;
+  if (begun) return;
+  begun = true;
+  const Busy busy;
+  if (const char* text = getenv("REHEARSE_INTERPOSER")) read_settings(text, settings);
+  leave_environment();
+  if (*settings.log) open_log(settings.log);
+}
+
 extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter(const char* controller,
                                                                                  const char* library,
                                                                                  const char* function, long long tick,
                                                                                  double time) {
-  begin();
+  look_around();
   copy(current_controller, sizeof current_controller, controller);
   copy(current_library, sizeof current_library, library);
   copy(current_phase, sizeof current_phase, function);

@@ -18,12 +18,13 @@ constexpr const char* library_name = "librehearse_interposer.so";
 constexpr const char* settings_variable = "REHEARSE_INTERPOSER";
 
 using Enter = void (*)(const char* controller, const char* library, const char* function, long long tick, double time);
-using Leave = void (*)();
+using Call = void (*)();
 
 /// What the interposer offers to its host; nulls if this process runs without it.
 struct Interposer {
+  Call begin = reinterpret_cast<Call>(dlsym(RTLD_DEFAULT, "rehearse_interposer_begin"));
   Enter enter = reinterpret_cast<Enter>(dlsym(RTLD_DEFAULT, "rehearse_interposer_enter"));
-  Leave leave = reinterpret_cast<Leave>(dlsym(RTLD_DEFAULT, "rehearse_interposer_leave"));
+  Call leave = reinterpret_cast<Call>(dlsym(RTLD_DEFAULT, "rehearse_interposer_leave"));
 };
 
 const Interposer& interposer() {
@@ -117,7 +118,9 @@ __attribute__((noinline, no_sanitize("address"))) void StackFill::paint() const 
   asm volatile("" : : "r"(below) : "memory");  // nobody reads it, but it is to be written
 }
 
-InterposerWatch::InterposerWatch(std::optional<StackFill> fill) : fill_(fill) {}
+InterposerWatch::InterposerWatch(std::optional<StackFill> fill) : fill_(fill) {
+  if (interposer().begin) interposer().begin();
+}
 
 void InterposerWatch::enter(const ControllerCall& call) {
   if (interposer().enter)

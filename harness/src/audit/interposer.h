@@ -79,7 +79,9 @@ class StackFill {
 };
 
 /// The watch to put into HostOptions::watch of a process under the interposer: tells it of each call, and paints the
-/// stack before each if there is a fill. In a process without the interposer it only paints.
+/// stack before each if there is a fill. In a process without the interposer it only paints. To be made before the
+/// first run: it takes the interposer's variables out of the environment, for neither controllers nor their programs to
+/// see.
 class InterposerWatch : public ControllerWatch {
  public:
   explicit InterposerWatch(std::optional<StackFill> fill = {});

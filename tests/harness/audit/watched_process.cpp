@@ -1,4 +1,4 @@
-// watched_process LIBRARY FUNCTION TICKS [RUNS]: calls a function of a library at each tick as a controller is called,
+// watched_process LIBRARY FUNCTION TICKS: calls a function of a library at each tick as a controller is called,
 // and prints what it returns, each bit of it.
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -92,10 +92,12 @@ class WatchedTest : public ::testing::Test {
   std::filesystem::path start(const std::string& function, int ticks, const InterposerSettings& settings) {
     const auto changes = interposer_environment(settings);
     EXPECT_TRUE(changes.ok()) << to_string(changes.errors());
-    std::string command = "cd " + quoted(folder_.string()) + " && env";
+    // the shell's own words on a process that died go where the process's do
+    std::string command =
+        "exec 2> " + quoted((folder_ / "errors").string()) + "; cd " + quoted(folder_.string()) + " && env";
     for (const auto& [name, value] : *changes) command += " " + quoted(name + "=" + value.value_or(""));
     command += " " WATCHED_PROCESS " " + library_ + " " + function + " " + std::to_string(ticks) + " > output";
-    status_ = std::system(("(" + command + ") 2> errors").c_str());
+    status_ = std::system(command.c_str());
     return folder_ / "output";
   }
 };
