@@ -148,6 +148,11 @@ REHEARSE_NOTED(file, int, mkstemp64, (char* path), (path), path)
 REHEARSE_NOTED(file, char*, mkdtemp, (char* path), (path), path)
 REHEARSE_NOTED(file, int, shm_open, (const char* name, int flags, mode_t mode), (name, flags, mode), name)
 
+REHEARSE_NOTED(file, int, mq_open, (const char* name, int flags, mode_t mode, void* attributes),
+               (name, flags, mode, attributes), name)
+REHEARSE_NOTED(file, int, shmget, (int key, size_t size, int flags), (key, size, flags), Digits(key))
+
+REHEARSE_NOTED(network, int, getifaddrs, (void** result), (result), "")
 REHEARSE_NOTED(network, int, socket, (int domain, int type, int protocol), (domain, type, protocol), "")
 REHEARSE_NOTED(network, int, connect, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")
 REHEARSE_NOTED(network, int, bind, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")

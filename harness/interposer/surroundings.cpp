@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/utsname.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "next.h"
@@ -59,11 +60,22 @@ REHEARSE_NOTED(environment, char*, getcwd, (char* to, size_t size), (to, size), 
 REHEARSE_NOTED(environment, int, sched_getcpu, (), (), "")
 REHEARSE_NOTED(environment, int, sched_getaffinity, (pid_t process, size_t size, void* set), (process, size, set), "")
 REHEARSE_NOTED(environment, int, get_nprocs, (), (), "")
+REHEARSE_NOTED(environment, int, sysinfo, (void* answer), (answer), "")
+REHEARSE_NOTED(environment, int, getloadavg, (double* to, int count), (to, count), "")
+REHEARSE_NOTED(environment, unsigned long, getauxval, (unsigned long type), (type),
+               Digits(static_cast<long long>(type)))
+REHEARSE_NOTED(environment, long, gethostid, (), (), "")
 REHEARSE_INTERPOSED(long, sysconf, (int name)) {
   if (watching() && name_of_query(name))
     note(Source::environment, "sysconf", name_of_query(name), __builtin_return_address(0));
   return next_sysconf.get()(name);
 }
+
+// They go by the variable TZ and by the system's file of the time zone.
+REHEARSE_NOTED(environment, tm*, localtime, (const time_t* time), (time), "TZ")
+REHEARSE_NOTED(environment, tm*, localtime_r, (const time_t* time, tm* to), (time, to), "TZ")
+REHEARSE_NOTED(environment, time_t, mktime, (tm * time), (time), "TZ")
+REHEARSE_NOTED(environment, void, tzset, (), (), "TZ")
 
 REHEARSE_INTERPOSED(char*, setlocale, (int category, const char* name)) {
   if (watching()) {

@@ -17,26 +17,22 @@ constexpr Group functions[] = {
      "setitimer sleep time timer_create timerfd_create times timespec_get usleep "},
     {Source::random,
      " arc4random arc4random_buf arc4random_uniform drand48 getentropy getrandom initstate lcong48 lrand48 mrand48 "
-     "rand random seed48 srand "
-     "srand48 srandom "},
+     "rand random seed48 srand srand48 srandom "},
     {Source::thread,
      " clone execv execve execvp fork popen posix_spawn posix_spawnp pthread_create system thrd_create vfork "},
     {Source::file,
      " __open64_2 __open_2 __openat64_2 __openat_2 access creat creat64 fopen fopen64 freopen freopen64 fstatat "
-     "fstatat64 lstat lstat64 "
-     "mkdir mkdtemp mkstemp mkstemp64 open open64 openat openat64 opendir readlink realpath remove rename rmdir "
-     "shm_open "
-     "stat stat64 statx tmpfile tmpfile64 truncate unlink "},
-    {Source::network, " bind connect getaddrinfo gethostbyname socket "},
+     "fstatat64 lstat lstat64 mkdir mkdtemp mkstemp mkstemp64 mq_open open open64 openat openat64 opendir readlink "
+     "realpath remove rename rmdir shm_open shmget stat stat64 statx tmpfile tmpfile64 truncate unlink "},
+    {Source::network, " bind connect getaddrinfo gethostbyname getifaddrs socket "},
     {Source::environment,
-     " clearenv environ get_nprocs getcwd getenv gethostname getlogin getpid getppid getpwuid gettid getuid geteuid "
-     "putenv "
-     "sched_getaffinity sched_getcpu secure_getenv setenv sysconf uname unsetenv "},
+     " clearenv environ get_nprocs getauxval getcwd getenv geteuid gethostid gethostname getloadavg getlogin "
+     "getpid getppid getpwuid gettid getuid localtime localtime_r mktime putenv sched_getaffinity sched_getcpu "
+     "secure_getenv setenv sysconf sysinfo tzset uname unsetenv "},
     {Source::locale, " __newlocale localeconv newlocale setlocale uselocale "},
     {Source::process,
      " _Exit _exit abort chdir close_range closefrom dlopen exit fchdir kill pthread_sigmask quick_exit raise "
-     "sigaction "
-     "signal sigprocmask syscall umask "},
+     "sigaction signal sigprocmask syscall umask "},
 };
 
 /// Of the C++ library: by how the mangled name begins, since one thing has many members.

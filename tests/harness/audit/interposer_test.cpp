@@ -107,6 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Expected{"run_a_program", Source::thread, "system(exit 3)"},
                       Expected{"write_a_file", Source::file, "fopen(written.txt)"},
                       Expected{"ask_for_home", Source::environment, "getenv(HOME)"},
+                      Expected{"ask_for_the_hour", Source::environment, "localtime(TZ)"},
                       Expected{"ask_for_process", Source::environment, "getpid()"},
                       Expected{"take_users_locale", Source::locale, "newlocale(C.UTF-8)"},
                       Expected{"set_the_locale", Source::locale, "setlocale(LC_ALL, \"C\")"},
