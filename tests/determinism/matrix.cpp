@@ -142,12 +142,14 @@ Result<void> Matrix::record(const Row& row, const fs::path& folder) const {
 /// What the process told of itself, which is checked: a row that isn't what it says shows nothing.
 Result<std::string> Matrix::made_by(const Row& row, const fs::path& folder) const {
   std::ifstream stream(folder / "made_by.txt");
-  std::string processor, compiler, pinned;
-  std::getline(stream, processor) && std::getline(stream, compiler) && std::getline(stream, pinned);
+  std::string processor, compiler, pinned, memory;
+  for (std::string* line : {&processor, &compiler, &pinned, &memory}) std::getline(stream, *line);
   if (processor.find(row.processor) == std::string::npos)
     return error(fmt::format("'{}' was made by {}", row.name, processor));
   const bool should_be_pinned = row.pins_itself || row.surroundings.variables.at("GLIBC_TUNABLES").has_value();
   if ((pinned == "pinned") != should_be_pinned) return error(fmt::format("'{}' was made {}", row.name, pinned));
+  if (!row.memory.empty() && memory != row.memory)
+    return error(fmt::format("'{}' was made with memory full of {}", row.name, memory));
   return processor + "; " + compiler;
 }
 
@@ -174,7 +176,7 @@ Result<void> Matrix::prepare() {
 
 Outcome Matrix::reference() const {
   Outcome outcome;
-  outcome.made_by = fmt::format("{} goldens, {} plain runs", goldens(), scenarios() - goldens());
+  outcome.made_by = fmt::format("goldens: {}, plain runs: {}", goldens(), scenarios() - goldens());
   std::uint64_t hash = 0;
   for (const Reference& reference : references_) hash = hash * 0x9e3779b97f4a7c15u + reference.content.hash();
   outcome.hash = hash;

@@ -34,10 +34,11 @@ Row with(std::string name, const std::map<std::string, std::string>& variables, 
 
 /// The C library keeps small pieces of memory in a cache of its own, past which MALLOC_PERTURB_ does not see.
 Row with_memory_full_of(int byte) {
-  Row made =
-      with(fmt::format("fresh memory full of {:#04x}", byte),
-           {{"MALLOC_PERTURB_", std::to_string(byte ^ 0xff)}, {"GLIBC_TUNABLES", "glibc.malloc.tcache_count=0"}});
+  const std::string text = fmt::format("{:#04x}", byte);
+  Row made = with("fresh memory full of " + text, {{"MALLOC_PERTURB_", std::to_string(byte ^ 0xff)},
+                                                   {"GLIBC_TUNABLES", "glibc.malloc.tcache_count=0"}});
   made.same_file = false;  // it tells of the tunable
+  made.memory = text;
   return made;
 }
 

@@ -28,6 +28,7 @@ struct Row {
   bool nudged = false;          // from a place that is off by a last bit
   bool has_to_differ = false;   // a control
   std::string processor;        // a word in the name of the emulated one; empty: this machine's
+  std::string memory;           // what fresh memory is full of, as 0x55; empty: of anything
   std::filesystem::path build;  // the folder of the build that makes it; empty: this one
   std::string impossible;       // why it can't be made here; empty: it can
 };

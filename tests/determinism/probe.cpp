@@ -1,7 +1,8 @@
 // Runs scenarios of the fixtures in a process of its own:
 //   determinism_probe record FOLDER SECONDS [--not-pinned] [--beside] [--nudge] SCENARIO...
 //     records each, one after the other, its first SECONDS (or "all"), as FOLDER/<name>.mcap; a name that is there
-//     twice is recorded twice, and the later one counts. FOLDER/made_by.txt then tells the processor and the compiler.
+//     twice is recorded twice, and the later one counts. FOLDER/made_by.txt then tells the processor, the compiler,
+//     whether the process is pinned, and what fresh memory is full of.
 //     --not-pinned: as the environment has it. --beside: tick by tick in turns with the scenario behind it, which is
 //     not kept. --nudge: from a place that is off by a last bit.
 //   determinism_probe go-on SCENARIO SOLVER TRACE RECORDING TICK
@@ -16,6 +17,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -51,6 +53,19 @@ std::string processor() {
   return std::string(text.substr(0, text.find_last_not_of(' ') + 1));
 }
 
+/// A byte of what malloc gives where something else was written before, in hexadecimal.
+std::string fresh_memory() {
+  constexpr std::size_t size = 40, place = 30;  // behind the lists of free pieces, which stand at the beginning
+  void* (*volatile allocate)(std::size_t) = std::malloc;  // or the compiler sees that it reads what nobody wrote
+  auto* used = static_cast<volatile unsigned char*>(allocate(size));
+  used[place] = 0x77;
+  std::free(const_cast<unsigned char*>(used));
+  auto* fresh = static_cast<volatile unsigned char*>(allocate(size));
+  const unsigned found = fresh[place];
+  std::free(const_cast<unsigned char*>(fresh));
+  return fmt::format("{:#04x}", found);
+}
+
 std::string made_by() {
 #if defined(__clang__)
   const std::string compiler = fmt::format("clang {}.{}", __clang_major__, __clang_minor__);
@@ -62,7 +77,8 @@ std::string made_by() {
 #else
   const char* how = "not optimised";
 #endif
-  return fmt::format("{}\n{}, {}\n{}", processor(), compiler, how, is_pinned() ? "pinned" : "not pinned");
+  return fmt::format("{}\n{}, {}\n{}\n{}", processor(), compiler, how, is_pinned() ? "pinned" : "not pinned",
+                     fresh_memory());
 }
 
 template <class Number>
