@@ -13,6 +13,7 @@ rehearse_add_library(harness
   src/controller_library.cpp
   src/device_recorder.cpp
   src/divergence.cpp
+  src/float_mode.cpp
   src/guarded_call.cpp
   src/hashing.cpp
   src/host_joystick.cpp
@@ -21,6 +22,8 @@ rehearse_add_library(harness
   src/mesh_digests.cpp
   src/output_record.cpp
   src/pin.cpp
+  src/process_guard.cpp
+  src/process_tripwires.cpp
   src/provenance.cpp
   src/recorded_inputs.cpp
   src/recorded_outputs.cpp

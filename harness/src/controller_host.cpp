@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "cnoid_body.h"
 #include "controller_watch.h"
-#include "guarded_call.h"
 #include "hashing.h"
 #include "info_text.h"
 #include "usable_outputs.h"
@@ -140,6 +140,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   if (!loaded) return at(specification.place, loaded.errors()[0]);
   hosted.library = *loaded;
   if (options_.keep_libraries) hosted.library->keep_loaded();
+  for (const std::string& remark : hosted.library->remarks()) event(Severity::warning, hosted.label, remark);
   libraries_.push_back(*loaded);
   try {
     hosted.io->options();
@@ -167,18 +168,29 @@ void ControllerHost::collect_messages(HostedController& hosted) {
   for (std::string& line : hosted.io->take_messages()) event(Severity::note, hosted.label, std::move(line));
 }
 
-bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code) {
+/// What a call did to the process, each kind once for each controller.
+void ControllerHost::tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome) {
+  std::vector<Trespass> trespasses = ProcessGuard::instance().put_right();
+  if (outcome.changed_float_mode)
+    trespasses.push_back(
+        {Trespass::Kind::float_mode,
+         fmt::format("left another floating-point mode behind ({}); it was set back{}", describe(outcome.float_mode),
+                     is_fast_math(outcome.float_mode) ? " (is it built with -ffast-math?)" : "")});
+  for (const Trespass& trespass : trespasses)
+    if (hosted.trespasses.insert(trespass.kind).second)
+      event(Severity::warning, hosted.label, fmt::format("{}() at tick {} {}", function, tick_, trespass.deed));
+}
+
+bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code,
+                          HowOften how_often) {
   const PluggedIn plugged_in(hosted.joystick.get());
+  ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
   const CallOutcome outcome = [&] {
     const Watched watched(
         options_.watch, {hosted.label, hosted.library->file(), function, tick_, time_of(tick_, scenario_->time_step)});
     return guarded_call(code, options_.call_limit);
   }();
-  if (outcome.changed_float_mode)
-    event(Severity::warning, hosted.label,
-          fmt::format("{}() left another floating-point mode behind; it was set back (is the controller built with "
-                      "-ffast-math?)",
-                      function));
+  tell_trespasses(hosted, function, outcome);
   if (outcome.end == CallEnd::returned) {
     collect_messages(hosted);
     return true;
@@ -316,7 +328,9 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     const BodyObservation& body = seen.bodies[hosted.body];
     const double delivered_at = time_of(tick - 1, scenario_->time_step);
     if (hosted.parent < 0 && hosted.io_body && hosted.io_body->hears(body) &&
-        !call(hosted, "a slot of sigStateChanged", [&] { hosted.io_body->input_devices(body, delivered_at); }))
+        !call(
+            hosted, "a slot of sigStateChanged", [&] { hosted.io_body->input_devices(body, delivered_at); },
+            HowOften::in_ticks))
       return false;
     hosted.io->set_time(now);
     hosted.has_input = hosted.running;
@@ -324,7 +338,9 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   }
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;
-    if (!call(hosted, "control", [&] { hosted.result = hosted.controller->control(); })) return false;
+    if (!call(
+            hosted, "control", [&] { hosted.result = hosted.controller->control(); }, HowOften::in_ticks))
+      return false;
     hosted.io->output();
     hosted.has_output = true;
   }
@@ -353,7 +369,8 @@ bool ControllerHost::pass_infos() {
       event(Severity::note, hosted.label, fmt::format("info of device '{}': {}", device, text_of(changed.info)));
       for (HostedController& other : controllers_)
         if (other.parent < 0 && &other != &hosted && other.body == hosted.body && other.io_body &&
-            !call(other, "a slot of sigInfoChanged", [&] { other.io_body->input_info(changed); }))
+            !call(
+                other, "a slot of sigInfoChanged", [&] { other.io_body->input_info(changed); }, HowOften::in_ticks))
           return false;
     }
   }
@@ -429,6 +446,22 @@ void ControllerHost::stop() {
     if (hosted.configured) call(hosted, "unconfigure", [&] { hosted.controller->unconfigure(); });
   for (HostedController& hosted : controllers_)
     if (hosted.controller) call(hosted, "~SimpleController", [&] { hosted.controller.reset(); });
+  keep_libraries_of_threads();
+}
+
+/// The code of a thread that still runs may not be unloaded.
+void ControllerHost::keep_libraries_of_threads() {
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.library) continue;  // it couldn't be loaded
+    const std::atomic<int>& running = *hosted.library->threads();
+    for (int i = 0; i < 50 && running > 0; ++i) usleep(1000);  // one that was told to end may need a moment
+    if (running == 0) continue;
+    hosted.library->keep_loaded();
+    event(Severity::warning, hosted.label,
+          fmt::format("leaves {} running after stop(): {} stays loaded",
+                      running == 1 ? "a thread" : fmt::format("{} threads", running.load()),
+                      hosted.library->file().filename().string()));
+  }
 }
 
 std::uint64_t ControllerHost::input_hash(const Observation& seen) const {

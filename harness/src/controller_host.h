@@ -15,12 +15,15 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "controller_io.h"
 #include "controller_library.h"
+#include "guarded_call.h"
 #include "host_joystick.h"
+#include "process_guard.h"
 
 namespace rehearse {
 
@@ -42,6 +45,7 @@ struct HostedController {
   bool result = false;                       // what control() returned
   std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
+  std::set<Trespass::Kind> trespasses;       // of which one was told
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };
 
@@ -88,7 +92,11 @@ class ControllerHost {
  private:
   ControllerHost() = default;
   Result<void> add(const ScenarioController& specification, int body, int parent);
-  bool call(HostedController& hosted, const char* function, const std::function<void()>& code);
+  enum class HowOften { once, in_ticks };  // what may be looked at around it: all of the process, or what costs nothing
+  bool call(HostedController& hosted, const char* function, const std::function<void()>& code,
+            HowOften how_often = HowOften::once);
+  void tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome);
+  void keep_libraries_of_threads();
   void refuse(HostedController& hosted, const char* function);
   void show_joystick(const Observation& seen);
   void event(Severity severity, const std::string& source, std::string text);

@@ -4,10 +4,12 @@
 
 #include <cxxabi.h>
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <string_view>
 #include <vector>
 
@@ -60,6 +62,23 @@ std::string hash_of_file(const fs::path& file) {
   return hash_text(hash_bytes(bytes.data(), bytes.size()));
 }
 
+/// What the library did while it was loaded. One that is in memory already does nothing any more; then it is what it
+/// did the first time, so that a run in a process says the same whatever ran before it.
+std::vector<std::string> remarks_on_loading(const std::string& name, const std::string& content_hash,
+                                            const CallOutcome& outcome) {
+  static auto& told = *new std::map<std::string, std::vector<std::string>>;
+  std::vector<std::string> remarks;
+  if (outcome.changed_float_mode)
+    remarks.push_back(fmt::format("{} switches the whole process to {} when it is loaded{}; it was set back", name,
+                                  describe(outcome.float_mode),
+                                  is_fast_math(outcome.float_mode) ? ": it was linked with -ffast-math" : ""));
+  for (const Trespass& trespass : ProcessGuard::instance().put_right())
+    remarks.push_back(fmt::format("{}, while it was loaded, {}", name, trespass.deed));
+  if (!remarks.empty()) told[content_hash] = remarks;
+  const auto before = told.find(content_hash);
+  return before == told.end() ? remarks : before->second;
+}
+
 }  // namespace
 
 fs::path own_library_folder() {
@@ -93,9 +112,11 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
 Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, double call_limit) {
   std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
   library->file_ = file;
+  library->call_limit_ = call_limit;
   library->content_hash_ = hash_of_file(file);
   std::string problem;
   // its static objects are constructed in here: code of the library's author
+  ProcessGuard::instance().begin(library->threads_, true);
   const CallOutcome outcome = guarded_call(
       [&] {
         library->handle_ = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -103,6 +124,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
       },
       call_limit);
   const std::string name = "controller library '" + file.filename().string() + "'";
+  library->remarks_ = remarks_on_loading(name, library->content_hash_, outcome);
   if (outcome.end != CallEnd::returned) {
     library->keep_loaded();
     return error(name + " failed while it was loaded: it " + outcome.what);
@@ -127,7 +149,14 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
 }
 
 ControllerLibrary::~ControllerLibrary() {
-  if (handle_ && !keep_loaded_) dlclose(handle_);
+  if (!handle_ || keep_loaded_) return;
+  // its static objects are destroyed in here, when nobody listens any more: what they do is put right all the same
+  ProcessGuard::instance().begin(threads_, true);
+  const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
+  ProcessGuard::instance().put_right();
+  if (outcome.end != CallEnd::returned)
+    fmt::print(stderr, "warning: controller library '{}' failed while it was unloaded: it {}\n",
+               file_.filename().string(), outcome.what);
 }
 
 }  // namespace rehearse

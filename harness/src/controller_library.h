@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "process_guard.h"
 
 namespace cnoid {
 class SimpleController;
@@ -37,6 +40,10 @@ class ControllerLibrary {
   const std::filesystem::path& file() const { return file_; }
   /// 16 hexadecimal digits (XXH3) of the file's bytes.
   const std::string& content_hash() const { return content_hash_; }
+  /// What it did to the process while it was loaded, and what was done about that.
+  const std::vector<std::string>& remarks() const { return remarks_; }
+  /// How many threads its code has started that still run.
+  const ThreadCount& threads() const { return threads_; }
   /// Leaves the library in memory for good: its code crashed or never returned, and may not be unloaded.
   void keep_loaded() { keep_loaded_ = true; }
 
@@ -45,9 +52,12 @@ class ControllerLibrary {
   using Factory = cnoid::SimpleController* (*)();
   std::filesystem::path file_;
   std::string content_hash_;
+  double call_limit_ = 0.0;  // [s]
   void* handle_ = nullptr;
   Factory factory_ = nullptr;
   bool keep_loaded_ = false;
+  std::vector<std::string> remarks_;
+  ThreadCount threads_ = std::make_shared<std::atomic<int>>(0);
 };
 
 }  // namespace rehearse

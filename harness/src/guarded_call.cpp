@@ -6,12 +6,13 @@
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
 #include <signal.h>
-#include <xmmintrin.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <typeinfo>
@@ -22,15 +23,18 @@ namespace {
 
 constexpr int caught_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 constexpr int hang_signal = SIGXCPU;  // sent by the watchdog; nobody else sends it unless a CPU limit is set
+constexpr int exit_instead = -1;      // at the return point, in the place of a signal
 constexpr std::size_t signal_stack_size = 64 * 1024;
 
 sigjmp_buf return_point;
 volatile sig_atomic_t guarding = 0;
 pthread_t guarded_thread;
+const char* exit_function = nullptr;  // how the code of the last call wanted to end the process
+int exit_status = 0;
 struct sigaction outside_actions[NSIG];  // as they were before ours
 
 extern "C" void leave_guarded_code(int signal_number) {
-  if (guarding && pthread_equal(pthread_self(), guarded_thread)) {
+  if (in_guarded_call()) {
     guarding = 0;
     siglongjmp(return_point, signal_number);
   }
@@ -159,12 +163,15 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 
 }  // namespace
 
+void prepare_guarded_calls() { install_handlers(); }
+
 CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
   install_handlers();
   provide_signal_stack();
   guarded_thread = pthread_self();
-  const unsigned int float_mode = _mm_getcsr();
+  const FloatMode standard, mode_before = float_mode();
+  if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
   Watchdog::instance().begin(limit);
   const int signal_number = sigsetjmp(return_point, 0);
@@ -173,17 +180,36 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
     run_catching(code, outcome);
     guarding = 0;
   } else {
-    outcome.end = signal_number == hang_signal ? CallEnd::hung : CallEnd::crashed;
+    outcome.end = signal_number == exit_instead  ? CallEnd::exited
+                  : signal_number == hang_signal ? CallEnd::hung
+                                                 : CallEnd::crashed;
   }
   Watchdog::instance().end();
-  constexpr unsigned int exception_flags = 0x3f;  // sticky "inexact" and the like: not a mode
-  outcome.changed_float_mode = (_mm_getcsr() & ~exception_flags) != (float_mode & ~exception_flags);
-  if (outcome.changed_float_mode) _mm_setcsr(float_mode);
+  outcome.float_mode = float_mode();
+  outcome.changed_float_mode = !(outcome.float_mode == standard);
+  if (!(outcome.float_mode == mode_before)) set_float_mode(mode_before);
   if (outcome.end == CallEnd::hung)
     outcome.what = fmt::format("did not return within {} s", limit);
   else if (outcome.end == CallEnd::crashed)
     outcome.what = describe_signal(signal_number);
+  else if (outcome.end == CallEnd::exited)
+    outcome.what = fmt::format("called {}({})", exit_function, exit_status);
   return outcome;
+}
+
+bool in_guarded_call() { return guarding && pthread_equal(pthread_self(), guarded_thread); }
+
+bool ends_calls(int signal_number) {
+  return signal_number == hang_signal ||
+         std::find(std::begin(caught_signals), std::end(caught_signals), signal_number) != std::end(caught_signals);
+}
+
+void leave_guarded_call(const char* function, int status) {
+  REHEARSE_ASSERT(in_guarded_call(), "there is a call to leave");
+  exit_function = function;
+  exit_status = status;
+  guarding = 0;
+  siglongjmp(return_point, exit_instead);
 }
 
 }  // namespace rehearse

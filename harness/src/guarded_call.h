@@ -1,14 +1,16 @@
 // guarded_call: runs a piece of somebody else's code, and comes back whatever it does.
 //
 // A controller may throw, access a null pointer, call abort, overflow its stack or never return. In each case the call
-// ends and says so, and the process goes on: it must still close its trace. Signals are caught on a stack of their own
-// and left by siglongjmp, so the interrupted code's destructors don't run, and what it held (memory, locks) stays held:
-// after a crash or a hang no further code of that controller may be called. The calls of one process are made by one
-// thread.
+// ends and says so, and the process goes on: it must still close its trace. exit is caught likewise, where it finds
+// ours (process_tripwires.cpp). Signals are caught on a stack of their own and left by siglongjmp, so the interrupted
+// code's destructors don't run, and what it held (memory, locks) stays held: after a crash or a hang no further code of
+// that controller may be called. The calls of one process are made by one thread.
 #pragma once
 
 #include <functional>
 #include <string>
+
+#include "float_mode.h"
 
 namespace rehearse {
 
@@ -17,15 +19,29 @@ enum class CallEnd {
   threw,    // an exception left it
   crashed,  // a signal: segmentation fault, abort, ...
   hung,     // it did not return within the limit
+  exited,   // it called exit, _exit or quick_exit
 };
 
 struct CallOutcome {
   CallEnd end = CallEnd::returned;
   std::string what;                 // for a person: "threw std::runtime_error: no gait"; empty if it returned
-  bool changed_float_mode = false;  // it left another rounding mode or flush-to-zero behind; it has been set back
+  FloatMode float_mode;             // that it left behind; what was before the call has been set again
+  bool changed_float_mode = false;  // it isn't the standard one
 };
 
-/// Runs `code`, at most `limit` seconds of wall time [s].
+/// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s].
 CallOutcome guarded_call(const std::function<void()>& code, double limit);
+
+/// Installs the signal handlers that end calls. The first guarded_call() does so at the latest.
+void prepare_guarded_calls();
+
+/// This is the thread that makes the guarded calls, and it is inside of one.
+bool in_guarded_call();
+
+/// Ends the guarded call that this is called in, as if the code had ended the process by `function`.
+[[noreturn]] void leave_guarded_call(const char* function, int status);
+
+/// A signal by which a call that crashes or hangs is ended. It has to reach us, whatever the code says of signals.
+bool ends_calls(int signal_number);
 
 }  // namespace rehearse

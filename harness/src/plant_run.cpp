@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "checkpoint_trial.h"
+#include "float_mode.h"
 #include "plant.h"
 #include "provenance.h"
 #include "recorded_commands.h"
@@ -160,6 +161,7 @@ Result<bool> PlantRun::step(std::int64_t last) {
 
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options) {
+  const StandardFloatMode float_mode;
   auto commands = RecordedCommands::find(scenario, recording);
   if (!commands) return commands.errors();
   auto plant = options.noise_of ? Plant::create(scenario, *options.noise_of) : Plant::create(scenario);

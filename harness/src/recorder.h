@@ -59,6 +59,8 @@ class Recorder {
   Result<void> close(const mcap::StringMap& outcome);
 
   const RecordingSize& size() const;
+  /// Of the open file.
+  int descriptor() const;
 
  private:
   struct Impl;

@@ -12,6 +12,7 @@
 
 #include "audit/virtualised.h"
 #include "controller_host.h"
+#include "float_mode.h"
 #include "output_record.h"
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
@@ -269,6 +270,7 @@ void Replayer::take_events() { append_remarks(host_.take_events(), report_.remar
 }  // namespace
 
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
+  const StandardFloatMode float_mode;
   auto reader = mcap::Reader::open(trace);
   if (!reader) return reader.errors();
   if (!(*reader)->damage().empty()) return (*reader)->damage();
@@ -276,7 +278,10 @@ Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOpti
   if (!scenario) return scenario.errors();
   auto host = ControllerHost::create(*scenario, options);
   if (!host) return host.errors();
-  return Replayer(options, *scenario, **reader, **host).run();
+  auto report = Replayer(options, *scenario, **reader, **host).run();
+  if (report)
+    for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
+  return report;
 }
 
 }  // namespace rehearse

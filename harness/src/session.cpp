@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <rehearse/clock.h>
 #include <rehearse/session.h>
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 
 #include "checkpoint_trial.h"
 #include "controller_host.h"
+#include "float_mode.h"
 #include "plant.h"
+#include "process_guard.h"
 #include "provenance.h"
 #include "recorder.h"
 
@@ -19,6 +22,7 @@ struct Session::Impl {
   std::unique_ptr<Plant> plant;
   std::unique_ptr<ControllerHost> host;
   std::unique_ptr<Recorder> recorder;
+  std::optional<ProtectedDescriptor> descriptor;  // the recorder's
   std::filesystem::path file;
   Command command;
   std::int64_t checkpoint_interval = 0;  // [ticks]; 0: none
@@ -27,6 +31,8 @@ struct Session::Impl {
 
   explicit Impl(const Scenario& of) : scenario(of), trial(of) {}
   Result<void> save_checkpoint();
+  Result<void> record_tick(std::int64_t tick);
+  Diagnostics stopped_recording(Diagnostics errors) const;
   Result<void> record_events();
   Result<void> record_remarks();
 };
@@ -37,7 +43,9 @@ std::int64_t Session::tick() const { return impl_->plant->tick(); }
 
 Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const std::filesystem::path& trace,
                                                  const RecordOptions& options) {
+  const StandardFloatMode float_mode;
   auto impl = std::make_unique<Impl>(scenario);
+  impl->summary.remarks = float_mode.remarks();
   auto plant = Plant::create(scenario);
   if (!plant) return plant.errors();
   impl->plant = std::move(*plant);
@@ -49,6 +57,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
                                               impl->plant->renderer_description()));
   if (!recorder) return recorder.errors();
   impl->recorder = std::move(*recorder);
+  impl->descriptor.emplace(impl->recorder->descriptor(), "the recording");
   impl->file = trace;
   if (options.nudge) impl->plant->world().nudge(*options.nudge);
   if (options.checkpoint_period > 0.0)
@@ -89,20 +98,17 @@ Result<void> Session::Impl::save_checkpoint() {
 }
 
 Result<bool> Session::step() {
+  const StandardFloatMode float_mode;
   Impl& run = *impl_;
   Plant& plant = *run.plant;
   const std::int64_t tick = plant.tick();
   if (tick >= run.scenario.ticks() || run.host->failure() || run.summary.failure) return false;
 
   plant.sense();
-  if (auto done = run.save_checkpoint(); !done) return done.errors();
+  if (auto done = run.save_checkpoint(); !done) return run.stopped_recording(done.errors());
   const bool alive = run.host->control(tick, plant.read());  // input, control, output of each controller
   run.host->output(ControllerHost::Timing::same_step, run.command);
-  if (auto done = run.recorder->record_state(tick, plant.seen(), plant.read()); !done) return done.errors();
-  if (auto done = run.recorder->record_contacts(tick, plant.world().touching()); !done) return done.errors();
-  const TickHashes hashes{plant.world().state_hash(), run.host->input_hash(plant.read()), run.host->output_hash()};
-  if (auto done = run.recorder->record_tick(tick, run.host.get(), hashes); !done) return done.errors();
-  if (auto done = run.record_events(); !done) return done.errors();
+  if (auto done = run.record_tick(tick); !done) return run.stopped_recording(done.errors());
   if (!alive) return false;
 
   run.trial.step(run.command);
@@ -117,6 +123,24 @@ Result<bool> Session::step() {
   return true;
 }
 
+Result<void> Session::Impl::record_tick(std::int64_t tick) {
+  if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done;
+  if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done) return done;
+  const TickHashes hashes{plant->world().state_hash(), host->input_hash(plant->read()), host->output_hash()};
+  if (auto done = recorder->record_tick(tick, host.get(), hashes); !done) return done;
+  return record_events();
+}
+
+/// A disk that is full, or a file that somebody closed: when, and who ran.
+Diagnostics Session::Impl::stopped_recording(Diagnostics errors) const {
+  std::string labels;
+  for (const HostedController& hosted : host->controllers()) labels += (labels.empty() ? "" : ", ") + hosted.label;
+  errors.push_back(
+      error(fmt::format("the recording ends: noticed at tick {} ({} s), under {}", plant->tick(),
+                        time_of(plant->tick(), scenario.time_step), labels.empty() ? "no controller" : labels)));
+  return errors;
+}
+
 Result<void> Session::Impl::record_events() {
   const std::vector<msg::Event> events = host->take_events();
   append_remarks(events, summary.remarks);
@@ -124,6 +148,7 @@ Result<void> Session::Impl::record_events() {
 }
 
 Result<RunSummary> Session::finish() {
+  const StandardFloatMode float_mode;
   Impl& run = *impl_;
   const std::int64_t tick = run.plant->tick();
   run.host->stop();
@@ -141,6 +166,7 @@ Result<RunSummary> Session::finish() {
   mcap::StringMap outcome{{"ticks", std::to_string(size.ticks)}, {"complete", run.summary.failure ? "false" : "true"}};
   if (run.summary.failure) outcome["failure"] = run.summary.failure->message;
   outcome["checkpoints"] = run.checkpoint_interval > 0 ? run.trial.verdict() : "none";
+  run.descriptor.reset();
   if (auto done = run.recorder->close(outcome); !done) return done.errors();
   run.summary.ticks = size.ticks;
   run.summary.channels = size.channels;

@@ -23,6 +23,7 @@ rehearse_add_test(session_tests LABEL sim
     session/noise_test.cpp
     session/partial_acceptance_test.cpp
     session/plant_test.cpp
+    session/process_guard_test.cpp
     session/range_sensors_test.cpp
     session/recording_test.cpp
     session/replay_test.cpp
@@ -35,8 +36,13 @@ target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_contro
 
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp
-  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp)
+  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/trespasses.cpp)
+find_package(Threads REQUIRED)
+target_link_libraries(Behaviours PRIVATE Threads::Threads)
 target_link_libraries(Behaviours PRIVATE rehearse_flags)
 add_test_controller(HingePd controllers/HingePd.cpp)
 add_test_controller(HingePdChanged controllers/HingePd.cpp)
 target_compile_definitions(HingePdChanged PRIVATE CHANGED_FROM_TICK=70)
+add_test_controller(LoadsBadly controllers/LoadsBadly.cpp)
+add_test_controller(FastMath controllers/FastMath.cpp)
+target_link_libraries(FastMath PRIVATE $<1:-ffast-math>)  # on purpose: not to be warned of

@@ -86,6 +86,17 @@ TEST_F(FailingController, ThatThrowsEndsTheRun) {
 }
 TEST_F(FailingController, ThatFollowsANullPointerEndsTheRun) { expect_failure("crash", "crashed: segmentation fault"); }
 TEST_F(FailingController, ThatAbortsEndsTheRun) { expect_failure("abort", "crashed: it called abort"); }
+TEST_F(FailingController, ThatExitsEndsTheRun) { expect_failure("exit", "called exit\\(0\\)"); }
+TEST_F(FailingController, ThatClosesAllFilesIsToldAndTheRunGoesOn) {
+  const Outcome outcome = record("close 12");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(
+      outcome.err,
+      "warning: Pendulum/Swing: control() at tick 12 closed file descriptors that are not its own (stderr, stdout, "
+      "the recording); they were kept open\n");
+  EXPECT_THAT(outcome.out, HasSubstr("\n50 ticks, "));
+  EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
+}
 TEST_F(FailingController, ThatOverflowsItsStackEndsTheRun) {
   expect_failure("overflow", "crashed: segmentation fault");
 }

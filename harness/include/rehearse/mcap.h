@@ -158,6 +158,9 @@ class Writer {
   /// returns what the first did.
   Result<void> close();
 
+  /// The number under which the file is open, until close().
+  int descriptor() const;
+
  private:
   class Impl;
   explicit Writer(std::unique_ptr<Impl> impl);

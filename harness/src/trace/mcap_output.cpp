@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
@@ -25,14 +26,29 @@ std::thread start_quiet_thread(Function function) {
   return thread;
 }
 
+/// Device and inode; of what isn't open none.
+std::pair<std::uint64_t, std::uint64_t> identity_of(int file) {
+  struct stat status {};
+  if (::fstat(file, &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
+}
+
 }  // namespace
 
 Output::Output(int file, std::string name, const WriterOptions& options)
     : file_(file),
+      device_(identity_of(file).first),
+      inode_(identity_of(file).second),
       name_(std::move(name)),
       queue_length_(std::max<std::size_t>(1, options.queue_length)),
       compressor_(options.zstd_level),
       thread_(start_quiet_thread([this] { run(); })) {}
+
+/// The program around us may have closed our descriptor, and its number may stand for another file by now.
+bool Output::is_our_file() const {
+  const auto [device, inode] = identity_of(file_);
+  return device == device_ && inode == inode_;
+}
 
 Output::~Output() {
   stop();
@@ -249,6 +265,10 @@ void Output::write_data(Bytes bytes) {
 }
 
 void Output::write_file(Bytes bytes) {
+  if (!bytes.empty() && !failed() && !is_our_file())
+    return fail(
+        error("the trace can't be written any further: something in this process has closed its file descriptor",
+              "what was written before is whole; does a controller close what it hasn't opened?"));
   while (!bytes.empty() && !failed()) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -267,7 +287,7 @@ void Output::fail(Diagnostic diagnostic) {
 
 void Output::close_file() {
   if (file_ < 0) return;
-  const int result = ::close(file_);
+  const int result = is_our_file() ? ::close(file_) : 0;
   file_ = -1;
   if (result != 0 && !failed()) fail(error(fmt::format("can't finish writing the trace: {}", std::strerror(errno))));
 }

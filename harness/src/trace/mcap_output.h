@@ -76,6 +76,8 @@ class Output {
   /// An empty chunk, with the memory of one that was written.
   ChunkData take_chunk();
 
+  /// Of the open file.
+  int descriptor() const { return file_; }
   bool failed() const { return failed_.load(std::memory_order_acquire); }
   /// Success, or the failure.
   Result<void> status();
@@ -96,10 +98,12 @@ class Output {
                            ByteWriter& offsets) const;
   void write_data(Bytes bytes);  // of the data section: counted into its CRC
   void write_file(Bytes bytes);
+  bool is_our_file() const;
   void fail(Diagnostic diagnostic);
   void close_file();
 
   int file_;
+  std::uint64_t device_ = 0, inode_ = 0;  // of the file behind file_
   const std::string name_;
   const std::size_t queue_length_;
   Compressor compressor_;

@@ -36,6 +36,7 @@ class Writer::Impl {
   Result<void> add_metadata(std::string_view name, const StringMap& values);
   Result<void> flush();
   Result<void> close();
+  int descriptor() const { return output_.descriptor(); }
 
  private:
   struct Group {
@@ -275,5 +276,7 @@ Result<void> Writer::add_metadata(std::string_view name, const StringMap& values
 Result<void> Writer::flush() { return impl_->flush(); }
 
 Result<void> Writer::close() { return impl_->close(); }
+
+int Writer::descriptor() const { return impl_->descriptor(); }
 
 }  // namespace rehearse::mcap

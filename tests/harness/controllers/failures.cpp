@@ -1,5 +1,6 @@
 // Controllers that fail, each in its own way.
 
+#include <unistd.h>
 #include <xmmintrin.h>
 
 #include <cstdlib>
@@ -52,6 +53,9 @@ class Failure : public Pusher {
     if (how_ == "null") io_->body()->link("NO_SUCH_LINK")->q() = 1.0;
     if (how_ == "null_input") io_->enableInput(static_cast<cnoid::Link*>(nullptr));
     if (how_ == "abort") std::abort();
+    if (how_ == "exit") std::exit(0);
+    if (how_ == "_exit") _exit(3);
+    if (how_ == "quick_exit") std::quick_exit(1);
     if (how_ == "overflow") shoulder_->u() = overflow(0);
     if (how_ == "hang") hang();
     if (how_ == "nan") shoulder_->u() = std::numeric_limits<double>::quiet_NaN();

@@ -32,6 +32,8 @@ INSTANTIATE_TEST_SUITE_P(How, FailureInControl,
                                            Failure{"null", "crashed: segmentation fault"},
                                            Failure{"abort", "crashed: it called abort"},
                                            Failure{"overflow", "crashed: segmentation fault"},
+                                           Failure{"exit", "called exit(0)"}, Failure{"_exit", "called _exit(3)"},
+                                           Failure{"quick_exit", "called quick_exit(1)"},
                                            Failure{"hang", "did not return within 0.3 s"}),
                          failure_name);
 
@@ -153,8 +155,8 @@ TEST_F(Failures, AFastMathControllerIsSetRightAndNamed) {
   const Trace trace =
       record_run(rig(behaviour("Fast", "fail flush control 3") + ", " + behaviour("Tester", "denormals")));
   EXPECT_THAT(said(trace),
-              Contains("Rig/Fast: control() left another floating-point mode behind; it was set back (is the "
-                       "controller built with -ffast-math?)"));
+              Contains("Rig/Fast: control() at tick 3 left another floating-point mode behind (flush-to-zero and "
+                       "denormals-are-zero); it was set back (is it built with -ffast-math?)"));
   EXPECT_THAT(trace.values("Rig/Tester/output/SHOULDER/u"), ::testing::Each(1.0));
   ASSERT_EQ(summary_.remarks.size(), 1u);
   EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);

@@ -1,5 +1,5 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, overflow, hang, nan, chance.
+// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance.
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdlib>
@@ -7,6 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include <unistd.h>
 
 namespace {
 
@@ -43,6 +45,9 @@ class Misbehaving : public cnoid::SimpleController {
     if (deed_ == "throw") throw std::runtime_error("no gait for this slope");
     if (deed_ == "crash") missing_->u() = 1.0;
     if (deed_ == "abort") std::abort();
+    if (deed_ == "exit") std::exit(0);
+    if (deed_ == "close")
+      for (int descriptor = 1; descriptor < 1024; ++descriptor) close(descriptor);
     if (deed_ == "nan") joint_->u() = std::nan("");
     if (deed_ == "chance") joint_->u() = 1e-9 * std::random_device()();
     if (deed_ == "overflow") {

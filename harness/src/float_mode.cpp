@@ -1,0 +1,82 @@
+#include "float_mode.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <fpu_control.h>
+#include <xmmintrin.h>
+
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+constexpr unsigned int sticky_flags = 0x3f;  // "inexact" and the like: something happened, not a mode
+constexpr unsigned int denormals_are_zero = 0x0040;
+
+const char* name_of_rounding(unsigned int bits) {
+  switch (bits) {
+    case 1: return "rounding down";
+    case 2: return "rounding up";
+    case 3: return "rounding towards zero";
+    default: return nullptr;
+  }
+}
+
+/// `masked`: a bit that is 0 lets the processor trap.
+void add_traps(unsigned int masked, std::vector<std::string>& deeds) {
+  constexpr const char* names[] = {"invalid operations", "denormal numbers", "division by zero",
+                                   "overflow",           "underflow",        "inexact results"};
+  std::vector<std::string> trapped;
+  for (unsigned int bit = 0; bit < 6; ++bit)
+    if (!(masked >> bit & 1U)) trapped.emplace_back(names[bit]);
+  if (!trapped.empty()) deeds.push_back(fmt::format("traps on {}", fmt::join(trapped, ", ")));
+}
+
+}  // namespace
+
+FloatMode float_mode() {
+  FloatMode mode;
+  mode.sse = _mm_getcsr() & ~sticky_flags;
+  _FPU_GETCW(mode.x87);
+  return mode;
+}
+
+void set_float_mode(const FloatMode& mode) {
+  _mm_setcsr(mode.sse);
+  _FPU_SETCW(mode.x87);
+}
+
+bool operator==(const FloatMode& a, const FloatMode& b) { return a.sse == b.sse && a.x87 == b.x87; }
+
+bool is_fast_math(const FloatMode& mode) { return mode.sse & (_MM_FLUSH_ZERO_ON | denormals_are_zero); }
+
+std::string describe(const FloatMode& mode) {
+  std::vector<std::string> deeds;
+  if (mode.sse & _MM_FLUSH_ZERO_ON) deeds.emplace_back("flush-to-zero");
+  if (mode.sse & denormals_are_zero) deeds.emplace_back("denormals-are-zero");
+  if (const char* rounding = name_of_rounding(mode.sse >> 13 & 3U)) deeds.emplace_back(rounding);
+  add_traps(mode.sse >> 7 & 0x3fU, deeds);
+  const unsigned int x87 = mode.x87;
+  const FloatMode standard;
+  if ((x87 >> 10 & 3U) != (mode.sse >> 13 & 3U) && name_of_rounding(x87 >> 10 & 3U))
+    deeds.push_back(fmt::format("{} in the x87", name_of_rounding(x87 >> 10 & 3U)));
+  if ((x87 >> 8 & 3U) != (standard.x87 >> 8 & 3U)) deeds.emplace_back("less precision in the x87");
+  if ((x87 & 0x3fU) != 0x3fU && (mode.sse >> 7 & 0x3fU) == 0x3fU) deeds.emplace_back("traps in the x87");
+  if (deeds.empty()) return {};
+  const std::string last = deeds.back();
+  deeds.pop_back();
+  return deeds.empty() ? last : fmt::format("{} and {}", fmt::join(deeds, ", "), last);
+}
+
+Diagnostics StandardFloatMode::remarks() const {
+  if (before_ == FloatMode()) return {};
+  Diagnostic remark =
+      error(fmt::format("this process was in another floating-point mode ({}) before the run; the run was "
+                        "made in the standard one",
+                        describe(before_)));
+  remark.severity = Severity::warning;
+  if (is_fast_math(before_)) remark.hint = "is the program, or a library of it, linked with -ffast-math?";
+  return {remark};
+}
+
+}  // namespace rehearse

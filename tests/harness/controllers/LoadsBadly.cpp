@@ -1,0 +1,30 @@
+// A library that does to the process, while it is loaded or unloaded, what the variable LOADS_BADLY says.
+#include <cnoid/SimpleController>
+#include <cstdlib>
+#include <string>
+
+#include <unistd.h>
+
+namespace {
+
+struct AtLoading {
+  std::string deed = std::getenv("LOADS_BADLY") ? std::getenv("LOADS_BADLY") : "";
+  AtLoading() {
+    if (deed == "exit") std::exit(4);
+    if (deed == "chdir") static_cast<void>(chdir("/"));
+  }
+  ~AtLoading() {
+    if (deed == "exit_at_end") std::exit(4);
+  }
+};
+const AtLoading at_loading;
+
+class LoadsBadly : public cnoid::SimpleController {
+ public:
+  bool initialize(cnoid::SimpleControllerIO*) override { return true; }
+  bool control() override { return true; }
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(LoadsBadly)
