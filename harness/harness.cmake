@@ -32,6 +32,8 @@ rehearse_add_library(harness
   src/trace_scenario.cpp)
 target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/src)
 target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
+set_source_files_properties(src/provenance.cpp PROPERTIES
+  COMPILE_DEFINITIONS REHEARSE_OTHER_FLAGS="${REHEARSE_OTHER_FLAGS}")
 target_link_libraries(rehearse_harness
   PUBLIC Rehearse::scenario Rehearse::trace
   PRIVATE Rehearse::cnoid Rehearse::png fmt::fmt Threads::Threads ${CMAKE_DL_LIBS})

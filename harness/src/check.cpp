@@ -83,13 +83,7 @@ Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run
 /// Whether the same program gives the same bits here as where the golden was recorded.
 bool computes_alike(const Scenario& scenario, const Trace& golden) {
   const mcap::StringMap* recorded = golden.find_metadata("rehearse");
-  const mcap::StringMap here = provenance(scenario, nullptr, "", "");
-  const auto same = [&](const char* fact) {
-    const auto found = recorded->find(fact);
-    return found != recorded->end() && found->second == here.at(fact);
-  };
-  return recorded && same("libc") && same("compiler") && same("pinned.GLIBC_TUNABLES") &&
-         (!here.at("pinned.GLIBC_TUNABLES").empty() || same("processor"));
+  return recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
 }
 
 /// The bits have to be the same, unless the arithmetic isn't: a controller that calls sin() then commands other last

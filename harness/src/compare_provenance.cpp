@@ -34,6 +34,8 @@ const std::vector<Fact>& known_facts() {
       {"libc", "the C library", {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}, true},
       {"compiler", "the compiler", every_stage, true},
       {"processor", "the processor", every_stage},
+      {"build", "the build", every_stage, true},
+      {"pinned", "pinned", every_stage, true},
       {"pinned.GLIBC_TUNABLES",
        "the pinned mathematics",
        {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller},
@@ -77,13 +79,23 @@ bool is_pinned_alike(const mcap::StringMap& before, const mcap::StringMap& now) 
   return true;
 }
 
+bool says_yes(const std::string& fact) { return fact.starts_with("yes"); }
+
+/// Of a process that was pinned and one that wasn't this alone is said, not each variable; why one wasn't is no matter.
+bool is_said_otherwise(const std::string& key, const mcap::StringMap& before, const mcap::StringMap& now) {
+  const std::string then = stated(before, "pinned"), here = stated(now, "pinned");
+  if (then.empty() || here.empty()) return false;
+  const bool other = says_yes(then) != says_yes(here);
+  return key == "pinned" ? !other : key.starts_with("pinned.") && other;
+}
+
 std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, const CompareOptions& options) {
   std::vector<Change> changes;
   const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
   if (!before || !now) return changes;
   for (const auto& [key, value] : *before) {
     const std::string other = stated(*now, key);
-    if (value == other || is_of_no_interest(key)) continue;
+    if (value == other || is_of_no_interest(key) || is_said_otherwise(key, *before, *now)) continue;
     if (key.starts_with("controller.") && !options.takes(Stage::controller)) continue;
     const Fact* fact = find_fact(key);
     Change& change = changes.emplace_back(Change{key == "duration" ? "the duration" : key, value, other, {}, false});
@@ -93,6 +105,8 @@ std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, cons
     change.decides = fact->decides;
     change.arithmetic = fact->arithmetic;
   }
+  if (const std::string build = stated(*now, "build"); !build.empty() && before->count("build") == 0)
+    changes.push_back({"the build", "as ours", build, every_stage, true});
   return changes;
 }
 

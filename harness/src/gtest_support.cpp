@@ -58,6 +58,17 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
   return std::move(*trace);
 }
 
+namespace {
+
+/// Below a verdict, each on a line.
+std::string remarks_text(const ReplayReport& report) {
+  std::string text;
+  for (const Diagnostic& remark : report.remarks) text += "\n" + to_string(remark);
+  return text;
+}
+
+}  // namespace
+
 TestVerdict replay_golden(const std::string& name) {
   const GoldenStore store = golden_store();
   if (!store.has(name)) return {false, fmt::format("there is no golden {}", store.trace_file(name).string())};
@@ -65,11 +76,11 @@ TestVerdict replay_golden(const std::string& name) {
   if (!report) return {false, to_string(report.errors())};
   if (report->failure) return {false, report->failure->message};
   if (!report->first) return {true, ""};
-  return {
-      false,
-      fmt::format("fed with the inputs of {}, the controller commands something else in {} of {} ticks, first at "
-                  "{}",
-                  store.trace_file(name).string(), report->ticks_different, report->ticks, to_string(*report->first))};
+  return {false,
+          fmt::format("fed with the inputs of {}, the controller commands something else in {} of {} ticks, first at "
+                      "{}{}",
+                      store.trace_file(name).string(), report->ticks_different, report->ticks,
+                      to_string(*report->first), remarks_text(*report))};
 }
 
 }  // namespace rehearse::internal

@@ -11,7 +11,8 @@
 
 namespace rehearse {
 
-/// Variables of the process's environment, with their values; none: taken away. It doesn't pin itself again.
+/// Variables of the process's environment, with their values; none: taken away. It doesn't pin itself
+/// (REHEARSE_PIN=off).
 using EnvironmentChanges = std::map<std::string, std::optional<std::string>>;
 
 struct PerturbedOutcome {

@@ -56,7 +56,7 @@ Result<void> replay_into(const PerturbedRun& run, const Scenario& scenario, Json
 
 /// All of this process's own but the changes.
 std::vector<std::string> changed_environment(EnvironmentChanges changes) {
-  changes.insert_or_assign("REHEARSE_PINNED", std::string("1"));
+  changes.insert_or_assign("REHEARSE_PIN", std::string("off"));
   std::vector<std::string> variables;
   for (char** entry = environ; *entry; ++entry) {
     const std::string_view text = *entry;

@@ -1,6 +1,8 @@
 #include <rehearse/pin.h>
+#include <sys/auxv.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -12,6 +14,10 @@ constexpr const char* tunables = "GLIBC_TUNABLES";
 constexpr const char* plain_mathematics = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX";
 /// Set for the second start, so that a program that somehow loses its environment is not started for ever.
 constexpr const char* started_again = "REHEARSE_PINNED";
+constexpr const char* own_switch = "REHEARSE_PIN";
+
+/// Why this process isn't pinned; null: nobody has tried.
+const char* why_not = nullptr;
 
 /// The user's own tunables stay, ours come last, which is what glibc listens to.
 std::string with_own_tunables() {
@@ -26,7 +32,9 @@ std::vector<std::pair<std::string, std::string>> pinned_environment() {
   return {{tunables, with_own_tunables()}, {"GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1"}, {"LP_NUM_THREADS", "1"}};
 }
 
-bool is_pinned() {
+namespace {
+
+bool has_pinned_environment() {
   for (const auto& [name, value] : pinned_environment()) {
     const char* set = std::getenv(name.c_str());
     if (!set || value != set) return false;
@@ -34,20 +42,77 @@ bool is_pinned() {
   return true;
 }
 
+/// As it was when this library was loaded: later on the environment is what programs make of it.
+const bool started_pinned = has_pinned_environment();
+
+/// A program that valgrind runs can't start itself again and stay under valgrind, unless that follows children.
+bool runs_under_valgrind() {
+  const char* preloaded = std::getenv("LD_PRELOAD");
+  return preloaded && std::strstr(preloaded, "vgpreload_");
+}
+
+}  // namespace
+
+bool is_pinned() { return started_pinned; }
+
+std::string pinned_fact() {
+  if (is_pinned()) return "yes";
+  return std::string("no (") + (why_not ? why_not : "the program didn't pin itself") + ")";
+}
+
+bool is_pinning_off() {
+  const char* set = std::getenv(own_switch);
+  return set && std::strcmp(set, "off") == 0;
+}
+
+std::filesystem::path own_program() {
+  std::error_code failed;
+  const std::filesystem::path file = std::filesystem::read_symlink("/proc/self/exe", failed);
+  if (!failed) return file;
+  const auto* started_as = reinterpret_cast<const char*>(getauxval(AT_EXECFN));  // not argv[0], which may be anything
+  if (!started_as) return {};
+  const std::filesystem::path resolved = std::filesystem::canonical(started_as, failed);
+  return failed ? std::filesystem::path(started_as) : resolved;
+}
+
 void set_pinned_environment() {
   for (const auto& [name, value] : pinned_environment()) setenv(name.c_str(), value.c_str(), 1);
 }
 
 void pin_process(char** argv) {
+  if (const char* set = std::getenv(own_switch); set && *set && !is_pinning_off() && std::strcmp(set, "on") != 0) {
+    std::fprintf(stderr, "error: REHEARSE_PIN is '%s': it may be 'on' (as if it weren't set) or 'off'\n", set);
+    std::exit(2);
+  }
   if (is_pinned()) {
     unsetenv(started_again);  // the programs that this one starts may need to be pinned again
     return;
   }
+  if (is_pinning_off()) {
+    why_not = "REHEARSE_PIN=off";
+    return;
+  }
+  if (runs_under_valgrind()) {
+    why_not = "it runs under valgrind, which it would leave";
+    return;
+  }
+  why_not = "it could not start itself again";
   if (std::getenv(started_again)) return;
+  const auto environment_before = [] {
+    std::vector<std::pair<std::string, std::string>> set;
+    for (const auto& [name, value] : pinned_environment())
+      if (const char* before = std::getenv(name.c_str())) set.emplace_back(name, before);
+    return set;
+  }();
+  const auto names = pinned_environment();
   set_pinned_environment();
   setenv(started_again, "1", 1);
   execv("/proc/self/exe", argv);
-  unsetenv(started_again);  // it can't be done here; go on as it is
+  execv(own_program().c_str(), argv);
+  // it can't be done here; go on as it is
+  unsetenv(started_again);
+  for (const auto& [name, value] : names) unsetenv(name.c_str());
+  for (const auto& [name, value] : environment_before) setenv(name.c_str(), value.c_str(), 1);
 }
 
 }  // namespace rehearse

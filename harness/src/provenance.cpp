@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
 #include <link.h>
+#include <rehearse/pin.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -14,6 +16,12 @@
 #include "audit/virtualised.h"
 #include "hashing.h"
 #include "trace_version.h"
+
+// The build asks the compiler for this, too; here it holds for whatever this file is compiled with in the end.
+static_assert(FLT_EVAL_METHOD == 0 || *REHEARSE_OTHER_FLAGS, "intermediate results are rounded to their type");
+#if defined(__FAST_MATH__) || defined(__FMA__) || defined(__AVX__)
+static_assert(*REHEARSE_OTHER_FLAGS, "built with flags that change the bits of recordings");
+#endif
 
 namespace rehearse {
 namespace {
@@ -92,6 +100,18 @@ std::string environment(const char* variable) {
   return value ? value : "";
 }
 
+/// Of the user's own tunables those that don't decide a bit are no fact of a recording.
+std::string tunables_of_the_processor() {
+  std::string all = environment("GLIBC_TUNABLES"), kept;
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find(':', begin), all.size());
+    const std::string one = all.substr(begin, end - begin);
+    if (one.starts_with("glibc.cpu.")) kept += (kept.empty() ? "" : ":") + one;
+    begin = end + 1;
+  }
+  return kept;
+}
+
 }  // namespace
 
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
@@ -112,14 +132,34 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {"libc", std::string("glibc ") + gnu_get_libc_version()},
       {"compiler", compiler()},
       {"processor", processor()},
-      {"pinned.GLIBC_TUNABLES", environment("GLIBC_TUNABLES")},
+      {"pinned", pinned_fact()},
+      {"pinned.GLIBC_TUNABLES", tunables_of_the_processor()},
       {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
   if (!renderer.empty()) facts["renderer"] = renderer;
   if (const std::string mark = programs(); !mark.empty()) facts[programs_fact] = mark;
   if (const std::string given = virtualisation(); !given.empty()) facts["virtualised"] = given;
+  if (*REHEARSE_OTHER_FLAGS) facts["build"] = "other flags: " REHEARSE_OTHER_FLAGS;
   if (host) facts.merge(controller_facts(*host));
   return facts;
+}
+
+std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here) {
+  const auto value = [](const mcap::StringMap& facts, const char* fact) {
+    const auto found = facts.find(fact);
+    return found == facts.end() ? std::string() : found->second;
+  };
+  const bool unpinned = value(here, "pinned.GLIBC_TUNABLES").empty();
+  std::string text;
+  for (const char* fact : {"libc", "compiler", "build", "pinned.GLIBC_TUNABLES", "processor"}) {
+    const std::string then = value(recorded, fact), now = value(here, fact);
+    if (then == now || (fact == std::string_view("processor") && !unpinned)) continue;
+    const std::string name = fact == std::string_view("pinned.GLIBC_TUNABLES") ? "pinned" : fact;
+    const std::string before = name == "pinned" && recorded.count(name) ? value(recorded, "pinned") : then;
+    const std::string after = name == "pinned" ? value(here, "pinned") : now;
+    text += fmt::format("{}{} was \"{}\" and is \"{}\"", text.empty() ? "" : ", ", name, before, after);
+  }
+  return text;
 }
 
 mcap::StringMap controller_facts(const ControllerHost& host) {

@@ -18,6 +18,10 @@ inline constexpr const char* programs_fact = "programs";
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer);
 
+/// Why the same program may give other last bits here (`here`: provenance() of this process) than where a recording
+/// with the facts `recorded` was made: "libc was "glibc 2.36" and is ...". Empty: it gives the same.
+std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here);
+
 /// Of these, the controllers' files.
 mcap::StringMap controller_facts(const ControllerHost& host);
 

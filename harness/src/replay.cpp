@@ -14,6 +14,7 @@
 #include "controller_host.h"
 #include "float_mode.h"
 #include "output_record.h"
+#include "provenance.h"
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
 #include "trace_scenario.h"
@@ -267,6 +268,19 @@ void Replayer::differs(Divergence&& found) {
 
 void Replayer::take_events() { append_remarks(host_.take_events(), report_.remarks); }
 
+/// What may have made the last bits differ, if it isn't the controllers.
+void tell_other_arithmetic(const mcap::Reader& trace, const Scenario& scenario, Diagnostics& remarks) {
+  for (const mcap::Metadata& metadata : trace.metadata()) {
+    if (metadata.name != "rehearse") continue;
+    const std::string other = other_arithmetic(metadata.values, provenance(scenario, nullptr, "", ""));
+    if (other.empty()) continue;
+    Diagnostic& remark = remarks.emplace_back(
+        error(fmt::format("this process may round otherwise than the one that recorded: {}", other),
+              "last bits may differ for that alone; rehearse check compares within tolerance then"));
+    remark.severity = Severity::warning;
+  }
+}
+
 }  // namespace
 
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
@@ -279,6 +293,7 @@ Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOpti
   auto host = ControllerHost::create(*scenario, options);
   if (!host) return host.errors();
   auto report = Replayer(options, *scenario, **reader, **host).run();
+  if (report && report->first) tell_other_arithmetic(**reader, *scenario, report->remarks);
   if (report)
     for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
   return report;

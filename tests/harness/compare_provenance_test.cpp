@@ -55,6 +55,27 @@ TEST_F(Compare, BlamesAProcessorOnlyWhereNothingWasPinned) {
   EXPECT_THAT(compared().remarks, Contains(HasSubstr("\"one\" and is \"another\"")));
 }
 
+TEST_F(Compare, SaysOnceThatOneProcessWasPinned) {
+  golden_.provenance["pinned"] = "yes";
+  golden_.provenance["pinned.GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=x";
+  actual_.provenance["pinned"] = "no (REHEARSE_PIN=off)";
+  EXPECT_THAT(compared().remarks,
+              ElementsAre("pinned was \"yes\" and is \"no (REHEARSE_PIN=off)\": everything may differ "
+                          "for that alone"));
+  EXPECT_FALSE(compared().same_arithmetic);
+  golden_.provenance["pinned"] = "no (the program didn't pin itself)";
+  golden_.provenance.erase("pinned.GLIBC_TUNABLES");
+  EXPECT_TRUE(compared().remarks.empty()) << "the reason changes no bit";
+  EXPECT_TRUE(compared().same_arithmetic);
+}
+
+TEST_F(Compare, SaysThatTheProgramWasBuiltWithOtherFlags) {
+  actual_.provenance["build"] = "other flags: -mfma";
+  EXPECT_THAT(compared().remarks, ElementsAre("the build was \"as ours\" and is \"other flags: -mfma\": everything may "
+                                              "differ for that alone"));
+  EXPECT_FALSE(compared().same_arithmetic);
+}
+
 TEST_F(Compare, NamesTheControllerWhoseLibraryIsAnotherOne) {
   golden_.provenance["controller.Robot/Pd"] = "Pd.so 1";
   actual_.provenance["controller.Robot/Pd"] = "Pd.so 2";

@@ -97,7 +97,7 @@ TEST_F(Command, CheckOfAnotherArithmeticIsWithinTolerance) {
   // behind `rehearse`, which would pin it
   const fs::path simulator = command.parent_path() / "../libexec/rehearse/rehearse-simulate";
   const Outcome outcome = run(simulator, {"check", scenario.string(), "--golden", "golden.mcap", "--json"},
-                              "REHEARSE_PINNED=1 GALLIUM_OVERRIDE_CPU_CAPS=sse4.1 LP_NUM_THREADS=1");
+                              "REHEARSE_PIN=off GALLIUM_OVERRIDE_CPU_CAPS=sse4.1 LP_NUM_THREADS=1");
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   const nlohmann::json levels = outcome.json()["levels"];
   EXPECT_NE(levels["controller"], "differs");

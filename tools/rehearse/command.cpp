@@ -53,12 +53,15 @@ std::string overview() {
   std::string text =
       "Rehearse records robot controllers in a deterministic simulation, and replays and judges the recordings.\n"
       "\n"
-      "Usage: rehearse VERB [ARGUMENTS...]\n"
+      "Usage: rehearse [--no-pin] VERB [ARGUMENTS...]\n"
       "       rehearse VERB --help\n"
       "\n"
       "Verbs:\n";
   for (const VerbSummary& verb : verbs) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
   text +=
+      "\n"
+      "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures as this processor does them best, so "
+      "that their\nlast bits are not those of other machines. Recordings say so.\n"
       "\n"
       "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller "
       "failed.\n";

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
@@ -21,10 +22,8 @@ constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb, &info_verb, &insp
 
 /// Goes on as another of our programs, which stand at a fixed place beside this one. Comes back only if it can't.
 Exit become(const char* program, char** argv) {
-  std::error_code problem;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", problem);
-  const std::filesystem::path other = (self.parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
-  set_pinned_environment();
+  const std::filesystem::path other = (own_program().parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
+  if (!is_pinning_off()) set_pinned_environment();
   execv(other.c_str(), argv);
   return refuse(error(fmt::format("can't start {}: {}", other.string(), std::strerror(errno)),
                       "it is built and installed together with rehearse"));
@@ -38,7 +37,18 @@ std::string hint_for(std::string_view word) {
   return "rehearse --help lists all verbs";
 }
 
+/// Takes --no-pin out of the arguments, wherever it stands: it is of the process, not of a verb.
+int take_no_pin(int argc, char** argv) {
+  char** const end = std::remove_if(argv + std::min(argc, 1), argv + argc,
+                                    [](const char* word) { return std::string_view(word) == "--no-pin"; });
+  if (end == argv + argc) return argc;
+  setenv("REHEARSE_PIN", "off", 1);
+  *end = nullptr;
+  return static_cast<int>(end - argv);
+}
+
 Exit run(int argc, char** argv) {
+  argc = take_no_pin(argc, argv);
   const std::string_view word = argc < 2 ? "" : argv[1];
   if (word == "--help" || word == "-h" || word == "help") {
     fmt::print("{}", overview());

@@ -5,6 +5,7 @@
 // program starts. So a program that wants the same bits everywhere starts itself once more with that environment.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,15 +16,25 @@ namespace rehearse {
 /// GALLIUM_OVERRIDE_CPU_CAPS and LP_NUM_THREADS for the renderer.
 std::vector<std::pair<std::string, std::string>> pinned_environment();
 
-/// True if this process was started with them.
+/// True if this process was started with them; what it has set for itself since then has no effect.
 bool is_pinned();
+
+/// "yes", or "no" and why: what recordings say of this process as the fact `pinned`.
+std::string pinned_fact();
 
 /// Sets them for the programs that this one starts (exec) from now on; it does nothing to this one.
 void set_pinned_environment();
 
+/// REHEARSE_PIN=off is set: this process and those that it starts shall not pin themselves.
+bool is_pinning_off();
+
+/// The file of this program; where there is no /proc, the name by which it was started.
+std::filesystem::path own_program();
+
 /// To be called first in main(), before anything computes: unless pinned already, executes this program once more, with
-/// the same arguments and the pinned environment. Comes back if it was pinned, or if it can't be done (then is_pinned()
-/// is false, and recordings say so).
+/// the same arguments and the pinned environment. Comes back if it was pinned, if REHEARSE_PIN=off says so, or if it
+/// can't be done (then is_pinned() is false, and recordings say so). Another value of REHEARSE_PIN than `on` and `off`
+/// ends the program with a message and exit status 2.
 void pin_process(char** argv);
 
 }  // namespace rehearse

@@ -1,6 +1,7 @@
 // What a recording holds.
 
 #include <rehearse/mcap.h>
+#include <rehearse/pin.h>
 #include <rehearse/png.h>
 
 #include "runs.h"
@@ -196,6 +197,14 @@ TEST(Sessions, BesideEachOtherDoNotMeet) {
   EXPECT_EQ((*session)->tick(), 1);
   (*session).reset();
   std::filesystem::remove_all(folder);
+}
+
+/// This program has GoogleTest's own main(), which pins nothing.
+TEST_F(Recording, SaysThatTheProgramDidNotPinItself) {
+  const Trace trace = record_run(rig_with("push 1"));
+  const mcap::StringMap& facts = *trace.find_metadata("rehearse");
+  EXPECT_EQ(facts.at("pinned"), is_pinned() ? "yes" : "no (the program didn't pin itself)");
+  EXPECT_EQ(facts.count("build"), 0u) << "or it is built with flags of its own";
 }
 
 }  // namespace
