@@ -5,6 +5,8 @@
 # target_link_libraries(NAME PRIVATE ...). choreonoid_add_simple_controller is a synonym, so that a CMakeLists.txt
 # written for Choreonoid stays as it is.
 
+include(${CMAKE_CURRENT_LIST_DIR}/RehearseBits.cmake)
+
 function(rehearse_add_simple_controller name)
   if(NOT ARGN)
     message(FATAL_ERROR "rehearse_add_simple_controller(${name}): name at least one source file")
@@ -21,6 +23,7 @@ function(rehearse_add_simple_controller name)
   # A fused multiply-add rounds once where two instructions round twice: other commands on other CPUs.
   target_compile_options(${name} PRIVATE -ffp-contract=off)
   target_link_libraries(${name} PRIVATE Rehearse::cnoid)
+  rehearse_warn_of_other_flags(${name})
 endfunction()
 
 function(choreonoid_add_simple_controller name)

@@ -26,5 +26,6 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/RehearseConfigVersion.cmake
 install(FILES
   ${CMAKE_BINARY_DIR}/RehearseConfig.cmake
   ${CMAKE_BINARY_DIR}/RehearseConfigVersion.cmake
+  tools/cmake/RehearseBits.cmake
   tools/cmake/RehearseControllers.cmake
   DESTINATION ${package_folder})

@@ -7,6 +7,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 
+include(RehearseBits)
+rehearse_refuse_other_flags()
+
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 
 add_library(rehearse_flags INTERFACE)

@@ -1,0 +1,206 @@
+// What feeds physics, sensors and traces may not depend on the order of addresses or of hashes, on a clock, on chance,
+// on the environment or on other threads. This reads the sources of engine/ and harness/ for it. What is allowed stands
+// in `allowed`, with the reason; an entry that allows nothing any more fails as well.
+#include <gtest/gtest.h>
+#include <regex.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Rule {
+  const char* name;
+  const char* pattern;  // extended regular expression of a line without its comment and texts
+  const char* why;
+  const char* unless = nullptr;  // a line that has this as well is right
+};
+
+const Rule rules[] = {
+    {"unordered", R"(\bunordered_(multi)?(map|set)\b)", "its order is that of hashes, and changes with the library"},
+    {"pointer order", R"(\bstd::(multi)?(map|set)<[^,<>]*\*\s*[,>])", "its order is that of addresses"},
+    {"hash", R"(\bstd::hash\b|\bhash_value\()", "it may be another number with another library; see hashing.h"},
+    {"unstable sort", R"(\b(std::|ranges::)(sort|partial_sort|nth_element)\()",
+     "what compares equal comes out in any order: take std::stable_sort, or order completely and say so here",
+     R"(\.end\(\)\);)"},  // by operator<, which is a complete order for what we sort so
+    {"clock",
+     R"(\b(steady|system|high_resolution|utc|file)_clock\b|\b(clock_gettime|gettimeofday|std::time|std::clock|localtime|gmtime)\()",
+     "no run may depend on when it is made or how long it takes"},
+    {"chance",
+     R"(\b(s?rand|s?random|drand48|getrandom|arc4random)\(|\brandom_device\b|\bmt19937|\bdefault_random_engine\b)",
+     "a run has a seed, and each world and each noise a generator of its own"},
+    {"environment", R"(\b(secure_)?getenv\()", "the same scenario gives the same run wherever it is made"},
+    {"thread", R"(\bstd::j?thread\b|\bstd::async\b|\bpthread_create\()", "a run is computed by one thread"},
+    {"identity", R"(\bgetpid\(|\bgettid\(|\bthis_thread::get_id\(|\bgethostname\()", "it is another one in each run"},
+};
+
+struct Exception {
+  const char* file;  // below the repository
+  const char* rule;
+  const char* reason;
+};
+
+const Exception allowed[] = {
+    {"engine/src/closed_surface.cpp", "unstable sort", "the directions of equal edges are added up, as whole numbers"},
+    {"engine/src/convex_hull.cpp", "unstable sort", "points by all their coordinates; of equal ones one is kept"},
+    {"engine/src/mesh_paths.cpp", "environment", "where packages and meshes lie; what was found stands in the trace"},
+    {"engine/src/package_search.cpp", "environment", "where packages lie; what was found stands in the trace"},
+    {"engine/src/urdf_materials.h", "pointer order", "only looked up, never walked"},
+    {"engine/src/world.cpp", "chance", "OwnRandom puts the world's own generator in the place of that of ODE"},
+    {"harness/src/acceptance.cpp", "clock", "the date of an acceptance, written for people"},
+    {"harness/src/acceptance.cpp", "environment", "SOURCE_DATE_EPOCH instead of that date"},
+    {"harness/src/compare_events.cpp", "unstable sort", "spans that are blanked: their union is what counts"},
+    {"harness/src/controller_library.cpp", "environment", "where controllers lie; the trace has the file's hash"},
+    {"harness/src/golden.cpp", "environment", "what is done with a finished run"},
+    {"harness/src/gtest_support.cpp", "environment", "what is done with a finished run"},
+    {"harness/src/guarded_call.cpp", "clock", "the watchdog: decides whether a run goes on, never what is in it"},
+    {"harness/src/guarded_call.cpp", "thread", "the watchdog"},
+    {"harness/src/pin.cpp", "environment", "how a process is pinned"},
+    {"harness/src/process_tripwires.cpp", "thread", "counts the threads that controllers start; starts none"},
+    {"harness/src/provenance.cpp", "environment", "what the trace says of how the process was pinned"},
+    {"harness/src/test_folders.cpp", "environment", "where a test's files lie"},
+    {"harness/src/trace/mcap_output.cpp", "thread", "compresses and writes; what it writes depends on the data alone"},
+    {"harness/src/trace/mcap_output.h", "thread", "the same"},
+};
+
+/// The line's code: no text, no comment.
+std::string code_of(const std::string& line) {
+  std::string code;
+  bool in_text = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (in_text && line[i] == '\\') {
+      ++i;
+    } else if (line[i] == '"') {
+      in_text = !in_text;
+      code += '"';
+    } else if (!in_text) {
+      if (line.compare(i, 2, "//") == 0) break;
+      code += line[i];
+    }
+  }
+  return code;
+}
+
+/// A regular expression of the C library: many times faster than std::regex, and there are many lines.
+class Pattern {
+ public:
+  explicit Pattern(const char* text) { EXPECT_EQ(regcomp(&expression_, text, REG_EXTENDED | REG_NOSUB), 0) << text; }
+  ~Pattern() { regfree(&expression_); }
+  Pattern(const Pattern&) = delete;
+  Pattern& operator=(const Pattern&) = delete;
+  bool is_in(const std::string& line) const { return regexec(&expression_, line.c_str(), 0, nullptr, 0) == 0; }
+
+ private:
+  regex_t expression_{};
+};
+
+struct Finding {
+  std::string file;
+  int line = 0;
+  const Rule* rule = nullptr;
+};
+
+std::vector<Finding> findings_in(const std::string& file, std::istream& stream) {
+  static const auto patterns = [] {
+    std::vector<std::pair<std::unique_ptr<Pattern>, std::unique_ptr<Pattern>>> all;
+    for (const Rule& rule : rules)
+      all.emplace_back(std::make_unique<Pattern>(rule.pattern),
+                       rule.unless ? std::make_unique<Pattern>(rule.unless) : nullptr);
+    return all;
+  }();
+  std::vector<Finding> found;
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    const std::string code = code_of(line);
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      const auto& [pattern, unless] = patterns[i];
+      if (pattern->is_in(code) && !(unless && unless->is_in(code))) found.push_back({file, number, &rules[i]});
+    }
+  }
+  return found;
+}
+
+std::vector<Finding> all_findings() {
+  std::vector<Finding> found;
+  const fs::path root = fs::path(FIXTURES_DIR).parent_path();
+  int files = 0;
+  for (const char* room : {"engine", "harness"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / room)) {
+      if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
+      ++files;
+      std::ifstream stream(entry.path());
+      const auto in_file = findings_in(entry.path().lexically_relative(root).string(), stream);
+      found.insert(found.end(), in_file.begin(), in_file.end());
+    }
+  }
+  EXPECT_GT(files, 100) << "are these the sources?";
+  return found;
+}
+
+bool allows(const Exception& exception, const Finding& finding) {
+  return finding.file == exception.file && finding.rule->name == std::string(exception.rule);
+}
+
+TEST(Lint, NothingUnorderedNoClockAndNoChanceFeedsARun) {
+  for (const Finding& finding : all_findings()) {
+    const bool is_allowed = std::any_of(std::begin(allowed), std::end(allowed),
+                                        [&](const Exception& exception) { return allows(exception, finding); });
+    if (!is_allowed)
+      ADD_FAILURE() << finding.file << ":" << finding.line << ": " << finding.rule->name << ": " << finding.rule->why;
+  }
+}
+
+TEST(Lint, AllowsNothingThatIsGone) {
+  const std::vector<Finding> found = all_findings();
+  for (const Exception& exception : allowed)
+    EXPECT_TRUE(
+        std::any_of(found.begin(), found.end(), [&](const Finding& finding) { return allows(exception, finding); }))
+        << exception.file << " has no '" << exception.rule << "' any more";
+}
+
+struct Sample {
+  const char* code;
+  const char* rule;  // null: none
+};
+class LintRule : public ::testing::TestWithParam<Sample> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, LintRule,
+    ::testing::Values(Sample{"std::unordered_map<std::string, int> links;", "unordered"},
+                      Sample{"  std::map<const Body*, int> order;", "pointer order"},
+                      Sample{"std::set<Link *> seen;", "pointer order"}, Sample{"std::map<int, Body*> by_id;", nullptr},
+                      Sample{"seed = std::hash<std::string>()(name);", "hash"},
+                      Sample{"std::sort(a.begin(), a.end(), by_depth);", "unstable sort"},
+                      Sample{"std::sort(a.begin(), a.end(), [](int x, int y) {", "unstable sort"},
+                      Sample{"std::sort(a.begin(), a.end());", nullptr},
+                      Sample{"std::stable_sort(a.begin(), a.end(), by_depth);", nullptr},
+                      Sample{"const auto now = std::chrono::steady_clock::now();", "clock"},
+                      Sample{"clock_gettime(CLOCK_MONOTONIC, &now);", "clock"}, Sample{"time_of(tick, step)", nullptr},
+                      Sample{"std::mt19937 generator;", "chance"}, Sample{"int i = rand();", "chance"},
+                      Sample{"dRandSetSeed(0); // not rand()", nullptr}, Sample{"std::getenv(\"HOME\")", "environment"},
+                      Sample{"std::thread worker(run);", "thread"}, Sample{"error(\"std::thread failed\")", nullptr},
+                      Sample{"name += std::to_string(getpid());", "identity"}));
+
+TEST_P(LintRule, FindsWhatItIsFor) {
+  std::istringstream stream(GetParam().code);
+  const std::vector<Finding> found = findings_in("sample.cpp", stream);
+  if (!GetParam().rule) {
+    EXPECT_TRUE(found.empty()) << found[0].rule->name;
+  } else {
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_STREQ(found[0].rule->name, GetParam().rule);
+  }
+}
+
+}  // namespace
+}  // namespace rehearse
