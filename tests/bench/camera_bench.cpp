@@ -5,6 +5,7 @@
 
 #include "controller_host.h"
 #include "pairs.h"
+#include "pinned_child.h"
 #include "recorder.h"
 #include "sr1_run.h"
 
@@ -131,4 +132,12 @@ void recorded_frame_of_meshes_over_bare_draw(benchmark::State& state) { measure_
 BENCHMARK(recorded_frame_of_meshes_over_bare_draw)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
+
+Work make_recorded_frame_work() {
+  return [cameras = std::make_shared<Cameras>(false)] {
+    cameras->begin_file();
+    cameras->record();
+  };
+}
+
 }  // namespace rehearse

@@ -4,6 +4,7 @@
 #include <rehearse/session.h>
 
 #include "pairs.h"
+#include "pinned_child.h"
 #include "sr1_run.h"
 
 namespace rehearse {
@@ -79,4 +80,12 @@ void replay_over_closed_loop(benchmark::State& state) {
 BENCHMARK(replay_over_closed_loop)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
+
+Work make_closed_loop_work() {
+  return [session = std::make_shared<EndlessSession>()] {
+    session->prepare(slice);
+    session->run(slice);
+  };
+}
+
 }  // namespace rehearse

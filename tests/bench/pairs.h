@@ -13,15 +13,17 @@ namespace rehearse {
 class Pairs {
  public:
   /// `busy`: the clock of processor time that counts beside wall time.
-  explicit Pairs(clockid_t busy = CLOCK_THREAD_CPUTIME_ID) : busy_(busy) {}
+  explicit Pairs(clockid_t busy = CLOCK_THREAD_CPUTIME_ID) : Pairs(busy, busy) {}
+  /// Work and base are done by processes of their own.
+  Pairs(clockid_t work_busy, clockid_t base_busy) : work_busy_(work_busy), base_busy_(base_busy) {}
 
   /// Measures both once, whichever came second last time first. Returns the seconds of wall time that `work` took.
   template <class Work, class Base>
   double measure(Work&& work, Base&& base) {
     const bool base_first = works_.size() % 2 == 0;
-    if (base_first) bases_.push_back(timed(base));
-    works_.push_back(timed(work));
-    if (!base_first) bases_.push_back(timed(base));
+    if (base_first) bases_.push_back(timed(base, base_busy_));
+    works_.push_back(timed(work, work_busy_));
+    if (!base_first) bases_.push_back(timed(base, base_busy_));
     return works_.back().wall;
   }
 
@@ -57,10 +59,10 @@ class Pairs {
   }
 
   template <class Work>
-  Times timed(Work&& work) const {
-    const Times begin{now(CLOCK_MONOTONIC), now(busy_)};
+  static Times timed(Work&& work, clockid_t busy) {
+    const Times begin{now(CLOCK_MONOTONIC), now(busy)};
     work();
-    return {now(CLOCK_MONOTONIC) - begin.wall, now(busy_) - begin.busy};
+    return {now(CLOCK_MONOTONIC) - begin.wall, now(busy) - begin.busy};
   }
 
   static double median(std::vector<double> values) {
@@ -69,7 +71,7 @@ class Pairs {
     return *middle;
   }
 
-  clockid_t busy_;
+  clockid_t work_busy_, base_busy_;
   std::vector<Times> works_, bases_;
 };
 
