@@ -107,8 +107,8 @@ void pin_process(char** argv) {
   const auto names = pinned_environment();
   set_pinned_environment();
   setenv(started_again, "1", 1);
+  execv(own_program().c_str(), argv);  // by its name, which is what ps and debuggers show of it
   execv("/proc/self/exe", argv);
-  execv(own_program().c_str(), argv);
   // it can't be done here; go on as it is
   unsetenv(started_again);
   for (const auto& [name, value] : names) unsetenv(name.c_str());

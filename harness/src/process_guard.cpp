@@ -14,6 +14,7 @@
 #include <cstring>
 #include <locale>
 #include <set>
+#include <sstream>
 
 #include "guarded_call.h"
 
@@ -54,6 +55,19 @@ std::vector<std::string> variables() {
 std::string c_locale() {
   const char* name = std::setlocale(LC_ALL, nullptr);
   return name ? name : "";
+}
+
+/// Of a locale's name by categories ("LC_CTYPE=C;LC_NUMERIC=de_DE;...") those that aren't as before.
+std::string changed_categories(const std::string& before, const std::string& now) {
+  if (now.find(';') == std::string::npos) return now;
+  std::string changed;
+  std::istringstream categories(now);
+  for (std::string one; std::getline(categories, one, ';');) {
+    const bool as_before = before.find(';') == std::string::npos ? one.substr(one.find('=') + 1) == before
+                                                                 : (before + ";").find(one + ";") != std::string::npos;
+    if (!as_before) changed += (changed.empty() ? "" : ", ") + one;
+  }
+  return changed;
 }
 
 mode_t current_umask() {
@@ -147,7 +161,7 @@ void ProcessGuard::State::restore_locale(const State& now, std::vector<Trespass>
   const bool c_changed = now.locale != locale, cpp_changed = now.cpp_locale != cpp_locale;
   const bool thread_changed = now.thread_locale != thread_locale;
   if (!c_changed && !cpp_changed && !thread_changed) return;
-  const std::string to = c_changed        ? now.locale
+  const std::string to = c_changed        ? changed_categories(locale, now.locale)
                          : thread_changed ? std::string("another one of this thread")
                                           : now.cpp_locale.name();
   if (thread_changed) uselocale(thread_locale);
