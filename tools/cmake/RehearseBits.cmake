@@ -98,9 +98,11 @@ function(rehearse_warn_now target)
     endif()
   endforeach()
   rehearse_find_other_flags(found ${flags})
+  if(found MATCHES "-Ofast|-ffast-math|-funsafe-math")
+    set(more ", and its start-up code changes the arithmetic of the whole process that loads it")
+  endif()
   if(found)
     message(WARNING
-      "The controller ${target} is built with ${found}: its commands will have other last bits on other machines, and "
-      "-ffast-math changes the arithmetic of the whole process that loads it.")
+      "The controller ${target} is built with ${found}: its commands will have other last bits on other machines${more}.")
   endif()
 endfunction()

@@ -107,14 +107,15 @@ TEST_P(Trespass, BeforeTheRunIsPutRightToo) {
 }
 
 TEST_P(Trespass, IsRepeatedByAReplay) {
-  if (GetParam().told ==
-      std::string("closed file descriptors that are not its own (the recording); they were kept open"))
-    GTEST_SKIP() << "a replay has no recording open";
   record_run(rig_with(std::string("trespass ") + GetParam().name + " control 7"));
   unsetenv("REHEARSE_TEST_TRESPASS");
   const auto report = replay_run();
   ASSERT_TRUE(report.ok()) << to_string(report.errors());
   EXPECT_TRUE(report->equal());
+  if (std::string(GetParam().told).find("(the recording)") != std::string::npos) {
+    EXPECT_THAT(report->remarks, IsEmpty()) << "a replay has none that it could close";
+    return;
+  }
   ASSERT_EQ(report->remarks.size(), 1u);
   EXPECT_EQ(report->remarks[0].message, summary_.remarks[0].message);
 }
