@@ -30,8 +30,12 @@ bool is_fast_math(const FloatMode& mode);
 /// another one of its own.
 class [[nodiscard]] StandardFloatMode {
  public:
-  StandardFloatMode() : before_(float_mode()) { set_float_mode({}); }
-  ~StandardFloatMode() { set_float_mode(before_); }
+  StandardFloatMode() : before_(float_mode()) {
+    if (!(before_ == FloatMode())) set_float_mode({});  // to set it costs more than to look
+  }
+  ~StandardFloatMode() {
+    if (!(before_ == FloatMode())) set_float_mode(before_);
+  }
   StandardFloatMode(const StandardFloatMode&) = delete;
   StandardFloatMode& operator=(const StandardFloatMode&) = delete;
 
