@@ -120,6 +120,24 @@ TEST_F(AuditVerb, RefusesControllersThatDoNotLoad) {
   EXPECT_THAT(unknown.err, HasSubstr("there is no controller 'Walker'"));
 }
 
+TEST_F(AuditVerb, RefusesATraceWithoutTheInputs) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  const Outcome outcome = rehearse({"audit", "zoo.mcap", "--controller", "Zoo=" ZOO "/zoo_reads_more.so"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, ContainsRegex("controller 'Pendulum/Zoo' reads .*, which was not recorded"));
+}
+
+TEST_F(AuditVerb, SaysThatAControllerRefuses) {
+  const Outcome outcome = rehearse({"audit", scenario("good_constant_file", "nowhere.txt").string()});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, StartsWith("failed: Pendulum/Zoo: initialize() returned false"));
+}
+
+TEST_F(AuditVerb, SaysThatNothingWasCompared) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  EXPECT_THAT(done({"audit", "zoo.mcap", "--until", "0"}).out, StartsWith("nothing was compared: "));
+}
+
 TEST_F(AuditVerb, RefusesATraceThatIsCutOff) {
   done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
   fs::resize_file(folder() / "zoo.mcap", fs::file_size(folder() / "zoo.mcap") / 2);

@@ -58,6 +58,16 @@ TEST_F(LinkedLibraries, OfTheCommandHaveNeitherPhysicsNorRenderer) {
     EXPECT_THAT(names, Not(HasSubstr(absent)));
 }
 
+TEST_F(LinkedLibraries, OfTheAuditHaveNeitherAndThoseOfTheCommandHaveNoDisassembler) {
+  const std::string audit = everything(command.parent_path() / "../libexec/rehearse/rehearse-audit");
+  for (const char* absent : {"libode", "libOSMesa", "librehearse_world", "librehearse_simulation"})
+    EXPECT_THAT(audit, Not(HasSubstr(absent)));
+  for (const char* own : {"libcapstone", "libdw"}) {
+    EXPECT_THAT(audit, HasSubstr(own));
+    EXPECT_THAT(everything(command), Not(HasSubstr(own)));
+  }
+}
+
 TEST_F(LinkedLibraries, OfTheSimulatorHaveBoth) {  // so that the test above can fail
   const std::string names = everything(REHEARSE_SIMULATE);
   EXPECT_THAT(names, HasSubstr("libode"));

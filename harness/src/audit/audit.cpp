@@ -218,6 +218,11 @@ Result<void> Audit::run_first() {
   report_.commands = report_.ticks * numbers;
   report_.controller_refused = pass.refused;
   if (pass.failure) report_.failure = error(*pass.failure);
+  const auto refusal = std::find_if(pass.remarks.begin(), pass.remarks.end(), [](const Diagnostic& remark) {
+    return remark.message.find(" returned false") != std::string::npos;
+  });
+  if (!report_.failure && pass.refused)
+    report_.failure = error(refusal != pass.remarks.end() ? refusal->message : "a controller refused to take part");
   report_.remarks.insert(report_.remarks.end(), pass.remarks.begin(), pass.remarks.end());
   return {};
 }
@@ -373,6 +378,11 @@ void Audit::sum_up() {
   if (!reasons.empty()) {
     report_.verdict = reasons[0];
     for (std::size_t i = 1; i < reasons.size(); ++i) report_.verdict += "; " + reasons[i];
+    return;
+  }
+  if (report_.commands == 0) {
+    report_.verdict = fmt::format("nothing was compared: {} commanded nothing in {:g} s{}", list_of(names), report_.time,
+                                  given);
     return;
   }
   report_.verdict = fmt::format(

@@ -1,0 +1,16 @@
+// Reads where its link is, which no recording of the others holds.
+#include "zoo.h"
+
+namespace {
+
+class ReadsMore : public ZooController {
+  bool begin() override {
+    io_->enableInput(joint_, cnoid::Link::LinkPosition);
+    return true;
+  }
+  double term() override { return -0.1 * joint_->translation().z(); }
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(ReadsMore)
