@@ -106,7 +106,8 @@ void OutputRecord::add_devices(const HostedController& hosted, const Model& mode
   for (std::size_t d = 0; d < model.devices.size(); ++d) {
     DevicePlace& place = devices_.back().emplace_back();
     place.begin = fields_.size();
-    place.values = static_cast<std::size_t>(std::max(0, hosted.io_body->body().device(static_cast<int>(d))->stateSize()));
+    place.values =
+        static_cast<std::size_t>(std::max(0, hosted.io_body->body().device(static_cast<int>(d))->stateSize()));
     const std::string channel = "/" + hosted.label + "/output/" + topic_segment(model.devices[d].name) + "/state";
     add(hosted, channel, "told", "", OutputField::Kind::flag);
     for (std::size_t i = 0; i < place.values; ++i)

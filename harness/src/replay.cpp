@@ -51,10 +51,10 @@ class Replayer {
   mcap::Reader& trace_;
   ControllerHost& host_;
   RecordedInputs inputs_;
-  std::vector<RecordedOutputs> outputs_;     // by controller
+  std::vector<RecordedOutputs> outputs_;       // by controller
   std::optional<OutputRecord> output_record_;  // if somebody wants it
-  std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
-  std::vector<bool> is_input_;               // by channel id
+  std::vector<RecordedOutputs*> output_of_;    // by channel id; null: none
+  std::vector<bool> is_input_;                 // by channel id
   std::uint16_t tick_channel_ = 0;
   std::vector<std::uint16_t> channels_;
   msg::Tick tick_;
@@ -132,9 +132,10 @@ Diagnostics Replayer::unrecorded_inputs() const {
 Result<ReplayReport> Replayer::run() {
   if (virtualised_seed(trace_) && virtualisation().empty()) {
     Diagnostic& remark = report_.remarks.emplace_back(in_trace(
-        trace_, error("its controllers were given simulated time and seeded random numbers, and here they are given the "
-                      "system's: their commands may differ for that",
-                      "rehearse replay gives them what they had")));
+        trace_,
+        error("its controllers were given simulated time and seeded random numbers, and here they are given the "
+              "system's: their commands may differ for that",
+              "rehearse replay gives them what they had")));
     remark.severity = Severity::warning;
   }
   if (auto begun = begin(); !begun) return begun.errors();

@@ -11,10 +11,11 @@ class Audited : public Command {
  protected:
   /// 200 ms of a pendulum that is let go at 20 degrees.
   fs::path scenario(const std::string& library, const std::string& options = "") const {
-    return write("zoo.yaml", "rehearse: 1\nduration: 0.2\nbodies:\n  - name: Pendulum\n    model: " +
-                                 (fixtures / "models/pendulum.urdf").string() +
-                                 "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Zoo\n        library: " +
-                                 ZOO "/zoo_" + library + ".so\n        options: \"" + options + "\"\n");
+    return write("zoo.yaml",
+                 "rehearse: 1\nduration: 0.2\nbodies:\n  - name: Pendulum\n    model: " +
+                     (fixtures / "models/pendulum.urdf").string() +
+                     "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Zoo\n        library: " +
+                     ZOO "/zoo_" + library + ".so\n        options: \"" + options + "\"\n");
   }
 };
 

@@ -15,8 +15,9 @@ using AuditVerb = Audited;
 TEST_F(AuditVerb, TakesARecording) {
   done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
   const Outcome outcome = done({"audit", "zoo.mcap"});
-  EXPECT_THAT(outcome.out, StartsWith("Pendulum/Zoo is a function of its inputs: 8 replays of 0.2 s under other memory, "
-                                      "addresses and variables gave the same 200 commands, bit for bit\n"));
+  EXPECT_THAT(outcome.out,
+              StartsWith("Pendulum/Zoo is a function of its inputs: 8 replays of 0.2 s under other memory, "
+                         "addresses and variables gave the same 200 commands, bit for bit\n"));
   EXPECT_THAT(outcome.out, HasSubstr("recorded in closed loop            not varied: it was given\n"));
 }
 
@@ -29,12 +30,13 @@ TEST_F(AuditVerb, TakesAnotherLibraryForIt) {
 
 TEST_F(AuditVerb, JudgesEachOfSeveralControllers) {
   const auto pendulum = [](const std::string& name, const std::string& library, const std::string& x) {
-    return "  - name: " + name + "\n    model: " + (fixtures / "models/pendulum.urdf").string() + "\n    position: [" + x +
-           ", 0, 0]\n    joints: {hinge: 20 deg}\n    controllers: [{name: Zoo, library: " + ZOO "/zoo_" + library +
+    return "  - name: " + name + "\n    model: " + (fixtures / "models/pendulum.urdf").string() + "\n    position: [" +
+           x + ", 0, 0]\n    joints: {hinge: 20 deg}\n    controllers: [{name: Zoo, library: " + ZOO "/zoo_" + library +
            ".so}]\n";
   };
-  const fs::path two = write("two.yaml", "rehearse: 1\nduration: 0.1\nbodies:\n" + pendulum("Good", "good_own_generator", "0") +
-                                             pendulum("Bad", "rand", "5"));
+  const fs::path two =
+      write("two.yaml", "rehearse: 1\nduration: 0.1\nbodies:\n" + pendulum("Good", "good_own_generator", "0") +
+                            pendulum("Bad", "rand", "5"));
   const Outcome outcome = rehearse({"audit", two.string(), "--json"});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   const nlohmann::json report = outcome.json();
@@ -160,7 +162,8 @@ TEST_F(AuditVerb, NamesThePlaceByValgrind) {
   EXPECT_THAT(outcome.out, ContainsRegex("UseAfterFree::term\\(\\) \\(use_after_free.cpp:16\\)"));
   const Outcome member = rehearse({"audit", scenario("uninitialised_member").string(), "--valgrind"});
   EXPECT_EQ(member.status, 1);
-  EXPECT_THAT(member.out, HasSubstr("valgrind: a command was never set: hinge/u of /Pendulum/Zoo/output/joints at tick 0"));
+  EXPECT_THAT(member.out,
+              HasSubstr("valgrind: a command was never set: hinge/u of /Pendulum/Zoo/output/joints at tick 0"));
 }
 #endif
 

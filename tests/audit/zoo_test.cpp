@@ -12,8 +12,8 @@ using ::testing::HasSubstr;
 struct Animal {
   const char* controller;
   const char* does;
-  const char* found_by;  // the factor; empty: its library's code; null: nothing, it is good
-  const char* reason;    // a part of it
+  const char* found_by;    // the factor; empty: its library's code; null: nothing, it is good
+  const char* reason;      // a part of it
   const char* place = "";  // another: where it is done
 };
 void PrintTo(const Animal& animal, std::ostream* stream) { *stream << animal.controller; }
@@ -32,8 +32,10 @@ const Animal animals[] = {
     {"own_address", "commands by where it lies in memory", "addresses", "it depends on addresses"},
     {"static_state", "keeps a static variable between runs", "again", "an earlier run in the same process left behind"},
     {"thread_command", "takes what a thread has planned so far", "threads",
-     "it depends on which of its threads comes first: pthread_create", "ThreadCommand::begin() (thread_command.cpp:15)"},
-    {"fast_math", "is linked with -ffast-math", "", "loading it switches the whole process to another floating-point mode, flush-to-zero"},
+     "it depends on which of its threads comes first: pthread_create",
+     "ThreadCommand::begin() (thread_command.cpp:15)"},
+    {"fast_math", "is linked with -ffast-math", "",
+     "loading it switches the whole process to another floating-point mode, flush-to-zero"},
     {"changing_file", "reads a file that it changes", "nothing", "it reads a file that changes",
      "ChangingFile::begin() (changing_file.cpp:10): its content changed between two runs"},
     {"locale_parsing", "parses a number in the user's locale", "locale", "it depends on the locale: setlocale",
@@ -73,7 +75,8 @@ TEST_P(Zoo, IsJudgedRightly) {
   write("gain.txt", "0.25\n");
   const std::string name = animal.controller;
   const Outcome outcome = rehearse(
-      {"audit", scenario(name, name == "good_log_file" ? "log.txt" : (folder() / "gain.txt").string()).string(), "--json"});
+      {"audit", scenario(name, name == "good_log_file" ? "log.txt" : (folder() / "gain.txt").string()).string(),
+       "--json"});
   ASSERT_THAT(outcome.out, HasSubstr("\"verdict\"")) << outcome.err;
   const nlohmann::json report = outcome.json();
   const std::string reason = reason_in(report);
@@ -95,7 +98,7 @@ TEST_P(Zoo, IsJudgedRightly) {
     EXPECT_EQ(reason, "");
   }
   rows().push_back(fmt::format("{:<22}{:<42}{:<13}{:<7}{}", name, animal.does,
-                               report["depends_on"].is_string() ? report["depends_on"].get<std::string>()
+                               report["depends_on"].is_string()  ? report["depends_on"].get<std::string>()
                                : report["deterministic"] == true ? "-"
                                                                  : "its library",
                                HasFailure() ? "no" : "yes", reason.empty() ? "a function of its inputs" : reason));

@@ -78,7 +78,8 @@ std::string ticks_of(const AuditedCall& call) {
 void tell_controller(const ControllerAudit& controller, bool named, bool verbose) {
   if (named) fmt::print("{}\n", controller.controller);
   std::vector<TableRow> factors{{"varied", "commands"}};
-  for (const FactorResult& result : controller.factors) factors.push_back({words_for(result.factor), outcome_of(result)});
+  for (const FactorResult& result : controller.factors)
+    factors.push_back({words_for(result.factor), outcome_of(result)});
   if (factors.size() > 1) print_table(factors);
   if (!controller.calls.empty()) {
     std::vector<TableRow> calls{{"asked the system", "in", "when", "times", "reached a command"}};

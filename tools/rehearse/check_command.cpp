@@ -110,9 +110,9 @@ Result<void> virtualise_like_goldens(const Settings& settings, const std::vector
     const auto trace = mcap::Reader::open(golden);
     if (!trace || !virtualised_seed(**trace)) continue;
     if (scenarios.size() > 1)
-      return error(fmt::format("the golden of {} was recorded with simulated time and seeded random numbers",
-                               scenario.name),
-                   "check it by itself");
+      return error(
+          fmt::format("the golden of {} was recorded with simulated time and seeded random numbers", scenario.name),
+          "check it by itself");
     return virtualise_process_like(golden);
   }
   return {};
@@ -156,8 +156,8 @@ void tell(const Checked& checked, double seconds) {
     fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
   if (report.plant == LevelState::differs && report.plant_comparison)
     fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
-  if (report.comparison) fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "",
-                                    table(*report.comparison));
+  if (report.comparison)
+    fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   std::fflush(stdout);  // before what stderr says of it

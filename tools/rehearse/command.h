@@ -1,8 +1,8 @@
 // A verb of the command: its options, what it does, and how it ends.
 //
 // Each verb is one file, VERB_command.cpp, with one Verb object. Three programs share them: `rehearse`, which simulates
-// nothing and links neither physics nor renderer; behind it `rehearse-simulate`, which does, and `rehearse-audit`, which
-// reads machine code and debug information.
+// nothing and links neither physics nor renderer; behind it `rehearse-simulate`, which does, and `rehearse-audit`,
+// which reads machine code and debug information.
 #pragma once
 
 #include <rehearse/diagnostic.h>

@@ -3,7 +3,8 @@
 // A recording's inputs are fed to the controllers again and again, without physics, in a fresh process each time, and
 // what they command is compared bit for bit. The processes differ in one thing at a time (what fresh memory holds, the
 // addresses, the environment, the date, the random numbers, the threads' schedules), so that what a controller depends
-// on can be named. What it asked of the system meanwhile is observed (harness/interposer), and its library is looked at.
+// on can be named. What it asked of the system meanwhile is observed (harness/interposer), and its library is looked
+// at.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -118,18 +119,19 @@ Result<AuditReport> audit(const std::filesystem::path& scenario_or_trace, const 
 /// The recording that audit() made of a scenario, in its scratch folder.
 std::filesystem::path recording_of_audit(const std::filesystem::path& scratch);
 
-/// An object with verdict, deterministic, first, factors, calls and library of the first controller that isn't a function
-/// of its inputs (else of the first), controllers (each with all of that), failure, memory_errors, replays, remarks.
+/// An object with verdict, deterministic, first, factors, calls and library of the first controller that isn't a
+/// function of its inputs (else of the first), controllers (each with all of that), failure, memory_errors, replays,
+/// remarks.
 std::string to_json(const AuditReport& report);
 
 /// One of the replays, which audit() gives to a process of its own.
 struct AuditedReplay {
   std::filesystem::path trace;
-  std::filesystem::path folder;     // for what comes of it: 1.outputs and 1.json, 2.outputs and 2.json, ...
-  int passes = 1;                   // so many in this one process; libraries stay loaded between them
-  std::uint32_t padding = 0;        // seed of what is allocated before, and kept; 0: nothing
-  std::optional<int> stack_fill;    // a byte that the stack is painted with before each call
-  std::optional<double> until;      // [s]
+  std::filesystem::path folder;   // for what comes of it: 1.outputs and 1.json, 2.outputs and 2.json, ...
+  int passes = 1;                 // so many in this one process; libraries stay loaded between them
+  std::uint32_t padding = 0;      // seed of what is allocated before, and kept; 0: nothing
+  std::optional<int> stack_fill;  // a byte that the stack is painted with before each call
+  std::optional<double> until;    // [s]
   HostOptions host;
 };
 

@@ -152,8 +152,7 @@ Result<void> Audit::find_libraries(const Scenario& scenario) {
     known.insert(library.label.substr(library.label.rfind('/') + 1));
   }
   for (const auto& [name, library] : options_.libraries)
-    if (known.count(name) == 0)
-      return error(fmt::format("there is no controller '{}' in {}", name, scenario.name));
+    if (known.count(name) == 0) return error(fmt::format("there is no controller '{}' in {}", name, scenario.name));
   if (libraries_.empty()) return error(fmt::format("{} has no controllers: there is nothing to audit", scenario.name));
   // by path: a replay may work in another folder
   options_.libraries.clear();
@@ -164,8 +163,7 @@ Result<void> Audit::find_libraries(const Scenario& scenario) {
 Result<void> Audit::prepare() {
   std::error_code failed;
   fs::create_directories(options_.scratch, failed);
-  if (failed)
-    return error(fmt::format("the folder {} can't be made: {}", options_.scratch.string(), failed.message()));
+  if (failed) return error(fmt::format("the folder {} can't be made: {}", options_.scratch.string(), failed.message()));
   if (!fs::exists(subject_, failed)) return error(fmt::format("there is no {}", subject_.string()));
   if (is_trace(subject_)) {
     trace_ = fs::absolute(subject_);
@@ -190,9 +188,9 @@ Result<void> Audit::prepare() {
     if (auto found = find_libraries(*scenario); !found) return found;
   evidence_.fixed_addresses = can_fix_addresses();
   if (!evidence_.fixed_addresses) {
-    Diagnostic& remark = report_.remarks.emplace_back(
-        error("addresses can't be held still here (personality() is forbidden): what depends on them is found, but can't "
-              "be told from what differs by chance"));
+    Diagnostic& remark = report_.remarks.emplace_back(error(
+        "addresses can't be held still here (personality() is forbidden): what depends on them is found, but can't "
+        "be told from what differs by chance"));
     remark.severity = Severity::note;
   }
   processes_.emplace(options_, trace_);
@@ -256,8 +254,8 @@ Result<void> Audit::run_experiments() {
 Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
                                std::vector<std::pair<CodePlace, bool>>& tried) {
   std::vector<ReplaySettings> settings;
-  for (const auto& [source, factor] : {std::pair{ObservedCall::Source::clock, Factor::clock},
-                                       {ObservedCall::Source::random, Factor::random}}) {
+  for (const auto& [source, factor] :
+       {std::pair{ObservedCall::Source::clock, Factor::clock}, {ObservedCall::Source::random, Factor::random}}) {
     const FactorResult* result = find_factor(factors, factor);
     if (!result || !result->first) continue;
     std::vector<const ObservedCall*> places;
@@ -278,8 +276,8 @@ Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std:
   const std::string& controller = seen.empty() ? std::string() : seen[0].controller;
   for (std::size_t i = 0; i < outcomes->size(); ++i) {
     report_.replays += static_cast<int>((*outcomes)[i].passes.size());
-    tried[i].second = difference(evidence_.still.passes[0], (*outcomes)[i].passes[0], evidence_.time_step, controller)
-                          .has_value();
+    tried[i].second =
+        difference(evidence_.still.passes[0], (*outcomes)[i].passes[0], evidence_.time_step, controller).has_value();
   }
   return {};
 }
@@ -288,8 +286,8 @@ void Audit::take_code(ControllerAudit& controller) const {
   const auto scan = scan_library(controller.library);
   if (!scan) return;
   for (const LibraryFinding& finding : scan->findings)
-    controller.code.push_back({std::string(to_string(finding.kind)), finding.count, finding.function, finding.place,
-                               finding.sentence});
+    controller.code.push_back(
+        {std::string(to_string(finding.kind)), finding.count, finding.function, finding.place, finding.sentence});
 }
 
 Result<void> Audit::run_valgrind() {
@@ -338,14 +336,11 @@ std::string list_of(const std::vector<std::string>& words) {
 /// "other memory, addresses, dates and random numbers"
 std::string varied_in(const std::vector<FactorResult>& factors) {
   std::vector<std::string> words;
-  const std::pair<Factor, const char*> names[] = {{Factor::memory, "memory"},
-                                                  {Factor::addresses, "addresses"},
-                                                  {Factor::environment, "variables"},
-                                                  {Factor::folder, "folders"},
-                                                  {Factor::locale, "locale"},
-                                                  {Factor::clock, "dates"},
-                                                  {Factor::random, "random numbers"},
-                                                  {Factor::threads, "schedules of threads"}};
+  const std::pair<Factor, const char*> names[] = {
+      {Factor::memory, "memory"},         {Factor::addresses, "addresses"},
+      {Factor::environment, "variables"}, {Factor::folder, "folders"},
+      {Factor::locale, "locale"},         {Factor::clock, "dates"},
+      {Factor::random, "random numbers"}, {Factor::threads, "schedules of threads"}};
   for (const auto& [factor, name] : names)
     if (const FactorResult* result = find_factor(factors, factor); result && result->not_varied.empty())
       words.emplace_back(name);
@@ -370,8 +365,8 @@ void Audit::sum_up() {
       reasons.push_back(fmt::format("{} is not deterministic{}: {}", controller.controller, given, controller.reason));
   }
   if (reasons.empty() && !report_.memory_errors.empty())
-    reasons.push_back(fmt::format("{} gave the same commands, but by chance: {}", list_of(names),
-                                  report_.memory_errors[0]));
+    reasons.push_back(
+        fmt::format("{} gave the same commands, but by chance: {}", list_of(names), report_.memory_errors[0]));
   else if (!reasons.empty() && !report_.memory_errors.empty())
     reasons.back() += "; valgrind: " + report_.memory_errors[0];
   report_.deterministic = reasons.empty();
@@ -381,8 +376,8 @@ void Audit::sum_up() {
     return;
   }
   if (report_.commands == 0) {
-    report_.verdict = fmt::format("nothing was compared: {} commanded nothing in {:g} s{}", list_of(names), report_.time,
-                                  given);
+    report_.verdict =
+        fmt::format("nothing was compared: {} commanded nothing in {:g} s{}", list_of(names), report_.time, given);
     return;
   }
   report_.verdict = fmt::format(

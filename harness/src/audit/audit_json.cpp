@@ -12,17 +12,18 @@ using Json = nlohmann::ordered_json;
 
 Json object_of(const FactorResult& result) {
   return {{"factor", to_string(result.factor)},
-          {"state", !result.not_varied.empty() ? "not varied" : result.first ? "differs" : "same"},
+          {"state", !result.not_varied.empty() ? "not varied"
+                    : result.first             ? "differs"
+                                               : "same"},
           {"replays", result.replays},
           {"why_not", result.not_varied.empty() ? Json(nullptr) : Json(result.not_varied)},
           {"first", json_of(result.first)}};
 }
 
 Json object_of(const AuditedCall& call) {
-  return {{"source", call.source},         {"function", call.function},   {"phase", call.phase},
-          {"place", call.place},           {"first_tick", call.first_tick}, {"last_tick", call.last_tick},
-          {"count", call.count},           {"reached", to_string(call.reached)},
-          {"note", call.note}};
+  return {{"source", call.source}, {"function", call.function},          {"phase", call.phase},
+          {"place", call.place},   {"first_tick", call.first_tick},      {"last_tick", call.last_tick},
+          {"count", call.count},   {"reached", to_string(call.reached)}, {"note", call.note}};
 }
 
 Json object_of(const AuditedCode& code) {

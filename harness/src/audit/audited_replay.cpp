@@ -40,8 +40,8 @@ class AuditWatch : public ControllerWatch {
   InterposerWatch inner_;
 };
 
-/// Takes memory in odd sizes, some large and many small, and keeps about every second piece: what comes later lies in the
-/// holes between, elsewhere and in another order.
+/// Takes memory in odd sizes, some large and many small, and keeps about every second piece: what comes later lies in
+/// the holes between, elsewhere and in another order.
 void pad_memory(std::uint32_t seed) {
   constexpr int pieces = 20000, every = 200;
   static std::vector<void*>& kept = *new std::vector<void*>;
@@ -79,12 +79,16 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
     outputs.add(tick, row);
   };
   const auto report = replay(work.trace, options);
-  Json result{{"problem", nullptr}, {"failure", nullptr}, {"refused", false}, {"differs_from_recording", nullptr},
+  Json result{{"problem", nullptr},   {"failure", nullptr},
+              {"refused", false},     {"differs_from_recording", nullptr},
               {"undefined", nullptr}, {"remarks", Json::array()}};
   if (!report) {
     const Diagnostic& problem = report.errors()[0];
-    result["problem"] = {{"file", problem.file}, {"line", problem.line}, {"column", problem.column},
-                         {"message", problem.message}, {"hint", problem.hint}};
+    result["problem"] = {{"file", problem.file},
+                         {"line", problem.line},
+                         {"column", problem.column},
+                         {"message", problem.message},
+                         {"hint", problem.hint}};
     return result;
   }
   if (report->failure) result["failure"] = report->failure->message;

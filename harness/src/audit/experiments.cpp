@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 using Source = ObservedCall::Source;
 
-// malloc() paints what it gives out with the complement: with 0xc0 a double is -8577.5 and a bool true, with 0x00 all is
-// zero.
+// malloc() paints what it gives out with the complement: with 0xc0 a double is -8577.5 and a bool true, with 0x00 all
+// is zero.
 constexpr unsigned char first_fill = 0x3f;
 constexpr unsigned char other_fills[] = {0xff, 0xbe, 0x55};
 
@@ -56,7 +56,8 @@ class Plan {
     vary_locale();
     vary_virtualised();
     vary_threads();
-    for (int i = 0; i < options_.repeat; ++i) still(Factor::again, i).passes = 2;  // its first is the still one, repeated
+    for (int i = 0; i < options_.repeat; ++i)
+      still(Factor::again, i).passes = 2;  // its first is the still one, repeated
     return std::move(experiments_);
   }
 
@@ -119,7 +120,8 @@ class Plan {
     for (int i = 0; i < options_.repeat; ++i) {
       clock = clock.shifted();
       if (calls(Source::clock)) still(Factor::clock, i).everywhere.clock = clock;
-      if (calls(Source::random)) still(Factor::random, i).everywhere.seed = options_.seed + 1 + static_cast<unsigned>(i);
+      if (calls(Source::random))
+        still(Factor::random, i).everywhere.seed = options_.seed + 1 + static_cast<unsigned>(i);
     }
   }
 

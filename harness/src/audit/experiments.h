@@ -25,9 +25,10 @@ ReplaySettings plain_replay(const AuditOptions& options);
 /// experiments are compared with.
 ReplaySettings still_replay(const AuditOptions& options);
 
-/// What is to be tried, after the calls that controllers made were seen. What can't matter, since nobody asked for it, is
-/// not varied; if `unseen` is true, controllers can ask without being seen, and all is.
-std::vector<Experiment> plan_experiments(const AuditOptions& options, const std::vector<ObservedCall>& calls, bool unseen);
+/// What is to be tried, after the calls that controllers made were seen. What can't matter, since nobody asked for it,
+/// is not varied; if `unseen` is true, controllers can ask without being seen, and all is.
+std::vector<Experiment> plan_experiments(const AuditOptions& options, const std::vector<ObservedCall>& calls,
+                                         bool unseen);
 
 /// The still replay but for one place, whose calls are answered otherwise. `source`: clock or random.
 ReplaySettings other_answer_at(const AuditOptions& options, const ObservedCall& call, int number);

@@ -95,8 +95,8 @@ bool is_repeatable(const Evidence& evidence, const std::string& controller) {
 }
 
 const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor factor) {
-  const auto found = std::find_if(factors.begin(), factors.end(),
-                                  [=](const FactorResult& result) { return result.factor == factor; });
+  const auto found =
+      std::find_if(factors.begin(), factors.end(), [=](const FactorResult& result) { return result.factor == factor; });
   return found == factors.end() ? nullptr : &*found;
 }
 
@@ -120,8 +120,8 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
     }
   } else {
     // memory that is painted against memory as it comes, if nothing else that this changes makes the difference
-    const bool explained =
-        std::any_of(results.begin(), results.end(), [](const FactorResult& result) { return result.first.has_value(); });
+    const bool explained = std::any_of(results.begin(), results.end(),
+                                       [](const FactorResult& result) { return result.first.has_value(); });
     if (!explained) of(Factor::memory).first = judge.compare(evidence.plain.passes[0], evidence.still.passes[0]);
   }
   FactorResult& recording = of(Factor::recording);
@@ -182,7 +182,8 @@ void judge_calls(const std::vector<ObservedCall>& seen, const std::vector<Factor
   using Reached = AuditedCall::Reached;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (!calls[i].note.empty()) calls[i].reached = Reached::yes;
-    const auto asked = std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
+    const auto asked =
+        std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
     if (asked != tried.end()) {
       calls[i].reached = asked->second ? Reached::yes : Reached::no;
       continue;
@@ -202,9 +203,12 @@ void judge_calls(const std::vector<ObservedCall>& seen, const std::vector<Factor
 
 std::vector<std::string> liberties_of(const std::vector<ObservedCall>& calls) {
   static const std::pair<const char*, const char*> deeds[] = {
-      {"exit", "ends the process"},          {"_exit", "ends the process"},
-      {"_Exit", "ends the process"},         {"quick_exit", "ends the process"},
-      {"abort", "ends the process"},         {"close", "closes a file descriptor that isn't its own"},
+      {"exit", "ends the process"},
+      {"_exit", "ends the process"},
+      {"_Exit", "ends the process"},
+      {"quick_exit", "ends the process"},
+      {"abort", "ends the process"},
+      {"close", "closes a file descriptor that isn't its own"},
       {"close_range", "closes file descriptors that aren't its own"},
       {"closefrom", "closes file descriptors that aren't its own"},
       {"chdir", "changes the working folder of the whole process"},

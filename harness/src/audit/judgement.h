@@ -41,8 +41,8 @@ const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor
 /// The call with what was found of it, before it is known what it reached.
 AuditedCall describe(const ObservedCall& call, const Evidence& evidence);
 
-/// Sets whether what calls were answered reached an output. `tried`: calls that were answered otherwise one by one, with
-/// what came of it. `calls` are in the order of calls_of().
+/// Sets whether what calls were answered reached an output. `tried`: calls that were answered otherwise one by one,
+/// with what came of it. `calls` are in the order of calls_of().
 void judge_calls(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
                  const std::vector<std::pair<CodePlace, bool>>& tried, std::vector<AuditedCall>& calls);
 

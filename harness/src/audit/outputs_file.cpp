@@ -24,14 +24,14 @@ constexpr char file_magic[8] = {'R', 'H', 'A', 'U', 'D', 'I', 'T', '1'};
 /// The begin of the file. Behind it: the fields as text, a line each, then the rows.
 struct OutputsHead {
   char magic[8];
-  std::uint64_t beats;        // calls into controllers, begun and ended
-  std::uint64_t names_size;   // of the fields' text [bytes]
-  std::uint64_t fields;       // how many
-  std::uint64_t rows_at;      // offset of the first row
-  std::uint64_t rows;         // complete ones
-  std::int64_t tick;          // of the call that is under way
-  std::uint64_t under_way;    // 1: a call is
-  char controller[256];       // whose
+  std::uint64_t beats;       // calls into controllers, begun and ended
+  std::uint64_t names_size;  // of the fields' text [bytes]
+  std::uint64_t fields;      // how many
+  std::uint64_t rows_at;     // offset of the first row
+  std::uint64_t rows;        // complete ones
+  std::int64_t tick;         // of the call that is under way
+  std::uint64_t under_way;   // 1: a call is
+  char controller[256];      // whose
   char function[128];
 };
 
@@ -177,7 +177,8 @@ Result<Outputs> Outputs::read(const fs::path& file) {
   outputs.fields_ = fields_of(text);
   outputs.words_.resize(words);
   stream.seekg(static_cast<std::streamoff>(head.rows_at));
-  stream.read(reinterpret_cast<char*>(outputs.words_.data()), static_cast<std::streamsize>(words * sizeof(std::uint64_t)));
+  stream.read(reinterpret_cast<char*>(outputs.words_.data()),
+              static_cast<std::streamsize>(words * sizeof(std::uint64_t)));
   if (!stream || outputs.fields_.size() != head.fields) return unreadable(file);
   return outputs;
 }
@@ -210,7 +211,7 @@ Divergence divergence_at(const OutputField& field, std::uint64_t expected, std::
     const bool running = field.element.starts_with("running");
     found.note = field.element == "told" ? "a device is told something in one run, and nothing in the other"
                  : running               ? "the controller takes part in one run, and not in the other"
-                           : fmt::format("control() returned {}, then {}", expected != 0, actual != 0);
+                                         : fmt::format("control() returned {}, then {}", expected != 0, actual != 0);
     return found;
   }
   found.expected = std::bit_cast<double>(expected);

@@ -65,9 +65,9 @@ class Conclusion {
 
   /// The change that says most: what never repeats first, then what others follow from.
   bool found_by_factors() {
-    for (const Factor factor : {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random,
-                                Factor::environment, Factor::folder, Factor::locale, Factor::nothing, Factor::again,
-                                Factor::recording}) {
+    for (const Factor factor :
+         {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random, Factor::environment,
+          Factor::folder, Factor::locale, Factor::nothing, Factor::again, Factor::recording}) {
       const FactorResult* result = find_factor(audit_.factors, factor);
       if (!result || !result->first) continue;
       audit_.deterministic = false;
@@ -135,8 +135,7 @@ class Conclusion {
     for (const auto& [kind, words] : {std::pair{Kind::time_stamp_counter, "the processor's clock"},
                                       {Kind::hardware_random, "the processor's random numbers"}})
       for (const AuditedCode& code : audit_.code)
-        if (code.kind == to_string(kind))
-          return fmt::format("it depends on {}: {}; {}", words, code.sentence, where);
+        if (code.kind == to_string(kind)) return fmt::format("it depends on {}: {}; {}", words, code.sentence, where);
     for (std::size_t i = 0; i < seen_.size(); ++i)
       for (const char* identity : {"getpid", "getppid", "gettid", "gethostname", "uname", "sched_getcpu"})
         if (seen_[i].function == identity)

@@ -31,7 +31,7 @@ using Changes = std::map<std::string, std::optional<std::string>>;
 constexpr int at_a_time = 2;
 constexpr std::chrono::milliseconds poll_interval{1};
 constexpr std::chrono::milliseconds heartbeat_interval{250};
-constexpr double patience = 10.0;          // beyond the limit of one call, before a silent process is killed [s]
+constexpr double patience = 10.0;  // beyond the limit of one call, before a silent process is killed [s]
 constexpr double valgrind_slowness = 50.0;
 
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
@@ -112,7 +112,8 @@ std::string sentence_of_death(int status, const std::optional<UnfinishedCall>& c
   const std::string how = WIFEXITED(status)
                               ? fmt::format("ended the process, with exit status {},", WEXITSTATUS(status))
                               : fmt::format("ended the process by a signal ({})", strsignal(WTERMSIG(status)));
-  if (call) return fmt::format("controller '{}' {} in {}() at tick {}", call->controller, how, call->function, call->tick);
+  if (call)
+    return fmt::format("controller '{}' {} in {}() at tick {}", call->controller, how, call->function, call->tick);
   return fmt::format("something that a controller left behind, as a thread or a handler, {}", how);
 }
 
@@ -166,8 +167,16 @@ fs::path ReplayProcesses::folder_of(const ReplaySettings& settings) const { retu
 std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& settings) const {
   std::vector<std::string> words;
   if (settings.valgrind)
-    words = {"/usr/bin/env", "valgrind", "--quiet", "--tool=memcheck", "--track-origins=yes", "--num-callers=40",
-             "--trace-children=yes", "--child-silent-after-fork=yes", "--leak-check=no", "--xml=yes",
+    words = {"/usr/bin/env",
+             "valgrind",
+             "--quiet",
+             "--tool=memcheck",
+             "--track-origins=yes",
+             "--num-callers=40",
+             "--trace-children=yes",
+             "--child-silent-after-fork=yes",
+             "--leak-check=no",
+             "--xml=yes",
              fmt::format("--xml-file={}", (folder_of(settings) / "valgrind.%p.xml").string())};
   words.insert(words.end(), {options_.auditor.string(), "audit", trace_.string(), "--replay-into",
                              folder_of(settings).string(), "--passes", std::to_string(settings.passes)});
@@ -188,8 +197,8 @@ Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettin
   if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
   changes["GLIBC_TUNABLES"] = tunables(settings);
   if (!settings.valgrind) {
-    const auto watched = interposer_environment(
-        {folder_of(settings) / "calls", settings.everywhere, settings.only, settings.there});
+    const auto watched =
+        interposer_environment({folder_of(settings) / "calls", settings.everywhere, settings.only, settings.there});
     if (!watched) return watched.errors();
     for (const auto& [name, value] : *watched) changes[name] = value;
   }

@@ -23,8 +23,8 @@ struct ReplaySettings {
   std::optional<CodePlace> only;  // then `there` holds at that place
   Substitution there;
   int passes = 1;
-  unsigned char fill = 0;      // what fresh and freed memory and the stack are painted with; 0: nothing
-  std::uint32_t padding = 0;   // AuditedReplay::padding
+  unsigned char fill = 0;       // what fresh and freed memory and the stack are painted with; 0: nothing
+  std::uint32_t padding = 0;    // AuditedReplay::padding
   bool other_addresses = true;  // chosen anew for each process, as usual; false: the same in all of them
   std::map<std::string, std::optional<std::string>> environment;  // variables; none: taken away
   bool other_environment = false;                                 // of all those that nothing here needs
@@ -39,7 +39,7 @@ struct ReplayPass {
   bool hung = false;                   // no answer; the process was killed
   bool refused = false;
   std::optional<Divergence> differs_from_recording;  // the first of its commands that isn't the recorded one
-  std::string undefined;     // under valgrind: the first number that was never set
+  std::string undefined;                             // under valgrind: the first number that was never set
   Diagnostics remarks;
 };
 

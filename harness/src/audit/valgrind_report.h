@@ -7,8 +7,8 @@
 
 namespace rehearse {
 
-/// A sentence for each kind of error and place, in the order in which they occurred; errors without a frame in one of the
-/// libraries are not the controllers'. `xml`: what --xml=yes writes; a report that ends early is read up to there.
+/// A sentence for each kind of error and place, in the order in which they occurred; errors without a frame in one of
+/// the libraries are not the controllers'. `xml`: what --xml=yes writes; a report that ends early is read up to there.
 std::vector<std::string> memory_errors_in(const std::string& xml, const std::vector<std::filesystem::path>& libraries);
 
 }  // namespace rehearse

@@ -64,17 +64,20 @@ Result<void> virtualise_process_like(const std::filesystem::path& trace) {
   if (!interposed) return interposed.errors();
   for (const auto& changes : {*interposed, virtualised_environment(*seed)})
     for (const auto& [name, value] : changes) {
-      if (value) setenv(name.c_str(), value->c_str(), 1);
-      else unsetenv(name.c_str());
+      if (value)
+        setenv(name.c_str(), value->c_str(), 1);
+      else
+        unsetenv(name.c_str());
     }
   std::vector<std::string> arguments = own_arguments();
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   execv("/proc/self/exe", pointers.data());
-  return error(fmt::format("{} was recorded with simulated time and seeded random numbers, and this process can't start "
-                           "itself again with them: {}",
-                           trace.string(), std::strerror(errno)));
+  return error(
+      fmt::format("{} was recorded with simulated time and seeded random numbers, and this process can't start "
+                  "itself again with them: {}",
+                  trace.string(), std::strerror(errno)));
 }
 
 }  // namespace rehearse

@@ -20,8 +20,8 @@ Substitution virtualised(std::uint64_t seed);
 /// What changes in the environment of a process whose recordings are to say that they were made so.
 std::map<std::string, std::optional<std::string>> virtualised_environment(std::uint64_t seed);
 
-/// "clock, random; seed 7", if this process's controllers are given that; else empty. Stands in a recording's provenance
-/// as `virtualised`.
+/// "clock, random; seed 7", if this process's controllers are given that; else empty. Stands in a recording's
+/// provenance as `virtualised`.
 std::string virtualisation();
 
 /// The seed of a recording that was made so; none: it wasn't.

@@ -1,12 +1,12 @@
-// Does to its process what its options say, in the 8th control(): crash, hang, exit, quick, abort, close, chdir, signal,
-// float, throw.
+// Does to its process what its options say, in the 8th control(): crash, hang, exit, quick, abort, close, chdir,
+// signal, float, throw.
 #include "zoo.h"
 
+#include <unistd.h>
+#include <xmmintrin.h>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
-#include <unistd.h>
-#include <xmmintrin.h>
 
 namespace {
 

@@ -1,4 +1,5 @@
-// What the controllers of the zoo have in common: a pendulum held by a spring, and a term that each adds in its own way.
+// What the controllers of the zoo have in common: a pendulum held by a spring, and a term that each adds in its own
+// way.
 #pragma once
 
 #include <cnoid/SimpleController>
