@@ -332,7 +332,8 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
   if (!fs::exists(child.folder / "1.outputs", ignored)) {
     auto said = read_text(child.folder / "output.txt");
     while (said && said->ends_with('\n')) said->pop_back();
-    return error(fmt::format("a process of the audit failed: {}", said ? *said : "it said nothing"));
+    return error(fmt::format("a process of the audit failed: {}", said ? *said : "it said nothing"),
+                 child.settings->valgrind ? "is valgrind installed?" : "");
   }
   for (int number = 1; number <= child.settings->passes; ++number) {
     if (!fs::exists(child.folder / fmt::format("{}.outputs", number), ignored)) break;  // the one before ended it
