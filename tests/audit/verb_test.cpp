@@ -148,6 +148,12 @@ TEST_F(AuditVerb, RefusesATraceThatIsCutOff) {
   EXPECT_THAT(outcome.err, ContainsRegex("zoo.mcap"));
 }
 
+TEST_F(AuditVerb, RefusesToWorkWithoutAFolderForIt) {
+  const Outcome outcome = rehearse({"audit", scenario("good_own_generator").string()}, "TMPDIR=/nonexistent");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("error: there is no folder for temporary files"));
+}
+
 TEST_F(AuditVerb, LeavesNothingBehind) {
   done({"audit", scenario("good_own_generator").string()});
   fs::remove(folder() / "zoo.yaml");

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <string_view>
+
 namespace rehearse::test {
 namespace {
 
@@ -72,6 +74,11 @@ class Zoo : public Audited, public ::testing::WithParamInterface<Animal> {
 
 TEST_P(Zoo, IsJudgedRightly) {
   const Animal& animal = GetParam();
+#if defined(SANITIZED)
+  const std::string_view found_by = animal.found_by ? animal.found_by : "";
+  if (found_by == "memory" || found_by == "addresses")
+    GTEST_SKIP() << "the sanitizer has a malloc() of its own, which is not varied";
+#endif
   write("gain.txt", "0.25\n");
   const std::string name = animal.controller;
   const Outcome outcome = rehearse(

@@ -1,7 +1,7 @@
 // rehearse audit: is a controller a function of its inputs, and if not, what else does it depend on.
 #include <fmt/format.h>
 #include <rehearse/audit.h>
-#include <unistd.h>
+#include <stdlib.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -33,13 +33,18 @@ struct Settings {
 /// A folder for what the processes of an audit write; removed with all that is in it.
 class Scratch {
  public:
-  Scratch() : path_(fs::temp_directory_path() / fmt::format("rehearse-audit.{}", getpid())) {}
+  Scratch() {
+    std::error_code failed;
+    std::string name = (fs::temp_directory_path(failed) / "rehearse-audit.XXXXXX").string();
+    if (!failed && mkdtemp(name.data())) path_ = name;
+  }
   ~Scratch() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;
+  /// Empty if it can't be made.
   const fs::path& path() const { return path_; }
 
  private:
@@ -129,6 +134,8 @@ Exit run(Settings& settings) {
     if (const auto allowed = check_output(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
   const Scratch scratch;
+  if (scratch.path().empty())
+    return refuse(error("there is no folder for temporary files", "TMPDIR names one that can be written to"));
   std::error_code failed;
   settings.audit.scratch = scratch.path();
   settings.audit.auditor = fs::read_symlink("/proc/self/exe", failed);
