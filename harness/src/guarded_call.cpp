@@ -54,7 +54,7 @@ class Watchdog {
   }
 
   void begin(double limit) {
-    if (!thread_.joinable()) thread_ = std::thread([this] { watch(); });
+    if (!thread_.joinable()) start();
     limit_.store(limit, std::memory_order_relaxed);
     calls_.fetch_add(1, std::memory_order_release);  // odd: a call is under way
   }
@@ -71,11 +71,18 @@ class Watchdog {
     if (thread_.joinable()) thread_.join();
   }
 
+  /// Signals are for the guarded thread, so the new one begins with all of them blocked. It can't do that itself: if the
+  /// call is the loading of a library that never comes back, the dynamic linker stays locked for all other threads.
+  void start() {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    thread_ = std::thread([this] { watch(); });
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  }
+
   void watch() {
     using clock = std::chrono::steady_clock;
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the guarded thread
     std::uint64_t seen = 0;
     clock::time_point since = clock::now();
     std::unique_lock lock(mutex_);

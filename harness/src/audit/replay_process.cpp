@@ -101,8 +101,10 @@ std::string tunables(const ReplaySettings& settings) {
   for (const auto& [name, value] : pinned_environment())
     if (name == "GLIBC_TUNABLES") pinned = value;
   std::string memory;
-  // without its cache malloc() paints every piece that it gives out or takes back
-  if (settings.fill != 0) memory += fmt::format("glibc.malloc.tcache_count=0:glibc.malloc.perturb={}:", settings.fill);
+  // without its cache malloc() paints every piece that it gives out or takes back; trimmed, it would come back as zeros
+  if (settings.fill != 0)
+    memory += fmt::format("glibc.malloc.tcache_count=0:glibc.malloc.trim_threshold={}:glibc.malloc.perturb={}:",
+                          std::size_t{1} << 40, settings.fill);
   if (settings.padding != 0)
     memory += "glibc.malloc.top_pad=1048576:glibc.malloc.mmap_threshold=60000:glibc.malloc.arena_max=1:";
   return memory + pinned;
