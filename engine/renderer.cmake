@@ -6,15 +6,15 @@ pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 find_package(PNG REQUIRED)
 find_package(fmt REQUIRED)
 
-rehearse_add_library(png src/png.cpp)
+rehearse_add_library(png src/renderer/png.cpp)
 target_link_libraries(rehearse_png PUBLIC Rehearse::model PRIVATE PNG::PNG PkgConfig::libdeflate fmt::fmt)
 
 rehearse_add_library(renderer
-  src/closed_surface.cpp
-  src/renderer.cpp
-  src/renderer_gl.cpp
-  src/renderer_items.cpp
-  src/renderer_meshes.cpp
-  src/renderer_painter.cpp
-  src/vision.cpp)
+  src/renderer/closed_surface.cpp
+  src/renderer/renderer.cpp
+  src/renderer/renderer_gl.cpp
+  src/renderer/renderer_items.cpp
+  src/renderer/renderer_meshes.cpp
+  src/renderer/renderer_painter.cpp
+  src/renderer/vision.cpp)
 target_link_libraries(rehearse_renderer PUBLIC Rehearse::model PRIVATE PkgConfig::osmesa fmt::fmt)

@@ -3,36 +3,36 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_package(Threads REQUIRED)
 
 rehearse_add_library(harness
-  src/camera_info.cpp
-  src/cnoid_body.cpp
-  src/contact_recorder.cpp
-  src/controller_host.cpp
-  src/controller_io.cpp
-  src/usable_outputs.cpp
-  src/info_text.cpp
-  src/controller_library.cpp
-  src/device_recorder.cpp
-  src/divergence.cpp
-  src/float_mode.cpp
-  src/guarded_call.cpp
-  src/hashing.cpp
-  src/host_joystick.cpp
-  src/io_body.cpp
-  src/joint_arrays.cpp
-  src/mesh_digests.cpp
-  src/output_record.cpp
-  src/pin.cpp
-  src/process_guard.cpp
-  src/process_tripwires.cpp
-  src/provenance.cpp
-  src/recorded_inputs.cpp
-  src/recorded_outputs.cpp
-  src/recorder.cpp
-  src/replay.cpp
-  src/trace_scenario.cpp)
-target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/src)
+  src/recording/camera_info.cpp
+  src/host/cnoid_body.cpp
+  src/recording/contact_recorder.cpp
+  src/host/controller_host.cpp
+  src/host/controller_io.cpp
+  src/host/usable_outputs.cpp
+  src/host/info_text.cpp
+  src/host/controller_library.cpp
+  src/recording/device_recorder.cpp
+  src/compare/divergence.cpp
+  src/host/float_mode.cpp
+  src/host/guarded_call.cpp
+  src/recording/hashing.cpp
+  src/host/host_joystick.cpp
+  src/host/io_body.cpp
+  src/host/joint_arrays.cpp
+  src/recording/mesh_digests.cpp
+  src/replay/output_record.cpp
+  src/host/pin.cpp
+  src/host/process_guard.cpp
+  src/host/process_tripwires.cpp
+  src/recording/provenance.cpp
+  src/replay/recorded_inputs.cpp
+  src/replay/recorded_outputs.cpp
+  src/recording/recorder.cpp
+  src/replay/replay.cpp
+  src/replay/trace_scenario.cpp)
+target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})
 target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
-set_source_files_properties(src/provenance.cpp PROPERTIES
+set_source_files_properties(src/recording/provenance.cpp PROPERTIES
   COMPILE_DEFINITIONS REHEARSE_OTHER_FLAGS="${REHEARSE_OTHER_FLAGS}")
 target_link_libraries(rehearse_harness
   PUBLIC Rehearse::scenario Rehearse::trace

@@ -3,10 +3,10 @@
 
 #include <rehearse/vision.h>
 
-#include "controller_host.h"
+#include "host/controller_host.h"
 #include "pairs.h"
 #include "pinned_child.h"
-#include "recorder.h"
+#include "recording/recorder.h"
 #include "sr1_run.h"
 
 namespace rehearse {

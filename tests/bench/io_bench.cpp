@@ -1,6 +1,6 @@
 // What it costs to copy a robot's inputs to its controller and the commands back.
 
-#include "controller_host.h"
+#include "host/controller_host.h"
 #include "pairs.h"
 #include "sr1_run.h"
 

@@ -1,5 +1,5 @@
 // Two sequences of events beside each other.
-#include "event_sequences.h"
+#include "compare/event_sequences.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,9 +11,9 @@
 #include "audit/judgement.h"
 #include "audit/valgrind_report.h"
 #include "audit/virtualised.h"
-#include "controller_library.h"
-#include "golden_files.h"
-#include "trace_scenario.h"
+#include "host/controller_library.h"
+#include "golden/golden_files.h"
+#include "replay/trace_scenario.h"
 
 namespace rehearse {
 namespace {

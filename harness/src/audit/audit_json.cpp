@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "report_json.h"
+#include "compare/report_json.h"
 
 namespace rehearse {
 namespace {

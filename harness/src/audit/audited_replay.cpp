@@ -12,7 +12,7 @@
 #include "audit/interposer.h"
 #include "audit/memory_check.h"
 #include "audit/outputs_file.h"
-#include "place_json.h"
+#include "compare/place_json.h"
 
 namespace rehearse {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "audit/virtualised.h"
-#include "controller_library.h"
+#include "host/controller_library.h"
 
 namespace rehearse {
 namespace {

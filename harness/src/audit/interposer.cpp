@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "controller_library.h"
+#include "host/controller_library.h"
 
 namespace rehearse {
 namespace {

@@ -17,8 +17,8 @@
 #include <thread>
 
 #include "audit/virtualised.h"
-#include "golden_files.h"
-#include "place_json.h"
+#include "golden/golden_files.h"
+#include "compare/place_json.h"
 
 namespace rehearse {
 namespace {

@@ -1,6 +1,6 @@
 // What contact takes a mesh for.
 
-#include "convex_hull.h"
+#include "mesh/convex_hull.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

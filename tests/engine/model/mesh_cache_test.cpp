@@ -1,5 +1,5 @@
 #define XXH_INLINE_ALL
-#include "mesh_cache.h"
+#include "mesh/mesh_cache.h"
 
 #include "mesh_files.h"
 

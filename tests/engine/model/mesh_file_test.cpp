@@ -1,5 +1,5 @@
 // Triangles of meshes: where they are, which way round, and in whose frame.
-#include "mesh_file.h"
+#include "mesh/mesh_file.h"
 
 #include "mesh_files.h"
 

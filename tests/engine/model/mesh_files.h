@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "test_folder.h"
 
 namespace rehearse {

@@ -1,4 +1,4 @@
-#include "mesh_paths.h"
+#include "mesh/mesh_paths.h"
 
 #include "test_folder.h"
 

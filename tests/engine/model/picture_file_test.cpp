@@ -1,4 +1,4 @@
-#include "picture_file.h"
+#include "mesh/picture_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

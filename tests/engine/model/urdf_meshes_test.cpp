@@ -1,5 +1,5 @@
 // <mesh> in a URDF.
-#include "mesh_cache.h"
+#include "mesh/mesh_cache.h"
 #include "test_folder.h"
 #include "urdf_texts.h"
 

@@ -1,6 +1,6 @@
 // urdfdom as referee: what it reads otherwise than we do, or not at all, is an error. Here our own reading is wrong on
 // purpose.
-#include "urdf_draft.h"
+#include "urdf/urdf_draft.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "renderer_meshes.h"
+#include "renderer/renderer_meshes.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

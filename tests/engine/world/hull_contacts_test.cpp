@@ -1,6 +1,6 @@
 // Where hulls touch, against the same by brute force.
 
-#include "hull_contacts.h"
+#include "world/hull_contacts.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "../meshes.h"
-#include "convex_hull.h"
+#include "mesh/convex_hull.h"
 
 namespace rehearse {
 namespace {

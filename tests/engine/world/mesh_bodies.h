@@ -2,7 +2,7 @@
 #pragma once
 
 #include "../meshes.h"
-#include "convex_hull.h"
+#include "mesh/convex_hull.h"
 #include "robots.h"
 
 namespace rehearse {

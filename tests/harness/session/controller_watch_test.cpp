@@ -1,5 +1,5 @@
 // What a watch is told of a recording and of a replay.
-#include "controller_watch.h"
+#include "host/controller_watch.h"
 
 #include <utility>
 

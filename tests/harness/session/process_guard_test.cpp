@@ -7,7 +7,7 @@
 
 #include <clocale>
 
-#include "float_mode.h"
+#include "host/float_mode.h"
 #include "runs.h"
 
 namespace rehearse {

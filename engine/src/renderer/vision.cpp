@@ -1,0 +1,152 @@
+#include <rehearse/vision.h>
+
+#include <string>
+
+#include "model/capture_cycle.h"
+#include "model/link_pose.h"
+
+namespace rehearse {
+namespace {
+
+using Eigen::Isometry3d;
+
+struct Picture {
+  std::shared_ptr<const Image> color;
+  std::shared_ptr<const DepthImage> depth;
+};
+
+struct ShownLight {
+  int body = 0;
+  int device = 0;
+  int number = 0;  // of the renderer
+};
+
+struct ActiveCamera {
+  int body = 0;
+  int device = 0;
+  CaptureCycle<Picture> cycle;
+};
+
+}  // namespace
+
+struct Vision::Impl {
+  std::vector<std::shared_ptr<const Model>> models;
+  std::vector<ActiveCamera> cameras;
+  std::unique_ptr<Renderer> renderer;
+  struct Drawn {
+    int number, body, link;
+  };
+  std::vector<Drawn> drawn;
+  std::vector<ShownLight> lights;
+
+  void add_shapes();
+  Result<void> add_lights();
+  void place(const Observation& observation);
+  Picture capture(const ActiveCamera& camera, const Observation& observation);
+};
+
+Vision::Vision() : impl_(std::make_unique<Impl>()) {}
+Vision::~Vision() = default;
+
+Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std::shared_ptr<const Model>> models,
+                                               std::vector<std::vector<bool>> active, const Look& look) {
+  auto renderer = Renderer::create(look);
+  if (!renderer) return renderer.errors();
+  std::unique_ptr<Vision> vision(new Vision);
+  Impl& impl = *vision->impl_;
+  impl.models = std::move(models);
+  impl.renderer = std::move(*renderer);
+  impl.add_shapes();
+  if (auto added = impl.add_lights(); !added) return added.errors();
+  for (std::size_t body = 0; body < impl.models.size(); ++body) {
+    for (std::size_t device = 0; device < impl.models[body]->devices.size(); ++device) {
+      const auto* camera = std::get_if<Camera>(&impl.models[body]->devices[device].kind);
+      if (!camera || !active[body][device]) continue;
+      impl.cameras.push_back({static_cast<int>(body), static_cast<int>(device), {camera->frame_rate, time_step}});
+    }
+  }
+  return vision;
+}
+
+void Vision::Impl::add_shapes() {
+  static const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);
+  for (std::size_t body = 0; body < models.size(); ++body)
+    for (std::size_t link = 0; link < models[body]->links.size(); ++link)
+      for (const Shape& shape : models[body]->links[link].visuals)
+        drawn.push_back({renderer->add(shape, default_color), static_cast<int>(body), static_cast<int>(link)});
+}
+
+Result<void> Vision::Impl::add_lights() {
+  for (std::size_t body = 0; body < models.size(); ++body) {
+    for (std::size_t device = 0; device < models[body]->devices.size(); ++device) {
+      const auto* light = std::get_if<Light>(&models[body]->devices[device].kind);
+      if (!light) continue;
+      if (lights.size() == Renderer::max_lights)
+        return error("there are more than " + std::to_string(Renderer::max_lights) + " lights",
+                     "no picture can have more of them");
+      lights.push_back({static_cast<int>(body), static_cast<int>(device), renderer->add_light(*light)});
+    }
+  }
+  return {};
+}
+
+void Vision::Impl::place(const Observation& observation) {
+  for (const Drawn& shape : drawn)
+    renderer->set_link_pose(shape.number, pose_of(observation.bodies[shape.body].links[shape.link]));
+  for (const ShownLight& light : lights) {
+    const Device& device = models[light.body]->devices[light.device];
+    renderer->set_light_pose(light.number, pose_of(observation.bodies[light.body].links[device.link]) * device.pose);
+  }
+}
+
+Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& observation) {
+  const Device& device = models[camera.body]->devices[camera.device];
+  const Isometry3d pose = pose_of(observation.bodies[camera.body].links[device.link]) * device.pose;
+  Frame frame = renderer->draw(std::get<Camera>(device.kind), pose);
+  Picture picture;
+  picture.color = std::make_shared<const Image>(std::move(frame.color));
+  round_to_resolution(frame.depth);
+  if (!frame.depth.meters.empty()) picture.depth = std::make_shared<const DepthImage>(std::move(frame.depth));
+  return picture;
+}
+
+void Vision::look(std::int64_t tick, Observation& observation) {
+  bool placed = false;
+  for (ActiveCamera& camera : impl_->cameras) {
+    DeviceReading& reading = observation.bodies[camera.body].devices[camera.device];
+    reading.fresh = camera.cycle.deliver(tick);
+    reading.measured_at = camera.cycle.captured_at();
+    reading.image = camera.cycle.current().color;
+    reading.depth = camera.cycle.current().depth;
+    if (!camera.cycle.is_due(tick)) continue;
+    if (!placed) impl_->place(observation);
+    placed = true;
+    camera.cycle.capture(tick, impl_->capture(camera, observation));
+  }
+}
+
+void Vision::begin_at(std::int64_t tick) {
+  for (ActiveCamera& camera : impl_->cameras) camera.cycle.begin_at(tick);
+}
+
+void Vision::obey(std::int64_t tick, const Command& command) {
+  for (const ShownLight& light : impl_->lights) {
+    const DeviceCommand& wanted = command.bodies[light.body].devices[light.device];
+    if (!wanted.fresh) continue;
+    const auto& designed = std::get<Light>(impl_->models[light.body]->devices[light.device].kind);
+    impl_->renderer->set_light(light.number, light_of_state(designed, wanted.values));
+  }
+  for (ActiveCamera& camera : impl_->cameras) {
+    const DeviceCommand& wanted = command.bodies[camera.body].devices[camera.device];
+    if (wanted.fresh) camera.cycle.switch_to(wanted.on, tick);
+  }
+}
+
+Frame Vision::draw(const Camera& camera, const Isometry3d& pose, const Observation& observation) {
+  impl_->place(observation);
+  return impl_->renderer->draw(camera, pose, Quality::fine);
+}
+
+std::string Vision::renderer_description() const { return impl_->renderer->description(); }
+
+}  // namespace rehearse

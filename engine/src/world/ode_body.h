@@ -1,0 +1,98 @@
+// OdeBody: a body that moves by its dynamics. Private to the world library.
+#pragma once
+
+#include <ode/ode.h>
+
+#include <vector>
+
+#include "cut.h"
+#include "ode_joint.h"
+#include "model/rigid_groups.h"
+#include "simulated_body.h"
+
+namespace rehearse {
+
+/// Links that fixed joints hold together, as one body of ODE. Its axes are those of its first link; ODE's origin is at
+/// the centre of mass.
+struct RigidGroup {
+  dBodyID body = nullptr;  // null: fixed to the world
+  int first_link = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, in the group's frame [m]
+  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
+  double weightless_mass = 0.0;                                    // of links that gravity doesn't pull at [kg]
+  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();     // that mass times its place from the centre [kg·m]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // of the centre, over the last step [m/s²]
+  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
+  Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
+  Eigen::Vector3d previous_angular_velocity = Eigen::Vector3d::Zero();
+  GroupMotion motion;  // before the last step, without accelerations; only if the body has cuts; scratch, not state
+};
+
+/// A force sensor whose link a fixed joint or a track holds.
+struct CutSensor {
+  std::size_t device = 0;  // index into the model's devices
+  PartBehind part;
+  std::vector<int> joints;  // ids of those that hang on the part
+  // scratch within a step
+  Wrench external;  // on the part, from outside of the simulation
+};
+
+/// A link whose surface runs as a belt.
+struct Track {
+  int link = 0;
+  double speed = 0.0;  // in the last step, and in the coming one [m/s]
+};
+
+class OdeBody final : public SimulatedBody {
+ public:
+  /// `description` has passed check_dynamics().
+  OdeBody(dWorldID world, WorldBody description, double time_step);
+
+  void before_step() override;
+  void drive(const BodyCommand& command) override;
+  void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) override;
+  Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
+  Belt belt(int index) const override;
+  void after_step() override;
+  void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const override;
+  bool finite() const override;
+  void visit_state(StateVisitor& visitor) override;
+  void after_restore() override;
+  void nudge(std::uint64_t bits) override;
+
+ private:
+  std::vector<double> force_reading(std::size_t device) const override;
+  void create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Eigen::Isometry3d>& zero_posture);
+  void create_joints(dWorldID world, const std::vector<Eigen::Isometry3d>& zero_posture);
+  void create_shapes();
+  void release_weightless();
+  void hold_up_weightless();
+  bool has_weight(int group) const;
+  static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
+  void set_posture(const std::vector<Eigen::Isometry3d>& poses);
+  const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
+  void create_force_sensors(const RigidGroups& groups);
+  void create_cut(const RigidGroups& groups, std::size_t device);
+  void measure_force(std::size_t device);
+  void begin_motions();
+  void measure_cut(const CutSensor& cut);
+  LinkReading reading_of(int link) const;
+
+  /// A joint id's place among the joints or among the tracks.
+  struct Slot {
+    bool is_track;
+    int index;
+  };
+
+  double time_step_;
+  Eigen::Vector3d gravity_;
+  std::vector<GroupedLink> links_;
+  std::vector<RigidGroup> groups_;
+  std::vector<Slot> slots_;                            // by joint id
+  std::vector<OdeJoint> joints_;                       // movable ones, by joint id
+  std::vector<Track> tracks_;                          // by joint id
+  std::vector<CutSensor> cuts_;                        // by device index
+  std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step
+};
+
+}  // namespace rehearse

@@ -1,0 +1,194 @@
+#include "simulated_body.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "geoms.h"
+#include "model/rigid_groups.h"
+
+namespace rehearse {
+namespace {
+
+/// What a gyro, an accelerometer or an Imu reads in the link's motion, in the device's frame. The lever arm of the
+/// sensor in its link is ignored, as Choreonoid does.
+std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
+  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
+  const Eigen::Vector3d w = to_sensor * link.angular_velocity;
+  const Eigen::Vector3d f = to_sensor * (link.acceleration - gravity);  // specific force
+  if (std::holds_alternative<Gyro>(device.kind)) return {w.x(), w.y(), w.z()};
+  if (std::holds_alternative<Accelerometer>(device.kind)) return {f.x(), f.y(), f.z()};
+  return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
+}
+
+}  // namespace
+
+Eigen::Vector3d Belt::along(const Eigen::Vector3d& normal) const {
+  constexpr double least_sine = 1e-3;
+  const Eigen::Vector3d direction = axis.cross(normal);
+  if (direction.norm() < least_sine) return Eigen::Vector3d::Zero();
+  return direction.normalized();
+}
+
+SimulatedBody::SimulatedBody(WorldBody description) : description_(std::move(description)) {
+  for (const GroupedLink& link : group_links(*description_.model).links) groups_.push_back(link.group);
+  feels_.assign(model().links.size(), false);
+  contact_sums_.resize(model().devices.size());
+  for (const Device& device : model().devices)
+    if (std::holds_alternative<ContactSensor>(device.kind)) feel(device.link);
+}
+
+SimulatedBody::~SimulatedBody() {
+  for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // ODE's bodies and joints go with its world
+}
+
+std::vector<SimulatedBody::AddedGeom> SimulatedBody::add_shape(int link, int collision, int belt) {
+  const Shape& shape = model().links[link].collisions[collision];
+  const bool never_moves = groups_[link] == 0 && root_is_fixed(description_);
+  std::vector<AddedGeom> geoms;
+  for (MadeGeom& made : make_geoms(shape.geometry, description_.trimesh && never_moves)) {
+    geoms.push_back({made.geom, shape.pose});
+    geoms.back().in_link.translation() += shape.pose.linear() * made.origin;
+    shapes_.push_back({made.geom, link, belt, collision, std::move(made.polytope), std::move(made.kept)});
+  }
+  return geoms;
+}
+
+void SimulatedBody::feel(int link) {
+  feels_[link] = true;
+  feels_something_ = true;
+}
+
+void SimulatedBody::watch(int link) {
+  watched_.resize(model().links.size(), false);
+  watched_[link] = true;
+  feel(link);
+}
+
+void SimulatedBody::take_touches(std::vector<Touch> touches) {
+  touches_ = std::move(touches);
+  for (std::size_t i = 0; i < contact_sums_.size(); ++i) {
+    const Device& device = model().devices[i];
+    const auto* sensor = std::get_if<ContactSensor>(&device.kind);
+    if (!sensor) continue;
+    contact_sums_[i] = {};
+    for (const Touch& touch : touches_) {
+      if (touch.link != device.link || (sensor->collision >= 0 && touch.collision != sensor->collision)) continue;
+      contact_sums_[i].points += 1.0;
+      contact_sums_[i].force += touch.reading.force;
+    }
+  }
+}
+
+std::vector<double> SimulatedBody::contact_reading(std::size_t device, const LinkReading& link) const {
+  const Eigen::Matrix3d& in_link = model().devices[device].pose.linear();
+  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * in_link).transpose();
+  const Eigen::Vector3d force = to_sensor * contact_sums_[device].force;
+  return {contact_sums_[device].points, force.x(), force.y(), force.z()};
+}
+
+void SimulatedBody::visit_contact_sensors(StateVisitor& visitor) {
+  for (std::size_t i = 0; i < contact_sums_.size(); ++i) {
+    if (!std::holds_alternative<ContactSensor>(model().devices[i].kind)) continue;
+    visitor.visit(contact_sums_[i].points);
+    visitor.visit(contact_sums_[i].force);
+  }
+}
+
+void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const {
+  observation.devices.resize(model().devices.size());
+  for (std::size_t i = 0; i < model().devices.size(); ++i) {
+    const Device& device = model().devices[i];
+    DeviceReading& reading = observation.devices[i];
+    if (value_count(device) == 0) continue;
+    reading.fresh = stepped;
+    const LinkReading& link = observation.links[device.link];
+    if (std::holds_alternative<ForceSensor>(device.kind))
+      reading.values = force_reading(i);
+    else if (std::holds_alternative<ContactSensor>(device.kind))
+      reading.values = contact_reading(i, link);
+    else
+      reading.values = inertial_reading(device, link, gravity);
+    if (!stepped) reading.values.assign(reading.values.size(), 0.0);
+  }
+  if (watched_.empty()) return;
+  observation.contacts.resize(model().links.size());
+  for (std::vector<ContactReading>& contacts : observation.contacts) contacts.clear();
+  for (const Touch& touch : touches_)
+    if (watched_[touch.link]) observation.contacts[touch.link].push_back(touch.reading);
+}
+
+namespace {
+
+/// What is missing for contact with the body's meshes.
+Diagnostics check_meshes(const WorldBody& description, const std::string& body) {
+  Diagnostics findings;
+  if (description.trimesh && !root_is_fixed(description))
+    findings.push_back(error(body + "only a fixed body can be touched as a trimesh, and this one moves",
+                             "fix it, or let its meshes be touched as their convex hulls"));
+  for (const Link& link : description.model->links) {
+    for (const Shape& shape : link.collisions) {
+      const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (mesh && (!mesh->data || !mesh->hulls))
+        findings.push_back(error(body + "link '" + link.name + "' has a mesh for its collision that wasn't loaded"));
+    }
+  }
+  return findings;
+}
+
+/// Numbers that no surface can have.
+Diagnostics check_surfaces(const WorldBody& description, const std::string& body) {
+  constexpr double smallest = std::numeric_limits<double>::min();
+  Diagnostics findings;
+  for (const Link& link : description.model->links) {
+    const Surface& surface = link.surface;
+    const auto check = [&](const std::optional<double>& number, const char* name, double least, double most) {
+      if (number && !(*number >= least && *number <= most))
+        findings.push_back(error(body + "the " + name + " of link '" + link.name + "' makes no sense"));
+    };
+    check(surface.friction, "friction", 0.0, unlimited);
+    check(surface.second_friction, "second friction", 0.0, unlimited);
+    check(surface.stiffness, "contact stiffness", smallest, std::numeric_limits<double>::max());
+    check(surface.damping, "contact damping", 0.0, std::numeric_limits<double>::max());
+    check(surface.min_depth, "depth of contacts", 0.0, std::numeric_limits<double>::max());
+    check(surface.max_velocity, "correcting velocity", 0.0, unlimited);
+    check(surface.restitution, "restitution", 0.0, 1.0);
+    check(surface.friction_direction ? std::optional(surface.friction_direction->norm()) : std::nullopt,
+          "direction of friction", 0.999, 1.001);
+  }
+  return findings;
+}
+
+}  // namespace
+
+Diagnostics check_dynamics(const WorldBody& description) {
+  const Model& model = *description.model;
+  const std::string body = "body '" + description.name + "': ";
+  Diagnostics findings;
+  if (description.joints.size() != model.joints.size()) {
+    findings.push_back(error(body + "the model has " + std::to_string(model.joints.size()) + " joints, but " +
+                             std::to_string(description.joints.size()) + " initial displacements were given"));
+    return findings;
+  }
+  findings = check_meshes(description, body);
+  for (Diagnostic& finding : check_surfaces(description, body)) findings.push_back(std::move(finding));
+  if (description.kinematic) return findings;
+  const RigidGroups groups = group_links(model);
+  for (std::size_t i = 0; i < groups.first_links.size(); ++i) {
+    if (i == 0 && root_is_fixed(description)) continue;
+    const Inertial& inertial = groups.inertials[i];
+    const std::string& name = model.links[groups.first_links[i]].name;
+    if (!(inertial.mass > 0.0) || !std::isfinite(inertial.mass))
+      findings.push_back(error(body + "link '" + name + "' moves but has no mass"));
+    else if (!is_positive_definite(inertial.inertia))
+      findings.push_back(error(body + "the inertia of link '" + name + "' is not positive definite"));
+  }
+  return findings;
+}
+
+bool root_is_fixed(const WorldBody& description) {
+  return description.fixed || description.model->links[0].joint.type == JointType::fixed;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,240 @@
+#include "blame.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "compare/compare_parts.h"
+#include "plant_level.h"
+#include "replay/trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+/// What is known of the two levels on which nothing amplifies.
+struct Evidence {
+  LevelState controller = LevelState::skipped;
+  LevelState plant = LevelState::skipped;
+  std::string controller_problem, plant_problem;  // why there is no comparison
+  std::optional<ReplayReport> replay;
+  std::optional<Comparison> plant_comparison;
+};
+
+class Detective {
+ public:
+  explicit Detective(const Suspects& suspects) : with_(suspects) {}
+
+  Evidence gather(const CheckReport& report);
+  Blame controller(const Evidence& evidence) const;
+  Blame plant(const Evidence& evidence);
+
+ private:
+  std::optional<Comparison> plant_again(const Scenario& scenario, const PlantOptions& options);
+  bool is_noise(const Divergence& place, const Scenario& recorded);
+  std::string origin(const Divergence& place, const Comparison& comparison);
+
+  const Suspects& with_;
+};
+
+std::optional<std::string> fact(const Trace& trace, const std::string& name) {
+  const mcap::StringMap* facts = trace.find_metadata("rehearse");
+  const auto found = facts ? facts->find(name) : mcap::StringMap::const_iterator();
+  if (!facts || found == facts->end()) return std::nullopt;
+  return found->second;
+}
+
+/// Until the beginning of that tick.
+std::optional<Comparison> Detective::plant_again(const Scenario& scenario, const PlantOptions& options) {
+  auto again = compare_plant(with_.simulation, scenario, with_.golden, with_.scratch, options);
+  std::error_code ignored;
+  std::filesystem::remove(with_.scratch, ignored);
+  if (!again) return std::nullopt;
+  return std::move(again->comparison);
+}
+
+Evidence Detective::gather(const CheckReport& report) {
+  Evidence evidence{report.controller, report.plant, report.controller_problem, report.plant_problem, report.replay,
+                    report.plant_comparison};
+  if (report.closed != LevelState::differs) return evidence;
+  const std::int64_t tick = report.comparison->first->tick;
+  if (evidence.controller == LevelState::skipped) {
+    ReplayOptions options;
+    static_cast<HostOptions&>(options) = with_.host;
+    options.until = time_of(tick + 1, with_.scenario.time_step);
+    if (auto replayed = replay(with_.golden.file(), options)) {
+      evidence.controller = replayed->equal() ? LevelState::equal : LevelState::differs;
+      evidence.replay = *std::move(replayed);
+    }
+  }
+  if (evidence.plant == LevelState::skipped) {
+    PlantOptions options;
+    options.until = tick;
+    evidence.plant_comparison = plant_again(with_.scenario, options);
+    if (evidence.plant_comparison)
+      evidence.plant = evidence.plant_comparison->within ? LevelState::within : LevelState::differs;
+  }
+  return evidence;
+}
+
+Blame Detective::controller(const Evidence& evidence) const {
+  if (!evidence.replay)
+    return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
+  if (!evidence.replay->first)
+    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message, std::nullopt};
+  const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
+  if (first.stage == Stage::inputs) return {"the golden is not what was recorded: at " + to_string(first), first};
+  if (evidence.replay->same_controllers)
+    return {"the controller is the one that was recorded, but fed with the golden's inputs it differs at " +
+                to_string(first) +
+                "; it depends on something that is no input of its: uninitialised memory, the clock, chance",
+            first};
+  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first), first};
+}
+
+/// What sensors and cameras tell follows from the state, and may leave its tolerance before the state does. Where bits
+/// can be trusted to be the same, other bits in the state before that tell that the physics changed.
+const Divergence* state_before(const Divergence& place, const Comparison& comparison) {
+  if (place.stage == Stage::physics) return nullptr;
+  const Divergence* before = nullptr;
+  for (const ChannelComparison& channel : comparison.channels) {
+    if (!channel.first_bit || channel.first_bit->stage != Stage::physics || channel.channel == "/tick") continue;
+    const Divergence& bit = *channel.first_bit;
+    const bool notable =
+        comparison.same_arithmetic ||
+        (channel.worst && times_tolerance(channel.worst->difference, channel.worst->tolerance) > 1e-3);
+    if (notable && bit.tick <= place.tick && (!before || bit.tick < before->tick)) before = &bit;
+  }
+  return before;
+}
+
+/// Whether the noise of the recorded scenario, instead of this one's, gives what was recorded.
+bool Detective::is_noise(const Divergence& place, const Scenario& recorded) {
+  const auto noisy = [](const Scenario& scenario) {
+    return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
+      return !body.noise.devices.empty() || !body.noise.joints.empty();
+    });
+  };
+  const bool same_bodies = recorded.bodies.size() == with_.scenario.bodies.size();
+  if (!same_bodies || (!noisy(with_.scenario) && !noisy(recorded))) return false;
+  PlantOptions options;
+  options.until = place.tick;
+  options.noise_of = &recorded;
+  const auto again = plant_again(with_.scenario, options);
+  return again && again->within;
+}
+
+bool is_mesh(const Shape& shape) { return std::holds_alternative<Mesh>(shape.geometry); }
+
+/// The attachments that aren't what they were; "" if none.
+std::string changed_files(const Comparison& comparison) {
+  return fmt::format("{}", fmt::join(comparison.changed_files, ", "));
+}
+
+/// What made the plant differ: the noise, the files, or the programs.
+std::string Detective::origin(const Divergence& place, const Comparison& comparison) {
+  const std::string files = changed_files(comparison);
+  const auto recorded = recorded_scenario(with_.golden);
+  if (!recorded) return files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
+  if (place.stage != Stage::physics && is_noise(place, *recorded)) {
+    const std::string seed = fact(with_.golden, "seed").value_or("?");
+    return seed == std::to_string(with_.scenario.seed)
+               ? "; it is the noise that changed: with that of the golden it agrees"
+               : fmt::format("; it is the random stream of the noise: with the golden's seed {} instead of {} it agrees",
+                             seed, with_.scenario.seed);
+  }
+  if (files.empty()) return "; scenario and models are what they were: the simulation itself changed";
+  const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
+    return std::any_of(body.model->links.begin(), body.model->links.end(), [](const Link& link) {
+      return std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
+    });
+  });
+  if (has_meshes) return fmt::format("; changed since it was recorded: {}", files);
+  PlantOptions options;
+  options.until = place.tick;
+  const auto again = plant_again(*recorded, options);
+  if (!again) return fmt::format("; changed since it was recorded: {}", files);
+  return again->within ? fmt::format("; it is because of {}: as recorded, it agrees", files)
+                       : fmt::format("; {} changed too, but as recorded it differs as well", files);
+}
+
+Blame Detective::plant(const Evidence& evidence) {
+  if (!evidence.plant_comparison)
+    return {"the world can't be moved by the golden's commands: " + evidence.plant_problem, std::nullopt};
+  const Comparison& comparison = *evidence.plant_comparison;
+  Divergence place = *comparison.first;
+  std::string since;
+  if (const Divergence* before = state_before(place, comparison)) {
+    since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel, before->element,
+                        before->tick);
+    place.stage = Stage::physics;
+  }
+  const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
+  return {fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}{}", to_string(place.stage),
+                      innocent ? ", the controller did not" : "", to_string(place), since, origin(place, comparison)),
+          place};
+}
+
+/// Neither part differs by itself, but the whole does.
+Blame of_the_loop(const Comparison& comparison, const Evidence& evidence) {
+  const Divergence& first = *comparison.first;
+  const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
+  if (!both_known) return {verdict(comparison), first};
+  const Divergence& bit = *comparison.first_bit;
+  if (bit.stage == Stage::inputs || first.stage == Stage::inputs)
+    return {"the controller was fed with something else than it was recorded: the run " + verdict(comparison), first};
+  if (evidence.plant == LevelState::within)
+    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies what did: the run {} (bits differ "
+                        "since tick {})",
+                        verdict(comparison), bit.tick),
+            first};
+  Divergence place = first;  // the world does as it is commanded: what it does otherwise, it was commanded otherwise
+  place.stage = Stage::controller;
+  if (!comparison.changed_files.empty())
+    return {fmt::format("the controller goes by what changed in {}: with the golden's own it repeats its recorded "
+                        "commands, with that of now it doesn't; the run differs at {}",
+                        changed_files(comparison), to_string(place)),
+            place};
+  return {"the controller repeats its recorded commands, but in a run of its own it doesn't: it depends on something "
+          "that is no input of its; it differs at " + to_string(place),
+          first};
+}
+
+std::string nothing_differs(const CheckReport& report) {
+  if (report.comparison) return verdict(*report.comparison, report.horizon);
+  std::string sentence;
+  if (report.controller != LevelState::skipped)
+    sentence = fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
+                           report.replay->equal() ? "bit for bit" : "within tolerance, computed otherwise");
+  if (report.plant == LevelState::skipped) return sentence;
+  return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",
+                     verdict(*report.plant_comparison));
+}
+
+}  // namespace
+
+Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
+  Detective detective(suspects);
+  const Evidence evidence = detective.gather(report);
+  const bool controller_differs = evidence.controller == LevelState::differs;
+  const bool plant_differs = evidence.plant == LevelState::differs;
+  if (controller_differs && plant_differs) {
+    const Blame controller = detective.controller(evidence), plant = detective.plant(evidence);
+    const bool plant_first =
+        plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
+    return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place};
+  }
+  if (controller_differs) return detective.controller(evidence);
+  if (plant_differs) return detective.plant(evidence);
+  if (report.closed == LevelState::differs) return of_the_loop(*report.comparison, evidence);
+  std::optional<Divergence> bit;
+  if (report.comparison) bit = report.comparison->first_bit;
+  if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
+  return {nothing_differs(report), bit};
+}
+
+}  // namespace rehearse

@@ -1,0 +1,162 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <rehearse/perturbed_run.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "golden/golden_files.h"
+#include "recording/hashing.h"
+#include "perturbed_process.h"
+#include "compare/place_json.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* report_file = "report.json";
+
+/// The bits that the C library's functions give: two variants of them differ in about one of 10^4 results.
+std::uint64_t hash_of_mathematics() {
+  constexpr int arguments = 50000;
+  std::uint64_t hash = 0;
+  for (int i = 1; i <= arguments; ++i) {
+    volatile double x = 7.0 * i / arguments;  // so that the compiler computes none of it
+    const double values[] = {std::sin(x), std::cos(x), std::atan(x), std::exp(x), std::log(x), std::pow(x, 1.7)};
+    hash = hash_bytes(values, sizeof values, hash);
+  }
+  return hash;
+}
+
+/// The recorded inputs into the controllers; how far their commands are from the recorded ones.
+Result<void> replay_into(const PerturbedRun& run, const Scenario& scenario, Json& report) {
+  std::map<std::pair<std::string, std::string>, double> largest;
+  ReplayOptions options;
+  static_cast<HostOptions&>(options) = run.host;
+  options.tolerances = scenario.tolerances;
+  options.on_difference = [&](const Divergence& found) {
+    double& so_far = largest[{found.channel, found.unit}];
+    so_far = std::max(so_far, finite(found.difference));
+  };
+  const auto replayed = replay(run.recording, options);
+  if (!replayed) return replayed.errors();
+  if (replayed->failure) return *replayed->failure;
+  for (const auto& [place, difference] : largest)
+    report["commands"].push_back({{"channel", place.first}, {"unit", place.second}, {"difference", difference}});
+  report["beyond"] = json_of_place(replayed->beyond);
+  return {};
+}
+
+/// All of this process's own but the changes.
+std::vector<std::string> changed_environment(EnvironmentChanges changes) {
+  changes.insert_or_assign("REHEARSE_PIN", std::string("off"));
+  std::vector<std::string> variables;
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string_view text = *entry;
+    if (changes.count(std::string(text.substr(0, text.find('=')))) == 0) variables.emplace_back(text);
+  }
+  for (const auto& [name, value] : changes)
+    if (value) variables.push_back(fmt::format("{}={}", name, *value));
+  return variables;
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// Runs it to its end. What it says on stderr is this process's; on stdout it says nothing that is wanted.
+Result<void> run_to_end(std::vector<std::string> arguments, std::vector<std::string> environment) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, arguments[0].c_str(), &files, nullptr, pointers_to(arguments).data(),
+                                 pointers_to(environment).data());
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) return error(fmt::format("{} can't be started: {}", arguments[0], std::strerror(failed)));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return error(fmt::format("{} was lost: {}", arguments[0], std::strerror(errno)));
+  if (!WIFEXITED(status)) return error(fmt::format("the perturbed run was ended by signal {}", WTERMSIG(status)));
+  if (WEXITSTATUS(status) != 0)
+    return error(fmt::format("the perturbed run failed with status {}", WEXITSTATUS(status)));
+  return {};
+}
+
+std::vector<std::string> command_line(const fs::path& program, const PerturbedRun& run) {
+  std::vector<std::string> words{program.string(), "golden",
+                                 "noise",          run.scenario.string(),
+                                 "--perturbed",    run.folder.string(),
+                                 "--recording",    run.recording.string(),
+                                 "--duration",     fmt::format("{}", run.duration)};
+  for (const auto& [level, wanted] :
+       {std::pair{"controller", run.controller}, {"plant", run.plant}, {"closed", run.closed}})
+    if (wanted) words.insert(words.end(), {"--level", level});
+  for (const auto& [name, library] : run.host.libraries)
+    words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});
+  return words;
+}
+
+Result<PerturbedOutcome> outcome_in(const fs::path& file) {
+  const auto text = read_text(file);
+  if (!text) return text.errors();
+  const Json report = Json::parse(*text, nullptr, false);
+  PerturbedOutcome outcome;
+  try {
+    outcome.same_mathematics = report.at("mathematics").get<std::uint64_t>() == hash_of_mathematics();
+    for (const Json& command : report.at("commands"))
+      outcome.commands[{command.at("channel"), command.at("unit")}] = command.at("difference");
+    outcome.beyond = place_of_json(report.at("beyond"));
+  } catch (const Json::exception& wrong) {
+    return error(fmt::format("{}: the perturbed run's report can't be read: {}", file.string(), wrong.what()));
+  }
+  return outcome;
+}
+
+}  // namespace
+
+Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simulation) {
+  auto scenario = Scenario::load(run.scenario);
+  if (!scenario) return scenario.errors();
+  scenario->duration = run.duration;
+  Json report{{"mathematics", hash_of_mathematics()}, {"commands", Json::array()}, {"beyond", nullptr}};
+  if (run.controller)
+    if (auto done = replay_into(run, *scenario, report); !done) return done;
+  if (run.plant) {
+    const auto recording = Trace::load(run.recording);
+    if (!recording) return recording.errors();
+    const auto plant = simulation.run_plant(*scenario, *recording, run.folder / "plant.mcap", {});
+    if (!plant) return plant.errors();
+    if (plant->failure) return *plant->failure;
+  }
+  if (run.closed) {
+    RecordOptions options;
+    static_cast<HostOptions&>(options) = run.host;
+    const auto closed = simulation.record(*scenario, run.folder / "closed.mcap", options);
+    if (!closed) return closed.errors();
+    if (closed->failure) return *closed->failure;
+  }
+  std::ofstream stream(run.folder / report_file);
+  stream << report.dump(1);
+  stream.close();
+  if (!stream) return error(fmt::format("can't write {}", (run.folder / report_file).string()));
+  return {};
+}
+
+Result<PerturbedOutcome> run_perturbed_process(const fs::path& program, const PerturbedRun& run,
+                                               const EnvironmentChanges& changes) {
+  if (auto done = run_to_end(command_line(program, run), changed_environment(changes)); !done) return done.errors();
+  return outcome_in(run.folder / report_file);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,237 @@
+// What two recordings were made of and with: which parts of the loop may differ for that alone, and what can't be
+// compared.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "compare_parts.h"
+#include "recording/provenance.h"
+#include "recording/trace_version.h"
+
+namespace rehearse {
+namespace {
+
+/// A fact of a recording's provenance and the parts of the loop whose values it decides. The one place that knows.
+struct Fact {
+  std::string_view key;  // in the metadata record `rehearse`; one that ends with a dot stands for all that begin so
+  std::string_view name;
+  std::vector<Stage> decides;
+  bool arithmetic = false;  // it decides how numbers are rounded
+};
+
+const std::vector<Stage> every_stage{Stage::physics, Stage::sensors, Stage::renderer, Stage::inputs, Stage::controller};
+
+const std::vector<Fact>& known_facts() {
+  static const std::vector<Fact> facts{
+      {"rehearse", "rehearse", every_stage, true},
+      {"physics", "the physics engine", {Stage::physics, Stage::sensors, Stage::inputs}, true},
+      {"renderer", "the renderer", {Stage::renderer}, true},
+      {"libc", "the C library", {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}, true},
+      {"compiler", "the compiler", every_stage, true},
+      {"processor", "the processor", every_stage},
+      {"build", "the build", every_stage, true},
+      {"pinned", "pinned", every_stage, true},
+      {"pinned.GLIBC_TUNABLES",
+       "the pinned mathematics",
+       {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller},
+       true},
+      {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", "the pinned renderer", {Stage::renderer}, true},
+      {"solver", "the solver", {Stage::physics, Stage::sensors, Stage::inputs}},
+      {"seed", "the seed", {Stage::physics, Stage::sensors, Stage::inputs}},
+      {"time_step", "the time step", every_stage},
+      {"controller.", "controller ", {Stage::controller, Stage::inputs}},
+  };
+  return facts;
+}
+
+/// Of these nobody needs to hear: they are compared as such, or describe the file.
+bool is_of_no_interest(const std::string& key) {
+  return key == "trace_version" || key == "trace_revision" || key == "scenario" || key == programs_fact;
+}
+
+const Fact* find_fact(const std::string& key) {
+  for (const Fact& fact : known_facts())
+    if (key == fact.key || (fact.key.ends_with('.') && key.starts_with(fact.key))) return &fact;
+  return nullptr;
+}
+
+struct Change {
+  std::string name;
+  std::string before, now;  // empty: not stated
+  std::vector<Stage> decides;
+  bool arithmetic = false;
+};
+
+std::string stated(const mcap::StringMap& facts, const std::string& key) {
+  const auto found = facts.find(key);
+  return found == facts.end() ? "" : found->second;
+}
+
+/// With the same code pinned on both, no bit depends on the processor.
+bool is_pinned_alike(const mcap::StringMap& before, const mcap::StringMap& now) {
+  for (const char* key : {"pinned.GLIBC_TUNABLES", "pinned.GALLIUM_OVERRIDE_CPU_CAPS"})
+    if (stated(before, key).empty() || stated(before, key) != stated(now, key)) return false;
+  return true;
+}
+
+bool says_yes(const std::string& fact) { return fact.starts_with("yes"); }
+
+/// Of a process that was pinned and one that wasn't this alone is said, not each variable; why one wasn't is no matter.
+bool is_said_otherwise(const std::string& key, const mcap::StringMap& before, const mcap::StringMap& now) {
+  const std::string then = stated(before, "pinned"), here = stated(now, "pinned");
+  if (then.empty() || here.empty()) return false;
+  const bool other = says_yes(then) != says_yes(here);
+  return key == "pinned" ? !other : key.starts_with("pinned.") && other;
+}
+
+std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, const CompareOptions& options) {
+  std::vector<Change> changes;
+  const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
+  if (!before || !now) return changes;
+  for (const auto& [key, value] : *before) {
+    const std::string other = stated(*now, key);
+    if (value == other || is_of_no_interest(key) || is_said_otherwise(key, *before, *now)) continue;
+    if (key.starts_with("controller.") && !options.takes(Stage::controller)) continue;
+    const Fact* fact = find_fact(key);
+    Change& change = changes.emplace_back(Change{key == "duration" ? "the duration" : key, value, other, {}, false});
+    if (!fact || (key == "processor" && is_pinned_alike(*before, *now))) continue;
+    change.name = fact->name;
+    if (fact->key.ends_with('.')) change.name += "'" + key.substr(fact->key.size()) + "'";
+    change.decides = fact->decides;
+    change.arithmetic = fact->arithmetic;
+  }
+  if (const std::string build = stated(*now, "build"); !build.empty() && before->count("build") == 0)
+    changes.push_back({"the build", "as ours", build, every_stage, true});
+  return changes;
+}
+
+/// Every fact is the golden's, and so are the programs, bit by bit. The processor counts unless it is pinned away.
+bool same_facts(const Trace& golden, const Trace& actual) {
+  const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
+  if (!before || !now || before->count(programs_fact) == 0) return false;
+  mcap::StringMap left = *before, right = *now;
+  if (is_pinned_alike(left, right)) {
+    left.erase("processor");
+    right.erase("processor");
+  }
+  return left == right;
+}
+
+/// "physics, sensors and inputs"
+std::string text_of(const std::vector<Stage>& stages) {
+  if (stages.size() == every_stage.size()) return "everything";
+  std::string text;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == stages.size() ? " and " : ", ") + std::string(to_string(stages[i]));
+  return text;
+}
+
+std::vector<std::string> changed_sources(const Trace& golden, const Trace& actual) {
+  std::vector<std::string> changed;
+  for (const mcap::Attachment& attachment : golden.attachments()) {
+    const mcap::Attachment* other = actual.find_attachment(attachment.name);
+    if (attachment.name.ends_with(".report")) continue;
+    if (!other || !std::equal(attachment.data.begin(), attachment.data.end(), other->data.begin(), other->data.end()))
+      changed.push_back(attachment.name);
+  }
+  return changed;
+}
+
+}  // namespace
+
+Result<void> check_version(const Trace& trace) {
+  const mcap::StringMap* facts = trace.find_metadata("rehearse");
+  const std::string text = facts ? stated(*facts, "trace_version") : "";
+  int version = trace_version;
+  if (text.empty()) return {};  // another program's recording
+  std::from_chars(text.data(), text.data() + text.size(), version);
+  if (version == trace_version) return {};
+  Diagnostic refused = error(
+      fmt::format("it is of trace version {}, and this program compares version {}: what is in it may mean anything",
+                  text, trace_version),
+      "compare it with the version of Rehearse that wrote it, or record it anew");
+  refused.file = trace.file();
+  return refused;
+}
+
+namespace {
+
+std::vector<std::string> remarks_of(const Trace& actual, const std::vector<std::string>& files,
+                                    const std::vector<Change>& changes) {
+  std::vector<std::string> remarks;
+  for (const std::string& name : files)
+    remarks.push_back(actual.find_attachment(name)
+                          ? fmt::format("{} is not what it was when the golden was recorded", name)
+                          : fmt::format("{} was part of the golden's run only", name));
+  for (const Change& change : changes) {
+    std::string remark = fmt::format("{} was \"{}\" and is ", change.name, change.before);
+    remark += change.now.empty() ? "not stated" : fmt::format("\"{}\"", change.now);
+    if (!change.decides.empty()) remark += fmt::format(": {} may differ for that alone", text_of(change.decides));
+    remarks.push_back(std::move(remark));
+  }
+  return remarks;
+}
+
+/// What of all that changed can explain a difference that this part of the loop made.
+std::string explanation_of(Stage stage, std::vector<std::string> reasons, const std::vector<Change>& changes) {
+  constexpr std::size_t most = 3;
+  for (const Change& change : changes)
+    if (std::find(change.decides.begin(), change.decides.end(), stage) != change.decides.end())
+      reasons.push_back(change.name);
+  const std::size_t others = reasons.size() > most ? reasons.size() - most : 0;
+  reasons.resize(std::min(reasons.size(), most));
+  std::string text = fmt::format("{}", fmt::join(reasons, ", "));
+  if (others > 0) text += fmt::format(" and {} more", others);
+  return text;
+}
+
+}  // namespace
+
+void compare_provenance(const ComparedTraces& traces, Comparison& comparison) {
+  comparison.changed_files = changed_sources(traces.golden, traces.actual);
+  const std::vector<Change> changes = changed_facts(traces.golden, traces.actual, traces.options);
+  comparison.same_arithmetic =
+      std::none_of(changes.begin(), changes.end(), [](const Change& change) { return change.arithmetic; });
+  comparison.same_origin = comparison.changed_files.empty() && same_facts(traces.golden, traces.actual);
+  const std::vector<std::string> remarks = remarks_of(traces.actual, comparison.changed_files, changes);
+  comparison.remarks.insert(comparison.remarks.end(), remarks.begin(), remarks.end());
+  if (comparison.first)
+    comparison.explanation = explanation_of(comparison.first->stage, comparison.changed_files, changes);
+}
+
+Diagnostics unmatched_rules(const ComparedTraces& traces) {
+  std::set<std::string, std::less<>> names;
+  for (const Trace* trace : {&traces.golden, &traces.actual}) {
+    for (const TraceChannel& channel : trace->channels()) {
+      if (channel.columns.empty()) names.emplace(series_of(channel));
+      for (const TraceColumn& column : channel.columns) names.insert(series_of(channel, column));
+      for (const auto& [key, value] : channel.metadata)
+        if (key.starts_with("limits:"))
+          names.insert("limits/" + std::string(body_of(channel.topic)) + "/" + key.substr(key.find(':') + 1));
+    }
+    for (const msg::ContactChange& change : trace->contact_changes())
+      names.insert("contacts/" + change.link + "/" + change.other);
+    for (const msg::Event& event : trace->events()) names.insert("events/" + event.source);
+  }
+  Diagnostics warnings;
+  for (const ToleranceRule& rule : traces.rules) {
+    const auto is_meant = [&rule](const std::string& name) { return matches(rule.channel, name); };
+    if (std::any_of(names.begin(), names.end(), is_meant)) continue;
+    Diagnostic& warning = warnings.emplace_back();
+    warning.severity = Severity::warning;
+    warning.file = rule.place.file;
+    warning.line = rule.place.line;
+    warning.column = rule.place.column;
+    warning.message =
+        fmt::format("the tolerance of '{}' holds for nothing: neither trace has such a channel", rule.channel);
+    warning.hint = "a golden's digest lists their names, as SR1/RLEG_KNEE/q";
+  }
+  return warnings;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,213 @@
+// What only one of two traces has: ticks, bodies, controllers, devices, channels.
+#include <fmt/format.h>
+#include <rehearse/messages.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "compare_parts.h"
+#include "recording/topic_segment.h"
+#include "recording/trace_version.h"
+
+namespace rehearse {
+namespace {
+
+std::string failure_of(const Trace& trace) {
+  const mcap::StringMap* outcome = trace.find_metadata("rehearse.outcome");
+  if (!outcome) return "the recording was cut off";
+  const auto failure = outcome->find("failure");
+  return failure == outcome->end() ? "" : failure->second;
+}
+
+Divergence place_of_tick(const TickClock& clock, std::uint64_t time) {
+  Divergence divergence;
+  divergence.tick = clock.tick_at(time);
+  divergence.time = static_cast<double>(time) / 1e9;
+  divergence.channel = "/tick";
+  divergence.stage = Stage::inputs;
+  return divergence;
+}
+
+void compare_lengths(ComparedTraces& traces, ChannelFindings& findings) {
+  const std::uint64_t golden_end = traces.clock.last_time(), actual_end = traces.actual_clock.last_time();
+  const std::uint64_t asked = std::exchange(traces.end, std::min({golden_end, actual_end, traces.end}));
+  if (golden_end == actual_end || asked <= std::min(golden_end, actual_end)) return;
+  const bool early = actual_end < golden_end;
+  traces.one_goes_on = true;
+  const std::string failure = failure_of(early ? traces.actual : traces.golden);
+  Divergence divergence = place_of_tick(early ? traces.actual_clock : traces.clock, traces.end);
+  divergence.stage = failure.starts_with("controller") ? Stage::controller
+                     : failure.empty()                 ? Stage::inputs
+                                                       : Stage::physics;
+  divergence.note = fmt::format("the {} ends here{}, the {} goes on to tick {}", early ? "run" : "golden",
+                                failure.empty() ? "" : " (" + failure + ")", early ? "golden" : "run",
+                                (early ? traces.clock : traces.actual_clock).tick_at(std::max(golden_end, actual_end)));
+  findings.structure(divergence);
+}
+
+/// The ticks of one clock that the other hasn't; one finding at the first of them, with its neighbours.
+void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings& findings) {
+  const TickClock& of = missing ? traces.clock : traces.actual_clock;
+  const TickClock& other = missing ? traces.actual_clock : traces.clock;
+  std::vector<std::uint64_t> lone;
+  for (const std::uint64_t time : of.times())
+    if (time <= traces.end && !other.has(time)) lone.push_back(time);
+  if (lone.empty()) return;
+  const auto first = std::lower_bound(of.times().begin(), of.times().end(), lone.front());
+  const auto after = std::find_if(first, of.times().end(), [&](std::uint64_t time) { return other.has(time); });
+  const auto run = static_cast<std::size_t>(std::distance(first, after));
+  Divergence divergence = place_of_tick(of, lone.front());
+  divergence.stage = Stage::physics;  // the state of the bodies, first of all, is not there
+  const auto tick_text = [&](auto time) { return fmt::format("tick {}", of.tick_at(*time)); };
+  std::string neighbours = first == of.times().begin() ? "the first" : "after " + tick_text(std::prev(first));
+  neighbours += after == of.times().end() ? ", the last" : ", before " + tick_text(after);
+  divergence.note = run == 1 ? fmt::format("this tick is {}", missing ? "missing" : "extra: the golden hasn't it")
+                             : fmt::format("ticks {} to {} are {}", divergence.tick, of.tick_at(*std::prev(after)),
+                                           missing ? "missing" : "extra: the golden hasn't them");
+  divergence.note += " (" + neighbours + ")";
+  if (lone.size() > run) divergence.note += fmt::format("; with others later {} in all", lone.size());
+  findings.structure(divergence);
+  (missing ? findings.result().missing : findings.result().extra) = static_cast<std::int64_t>(lone.size());
+}
+
+/// Where two clocks run at different speed, every tick but the first is somewhere else, which is one finding.
+bool has_another_step(const ComparedTraces& traces, ChannelFindings& findings) {
+  const auto &golden = traces.clock.times(), &actual = traces.actual_clock.times();
+  if (golden.size() < 2 || actual.size() < 2) return false;
+  const auto number = [](const Trace& trace) {
+    const mcap::StringMap* facts = trace.find_metadata("rehearse");
+    const auto step = facts ? facts->find("time_step") : mcap::StringMap::const_iterator();
+    return facts && step != facts->end() ? step->second : std::string();
+  };
+  const std::string before = number(traces.golden), now = number(traces.actual);
+  if (before.empty() || now.empty() || before == now) return false;
+  Divergence divergence = place_of_tick(traces.clock, golden.front());
+  divergence.note =
+      fmt::format("the run's time step is {} s, expected {} s: only ticks at the same time are compared", now, before);
+  findings.structure(divergence);
+  return true;
+}
+
+}  // namespace
+
+void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
+  if (traces.clock.empty() || traces.actual_clock.empty()) return;
+  ChannelFindings findings(result);
+  compare_lengths(traces, findings);
+  traces.another_step = has_another_step(traces, findings);
+  if (traces.another_step) return;
+  compare_clocks(traces, true, findings);
+  compare_clocks(traces, false, findings);
+}
+
+namespace {
+
+/// Channels of one trace that the other hasn't, as far as they are compared.
+class LoneChannels {
+ public:
+  LoneChannels(const ComparedTraces& traces, bool missing, const std::function<bool(const TraceChannel&)>& takes)
+      : traces_(traces),
+        missing_(missing),
+        of_(missing ? traces.golden : traces.actual),
+        other_(missing ? traces.actual : traces.golden) {
+    std::set<std::string_view> seen;
+    for (const TraceChannel& channel : of_.channels()) {
+      const bool later = !channel.times.empty() && channel.times.front() > traces.end;
+      if (takes(channel) && !later && !other_.find_channel(channel.topic) && seen.insert(channel.topic).second)
+        lone_.push_back(&channel);
+    }
+  }
+
+  void report(const AddChannel& add, std::vector<std::string>& remarks) {
+    while (!lone_.empty()) {
+      const TraceChannel& channel = *lone_.front();
+      if (channel.type == msg::ContactChange::type_name && is_older_than_contacts()) {
+        remarks.push_back(fmt::format("the {} was recorded before contacts were: {} is not compared",
+                                      missing_ ? "run" : "golden", channel.topic));
+        lone_.erase(lone_.begin());
+        continue;
+      }
+      const Group group = group_of(channel.topic);
+      ChannelComparison& result = add(channel.topic);
+      result.channels = static_cast<int>(take(group.prefix));
+      if (result.channels > 1) result.group = group.prefix;
+      Divergence divergence = place_of(traces_, channel, channel.times.empty() ? 0 : channel.times.front());
+      divergence.note = text_of(group, result.channels);
+      ChannelFindings(result).structure(divergence);
+    }
+  }
+
+ private:
+  /// What is missing as a whole: all channels whose topics begin like this.
+  struct Group {
+    std::string prefix;  // with the slash at its end; a whole topic for a channel of its own
+    std::string what;    // "body 'SR1'"; empty: a channel
+  };
+
+  bool is_older_than_contacts() const {
+    const mcap::StringMap* facts = other_.find_metadata("rehearse");
+    if (!facts) return false;
+    const auto stated = facts->find("trace_revision");
+    int revision = 1;
+    if (stated != facts->end())
+      std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(), revision);
+    return revision < revision_of_contacts;
+  }
+
+  /// Whether the other trace has nothing that begins like this.
+  bool lacks(const std::string& prefix) const {
+    return std::none_of(other_.channels().begin(), other_.channels().end(),
+                        [&](const TraceChannel& channel) { return channel.topic.starts_with(prefix); });
+  }
+
+  Group group_of(const std::string& topic) const {
+    std::vector<std::size_t> slashes;
+    for (std::size_t at = 0; (at = topic.find('/', at)) != std::string::npos; ++at) slashes.push_back(at);
+    if (slashes.size() < 2) return {topic, ""};
+    const auto name = [&](std::size_t segments) {  // without the first slash
+      std::string text;
+      for (std::size_t i = 0; i < segments; ++i)
+        text += (i ? "/" : "") + name_of_segment(topic.substr(slashes[i] + 1, slashes[i + 1] - slashes[i] - 1));
+      return text;
+    };
+    if (const std::string body = topic.substr(0, slashes[1] + 1); lacks(body)) return {body, "body '" + name(1) + "'"};
+    if (slashes.size() < 3) return {topic, ""};
+    const std::string owner = topic.substr(0, slashes[2] + 1);
+    if (!lacks(owner)) return {topic, ""};
+    const std::string rest = topic.substr(slashes[2] + 1);
+    const bool controls = rest.starts_with("input/") || rest.starts_with("output/");
+    const bool moves = rest == "pose" || rest == "twist" || rest == "accel";
+    return {owner, fmt::format("{} '{}'", controls ? "controller" : moves ? "link" : "device", name(2))};
+  }
+
+  /// Takes the channels that begin like this away; returns how many there were.
+  std::size_t take(const std::string& prefix) {
+    return std::erase_if(lone_, [&](const TraceChannel* channel) {
+      return prefix.ends_with('/') ? channel->topic.starts_with(prefix) : channel->topic == prefix;
+    });
+  }
+
+  std::string text_of(const Group& group, int channels) const {
+    const char* what = missing_ ? "missing" : "extra: the golden hasn't it";
+    if (group.what.empty() || channels == 1) return fmt::format("the channel is {}", what);
+    return fmt::format("{} is {} (its {} channels)", group.what, what, channels);
+  }
+
+  const ComparedTraces& traces_;
+  const bool missing_;
+  const Trace& of_;
+  const Trace& other_;
+  std::vector<const TraceChannel*> lone_;
+};
+
+}  // namespace
+
+void compare_lone_channels(const ComparedTraces& traces, const std::function<bool(const TraceChannel&)>& takes,
+                           const AddChannel& add, std::vector<std::string>& remarks) {
+  for (const bool missing : {true, false}) LoneChannels(traces, missing, takes).report(add, remarks);
+}
+
+}  // namespace rehearse

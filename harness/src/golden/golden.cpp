@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+#include <rehearse/golden.h>
+#include <rehearse/mcap.h>
+#include <rehearse/picture_difference.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string_view>
+
+#include "golden_files.h"
+#include "recording/hashing.h"
+#include "recording/trace_version.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string environment(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value ? value : "";
+}
+
+std::string text_of(const Diagnostics& diagnostics) {
+  std::string text = to_string(diagnostics);
+  if (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
+/// What is wrong with the run by itself first, then how it compares.
+std::string sentence_of(const Comparison& comparison, const SettleOptions& options) {
+  const std::string compared = verdict(comparison, options.compare.until);
+  const bool other_bits = options.exact && comparison.within && !comparison.equal;
+  return fmt::format("{}{}{}{}", options.violation, options.violation.empty() ? "" : "; ",
+                     other_bits ? "not the same bits: " : "", compared);
+}
+
+/// Of a version that is known here.
+Result<Trace> load_golden(const fs::path& file) {
+  auto golden = Trace::load(file);
+  if (!golden) return golden;
+  if (const auto known = check_trace_version(golden->metadata(), golden->file()); !known) return known.errors();
+  return golden;
+}
+
+/// Which recording of this process claims a golden, by the golden's file and the recording's bytes.
+bool claim(const fs::path& golden, std::uint64_t content) {
+  static std::map<fs::path, std::uint64_t> claims;
+  return claims.emplace(golden.lexically_normal(), content).first->second == content;
+}
+
+}  // namespace
+
+Result<GoldenMode> golden_mode() {
+  const std::string word = environment("REHEARSE_GOLDEN");
+  const bool ci = environment("CI") == "true";
+  if (word.empty() || word == "check") return GoldenMode::check;
+  if (word != "new" && word != "accept")
+    return error(fmt::format("REHEARSE_GOLDEN is '{}'", word), "it may be check, new or accept");
+  if (ci)
+    return error(fmt::format("REHEARSE_GOLDEN is '{}', but CI is 'true': goldens are only checked there", word),
+                 "accept them on a machine of yours, look at the digests, and commit them");
+  return word == "new" ? GoldenMode::create : GoldenMode::accept;
+}
+
+fs::path pending_folder() {
+  const std::string stated = environment("REHEARSE_PENDING");
+  if (!stated.empty()) return stated;
+  std::error_code ignored;
+  const bool has_build = fs::is_regular_file("build/CMakeCache.txt", ignored);
+  return has_build ? "build/goldens/pending" : "rehearse-pending";
+}
+
+Result<fs::path> find_golden_folder(const fs::path& scenario) {
+  const std::string stated = environment("REHEARSE_GOLDEN_DIR");
+  if (!stated.empty()) return fs::path(stated);
+  std::error_code ignored;
+  for (fs::path folder = fs::absolute(scenario, ignored).lexically_normal().parent_path();;
+       folder = folder.parent_path()) {
+    if (fs::is_directory(folder / "golden", ignored)) return fs::relative(folder / "golden", ignored);
+    if (folder == folder.parent_path()) break;
+  }
+  return error(fmt::format("there is no folder 'golden' beside {} or above it", scenario.string()),
+               "make one, or name one by REHEARSE_GOLDEN_DIR");
+}
+
+GoldenStore::GoldenStore(fs::path folder, fs::path pending)
+    : folder_(std::move(folder)), pending_(std::move(pending)) {}
+
+Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file) {
+  for (const mcap::Metadata& record : metadata) {
+    const auto version = record.name == "rehearse" ? record.values.find("trace_version") : record.values.end();
+    if (version == record.values.end() || version->second == std::to_string(trace_version)) continue;
+    Diagnostic finding = error(
+        fmt::format("it is of trace version {}, and this program reads version {}", version->second, trace_version),
+        "read it with the version of Rehearse that wrote it");
+    finding.file = file;
+    return finding;
+  }
+  return {};
+}
+
+fs::path GoldenStore::trace_file(const std::string& name) const { return folder_ / (name + ".mcap"); }
+fs::path GoldenStore::digest_file(const std::string& name) const { return folder_ / (name + ".txt"); }
+fs::path GoldenStore::pending_file(const std::string& name) const { return pending_ / (name + ".mcap"); }
+
+bool GoldenStore::has(const std::string& name) const {
+  std::error_code ignored;
+  return fs::is_regular_file(trace_file(name), ignored);
+}
+
+Result<void> GoldenStore::check_digest(const std::string& name) const {
+  const auto trace = Trace::load(trace_file(name));
+  if (!trace) return trace.errors();
+  const auto expected = digest_of(*trace);
+  if (!expected) return expected.errors();
+  const auto stated = read_text(digest_file(name));
+  if (stated && *stated == *expected) return {};
+  std::error_code ignored;
+  const bool interrupted = fs::exists(digest_file(name).string() + ".new", ignored);
+  Diagnostic finding = error(stated ? fmt::format("the digest doesn't describe {}", trace_file(name).string())
+                                    : fmt::format("the digest of {} is missing", trace_file(name).string()),
+                             interrupted ? "an acceptance was interrupted: accept the run again"
+                                         : "both files are written together: commit both, edit neither");
+  finding.file = digest_file(name).string();
+  return finding;
+}
+
+Result<void> GoldenStore::keep_pending(const std::string& name, const Trace& actual) const {
+  std::error_code failed;
+  fs::create_directories(pending_, failed);
+  if (!failed && !fs::equivalent(actual.file(), pending_file(name), failed))
+    fs::copy_file(actual.file(), pending_file(name), fs::copy_options::overwrite_existing, failed);
+  if (failed)
+    return error(
+        fmt::format("the trace of this run can't be kept as {}: {}", pending_file(name).string(), failed.message()));
+  return {};
+}
+
+GoldenResult GoldenStore::fail_and_keep(const std::string& name, const Trace& actual, std::string message) const {
+  GoldenResult result;
+  result.message = std::move(message);
+  if (const auto kept = keep_pending(name, actual); !kept)
+    result.message += "\n" + text_of(kept.errors());
+  else
+    result.message += fmt::format(
+        "\nthis run: {}\nif it is right: rehearse golden accept {}\n"
+        "look at it: rehearse golden review {}",
+        pending_file(name).string(), name, name);
+  return result;
+}
+
+GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, const std::vector<ToleranceRule>& rules,
+                                 GoldenMode mode, const SettleOptions& options) {
+  GoldenResult result;
+  const bool wrong = !options.violation.empty();
+  const auto content = hash_of_file(actual.file());
+  if (!content) return {false, text_of(content.errors()), std::nullopt, false};
+  if (!claim(trace_file(name), *content)) {
+    result.message = fmt::format(
+        "golden '{}' was claimed before by another recording of this process: give each its own "
+        "test",
+        name);
+    return result;
+  }
+  const auto write = [&](std::string message) {
+    const auto done = accept(name, actual.file());
+    result.passed = result.written = done.ok();
+    result.message = done ? std::move(message) : text_of(done.errors());
+    return result;
+  };
+  if (!has(name)) {
+    if (wrong) return fail_and_keep(name, actual, options.violation);
+    if (mode != GoldenMode::check) return write(fmt::format("wrote the new golden {}", trace_file(name).string()));
+    return fail_and_keep(
+        name, actual, fmt::format("there is no golden {} (REHEARSE_GOLDEN=new writes it)", trace_file(name).string()));
+  }
+  const auto golden = load_golden(trace_file(name));
+  if (!golden) {
+    if (mode == GoldenMode::accept && !wrong)
+      return write(fmt::format("replaced {}, which could not be read", trace_file(name).string()));
+    return fail_and_keep(name, actual, "the golden can't be used: " + text_of(golden.errors()));
+  }
+  Comparison comparison = compare(*golden, actual, rules, options.compare);
+  const auto digest = check_digest(name);
+  const bool same = options.exact ? comparison.equal : comparison.within;
+  if (mode == GoldenMode::accept && !wrong && (!same || !digest)) {
+    write(fmt::format("replaced {}: {}", trace_file(name).string(), verdict(comparison)));
+  } else if (!same || wrong) {
+    result = fail_and_keep(
+        name, actual,
+        sentence_of(comparison, options) + "\n" + table(comparison) + "golden: " + trace_file(name).string());
+    result.message += picture_lines(write_picture_differences(*golden, actual, comparison, rules, pending_file(name)));
+  } else if (!digest) {
+    result.message = text_of(digest.errors());
+  } else {
+    result.passed = true;
+    result.message = sentence_of(comparison, options);
+    std::error_code ignored;
+    fs::remove(pending_file(name), ignored);  // what waited there is no longer what the program does
+    remove_picture_differences(pending_file(name));
+  }
+  result.comparison = std::move(comparison);
+  return result;
+}
+
+}  // namespace rehearse

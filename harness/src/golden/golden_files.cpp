@@ -1,0 +1,113 @@
+#include "golden_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "recording/hashing.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+Diagnostic can_not(const char* what, const fs::path& file, const std::string& why) {
+  Diagnostic finding = error(fmt::format("can't {}: {}", what, why));
+  finding.file = file.string();
+  return finding;
+}
+
+/// Waits until a file or folder is on the disk.
+Result<void> sync(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const std::string why = std::strerror(errno);
+  if (descriptor >= 0) ::close(descriptor);
+  if (!done) return can_not("be written to disk", path, why);
+  return {};
+}
+
+/// A new version of a file beside it; its folder is made if there is none. Removes what was begun, unless it was finished.
+class Draft {
+ public:
+  explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {
+    std::error_code ignored;  // writing the draft says what is wrong
+    fs::create_directories(target.parent_path(), ignored);
+  }
+  ~Draft() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  const fs::path& file() const { return file_; }
+  Result<void> replace_target() const {
+    std::error_code failed;
+    fs::rename(file_, target_, failed);
+    if (failed) return can_not("be replaced", target_, failed.message());
+    return {};
+  }
+
+ private:
+  fs::path target_;
+  fs::path file_;
+};
+
+Result<void> write_text(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  if (!stream) return can_not("be written", file, std::strerror(errno));
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> read_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return can_not("be read", file, std::strerror(errno));
+  return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+Result<std::uint64_t> hash_of_file(const fs::path& file) {
+  const auto bytes = read_text(file);
+  if (!bytes) return bytes.errors();
+  return hash_bytes(bytes->data(), bytes->size());
+}
+
+namespace {
+
+Result<void> sync_folder_of(const fs::path& file) { return sync(file.has_parent_path() ? file.parent_path() : "."); }
+
+}  // namespace
+
+Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
+                              const fs::path& digest,
+                              const std::function<Result<std::string>(const fs::path&)>& make_digest) {
+  const Draft new_trace(trace), new_digest(digest);
+  if (auto done = write_trace(new_trace.file()); !done) return done;
+  const auto text = make_digest(new_trace.file());
+  if (!text) return text.errors();
+  if (auto done = write_text(new_digest.file(), *text); !done) return done;
+  if (auto done = sync(new_trace.file()); !done) return done;
+  if (auto done = sync(new_digest.file()); !done) return done;
+  if (auto done = new_trace.replace_target(); !done) return done;
+  if (auto done = new_digest.replace_target(); !done) return done;
+  return sync_folder_of(trace);
+}
+
+Result<void> replace_text(const fs::path& file, const std::string& text) {
+  const Draft draft(file);
+  if (auto done = write_text(draft.file(), text); !done) return done;
+  if (auto done = sync(draft.file()); !done) return done;
+  if (auto done = draft.replace_target(); !done) return done;
+  return sync_folder_of(file);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,154 @@
+// Accepting a part of a run: the candidate, and whether some run can produce it.
+#include <fmt/format.h>
+#include <rehearse/acceptance.h>
+#include <rehearse/mcap.h>
+#include <rehearse/partial_acceptance.h>
+#include <rehearse/replay.h>
+#include <rehearse/tolerance.h>
+
+#include <algorithm>
+
+#include "compare/compare_parts.h"
+#include "host/controller_host.h"
+#include "golden_files.h"
+#include "partial_candidate.h"
+#include "check/plant_level.h"
+#include "recording/provenance.h"
+#include "replay/trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t companions_named = 6;
+
+std::string joined(const std::vector<std::string>& words, std::size_t limit) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(limit, words.size()); ++i) text += (i == 0 ? "" : ", ") + words[i];
+  if (words.size() > limit) text += fmt::format(" and {} more", words.size() - limit);
+  return text;
+}
+
+Diagnostic refusal(const std::string& where, const PartialCandidate& candidate) {
+  const std::vector<std::string>& kept = candidate.moved_but_kept();
+  return error("no run can produce this golden: " + where,
+               kept.empty() ? "accept all of the run"
+                            : fmt::format("these moved too, and would have to be accepted as well: {}",
+                                          joined(kept, companions_named)));
+}
+
+std::string_view text_of(const mcap::Attachment& attachment) {
+  return {reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size()};
+}
+
+/// The recording's own, or, if it needs meshes, the file that it is of.
+Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::path>& files) {
+  const auto reader = mcap::Reader::open(recording.file());
+  if (!reader) return reader.errors();
+  auto own = scenario_of(**reader);
+  if (!own) return own;
+  const bool has_meshes = std::ranges::any_of(
+      recording.attachments(), [](const mcap::Attachment& attachment) { return attachment.name.ends_with(".meshes"); });
+  if (!has_meshes) return own;
+  const mcap::Attachment* text = recording.find_attachment("scenario.yaml");
+  for (const fs::path& file : files) {
+    const auto content = read_text(file);
+    if (!content || *content != text_of(*text)) continue;
+    auto scenario = Scenario::load(file);
+    if (!scenario) return scenario;
+    scenario->seed = own->seed;  // which the command line may have set
+    scenario->duration = own->duration;
+    return scenario;
+  }
+  return error("no scenario file is what this run was recorded of, and its meshes are needed to run it again",
+               "accept all of the run, or record it again");
+}
+
+/// The libraries that the candidate is executed with, which may be others than the run's: those that it will be true of.
+Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& options) {
+  const auto reader = mcap::Reader::open(run.file());
+  if (!reader) return reader.errors();
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario.errors();
+  const auto host = ControllerHost::create(*scenario, options);
+  if (!host) return host.errors();
+  return controller_facts(**host);
+}
+
+/// Bit for bit.
+Result<std::optional<Divergence>> first_of_plant(const fs::path& candidate, const Reexecution& again) {
+  const auto recording = Trace::load(candidate);
+  if (!recording) return recording.errors();
+  const auto scenario = scenario_to_run(*recording, again.scenarios);
+  if (!scenario) return scenario.errors();
+  const fs::path file = candidate.string() + ".plant";
+  const auto level = compare_plant({nullptr, again.run_plant}, *scenario, *recording, file, {});
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  if (!level) return level.errors();
+  if (level->run.failure) return *level->run.failure;
+  return level->comparison.first_bit;
+}
+
+/// Where the candidate stops to follow from itself when it is executed again; none if it doesn't.
+Result<std::optional<std::string>> first_break(const fs::path& candidate, const Reexecution& again) {
+  if (!again.run_plant)
+    return std::optional<std::string>(
+        "what is kept isn't as it is in this run, and without physics nothing shows that it goes together with what is "
+        "accepted");
+  ReplayOptions options;
+  static_cast<HostOptions&>(options) = again.host;
+  const auto commands = replay(candidate, options);
+  if (!commands) return commands.errors();
+  const auto plant = first_of_plant(candidate, again);
+  if (!plant) return plant.errors();
+  if (commands->failure) return std::optional<std::string>(commands->failure->message);
+  if (commands->first && !(*plant && comes_before(**plant, *commands->first)))
+    return std::optional("fed with its inputs, the controllers command something else, first at " +
+                         to_string(*commands->first));
+  if (*plant)
+    return std::optional("fed with its commands, the world does something else, first at " + to_string(**plant));
+  return std::optional<std::string>();
+}
+
+}  // namespace
+
+std::string to_string(const Selection& selection) {
+  std::string text;
+  if (!selection.channels.empty())
+    text = (selection.channels.size() == 1 ? "channel " : "channels ") + joined(selection.channels, 8);
+  if (selection.from > 0.0) text += fmt::format("{}from {} s", text.empty() ? "" : ", ", selection.from);
+  if (selection.until) text += fmt::format("{}until {} s", text.empty() ? "" : ", ", *selection.until);
+  return text;
+}
+
+Result<fs::path> make_partial(const Trace& golden, const Trace& run, const Selection& selection,
+                              const fs::path& candidate_file, const Reexecution& again) {
+  auto candidate = PartialCandidate::make(golden, run, selection);
+  if (!candidate) return candidate.errors();
+  if (!candidate->anything_moves())
+    return error(fmt::format("nothing of {} differs from the golden", to_string(selection)),
+                 candidate->is_the_run() ? "nor does anything else"
+                                         : "what differs: " + joined(candidate->moved_but_kept(), companions_named));
+  if (candidate->is_the_run()) return fs::path(run.file());
+  if (const auto& start = candidate->other_start()) return refusal(*start, *candidate);
+
+  const auto controllers = controllers_of(run, again.host);
+  if (!controllers) return controllers.errors();
+  if (auto written = candidate->write(run, *controllers, candidate_file); !written) return written.errors();
+  const auto broken = first_break(candidate_file, again);
+  std::optional<Diagnostics> refused;
+  if (!broken)
+    refused = broken.errors();
+  else if (*broken)
+    refused = Diagnostics{refusal(**broken, *candidate)};
+  else if (const auto& mixed = candidate->mixed())
+    refused = Diagnostics{refusal(*mixed, *candidate)};
+  if (!refused) return candidate_file;
+  std::error_code ignored;
+  fs::remove(candidate_file, ignored);
+  return *refused;
+}
+
+}  // namespace rehearse

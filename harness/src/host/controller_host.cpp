@@ -1,0 +1,502 @@
+#include "controller_host.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cnoid_body.h"
+#include "controller_watch.h"
+#include "recording/hashing.h"
+#include "info_text.h"
+#include "usable_outputs.h"
+
+namespace rehearse {
+namespace {
+
+using CnoidLink = cnoid::Link;
+
+Diagnostic at(const Place& place, Diagnostic diagnostic) {
+  diagnostic.file = place.file;
+  diagnostic.line = place.line;
+  diagnostic.column = place.column;
+  return diagnostic;
+}
+
+std::uint8_t drive_of(int mode) {
+  std::uint8_t drive = drive_none;
+  if (mode & CnoidLink::JointEffort) drive |= drive_effort;
+  if (mode & CnoidLink::JointDisplacement) drive |= drive_displacement;
+  if (mode & (CnoidLink::JointVelocity | CnoidLink::DeprecatedJointSurfaceVelocity)) drive |= drive_velocity;
+  return drive;
+}
+
+std::uint64_t hash_values(const std::vector<double>& values, std::uint64_t seed) {
+  return hash_bytes(values.data(), values.size() * sizeof(double), seed);
+}
+
+std::uint64_t hash_contacts(const std::vector<ContactReading>& contacts, std::uint64_t seed) {
+  static_assert(sizeof(ContactReading) == 13 * sizeof(double), "nothing but numbers");
+  const std::uint64_t count = contacts.size();
+  return hash_bytes(contacts.data(), contacts.size() * sizeof(ContactReading), hash_bytes(&count, sizeof count, seed));
+}
+
+std::uint64_t hash_joystick(const JoystickReading& reading, std::uint64_t seed) {
+  const std::uint64_t axes = hash_bytes(reading.axes.data(), sizeof reading.axes, seed);
+  return hash_bytes(reading.buttons.data(), sizeof reading.buttons, axes);
+}
+
+}  // namespace
+
+Observation initial_observation(const Scenario& scenario) {
+  Observation observation;
+  for (const ScenarioBody& body : scenario.bodies) {
+    BodyObservation& seen = observation.bodies.emplace_back();
+    Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
+    root.linear() = body.rotation.toRotationMatrix();
+    root.translation() = body.position;
+    for (const double q : body.joints) seen.joints.push_back({q, 0.0, 0.0, 0.0});
+    for (const Eigen::Isometry3d& pose : forward_kinematics(*body.model, root, body.joints)) {
+      LinkReading& link = seen.links.emplace_back();
+      link.position = pose.translation();
+      link.rotation = Eigen::Quaterniond(pose.linear()).normalized();
+    }
+    seen.devices.resize(body.model->devices.size());
+  }
+  if (scenario.joystick) observation.joystick = scenario.joystick->at(0.0);
+  return observation;
+}
+
+void append_remarks(const std::vector<msg::Event>& events, Diagnostics& remarks) {
+  for (const msg::Event& event : events) {
+    if (event.severity == to_string(Severity::note)) continue;
+    Diagnostic& remark = remarks.emplace_back(error(event.source + ": " + event.text));
+    if (event.severity != to_string(Severity::error)) remark.severity = Severity::warning;
+  }
+}
+
+Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& scenario, const HostOptions& options) {
+  std::unique_ptr<ControllerHost> host(new ControllerHost);
+  host->scenario_ = &scenario;
+  host->options_ = options;
+  Diagnostics findings;
+  for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+    const ScenarioBody& body = scenario.bodies[b];
+    host->bodies_before_.push_back(make_cnoid_body(*body.model, body.name, body.fixed));
+    for (const ScenarioController& specification : body.controllers) {
+      const Result<void> added = host->add(specification, static_cast<int>(b), -1);
+      findings.insert(findings.end(), added.errors().begin(), added.errors().end());
+      const int parent = static_cast<int>(host->controllers_.size()) - 1;
+      for (const ScenarioController& child : specification.children) {
+        const Result<void> child_added = host->add(child, static_cast<int>(b), parent);
+        findings.insert(findings.end(), child_added.errors().begin(), child_added.errors().end());
+      }
+    }
+  }
+  std::string known;
+  for (const HostedController& hosted : host->controllers_) known += (known.empty() ? "" : ", ") + hosted.label;
+  for (const auto& [name, library] : options.libraries) {
+    bool used = false;
+    for (const HostedController& hosted : host->controllers_)
+      used |= name == hosted.label || name == hosted.io->controllerName();
+    if (!used)
+      findings.push_back(error("there is no controller '" + name + "' in " + scenario.name, "there is: " + known));
+  }
+  if (!findings.empty()) return findings;
+  return host;
+}
+
+Result<void> ControllerHost::add(const ScenarioController& specification, int body, int parent) {
+  HostedController& hosted = controllers_.emplace_back();
+  const ScenarioBody& owner = scenario_->bodies[body];
+  hosted.label = owner.name + "/" + specification.name;
+  hosted.body = body;
+  hosted.parent = parent;
+  const auto stated = options_.controller_options.find(hosted.label);
+  const std::string& own_options = stated == options_.controller_options.end() ? specification.options : stated->second;
+  const std::string& run_options = options_.run_options ? *options_.run_options : scenario_->options;
+  other_options_ = other_options_ || own_options != specification.options || run_options != scenario_->options;
+  hosted.io = std::make_unique<ControllerIo>(specification.name, run_options, own_options, scenario_->time_step);
+  hosted.io->setNoDelayMode(!specification.delay);
+  if (scenario_->joystick) hosted.joystick = std::make_unique<HostJoystick>();
+
+  std::filesystem::path directory = std::filesystem::path(scenario_->file).parent_path();
+  std::string library = specification.library;
+  for (const std::string& name : {specification.name, hosted.label}) {
+    const auto replaced = options_.libraries.find(name);
+    if (replaced == options_.libraries.end()) continue;
+    library = replaced->second;
+    directory = std::filesystem::current_path();  // it was given on the command line
+  }
+  const auto file = find_controller_library(library, directory);
+  if (!file) return at(specification.place, file.errors()[0]);
+  const std::filesystem::path loaded_file = std::filesystem::absolute(*file);
+  auto loaded = [&] {
+    const Watched watched(options_.watch, {hosted.label, loaded_file, "load"});
+    return ControllerLibrary::open(loaded_file, options_.call_limit);
+  }();
+  if (!loaded) return at(specification.place, loaded.errors()[0]);
+  hosted.library = *loaded;
+  if (options_.keep_libraries) hosted.library->keep_loaded();
+  for (const std::string& remark : hosted.library->remarks()) event(Severity::warning, hosted.label, remark);
+  libraries_.push_back(*loaded);
+  try {
+    hosted.io->options();
+  } catch (const std::invalid_argument& mistake) {
+    return at(specification.place,
+              error(fmt::format("the options of controller '{}' can't be split: {}", hosted.label, mistake.what())));
+  }
+  return {};
+}
+
+ControllerHost::~ControllerHost() { stop(); }
+
+void ControllerHost::event(Severity severity, const std::string& source, std::string text) {
+  msg::Event& added = events_.emplace_back();
+  added.tick = tick_;
+  added.stamp = msg::Time::from_ns(nanoseconds_of(tick_, scenario_->time_step));
+  added.severity = to_string(severity);
+  added.source = source;
+  added.text = std::move(text);
+}
+
+std::vector<msg::Event> ControllerHost::take_events() { return std::exchange(events_, {}); }
+
+void ControllerHost::collect_messages(HostedController& hosted) {
+  for (std::string& line : hosted.io->take_messages()) event(Severity::note, hosted.label, std::move(line));
+}
+
+/// What a call did to the process, each kind once for each controller.
+void ControllerHost::tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome) {
+  std::vector<Trespass> trespasses = ProcessGuard::instance().put_right();
+  if (outcome.changed_float_mode)
+    trespasses.push_back(
+        {Trespass::Kind::float_mode,
+         fmt::format("left another floating-point mode behind ({}); it was set back{}", describe(outcome.float_mode),
+                     is_fast_math(outcome.float_mode) ? " (is it built with -ffast-math?)" : "")});
+  for (const Trespass& trespass : trespasses)
+    if (hosted.trespasses.insert(trespass.kind).second)
+      event(Severity::warning, hosted.label, fmt::format("{}() at tick {} {}", function, tick_, trespass.deed));
+}
+
+bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code,
+                          HowOften how_often) {
+  const PluggedIn plugged_in(hosted.joystick.get());
+  ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
+  const CallOutcome outcome = [&] {
+    const Watched watched(
+        options_.watch, {hosted.label, hosted.library->file(), function, tick_, time_of(tick_, scenario_->time_step)});
+    return guarded_call(code, options_.call_limit);
+  }();
+  tell_trespasses(hosted, function, outcome);
+  if (outcome.end == CallEnd::returned) {
+    collect_messages(hosted);
+    return true;
+  }
+  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", hosted.label, outcome.what, function,
+                                 tick_, time_of(tick_, scenario_->time_step));
+  event(Severity::error, hosted.label, text);
+  if (!failure_) failure_ = error(std::move(text));
+  hosted.running = false;
+  hosted.configured = false;
+  if (outcome.end != CallEnd::threw) {
+    // its code was interrupted somewhere: nothing of it may run again, not even its destructor
+    hosted.library->keep_loaded();
+    static auto& abandoned = *new std::vector<std::pair<cnoid::SimpleController*, HostJoystick*>>;
+    abandoned.emplace_back(hosted.controller.release(), hosted.joystick.release());
+  }
+  return false;
+}
+
+void ControllerHost::refuse(HostedController& hosted, const char* function) {
+  event(Severity::error, hosted.label,
+        fmt::format("{}() returned false: the run goes on without this controller", function));
+  hosted.running = false;
+  refused_ = true;
+}
+
+void ControllerHost::show_joystick(const Observation& seen) {
+  if (!scenario_->joystick) return;
+  REHEARSE_ASSERT(seen.joystick.has_value(), "a run with a joystick observes it");
+  for (HostedController& hosted : controllers_)
+    if (hosted.joystick) hosted.joystick->show(*seen.joystick);
+}
+
+void ControllerHost::configure(HostedController& hosted) {
+  hosted.io->show_body(*bodies_before_[hosted.body]);
+  hosted.config = std::make_unique<cnoid::SimpleControllerConfig>(hosted.io.get());
+  const bool made = call(hosted, "createSimpleController", [&] { hosted.controller.reset(hosted.library->create()); });
+  if (!made) return;
+  if (!hosted.controller) {
+    event(Severity::error, hosted.label, "createSimpleController() returned a null pointer");
+    refused_ = true;
+    return;
+  }
+  bool accepted = false;
+  if (!call(hosted, "configure", [&] { accepted = hosted.controller->configure(hosted.config.get()); })) return;
+  hosted.configured = accepted;
+  if (!accepted) refuse(hosted, "configure");
+}
+
+void ControllerHost::initialize(HostedController& hosted, const Observation& initial) {
+  const ScenarioBody& body = scenario_->bodies[hosted.body];
+  hosted.io_body = hosted.parent >= 0 ? controllers_[hosted.parent].io_body
+                                      : std::make_shared<IoBody>(body, initial.bodies[hosted.body]);
+  hosted.io->attach(*hosted.io_body);
+  if (!hosted.configured) return;
+  bool accepted = false;
+  if (!call(hosted, "initialize", [&] { accepted = hosted.controller->initialize(hosted.io.get()); })) return;
+  hosted.running = accepted;
+  if (accepted) return;
+  refuse(hosted, "initialize");
+  if (hosted.parent < 0) hosted.io_body->take_device_outputs();  // they are not heard
+}
+
+Command ControllerHost::initialize(const Observation& initial) {
+  show_joystick(initial);
+  for (HostedController& hosted : controllers_)
+    if (!failure_) configure(hosted);
+  for (HostedController& hosted : controllers_)
+    if (!failure_) initialize(hosted, initial);
+
+  Command command;
+  for (const BodyObservation& body : initial.bodies) {
+    BodyCommand& at_rest = command.bodies.emplace_back();
+    for (const JointReading& joint : body.joints) at_rest.joints.push_back({drive_none, joint.q, 0.0, 0.0});
+    at_rest.external.resize(body.links.size());
+    at_rest.devices.resize(body.devices.size());
+  }
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.running) continue;
+    for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
+    hosted.reported.assign(hosted.io->outputs().size, false);
+  }
+  for (std::size_t i = 0; i < controllers_.size(); ++i) {
+    HostedController& hosted = controllers_[i];
+    if (!hosted.running) continue;
+    set_drives(i, command);
+    // what was said to devices in initialize() acts before the run, and is recorded with tick 0
+    HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
+    for (DeviceOutput& output : leader.io_body->take_device_outputs()) {
+      tell(hosted, output, command);
+      output.told = true;
+      leader.early_outputs.push_back(std::move(output));
+    }
+  }
+  return command;
+}
+
+/// A joint is driven as the last controller that commands it says.
+void ControllerHost::set_drives(std::size_t index, Command& command) {
+  const HostedController& hosted = controllers_[index];
+  for (const IoField& field : hosted.io->outputs().fields) {
+    if (field.quantity > Quantity::u) continue;
+    const int mode = hosted.io->mode_of(field.link);
+    command.bodies[hosted.body].joints[field.joint].drive = drive_of(mode);
+    for (std::size_t other = 0; other < index; ++other) {
+      const HostedController& before = controllers_[other];
+      if (!before.running || before.body != hosted.body || before.io->mode_of(field.link) == mode) continue;
+      if (!before.io->commands_joint(field.joint)) continue;
+      event(Severity::warning, hosted.label,
+            fmt::format("commands joint '{}' by {}, which '{}' commands by {}: it is driven as '{}' says",
+                        scenario_->bodies[hosted.body].model->links[field.link].joint.name, joint_mode_names(mode),
+                        before.label, joint_mode_names(before.io->mode_of(field.link)), hosted.label));
+    }
+  }
+}
+
+void ControllerHost::start() {
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.running || failure_) continue;
+    bool accepted = false;
+    if (call(hosted, "start", [&] { accepted = hosted.controller->start(); }) && !accepted) refuse(hosted, "start");
+  }
+}
+
+bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
+  tick_ = tick;
+  if (!pass_infos()) return false;
+  const double now = time_of(tick, scenario_->time_step);
+  show_joystick(seen);
+  for (HostedController& hosted : controllers_) {
+    hosted.result = hosted.has_input = hosted.has_output = false;
+    hosted.device_outputs.clear();
+  }
+  for (HostedController& hosted : controllers_) {
+    const BodyObservation& body = seen.bodies[hosted.body];
+    const double delivered_at = time_of(tick - 1, scenario_->time_step);
+    if (hosted.parent < 0 && hosted.io_body && hosted.io_body->hears(body) &&
+        !call(
+            hosted, "a slot of sigStateChanged", [&] { hosted.io_body->input_devices(body, delivered_at); },
+            HowOften::in_ticks))
+      return false;
+    hosted.io->set_time(now);
+    hosted.has_input = hosted.running;
+    if (hosted.running) hosted.io->input(body);
+  }
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.running) continue;
+    if (!call(
+            hosted, "control", [&] { hosted.result = hosted.controller->control(); }, HowOften::in_ticks))
+      return false;
+    hosted.io->output();
+    hosted.has_output = true;
+  }
+  for (HostedController& hosted : controllers_)
+    if (hosted.parent < 0 && hosted.io_body) take_device_outputs(hosted);
+  return true;
+}
+
+/// Those of this tick, and at tick 0 what initialize() said of other devices.
+void ControllerHost::take_device_outputs(HostedController& hosted) {
+  std::vector<DeviceOutput>& outputs = hosted.device_outputs;
+  outputs = hosted.io_body->take_device_outputs();
+  for (DeviceOutput& early : std::exchange(hosted.early_outputs, {})) {
+    const auto place = std::lower_bound(outputs.begin(), outputs.end(), early.device,
+                                        [](const DeviceOutput& output, int device) { return output.device < device; });
+    if (place == outputs.end() || place->device != early.device) outputs.insert(place, std::move(early));
+  }
+}
+
+/// What a controller changed in the info() of a device reaches the others of its robot that have enabled that device.
+bool ControllerHost::pass_infos() {
+  for (HostedController& hosted : controllers_) {
+    if (hosted.parent >= 0 || !hosted.io_body) continue;
+    for (const DeviceInfo& changed : hosted.io_body->take_infos()) {
+      const std::string& device = hosted.io_body->model().devices[changed.device].name;
+      event(Severity::note, hosted.label, fmt::format("info of device '{}': {}", device, text_of(changed.info)));
+      for (HostedController& other : controllers_)
+        if (other.parent < 0 && &other != &hosted && other.body == hosted.body && other.io_body &&
+            !call(
+                other, "a slot of sigInfoChanged", [&] { other.io_body->input_info(changed); }, HowOften::in_ticks))
+          return false;
+    }
+  }
+  return true;
+}
+
+void ControllerHost::output(Timing timing, Command& command) {
+  for (HostedController& hosted : controllers_) {
+    const Timing own = is_delayed(hosted) ? Timing::next_step : Timing::same_step;
+    if (own == timing) apply(hosted, command);
+  }
+}
+
+bool ControllerHost::is_delayed(const HostedController& hosted) const {
+  return !(hosted.parent >= 0 ? controllers_[hosted.parent] : hosted).io->isNoDelayMode();
+}
+
+void ControllerHost::tell(const HostedController& hosted, const DeviceOutput& output, Command& command) {
+  if (output.told) return;
+  const auto is_odd = [](double number) { return !std::isfinite(number); };
+  if (std::any_of(output.values.begin(), output.values.end(), is_odd)) {
+    event(
+        Severity::error, hosted.label,
+        fmt::format("gave device '{}' a state that isn't finite at tick {}; it was recorded, but the device keeps the "
+                    "one before it",
+                    scenario_->bodies[hosted.body].model->devices[output.device].name, tick_));
+    return;
+  }
+  command.bodies[hosted.body].devices[output.device] = {true, output.on, output.values};
+}
+
+void ControllerHost::apply(HostedController& hosted, Command& command) {
+  BodyCommand& body = command.bodies[hosted.body];
+  for (const DeviceOutput& output : hosted.device_outputs) tell(hosted, output, command);
+  if (!hosted.running) return;
+  const std::vector<double>& values = hosted.io->output_values();
+  for (const IoField& field : hosted.io->outputs().fields) {
+    const double* value = values.data() + field.offset;
+    const double* end = value + width_of(field.quantity);
+    const double* odd = std::find_if(value, end, [](double number) { return !std::isfinite(number); });
+    if (odd != end) {
+      if (!hosted.reported[field.offset])
+        event(Severity::error, hosted.label,
+              fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
+                          "before it",
+                          *odd, name_of(field.quantity), scenario_->bodies[hosted.body].model->links[field.link].name,
+                          tick_));
+      hosted.reported[field.offset] = true;
+      continue;
+    }
+    switch (field.quantity) {
+      case Quantity::q: body.joints[field.joint].q = *value; break;
+      case Quantity::dq: body.joints[field.joint].dq = *value; break;
+      case Quantity::u: body.joints[field.joint].u = *value; break;
+      case Quantity::pose:
+        if (field.link == 0)
+          body.root = LinkPlace{{value[0], value[1], value[2]}, {value[6], value[3], value[4], value[5]}};
+        break;
+      case Quantity::wrench:
+        body.external[field.link].force += Eigen::Vector3d(value[0], value[1], value[2]);
+        body.external[field.link].torque += Eigen::Vector3d(value[3], value[4], value[5]);
+        break;
+      default: break;  // freeze() has said that they have no effect
+    }
+  }
+}
+
+void ControllerHost::stop() {
+  if (std::exchange(stopped_, true)) return;
+  for (auto hosted = controllers_.rbegin(); hosted != controllers_.rend(); ++hosted)
+    if (hosted->running) call(*hosted, "stop", [&] { hosted->controller->stop(); });
+  for (HostedController& hosted : controllers_)
+    if (hosted.configured) call(hosted, "unconfigure", [&] { hosted.controller->unconfigure(); });
+  for (HostedController& hosted : controllers_)
+    if (hosted.controller) call(hosted, "~SimpleController", [&] { hosted.controller.reset(); });
+  keep_libraries_of_threads();
+}
+
+/// The code of a thread that still runs may not be unloaded.
+void ControllerHost::keep_libraries_of_threads() {
+  for (HostedController& hosted : controllers_) {
+    if (!hosted.library) continue;  // it couldn't be loaded
+    const std::atomic<int>& running = *hosted.library->threads();
+    for (int i = 0; i < 50 && running > 0; ++i) usleep(1000);  // one that was told to end may need a moment
+    if (running == 0) continue;
+    hosted.library->keep_loaded();
+    event(Severity::warning, hosted.label,
+          fmt::format("leaves {} running after stop(): {} stays loaded",
+                      running == 1 ? "a thread" : fmt::format("{} threads", running.load()),
+                      hosted.library->file().filename().string()));
+  }
+}
+
+std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
+  std::uint64_t hash = seen.joystick ? hash_joystick(*seen.joystick, 0) : 0;
+  for (const HostedController& hosted : controllers_) {
+    if (!hosted.has_input) continue;
+    hash = hash_values(hosted.io->input_values(), hash);
+    for (const std::vector<ContactReading>& contacts : hosted.io->input_contacts())
+      hash = hash_contacts(contacts, hash);
+    for (const int device : hosted.io->input_devices()) {
+      const DeviceReading& reading = seen.bodies[hosted.body].devices[device];
+      if (!reading.fresh) continue;
+      hash = hash_values(reading.values, hash);
+      if (reading.image) hash = hash_bytes(reading.image->pixels.data(), reading.image->pixels.size(), hash);
+      if (reading.depth)
+        hash = hash_bytes(reading.depth->meters.data(), reading.depth->meters.size() * sizeof(float), hash);
+      if (reading.ranges) hash = hash_bytes(reading.ranges->data(), reading.ranges->size() * sizeof(float), hash);
+    }
+  }
+  return hash;
+}
+
+std::uint64_t ControllerHost::output_hash() const {
+  std::uint64_t hash = 0;
+  for (const HostedController& hosted : controllers_) {
+    const unsigned char result = hosted.result ? 1 : 0;
+    hash = hash_bytes(&result, 1, hash);
+    if (!hosted.has_output) continue;
+    hash = hash_values(hosted.io->output_values(), hash);
+    for (const DeviceOutput& output : hosted.device_outputs) {
+      hash = hash_bytes(&output.device, sizeof output.device, hash);
+      hash = hash_values(output.values, hash);
+    }
+  }
+  return hash;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,162 @@
+#include "controller_library.h"
+
+#include <cnoid/SimpleController>
+
+#include <cxxabi.h>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "guarded_call.h"
+#include "recording/hashing.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* factory_name = "createSimpleController";
+constexpr const char* abi_name = "rehearseCnoidAbi";
+
+std::vector<fs::path> search_folders() {
+  std::vector<fs::path> folders;
+  if (const char* listed = std::getenv("REHEARSE_CONTROLLER_PATH")) {
+    std::string_view rest = listed;
+    while (!rest.empty()) {
+      const std::size_t colon = rest.find(':');
+      if (colon != 0) folders.emplace_back(rest.substr(0, colon));
+      rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
+    }
+  }
+  folders.push_back(own_library_folder() / "rehearse" / "controllers");
+  return folders;
+}
+
+bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".so"); }
+
+/// The dynamic linker's words, with C++ names as a person writes them.
+std::string readable(std::string message) {
+  constexpr std::string_view marker = "undefined symbol: ";
+  const std::size_t at = message.find(marker);
+  if (at == std::string::npos) return message;
+  std::string symbol = message.substr(at + marker.size());
+  symbol = symbol.substr(0, symbol.find_first_of(" \t\n,("));
+  int status = 0;
+  char* demangled = abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status);
+  if (status == 0 && demangled) symbol = demangled;
+  std::free(demangled);
+  return "it needs the symbol '" + symbol + "', which nothing here defines";
+}
+
+std::string hash_of_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
+  stream.seekg(0);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return hash_text(hash_bytes(bytes.data(), bytes.size()));
+}
+
+/// What the library did while it was loaded. One that is in memory already does nothing any more; then it is what it
+/// did the first time, so that a run in a process says the same whatever ran before it.
+std::vector<std::string> remarks_on_loading(const std::string& name, const std::string& content_hash,
+                                            const CallOutcome& outcome) {
+  static auto& told = *new std::map<std::string, std::vector<std::string>>;
+  std::vector<std::string> remarks;
+  if (outcome.changed_float_mode)
+    remarks.push_back(fmt::format("{} switches the whole process to {} when it is loaded{}; it was set back", name,
+                                  describe(outcome.float_mode),
+                                  is_fast_math(outcome.float_mode) ? ": it was linked with -ffast-math" : ""));
+  for (const Trespass& trespass : ProcessGuard::instance().put_right())
+    remarks.push_back(fmt::format("{}, while it was loaded, {}", name, trespass.deed));
+  if (!remarks.empty()) told[content_hash] = remarks;
+  const auto before = told.find(content_hash);
+  return before == told.end() ? remarks : before->second;
+}
+
+}  // namespace
+
+fs::path own_library_folder() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&find_controller_library), &info) == 0 || !info.dli_fname) return {};
+  std::error_code ignored;
+  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+}
+
+Result<fs::path> find_controller_library(const std::string& name, const fs::path& directory) {
+  std::vector<fs::path> candidates;
+  if (is_path(name)) {
+    candidates = {directory / name, fs::current_path() / name};
+    if (candidates[0].lexically_normal() == candidates[1].lexically_normal()) candidates.pop_back();
+  } else {
+    for (const fs::path& folder : search_folders()) {
+      candidates.push_back(folder / (name + ".so"));
+      candidates.push_back(folder / ("lib" + name + ".so"));
+    }
+  }
+  std::string looked;
+  for (const fs::path& candidate : candidates) {
+    std::error_code ignored;
+    if (fs::is_regular_file(candidate, ignored)) return candidate;
+    looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
+  }
+  return error("controller library '" + name + "' not found",
+               "looked for " + looked + (is_path(name) ? "" : "; REHEARSE_CONTROLLER_PATH names further folders"));
+}
+
+Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, double call_limit) {
+  std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
+  library->file_ = file;
+  library->call_limit_ = call_limit;
+  library->content_hash_ = hash_of_file(file);
+  std::string problem;
+  // its static objects are constructed in here: code of the library's author
+  ProcessGuard::instance().begin(library->threads_, true);
+  const CallOutcome outcome = guarded_call(
+      [&] {
+        library->handle_ = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!library->handle_) problem = dlerror();
+      },
+      call_limit);
+  const std::string name = "controller library '" + file.filename().string() + "'";
+  library->remarks_ = remarks_on_loading(name, library->content_hash_, outcome);
+  if (outcome.end != CallEnd::returned) {
+    library->keep_loaded();
+    return error(name + " failed while it was loaded: it " + outcome.what);
+  }
+  if (!library->handle_) {
+    if (problem.find("invalid ELF header") != std::string::npos || problem.find("file too short") != std::string::npos)
+      return error(name + " is not a shared library", "build it with rehearse_add_simple_controller or -shared -fPIC");
+    return error(name + " can't be loaded: " + readable(problem));
+  }
+  library->factory_ = reinterpret_cast<Factory>(dlsym(library->handle_, factory_name));
+  if (!library->factory_)
+    return error(name + " is not a controller: it defines no " + factory_name,
+                 "end its source with CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(YourClass)");
+  const auto abi = reinterpret_cast<int (*)()>(dlsym(library->handle_, abi_name));
+  if (!abi || abi() != REHEARSE_CNOID_ABI)
+    return error(name +
+                     (abi ? " was compiled with the <cnoid/...> headers of another version of Rehearse"
+                          : " was not compiled with Rehearse's <cnoid/...> headers") +
+                     ", whose classes have another memory layout",
+                 "compile it again with the headers of this version");
+  return library;
+}
+
+ControllerLibrary::~ControllerLibrary() {
+  if (!handle_ || keep_loaded_) return;
+  // its static objects are destroyed in here, when nobody listens any more: what they do is put right all the same
+  ProcessGuard::instance().begin(threads_, true);
+  const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
+  ProcessGuard::instance().put_right();
+  if (outcome.end != CallEnd::returned)
+    fmt::print(stderr, "warning: controller library '{}' failed while it was unloaded: it {}\n",
+               file_.filename().string(), outcome.what);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,361 @@
+#include "recorded_inputs.h"
+
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/messages.h>
+#include <rehearse/png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "recording/contact_messages.h"
+#include "host/joint_arrays.h"
+#include "recording/topic_segment.h"
+#include "trace/range_messages.h"
+
+namespace rehearse {
+namespace {
+
+Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
+
+/// The names in a topic, without the leading slash.
+std::vector<std::string> segments(std::string_view topic) {
+  std::vector<std::string> parts;
+  while (!topic.empty()) {
+    if (topic.front() == '/') topic.remove_prefix(1);
+    const std::size_t slash = topic.find('/');
+    parts.push_back(name_of_segment(topic.substr(0, slash)));
+    topic = slash == std::string_view::npos ? std::string_view() : topic.substr(slash);
+  }
+  return parts;
+}
+
+/// The distances in a LaserScan or PointCloud2; none if the sensor was switched off.
+bool decode_ranges(const std::string& topic, CdrReader& reader, msg::Header& header, std::vector<float>& ranges) {
+  if (topic.ends_with("/scan")) {
+    msg::LaserScan scan;
+    if (!msg::decode(reader, scan)) return false;
+    header = scan.header;
+    ranges = std::move(scan.ranges);
+    return true;
+  }
+  msg::PointCloud2 cloud;
+  if (!msg::decode(reader, cloud)) return false;
+  header = cloud.header;
+  return read_ranges(cloud, ranges);
+}
+
+}  // namespace
+
+/// Where the messages of one channel go.
+struct RecordedInputs::Feed {
+  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, contacts, device, joystick };
+  Kind kind = Kind::joints;
+  int body = 0;    // -1: of none
+  int target = 0;  // link or device index
+  JointArrays joints;
+  std::vector<int> joint_ids;  // by index in the message; -1: no such joint
+  std::string topic;
+};
+
+RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& reader) : scenario_(scenario) {
+  for (const ScenarioBody& body : scenario.bodies) {
+    BodyObservation& seen = observation_.bodies.emplace_back();
+    seen.joints.resize(body.model->joints.size());
+    seen.links.resize(body.model->links.size());
+    seen.devices.resize(body.model->devices.size());
+  }
+  if (scenario.joystick) observation_.joystick.emplace();
+  for (const auto& [id, channel] : reader.channels()) {
+    if (scenario.joystick && channel.topic == "/joy") {
+      Feed& feed = add(channel);
+      feed.kind = Feed::Kind::joystick;
+      feed.body = -1;
+    }
+    const std::vector<std::string> parts = segments(channel.topic);
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+      const ScenarioBody& body = scenario.bodies[b];
+      if (parts.empty() || parts[0] != body.name) continue;
+      const int index = static_cast<int>(b);
+      if (parts.size() == 2 && parts[1] == (body.noise.disturbs_joints() ? "measured_joints" : "joints")) {
+        add_joints(index, channel);
+      } else if (parts.size() == 3 && body.model->find_device(parts[1]) >= 0) {
+        add_device(index, body.model->find_device(parts[1]), parts[2], channel);
+      } else if (parts.size() == 3) {
+        add_link(index, parts[1], parts[2], channel);
+      } else if (parts.size() == 4 && parts[2] == "input" && parts[3] == "joint_accelerations") {
+        add(channel).kind = Feed::Kind::joint_accelerations;
+        feeds_[id]->body = index;
+      } else if (parts.size() == 5 && parts[2] == "input") {
+        add_link(index, parts[3], parts[4], channel);
+      }
+    }
+  }
+}
+
+RecordedInputs::~RecordedInputs() = default;
+
+RecordedInputs::Feed& RecordedInputs::add(const mcap::Channel& channel) {
+  std::unique_ptr<Feed>& feed = feeds_[channel.id];
+  feed = std::make_unique<Feed>();
+  feed->topic = channel.topic;
+  return *feed;
+}
+
+void RecordedInputs::add_joints(int body, const mcap::Channel& channel) {
+  Feed& feed = add(channel);
+  feed.kind = Feed::Kind::joints;
+  feed.body = body;
+}
+
+void RecordedInputs::add_link(int body, const std::string& link, const std::string& kind,
+                              const mcap::Channel& channel) {
+  const int index = scenario_.bodies[body].model->find_link(link);
+  if (index < 0) return;
+  const std::pair<const char*, Feed::Kind> kinds[] = {{"pose", Feed::Kind::pose},
+                                                      {"twist", Feed::Kind::twist},
+                                                      {"accel", Feed::Kind::acceleration},
+                                                      {"contacts", Feed::Kind::contacts}};
+  for (const auto& [name, feed_kind] : kinds) {
+    if (kind != name) continue;
+    Feed& feed = add(channel);
+    feed.kind = feed_kind;
+    feed.body = body;
+    feed.target = index;
+    if (feed_kind == Feed::Kind::contacts)
+      observation_.bodies[body].contacts.resize(scenario_.bodies[body].model->links.size());
+  }
+}
+
+void RecordedInputs::add_device(int body, int device, const std::string& kind, const mcap::Channel& channel) {
+  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points", "state", "contact"};
+  if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) return;
+  Feed& feed = add(channel);
+  feed.kind = Feed::Kind::device;
+  feed.body = body;
+  feed.target = device;
+}
+
+bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) const {
+  if (feed.body != body) return false;
+  switch (field.quantity) {
+    case Quantity::q:
+    case Quantity::dq:
+    case Quantity::u: return feed.kind == Feed::Kind::joints;
+    case Quantity::ddq: return feed.kind == Feed::Kind::joint_accelerations;
+    case Quantity::pose: return feed.kind == Feed::Kind::pose && feed.target == field.link;
+    case Quantity::twist: return feed.kind == Feed::Kind::twist && feed.target == field.link;
+    case Quantity::acceleration: return feed.kind == Feed::Kind::acceleration && feed.target == field.link;
+    case Quantity::wrench: return false;
+  }
+  return false;
+}
+
+bool RecordedInputs::has(int body, const IoField& field) const {
+  if (field.quantity == Quantity::wrench) return true;  // always zero: nothing to record
+  return std::any_of(feeds_.begin(), feeds_.end(),
+                     [&](const auto& entry) { return feeds(*entry.second, body, field); });
+}
+
+bool RecordedInputs::has_device(int body, int device) const {
+  return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
+    const Feed& feed = *entry.second;
+    return feed.kind == Feed::Kind::device && feed.body == body && feed.target == device;
+  });
+}
+
+bool RecordedInputs::has_contacts(int body, int link) const {
+  return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
+    const Feed& feed = *entry.second;
+    return feed.kind == Feed::Kind::contacts && feed.body == body && feed.target == link;
+  });
+}
+
+bool RecordedInputs::has_joystick() const {
+  return std::any_of(feeds_.begin(), feeds_.end(),
+                     [](const auto& entry) { return entry.second->kind == Feed::Kind::joystick; });
+}
+
+std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host) const {
+  std::vector<std::uint16_t> channels;
+  for (const auto& [id, feed] : feeds_) {
+    bool read = feed->kind == Feed::Kind::joystick;
+    for (const HostedController& hosted : host.controllers()) {
+      if (!hosted.running || hosted.body != feed->body) continue;
+      for (const IoField& field : hosted.io->inputs().fields) read |= feeds(*feed, hosted.body, field);
+      for (const int device : hosted.io->input_devices())
+        read |= feed->kind == Feed::Kind::device && feed->target == device;
+      for (const int link : hosted.io->contact_links())
+        read |= feed->kind == Feed::Kind::contacts && feed->target == link;
+    }
+    if (read) channels.push_back(id);
+  }
+  return channels;
+}
+
+void RecordedInputs::begin_tick() {
+  for (BodyObservation& body : observation_.bodies)
+    for (DeviceReading& device : body.devices) device.fresh = false;
+}
+
+Result<void> RecordedInputs::accept(const mcap::Message& message) {
+  Feed& feed = *feeds_.at(message.channel->id);
+  if (feed.kind == Feed::Kind::joystick) return accept_joystick(message);
+  BodyObservation& body = observation_.bodies[feed.body];
+  CdrReader reader(message.data);
+  bool fits = true;
+  switch (feed.kind) {
+    case Feed::Kind::joints: fits = accept_joints(feed, message.data); break;
+    case Feed::Kind::joint_accelerations: fits = accept_accelerations(feed, message.data); break;
+    case Feed::Kind::pose: {
+      msg::PoseStamped pose;
+      fits = msg::decode(reader, pose);
+      const auto& [position, orientation] = pose.pose;
+      body.links[feed.target].position = {position.x, position.y, position.z};
+      body.links[feed.target].rotation = {orientation.w, orientation.x, orientation.y, orientation.z};
+      break;
+    }
+    case Feed::Kind::twist: {
+      msg::TwistStamped twist;
+      fits = msg::decode(reader, twist);
+      body.links[feed.target].velocity = vector(twist.twist.linear);
+      body.links[feed.target].angular_velocity = vector(twist.twist.angular);
+      break;
+    }
+    case Feed::Kind::acceleration: {
+      msg::AccelStamped acceleration;
+      fits = msg::decode(reader, acceleration);
+      body.links[feed.target].acceleration = vector(acceleration.accel.linear);
+      body.links[feed.target].angular_acceleration = vector(acceleration.accel.angular);
+      break;
+    }
+    case Feed::Kind::contacts: {
+      msg::Contacts contacts;
+      fits = msg::decode(reader, contacts);
+      body.contacts[feed.target] = contacts_of(contacts);
+      break;
+    }
+    case Feed::Kind::device: return accept_device(feed, message);
+    case Feed::Kind::joystick: break;  // it has no body
+  }
+  if (fits) return {};
+  return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));
+}
+
+bool RecordedInputs::accept_joints(Feed& feed, mcap::Bytes payload) {
+  if (!feed.joints.read(payload)) return false;
+  const Model& model = *scenario_.bodies[feed.body].model;
+  if (feed.joints.names_changed()) {
+    feed.joint_ids.clear();
+    for (const std::string& name : feed.joints.names()) {
+      const int link = model.find_joint(name);
+      feed.joint_ids.push_back(link < 0 ? -1 : model.links[link].joint.id);
+    }
+  }
+  for (std::size_t i = 0; i < feed.joint_ids.size(); ++i) {
+    if (feed.joint_ids[i] < 0) continue;
+    JointReading& joint = observation_.bodies[feed.body].joints[feed.joint_ids[i]];
+    if (!feed.joints.position().empty()) joint.q = feed.joints.position()[i];
+    if (!feed.joints.velocity().empty()) joint.dq = feed.joints.velocity()[i];
+    if (!feed.joints.effort().empty()) joint.u = feed.joints.effort()[i];
+  }
+  return true;
+}
+
+bool RecordedInputs::accept_accelerations(const Feed& feed, mcap::Bytes payload) {
+  CdrReader reader(payload);
+  msg::JointAccelerations message;
+  if (!msg::decode(reader, message) || message.acceleration.size() != message.name.size()) return false;
+  const Model& model = *scenario_.bodies[feed.body].model;
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    const int link = model.find_joint(message.name[i]);
+    if (link >= 0 && model.links[link].joint.id >= 0)
+      observation_.bodies[feed.body].joints[model.links[link].joint.id].ddq = message.acceleration[i];
+  }
+  return true;
+}
+
+Result<void> RecordedInputs::accept_joystick(const mcap::Message& message) {
+  CdrReader reader(message.data);
+  msg::Joy joy;
+  JoystickReading& reading = *observation_.joystick;
+  if (!msg::decode(reader, joy) || joy.axes.size() != reading.axes.size() ||
+      joy.buttons.size() != reading.buttons.size())
+    return error(fmt::format("a message on /joy at {} ns is not of a joystick with {} axes and {} buttons",
+                             message.log_time, reading.axes.size(), reading.buttons.size()));
+  std::copy(joy.axes.begin(), joy.axes.end(), reading.axes.begin());
+  std::transform(joy.buttons.begin(), joy.buttons.end(), reading.buttons.begin(),
+                 [](std::int32_t button) { return button != 0; });
+  return {};
+}
+
+Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message& message) {
+  const Device& device = scenario_.bodies[feed.body].model->devices[feed.target];
+  DeviceReading& reading = observation_.bodies[feed.body].devices[feed.target];
+  CdrReader reader(message.data);
+  const auto mismatch = [&] {
+    return error(fmt::format("a message on {} at {} ns is not what device '{}' measures", feed.topic, message.log_time,
+                             device.name));
+  };
+  // the time that the sensor stated, in exactly the number it was when it was recorded
+  const auto measured_at = [this](const msg::Time& stamp) {
+    const double seconds = static_cast<double>(stamp.to_ns()) * 1e-9;
+    return time_of(std::llround(seconds / scenario_.time_step), scenario_.time_step);
+  };
+  reading.fresh = true;
+  if (std::holds_alternative<Light>(device.kind)) {
+    msg::DeviceState state;
+    if (!msg::decode(reader, state)) return mismatch();
+    reading.values = std::move(state.values);
+    reading.measured_at = measured_at(state.header.stamp);
+  } else if (std::holds_alternative<ContactSensor>(device.kind)) {
+    msg::ContactForce contact;
+    if (!msg::decode(reader, contact)) return mismatch();
+    reading.values = {static_cast<double>(contact.count), contact.force.x, contact.force.y, contact.force.z};
+    reading.measured_at = measured_at(contact.header.stamp);
+  } else if (std::holds_alternative<ForceSensor>(device.kind)) {
+    msg::WrenchStamped wrench;
+    if (!msg::decode(reader, wrench)) return mismatch();
+    const msg::Wrench& w = wrench.wrench;
+    reading.values = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
+    reading.measured_at = measured_at(wrench.header.stamp);
+  } else if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
+    std::vector<float> ranges;
+    msg::Header header;
+    if (!decode_ranges(feed.topic, reader, header, ranges)) return mismatch();
+    if (!ranges.empty() && ranges.size() != static_cast<std::size_t>(laser->beams())) return mismatch();
+    reading.measured_at = measured_at(header.stamp);
+    reading.ranges = ranges.empty() ? nullptr : std::make_shared<const std::vector<float>>(std::move(ranges));
+  } else if (!std::holds_alternative<Camera>(device.kind)) {
+    msg::Imu imu;
+    if (!msg::decode(reader, imu)) return mismatch();
+    const msg::Vector3 &w = imu.angular_velocity, &a = imu.linear_acceleration;
+    if (std::holds_alternative<Gyro>(device.kind)) reading.values = {w.x, w.y, w.z};
+    if (std::holds_alternative<Accelerometer>(device.kind)) reading.values = {a.x, a.y, a.z};
+    if (std::holds_alternative<Imu>(device.kind)) reading.values = {w.x, w.y, w.z, a.x, a.y, a.z};
+    reading.measured_at = measured_at(imu.header.stamp);
+  } else if (feed.topic.ends_with("/image")) {
+    msg::CompressedImage color;
+    if (!msg::decode(reader, color)) return mismatch();
+    reading.measured_at = measured_at(color.header.stamp);
+    reading.image = nullptr;
+    if (color.data.empty()) return reading.depth = nullptr, Result<void>();  // it was switched off
+    auto image = decode_png(color.data);
+    if (!image) return mismatch();
+    reading.image = std::make_shared<const Image>(std::move(*image));
+  } else {
+    msg::Image picture;
+    if (!msg::decode(reader, picture)) return mismatch();
+    const std::size_t pixels = std::size_t{picture.width} * picture.height;
+    if (picture.encoding != "32FC1" || picture.data.size() != pixels * sizeof(float)) return mismatch();
+    DepthImage depth{static_cast<int>(picture.width), static_cast<int>(picture.height), std::vector<float>(pixels)};
+    std::memcpy(depth.meters.data(), picture.data.data(), picture.data.size());
+    reading.depth = std::make_shared<const DepthImage>(std::move(depth));
+  }
+  return {};
+}
+
+}  // namespace rehearse

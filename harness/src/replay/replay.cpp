@@ -1,0 +1,303 @@
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/replay.h>
+#include <rehearse/tolerance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "audit/virtualised.h"
+#include "host/controller_host.h"
+#include "host/float_mode.h"
+#include "output_record.h"
+#include "recording/provenance.h"
+#include "recorded_inputs.h"
+#include "recorded_outputs.h"
+#include "trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+Diagnostic in_trace(const mcap::Reader& trace, Diagnostic diagnostic) {
+  if (diagnostic.file.empty()) diagnostic.file = trace.name();
+  return diagnostic;
+}
+
+class Replayer {
+ public:
+  Replayer(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& trace, ControllerHost& host)
+      : options_(options), scenario_(scenario), trace_(trace), host_(host), inputs_(scenario, trace) {}
+
+  Result<ReplayReport> run();
+
+ private:
+  Result<void> begin();
+  Diagnostics unrecorded_inputs() const;
+  bool on_message(const mcap::Message& message);
+  bool finish_tick();
+  void compare_inputs();
+  void compare_results();
+  bool same_controllers() const;
+  double tolerance_for(const Divergence& found) const;
+  void differs(Divergence&& found);
+  void take_events();
+
+  const ReplayOptions& options_;
+  const Scenario& scenario_;
+  mcap::Reader& trace_;
+  ControllerHost& host_;
+  RecordedInputs inputs_;
+  std::vector<RecordedOutputs> outputs_;       // by controller
+  std::optional<OutputRecord> output_record_;  // if somebody wants it
+  std::vector<RecordedOutputs*> output_of_;    // by channel id; null: none
+  std::vector<bool> is_input_;                 // by channel id
+  std::uint16_t tick_channel_ = 0;
+  std::vector<std::uint16_t> channels_;
+  msg::Tick tick_;
+  bool tick_here_ = false;
+  std::uint64_t now_ = 0;  // log time of the tick being gathered [ns]
+  std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
+  bool tick_differs_ = false;
+  std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
+  Diagnostics errors_;
+  ReplayReport report_;
+};
+
+Result<void> Replayer::begin() {
+  host_.initialize(initial_observation(scenario_));
+  host_.start();
+  for (const auto& [id, channel] : trace_.channels())
+    if (channel.topic == "/tick") tick_channel_ = id;
+  if (tick_channel_ == 0) return in_trace(trace_, error("it has no ticks: nothing of the run was recorded"));
+  if (Diagnostics missing = unrecorded_inputs(); !missing.empty()) return missing;
+
+  const std::size_t ids = std::size_t{trace_.channels().rbegin()->first} + 1;
+  is_input_.assign(ids, false);
+  output_of_.assign(ids, nullptr);
+  channels_ = inputs_.channels_read_by(host_);
+  for (const std::uint16_t id : channels_) is_input_[id] = true;
+  channels_.push_back(tick_channel_);
+  outputs_.reserve(host_.controllers().size());
+  for (const HostedController& hosted : host_.controllers()) {
+    RecordedOutputs& outputs = outputs_.emplace_back(hosted, scenario_, trace_);
+    for (const std::uint16_t id : outputs.channels()) {
+      output_of_[id] = &outputs;
+      channels_.push_back(id);
+    }
+  }
+  if (options_.on_outputs) output_record_.emplace(host_, scenario_);
+  if (options_.on_started && output_record_) options_.on_started(output_record_->fields());
+  from_ = static_cast<std::uint64_t>(std::llround(std::max(0.0, options_.from) * 1e9));
+  if (options_.until) until_ = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options_.until) * 1e9));
+  return {};
+}
+
+Diagnostics Replayer::unrecorded_inputs() const {
+  Diagnostics missing;
+  if (scenario_.joystick && !inputs_.has_joystick())
+    missing.push_back(
+        in_trace(trace_, error("the run has a joystick, but what it did was not recorded: there is no /joy",
+                               "record the scenario again")));
+  for (const HostedController& hosted : host_.controllers()) {
+    if (!hosted.running) continue;
+    const Model& model = *scenario_.bodies[hosted.body].model;
+    const auto report = [&](const std::string& what) {
+      missing.push_back(
+          in_trace(trace_, error(fmt::format("controller '{}' reads {}, which was not recorded", hosted.label, what),
+                                 "record again with this controller")));
+    };
+    for (const IoField& field : hosted.io->inputs().fields)
+      if (!inputs_.has(hosted.body, field))
+        report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
+    for (const int link : hosted.io->contact_links())
+      if (!inputs_.has_contacts(hosted.body, link))
+        report(fmt::format("the contact points of link '{}'", model.links[link].name));
+    for (const int device : hosted.io->input_devices()) {
+      const DeviceKind& kind = model.devices[device].kind;
+      const bool is_still_camera =
+          std::holds_alternative<Camera>(kind) &&
+          !scenario_.runs_camera(scenario_.bodies[hosted.body].name, model.devices[device].name);
+      const bool said_nothing = is_still_camera || std::holds_alternative<Light>(kind);
+      if (!said_nothing && !inputs_.has_device(hosted.body, device))
+        report(fmt::format("device '{}'", model.devices[device].name));
+    }
+  }
+  return missing;
+}
+
+Result<ReplayReport> Replayer::run() {
+  if (virtualised_seed(trace_) && virtualisation().empty()) {
+    Diagnostic& remark = report_.remarks.emplace_back(in_trace(
+        trace_,
+        error("its controllers were given simulated time and seeded random numbers, and here they are given the "
+              "system's: their commands may differ for that",
+              "rehearse replay gives them what they had")));
+    remark.severity = Severity::warning;
+  }
+  if (auto begun = begin(); !begun) return begun.errors();
+  take_events();
+  bool going_on = !host_.failure();
+  const auto gather = [this, &going_on](const mcap::Message& message) {
+    if (message.log_time != now_ && !(going_on = finish_tick())) return false;
+    now_ = message.log_time;
+    return going_on = on_message(message);
+  };
+  Result<void> read;
+  if (going_on) read = trace_.for_each_message_in_order(gather, channels_);
+  if (going_on) finish_tick();
+  if (!errors_.empty()) return errors_;
+  if (!read) return read.errors();
+  host_.stop();
+  take_events();
+  report_.failure = host_.failure();
+  report_.controller_refused = host_.any_refused();
+  report_.same_controllers = same_controllers();
+  return report_;
+}
+
+bool Replayer::on_message(const mcap::Message& message) {
+  const std::uint16_t id = message.channel->id;
+  Result<void> accepted;
+  if (id == tick_channel_) {
+    CdrReader reader(message.data);
+    tick_here_ = msg::decode(reader, tick_);
+    if (!tick_here_) accepted = error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time));
+  } else if (is_input_[id]) {
+    accepted = inputs_.accept(message);
+  } else {
+    accepted = output_of_[id]->accept(message);
+  }
+  if (!accepted) errors_ = {in_trace(trace_, accepted.errors()[0])};
+  return accepted.ok();
+}
+
+/// All messages of a tick are here: control, and compare. False: the replay ends.
+bool Replayer::finish_tick() {
+  if (!tick_here_) return true;  // before the first tick, or a tick that wasn't closed
+  tick_here_ = false;
+  const bool last_state = tick_.controller_results.size() != host_.controllers().size();
+  if (last_state || now_ >= until_) return false;  // after the last step only the state is recorded
+  tick_differs_ = false;
+  if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
+  if (output_record_) options_.on_outputs(tick_.tick, output_record_->row());
+  compare_inputs();
+  if (now_ >= from_) {
+    for (const RecordedOutputs& outputs : outputs_)
+      report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
+    compare_results();
+    report_.ticks_different += tick_differs_ ? 1 : 0;
+  }
+  ++report_.ticks;
+  take_events();
+  inputs_.begin_tick();
+  for (RecordedOutputs& outputs : outputs_) outputs.begin_tick();
+  const std::int64_t all = scenario_.ticks();
+  if (options_.progress && report_.ticks % std::max<std::int64_t>(1, all / 100) == 0)
+    options_.progress(report_.ticks, all);
+  return true;
+}
+
+/// A controller that reads more or less than the recorded one has other hashes from the first tick on: then they tell
+/// nothing. Else another hash later on means that the recorded inputs are not those of the run.
+void Replayer::compare_inputs() {
+  if (reads_the_same_ && !*reads_the_same_) return;
+  const bool same = host_.input_hash(inputs_.observation()) == tick_.input_hash;
+  if (!reads_the_same_) reads_the_same_ = same;
+  if (same || !*reads_the_same_ || now_ < from_) return;
+  Divergence found;
+  found.channel = "/tick";
+  found.element = "input_hash";
+  found.stage = Stage::inputs;
+  found.note = "what the recording holds of the inputs is not what the controllers were fed with when it was made";
+  differs(std::move(found));
+  reads_the_same_ = false;  // said once
+}
+
+bool Replayer::same_controllers() const {
+  if (host_.has_other_options()) return false;
+  const mcap::StringMap* facts = nullptr;
+  for (const mcap::Metadata& metadata : trace_.metadata())
+    if (metadata.name == "rehearse") facts = &metadata.values;
+  for (const HostedController& hosted : host_.controllers()) {
+    const auto recorded = facts ? facts->find("controller." + hosted.label) : mcap::StringMap::const_iterator();
+    if (!facts || recorded == facts->end() || !recorded->second.ends_with(" " + hosted.library->content_hash()))
+      return false;
+  }
+  return true;
+}
+
+void Replayer::compare_results() {
+  for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
+    ++report_.values;
+    const bool result = host_.controllers()[i].result;
+    if (result == tick_.controller_results[i]) continue;
+    Divergence found;
+    found.channel = "/tick";
+    found.element = fmt::format("controller_results/{}", i);
+    found.expected = tick_.controller_results[i] ? 1.0 : 0.0;
+    found.actual = result ? 1.0 : 0.0;
+    found.difference = 1.0;
+    found.note = fmt::format("control() of '{}' returned {}, and {} in the recording", host_.controllers()[i].label,
+                             result, !result);
+    differs(std::move(found));
+  }
+}
+
+/// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.
+double Replayer::tolerance_for(const Divergence& found) const {
+  if (!options_.tolerances || !found.note.empty()) return 0.0;
+  const std::string owner = found.channel.substr(1, found.channel.rfind('/'));
+  const Tolerance tolerance = tolerance_of(owner + found.element, found.unit, *options_.tolerances);
+  return tolerance.bound(std::abs(found.expected));
+}
+
+void Replayer::differs(Divergence&& found) {
+  found.tick = tick_.tick;
+  found.time = time_of(tick_.tick, scenario_.time_step);
+  found.tolerance = tolerance_for(found);
+  tick_differs_ = true;
+  ++report_.values_different;
+  if (!report_.beyond && (!found.note.empty() || !(found.difference <= found.tolerance))) report_.beyond = found;
+  if (options_.on_difference) options_.on_difference(found);
+  if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
+  if (!report_.first) report_.first = std::move(found);
+}
+
+void Replayer::take_events() { append_remarks(host_.take_events(), report_.remarks); }
+
+/// What may have made the last bits differ, if it isn't the controllers.
+void tell_other_arithmetic(const mcap::Reader& trace, const Scenario& scenario, Diagnostics& remarks) {
+  for (const mcap::Metadata& metadata : trace.metadata()) {
+    if (metadata.name != "rehearse") continue;
+    const std::string other = other_arithmetic(metadata.values, provenance(scenario, nullptr, "", ""));
+    if (other.empty()) continue;
+    Diagnostic& remark = remarks.emplace_back(
+        error(fmt::format("this process may round otherwise than the one that recorded: {}", other),
+              "last bits may differ for that alone; rehearse check compares within tolerance then"));
+    remark.severity = Severity::warning;
+  }
+}
+
+}  // namespace
+
+Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
+  const StandardFloatMode float_mode;
+  auto reader = mcap::Reader::open(trace);
+  if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return (*reader)->damage();
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario.errors();
+  auto host = ControllerHost::create(*scenario, options);
+  if (!host) return host.errors();
+  auto report = Replayer(options, *scenario, **reader, **host).run();
+  if (report && report->first) tell_other_arithmetic(**reader, *scenario, report->remarks);
+  if (report)
+    for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
+  return report;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/plant_run.h>
+
+#include <algorithm>
+
+#include "checkpoint_trial.h"
+#include "host/float_mode.h"
+#include "plant.h"
+#include "recording/provenance.h"
+#include "recorded_commands.h"
+#include "recording/recorder.h"
+
+namespace rehearse {
+namespace {
+
+/// The checkpoints of a recording.
+class RecordedCheckpoints {
+ public:
+  RecordedCheckpoints(const Trace& recording, const Scenario& scenario)
+      : recording_(recording), channel_(recording.find_channel("/checkpoint")), time_step_(scenario.time_step) {}
+
+  /// Why none of them can be used: a sentence; empty: they can.
+  Result<std::string> objection() const;
+  /// The state at the beginning of that tick; none: there is no checkpoint there.
+  Result<std::optional<std::vector<std::byte>>> at(std::int64_t tick) const;
+
+ private:
+  Result<msg::Checkpoint> read(std::size_t row) const;
+
+  const Trace& recording_;
+  const TraceChannel* channel_;
+  double time_step_;  // [s]
+};
+
+Result<msg::Checkpoint> RecordedCheckpoints::read(std::size_t row) const {
+  const auto payload = recording_.payload(*channel_, row);
+  if (!payload) return payload.errors();
+  CdrReader reader(*payload);
+  msg::Checkpoint checkpoint;
+  if (msg::decode(reader, checkpoint)) return checkpoint;
+  Diagnostic finding = error(fmt::format("a message on /checkpoint at {} ns is not of its type", channel_->times[row]));
+  finding.file = recording_.file();
+  return finding;
+}
+
+Result<std::string> RecordedCheckpoints::objection() const {
+  if (!channel_ || channel_->messages() == 0) return std::string("the recording has no checkpoints");
+  const mcap::StringMap* outcome = recording_.find_metadata("rehearse.outcome");
+  const auto stated = outcome ? outcome->find("checkpoints") : mcap::StringMap::const_iterator();
+  if (outcome && stated != outcome->end() && stated->second != CheckpointTrial::exact)
+    return fmt::format("the recording says that its checkpoints are {}", stated->second);
+  const auto first = read(0);
+  if (!first) return first.errors();
+  if (first->format != checkpoint_format)
+    return fmt::format("its checkpoints are in the form '{}', and this version restores '{}'", first->format,
+                       checkpoint_format);
+  return std::string();
+}
+
+Result<std::optional<std::vector<std::byte>>> RecordedCheckpoints::at(std::int64_t tick) const {
+  using State = std::optional<std::vector<std::byte>>;
+  if (!channel_) return State();
+  const std::uint64_t time = nanoseconds_of(tick, time_step_);
+  const auto found = std::lower_bound(channel_->times.begin(), channel_->times.end(), time);
+  if (found == channel_->times.end() || *found != time) return State();
+  const auto checkpoint = read(static_cast<std::size_t>(found - channel_->times.begin()));
+  if (!checkpoint) return checkpoint.errors();
+  const auto* data = reinterpret_cast<const std::byte*>(checkpoint->data.data());
+  return State(std::in_place, data, data + checkpoint->data.size());
+}
+
+/// The last tick whose state the recording has.
+std::int64_t last_tick_of(const Trace& recording, double time_step) {
+  const TraceChannel* ticks = recording.find_channel("/tick");
+  if (!ticks || ticks->times.empty()) return -1;
+  return std::llround(static_cast<double>(ticks->times.back()) * 1e-9 / time_step);
+}
+
+struct PlantRun {
+  const Scenario& scenario;
+  const PlantOptions& options;
+  RecordedCheckpoints checkpoints;
+  RecordedCommands commands;
+  std::unique_ptr<Plant> plant;
+  std::unique_ptr<Recorder> recorder;
+  Command command;
+  PlantSummary summary;
+
+  Result<void> begin();
+  Result<void> set_back();
+  Result<bool> step(std::int64_t last);
+};
+
+/// Controllers' words until the first tick, so that devices are as they were there.
+Result<void> PlantRun::begin() {
+  command = commands.initial();
+  plant->obey(-1, command);
+  if (options.from == 0) {
+    if (options.nudge) plant->world().nudge(*options.nudge);
+    return {};
+  }
+  for (std::int64_t tick = 0; tick < options.from; ++tick) {
+    commands.put(tick, RecordedCommands::Timing::same_step, command);
+    for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+    commands.put(tick, RecordedCommands::Timing::next_step, command);
+    plant->obey(tick, command);
+  }
+  const auto state = checkpoints.at(options.from);
+  if (!state) return state.errors();
+  if (!*state) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
+  if (auto begun = plant->begin_at(options.from, **state); !begun) return begun;
+  ++summary.restored;
+  return {};
+}
+
+/// To the recorded state, if there is a checkpoint at this tick.
+Result<void> PlantRun::set_back() {
+  if (!options.resync || !summary.from_the_start.empty()) return {};
+  const auto state = checkpoints.at(plant->tick());
+  if (!state) return state.errors();
+  if (!*state) return {};
+  if (auto restored = plant->world().restore(**state); !restored) {
+    summary.from_the_start = "a checkpoint doesn't fit: " + restored.errors()[0].message;
+    return {};
+  }
+  ++summary.restored;
+  if (options.nudge) plant->world().nudge(*options.nudge + static_cast<std::uint32_t>(plant->tick()));
+  return {};
+}
+
+/// One tick of the loop: sense, record, set back, command, step. False: it was the last.
+Result<bool> PlantRun::step(std::int64_t last) {
+  const std::int64_t tick = plant->tick();
+  plant->sense();
+  if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done.errors();
+  // what touches is known after a step; of a run that begins in the middle, the first that is known begins nothing
+  if (options.from > 0 && tick <= options.from + 1)
+    recorder->begin_with_contacts(plant->world().touching());
+  else if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done)
+    return done.errors();
+  if (auto done = recorder->record_tick(tick, nullptr, {plant->world().state_hash(), 0, 0}); !done)
+    return done.errors();
+  if (tick >= last) return false;
+  if (auto done = set_back(); !done) return done.errors();
+  commands.put(tick, RecordedCommands::Timing::same_step, command);
+  if (!plant->step(command)) {
+    summary.failure = error(fmt::format("the simulation exploded in the step after tick {}", tick));
+    return false;
+  }
+  commands.put(tick, RecordedCommands::Timing::next_step, command);
+  plant->obey(tick, command);
+  ++summary.ticks;
+  return true;
+}
+
+}  // namespace
+
+Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
+                               const PlantOptions& options) {
+  const StandardFloatMode float_mode;
+  auto commands = RecordedCommands::find(scenario, recording);
+  if (!commands) return commands.errors();
+  auto plant = options.noise_of ? Plant::create(scenario, *options.noise_of) : Plant::create(scenario);
+  if (!plant) return plant.errors();
+  auto recorder = Recorder::create(
+      trace, scenario, provenance(scenario, nullptr, World::engine_description(), (*plant)->renderer_description()));
+  if (!recorder) return recorder.errors();
+  (*recorder)->declare(nullptr);
+  PlantRun run{scenario, options, {recording, scenario}, std::move(*commands), std::move(*plant),
+               std::move(*recorder), {}, {}};
+  auto objection = run.checkpoints.objection();
+  if (!objection) return objection.errors();
+  run.summary.from_the_start = *std::move(objection);
+  if (auto begun = run.begin(); !begun) return begun.errors();
+
+  const std::int64_t end = last_tick_of(recording, scenario.time_step);
+  if (end < 0) {
+    Diagnostic finding = error("it has no ticks: nothing of the run was recorded");
+    finding.file = recording.file();
+    return finding;
+  }
+  const std::int64_t last = std::min(end, options.until.value_or(end));
+  const std::int64_t stride = std::max<std::int64_t>(1, (last - options.from) / 100);
+  for (bool going_on = last >= options.from; going_on;) {
+    const auto done = run.step(last);
+    if (!done) return done.errors();
+    going_on = *done;
+    if (options.progress && run.summary.ticks % stride == 0)
+      options.progress(run.summary.ticks, last - options.from);
+  }
+  mcap::StringMap outcome{{"ticks", std::to_string(run.summary.ticks)},
+                          {"complete", run.summary.failure ? "false" : "true"}};
+  if (run.summary.failure) outcome["failure"] = run.summary.failure->message;
+  if (auto closed = run.recorder->close(outcome); !closed) return closed.errors();
+  return run.summary;
+}
+
+}  // namespace rehearse

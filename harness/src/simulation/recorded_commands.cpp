@@ -1,0 +1,181 @@
+#include "recorded_commands.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "recording/topic_segment.h"
+
+namespace rehearse {
+namespace {
+
+/// The numbers of a row, in the order of the message's fields. None if one of them isn't finite.
+std::vector<double> finite_row(const TraceChannel& channel, std::size_t row) {
+  std::vector<double> numbers;
+  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+    numbers.push_back(channel.number(row, column));
+    if (!std::isfinite(numbers.back())) return {};
+  }
+  return numbers;
+}
+
+bool has_a_number(const TraceChannel& channel, std::size_t column) {
+  for (std::size_t row = 0; row < channel.rows(); ++row)
+    if (!std::isnan(channel.number(row, column))) return true;
+  return false;
+}
+
+Eigen::Vector3d vector(const std::vector<double>& numbers, std::size_t at) {
+  return {numbers[at], numbers[at + 1], numbers[at + 2]};
+}
+
+/// Whether a device's state, as the API's writeState gives it, says that it is on.
+bool is_on(const Device& device, const std::vector<double>& state) {
+  const bool says_so = std::holds_alternative<Camera>(device.kind) || std::holds_alternative<RangeSensor>(device.kind) ||
+                       std::holds_alternative<Light>(device.kind);
+  return !says_so || state[0] != 0.0;
+}
+
+}  // namespace
+
+Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const Trace& trace) {
+  RecordedCommands commands(scenario);
+  Diagnostics findings;
+  std::set<std::string_view> taken;
+  const auto add = [&](const ScenarioController& controller, std::size_t body, bool delay) {
+    const std::string prefix = "/" + scenario.bodies[body].name + "/" + controller.name + "/output/";
+    for (const TraceChannel& channel : trace.channels()) {
+      if (!channel.topic.starts_with(prefix) || !taken.insert(channel.topic).second) continue;
+      const auto added = commands.add(controller, static_cast<int>(body), delay, channel,
+                                      std::string_view(channel.topic).substr(prefix.size()));
+      findings.insert(findings.end(), added.errors().begin(), added.errors().end());
+    }
+  };
+  for (std::size_t body = 0; body < scenario.bodies.size(); ++body) {
+    for (const ScenarioController& controller : scenario.bodies[body].controllers) {
+      add(controller, body, controller.delay);
+      for (const ScenarioController& child : controller.children) add(child, body, controller.delay);
+    }
+  }
+  for (const TraceChannel& channel : trace.channels())
+    if (channel.topic.find("/output/") != std::string::npos && taken.count(channel.topic) == 0)
+      findings.push_back(error(fmt::format("the recording has commands on {}, but {} has no such controller",
+                                           channel.topic, scenario.name)));
+  for (Diagnostic& finding : findings) finding.file = trace.file();
+  if (!findings.empty()) return findings;
+  return commands;
+}
+
+Result<void> RecordedCommands::add(const ScenarioController& controller, int body, bool delay,
+                                   const TraceChannel& channel, std::string_view rest) {
+  const ScenarioBody& commanded = scenario_.bodies[body];
+  Source source;
+  source.channel = &channel;
+  source.body = body;
+  const auto stated = channel.metadata.find("delay");
+  source.delayed = stated == channel.metadata.end() ? delay : stated->second != "false";
+  source.before_the_run = channel.metadata.count("since") > 0;
+  const std::size_t slash = rest.find('/');
+  const std::string owner = slash == std::string_view::npos ? "" : name_of_segment(rest.substr(0, slash));
+  const std::string_view kind = slash == std::string_view::npos ? rest : rest.substr(slash + 1);
+  const auto unknown = [&](const char* what) {
+    return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' hasn't", controller.name, what, owner,
+                             commanded.name));
+  };
+  if (kind == "joints") {
+    if (auto added = add_joints(source); !added) return added;
+  } else if (kind == "state") {
+    source.kind = Kind::device;
+    source.target = commanded.model->find_device(owner);
+    if (source.target < 0) return unknown("device");
+  } else if (kind == "wrench" || kind == "pose") {
+    source.kind = kind == "pose" ? Kind::root : Kind::wrench;
+    source.target = commanded.model->find_link(owner);
+    if (source.target < 0) return unknown("link");
+    if (source.kind == Kind::root && source.target != 0) return {};  // no effect: the host has said so
+  } else {
+    return {};  // quantities that move nothing
+  }
+  sources_.push_back(std::move(source));
+  return {};
+}
+
+Result<void> RecordedCommands::add_joints(Source& source) {
+  const Model& model = *scenario_.bodies[source.body].model;
+  Diagnostics findings;
+  for (std::size_t column = 0; column < source.channel->columns.size(); ++column) {
+    const std::string& element = source.channel->columns[column].element;
+    const std::size_t slash = element.rfind('/');
+    if (slash == std::string::npos || !has_a_number(*source.channel, column)) continue;
+    JointCell cell;
+    cell.column = column;
+    const std::string quantity = element.substr(slash + 1), joint = element.substr(0, slash);
+    const int link = model.find_joint(joint);
+    if (link < 0 || model.links[link].joint.id < 0) {
+      findings.push_back(error(fmt::format("the recording commands joint '{}', which '{}' hasn't", joint,
+                                           scenario_.bodies[source.body].name)));
+      continue;
+    }
+    cell.joint = model.links[link].joint.id;
+    cell.number = quantity == "q" ? &JointCommand::q : quantity == "dq" ? &JointCommand::dq : &JointCommand::u;
+    cell.drive = quantity == "q" ? drive_displacement : quantity == "dq" ? drive_velocity : drive_effort;
+    source.cells.push_back(cell);
+  }
+  if (!findings.empty()) return findings;
+  return {};
+}
+
+Command RecordedCommands::initial() const {
+  Command command;
+  for (const ScenarioBody& body : scenario_.bodies) {
+    BodyCommand& at_rest = command.bodies.emplace_back();
+    for (const double q : body.joints) at_rest.joints.push_back({drive_none, q, 0.0, 0.0});
+    at_rest.external.resize(body.model->links.size());
+    at_rest.devices.resize(body.model->devices.size());
+  }
+  for (const Source& source : sources_) {
+    std::vector<JointCommand>& joints = command.bodies[source.body].joints;
+    for (const JointCell& cell : source.cells) joints[cell.joint].drive = drive_none;  // the last controller decides
+    for (const JointCell& cell : source.cells) joints[cell.joint].drive |= cell.drive;
+    if (source.before_the_run) put_row(source, 0, command);
+  }
+  return command;
+}
+
+void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
+  const std::uint64_t now = nanoseconds_of(tick, scenario_.time_step);
+  for (Source& source : sources_) {
+    if (source.delayed != (timing == Timing::next_step)) continue;
+    const std::vector<std::uint64_t>& times = source.channel->times;
+    while (source.next < times.size() && times[source.next] < now) ++source.next;
+    for (; source.next < times.size() && times[source.next] == now; ++source.next)
+      if (source.next > 0 || !source.before_the_run) put_row(source, source.next, command);
+  }
+}
+
+void RecordedCommands::put_row(const Source& source, std::size_t row, Command& command) const {
+  const TraceChannel& channel = *source.channel;
+  BodyCommand& body = command.bodies[source.body];
+  if (source.kind == Kind::joints) {
+    for (const JointCell& cell : source.cells) {
+      const double number = channel.number(row, cell.column);
+      if (std::isfinite(number)) body.joints[cell.joint].*cell.number = number;
+    }
+    return;
+  }
+  const std::vector<double> numbers = finite_row(channel, row);
+  if (numbers.empty()) return;
+  if (source.kind == Kind::device) {
+    body.devices[source.target] = {true, is_on(scenario_.bodies[source.body].model->devices[source.target], numbers), numbers};
+  } else if (source.kind == Kind::root && numbers.size() == 7) {
+    body.root = LinkPlace{vector(numbers, 0), {numbers[6], numbers[3], numbers[4], numbers[5]}};
+  } else if (source.kind == Kind::wrench && numbers.size() == 6) {
+    body.external[source.target].force += vector(numbers, 0);
+    body.external[source.target].torque += vector(numbers, 3);
+  }
+}
+
+}  // namespace rehearse

@@ -1,0 +1,201 @@
+// EXPECT_MATCHES_GOLDEN and EXPECT_HOLDS, without GoogleTest.
+#include <fmt/format.h>
+#include <rehearse/check.h>
+#include <rehearse/expectation.h>
+#include <rehearse/golden.h>
+#include <rehearse/mcap.h>
+#include <rehearse/noise_floor.h>
+#include <rehearse/reproduction.h>
+#include <rehearse/test_support.h>
+#include <rehearse/tolerance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "test_recordings.h"
+#include "replay/trace_scenario.h"
+
+namespace rehearse::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What decides how a recording is judged. A recording of something else carries no scenario: then the defaults do.
+Result<Scenario> scenario_in(const Trace& trace) {
+  if (!trace.find_attachment("scenario.yaml")) return Scenario();
+  const auto reader = mcap::Reader::open(trace.file());
+  if (!reader) return reader.errors();
+  auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario;
+  if (const std::string file = scenario_file_of(trace); !file.empty())
+    for (Expectation& expectation : scenario->expectations) expectation.place.file = file;
+  return scenario;
+}
+
+bool is_at_least_0(double value) { return std::isfinite(value) && value >= 0.0; }
+
+bool has_series(const Trace& trace, const std::string& pattern) {
+  const auto& series = trace.series();
+  if (std::any_of(series.begin(), series.end(), [&](const auto& named) { return matches(pattern, named.first); }))
+    return true;
+  return std::any_of(trace.channels().begin(), trace.channels().end(),  // pictures have no series
+                     [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
+}
+
+/// What can't be meant so; empty if there is nothing.
+std::string mistake_in(const MatchOptions& options, const Trace& trace) {
+  for (const Near& near : options.near) {
+    if (!is_at_least_0(near.atol) || !is_at_least_0(near.rtol))
+      return fmt::format("Near{{\"{}\", {}, {}}}: a tolerance is a number, at least 0", near.channel, near.atol,
+                         near.rtol);
+    if (!has_series(trace, near.channel))
+      return fmt::format("Near{{\"{}\", ...}}: the run has no such series; the nearest are {}", near.channel,
+                         trace.nearest_series(near.channel));
+  }
+  constexpr double resolution = 1e-9;  // of times in a trace [s]
+  if (options.until && !(*options.until >= 0.0 && *options.until <= trace.duration() + resolution))
+    return fmt::format("Until{{{}}}: expected a time in the run, 0 to {} s", *options.until, trace.duration());
+  if (options.levels.empty()) return "Levels{}: expected controller, plant or closed";
+  return {};
+}
+
+ToleranceRule rule_for(std::string channel, double atol, double rtol) {
+  ToleranceRule rule;
+  rule.channel = std::move(channel);
+  rule.atol = atol;
+  rule.rtol = rtol;
+  return rule;
+}
+
+std::vector<ToleranceRule> rules_of(const Scenario& scenario, const MatchOptions& options) {
+  std::vector<ToleranceRule> rules = scenario.tolerances;
+  if (options.exact) {
+    ToleranceRule& all = rules.emplace_back(rule_for("*", 0.0, 0.0));
+    all.pixel_share = all.pixel_delta = all.pixel_window = 0.0;
+  }
+  for (const Near& near : options.near) rules.push_back(rule_for(near.channel, near.atol, near.rtol));
+  return rules;
+}
+
+bool wants(const MatchOptions& options, Level level) {
+  return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
+}
+
+/// Of the noise that was measured of a golden, if it was.
+std::optional<double> measured_horizon(const fs::path& golden) {
+  std::error_code ignored;
+  if (!fs::exists(noise_file_of(golden), ignored)) return std::nullopt;
+  const auto trace = Trace::load(golden);
+  return trace ? estimated_horizon(*trace) : std::nullopt;
+}
+
+/// What a check says of a recording, which takes the place of the run that it would make.
+Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_by, const MatchOptions& options,
+                                    const fs::path& golden, const fs::path& actual) {
+  auto scenario = Scenario::load(scenario_file_of(trace));  // with all its meshes, which a recording hasn't
+  if (!scenario) return scenario.errors();
+  scenario->tolerances = judged_by.tolerances;
+  scenario->horizon = judged_by.horizon;
+  CheckOptions levels;
+  levels.controller = wants(options, Level::controller);
+  levels.plant = wants(options, Level::plant);
+  levels.closed = wants(options, Level::closed);
+  const auto take_recording = [&](const Scenario&, const fs::path& file, const RecordOptions&) -> Result<RunSummary> {
+    std::error_code failed;
+    fs::copy_file(trace.file(), file, fs::copy_options::overwrite_existing, failed);
+    if (failed) return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
+    return RunSummary();
+  };
+  return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant});
+}
+
+/// Why a run that this program made may not become a golden: it doesn't repeat itself. Empty if it does.
+Result<std::string> doubt_about(const Trace& trace) {
+  if (scenario_file_of(trace).empty()) return std::string();
+  const auto scenario = Scenario::load(scenario_file_of(trace));
+  if (!scenario) return scenario.errors();
+  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, {record, run_plant});
+  if (!found) return found.errors();
+  return found->reproduced() ? std::string() : found->verdict;
+}
+
+/// The same as `rehearse check` would say it.
+std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
+  std::string text =
+      fmt::format("{}\n  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}\n",
+                  report.verdict, to_string(report.controller), to_string(report.plant), to_string(report.closed));
+  if (report.plant == LevelState::differs && report.plant_comparison)
+    text += "  under the recorded commands:\n" + table(*report.plant_comparison);
+  if (report.comparison) text += table(*report.comparison);
+  text += fmt::format("golden: {}\n{}", golden.string(), report.message);
+  if (report.closed != LevelState::differs) return text;
+  if (const ExpectationResult* violation = first_violation(report.expectations))
+    return text + fmt::format("\nif it is right, {} expects what is wrong", violation->expectation.place.file);
+  return text +
+         fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+}
+
+/// The levels that are wanted, and of a run that differs what is to blame.
+TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
+                         const MatchOptions& options, GoldenResult settled, bool wrong) {
+  const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
+  // a run within tolerance but of other bits has to repeat itself, which a check tells
+  const bool certain = !settled.comparison || settled.comparison->equal || scenario_file_of(trace).empty();
+  if (settled.passed && !beside_closed && certain) return {true, std::move(settled.message)};
+  // no golden, or nothing wrong with the values: there is nothing to blame
+  const bool differs = settled.comparison && (wrong || !settled.comparison->within);
+  if (!settled.passed && !differs) return {false, std::move(settled.message)};
+  if (scenario_file_of(trace).empty()) {
+    if (!beside_closed) return {settled.passed, std::move(settled.message)};
+    return {false, "the levels controller and plant need a recording that this program made by rehearse::record()"};
+  }
+  const GoldenStore store = golden_store();
+  const auto report = check_recording(trace, judged_by, options, store.trace_file(test), store.pending_file(test));
+  if (!report) return {false, settled.message + "\n" + to_string(report.errors())};
+  if (settled.passed && report->within()) return {true, report->verdict};
+  return {false, text_of(*report, store.trace_file(test), test)};
+}
+
+}  // namespace
+
+TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
+  const auto mode = golden_mode();
+  if (!mode) return {false, to_string(mode.errors())};
+  if (std::string mistake = mistake_in(options, trace); !mistake.empty()) return {false, std::move(mistake)};
+  auto scenario = scenario_in(trace);
+  if (!scenario) return {false, to_string(scenario.errors())};
+  scenario->tolerances = rules_of(*scenario, options);
+  GoldenStore store = golden_store();
+  scenario->horizon =
+      options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
+  const auto expectations = judge_expectations(scenario->expectations, trace);
+  SettleOptions settling;
+  settling.compare.until = scenario->horizon;
+  settling.exact = options.exact && options.near.empty();
+  if (first_violation(expectations)) settling.violation = verdict(expectations);
+  if (*mode != GoldenMode::check && settling.violation.empty()) {
+    auto doubt = doubt_about(trace);
+    if (!doubt) return {false, to_string(doubt.errors())};
+    settling.violation = *std::move(doubt);
+  }
+  const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
+  GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
+                                    : GoldenResult{true, "", std::nullopt, false};
+  if (result.written) {
+    fmt::print("{}\n", result.message);
+    return {result.passed, std::move(result.message)};
+  }
+  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty());
+}
+
+TestVerdict hold_expectations(const Trace& trace) {
+  const auto scenario = scenario_in(trace);
+  if (!scenario) return {false, to_string(scenario.errors())};
+  if (scenario->expectations.empty()) return {false, "the scenario expects nothing of a run: it has no 'expect:'"};
+  const auto results = judge_expectations(scenario->expectations, trace);
+  const std::string violations = violation_lines(results);
+  return {violations.empty(), violations.empty() ? "" : violations.substr(1)};
+}
+
+}  // namespace rehearse::internal
