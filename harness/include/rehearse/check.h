@@ -93,7 +93,7 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesyst
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation);
 
-/// An object with verdict, equal, within, levels (controller, plant, closed), first, as in compare.h, and comparisons
+/// An object with verdict, equal, within, not_reproduced, levels (controller, plant, closed), first, as in compare.h, and comparisons
 /// (plant, closed: null, or as to_json(Comparison)); horizon (null or [s]); expectations: for each its text, line,
 /// whether it holds, and first: null, or series, tick, time and value; remarks.
 std::string to_json(const CheckReport& report);

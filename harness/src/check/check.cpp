@@ -417,6 +417,7 @@ std::string to_json(const CheckReport& report) {
   nlohmann::ordered_json object{{"verdict", report.verdict},
                                 {"equal", report.equal()},
                                 {"within", report.within()},
+                                {"not_reproduced", report.not_reproduced},
                                 {"levels",
                                  {{"controller", to_string(report.controller)},
                                   {"plant", to_string(report.plant)},

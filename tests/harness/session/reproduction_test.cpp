@@ -142,6 +142,7 @@ TEST_F(CheckCertifies, NoGoldenThatIsMetByChance) {
   ASSERT_TRUE(report.comparison.has_value());
   EXPECT_TRUE(report.comparison->within) << "the tolerances alone would have let it pass";
   EXPECT_TRUE(report.not_reproduced);
+  EXPECT_THAT(to_json(report), HasSubstr("\"not_reproduced\": true"));
   EXPECT_FALSE(report.within());
   EXPECT_THAT(report.verdict, StartsWith("the golden isn't certified, though this run is within its tolerances: the "
                                          "recording doesn't repeat itself"));
