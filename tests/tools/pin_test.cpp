@@ -17,6 +17,13 @@ const fs::path simulator = REHEARSE_SIMULATE;
 
 bool can_run(const std::string& line) { return std::system((line + " > /dev/null 2>&1").c_str()) == 0; }
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool is_sanitized = true;
+#else
+constexpr bool is_sanitized = false;
+#endif
+constexpr const char* sanitizer_needs = "AddressSanitizer needs /proc, and more addresses than emulators and valgrind have";
+
 class Pin : public Command {
  protected:
   /// What the recording in the folder says of its process.
@@ -73,6 +80,7 @@ TEST_F(Pin, KeepsTheUsersOwnTunablesAndSaysNothingOfThem) {
 }
 
 TEST_F(Pin, NeedsNoProc) {
+  if (is_sanitized) GTEST_SKIP() << sanitizer_needs;
   const std::string without = "unshare -m sh -c 'mount -t tmpfs none /proc && exec \"$@\"' sh ";
   if (!can_run(without + "true")) GTEST_SKIP() << "mounting in a namespace of one's own is not permitted here";
   EXPECT_EQ(recorded(unpinned + without), "yes");
@@ -85,6 +93,7 @@ TEST_F(Pin, ThatCanNotBeDoneIsSaid) {
 
 /// In an emulator of another processor it would begin again outside of it.
 TEST_F(Pin, FromOutsideStartsNothingAgain) {
+  if (is_sanitized) GTEST_SKIP() << sanitizer_needs;
   if (!can_run("qemu-x86_64 --version")) GTEST_SKIP() << "qemu-user is not installed";
   EXPECT_EQ(recorded(unpinned), "yes");
   const Outcome inside = run(command, {"info", "pendulum.mcap"}, pinned_from_outside + "qemu-x86_64 -strace ");
@@ -109,6 +118,7 @@ TEST_F(Pin, WorksUnderGdb) {
 }
 
 TEST_F(Pin, StaysUnderValgrind) {
+  if (is_sanitized) GTEST_SKIP() << sanitizer_needs;
   if (!can_run("valgrind --version")) GTEST_SKIP() << "valgrind is not installed";
   const std::string valgrind = "valgrind --tool=none -q ";
   EXPECT_EQ(recorded(unpinned + valgrind, simulator), "no (it runs under valgrind, which it would leave)");

@@ -114,12 +114,13 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   library->file_ = file;
   library->call_limit_ = call_limit;
   library->content_hash_ = hash_of_file(file);
+  const fs::path absolute = fs::absolute(file);  // not in the call, which may end anywhere
   std::string problem;
   // its static objects are constructed in here: code of the library's author
   ProcessGuard::instance().begin(library->threads_, true);
   const CallOutcome outcome = guarded_call(
       [&] {
-        library->handle_ = dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
+        library->handle_ = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (!library->handle_) problem = dlerror();
       },
       call_limit);
