@@ -28,14 +28,9 @@ namespace {
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
 
-/// The function of that name that would have been found without ours.
-template <class Function>
-Function* next(Function*, const char* name) {
-  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
-}
-
-/// Calls it.
-#define NEXT(function) next(function, #function)
+/// The function of that name that would have been found without ours. No template: clang gives the types of functions that
+/// return and of those that don't one name.
+#define NEXT(function) reinterpret_cast<decltype(&(function))>(dlsym(RTLD_NEXT, #function))
 
 void look() {
   if (rehearse::in_guarded_call()) ProcessGuard::instance().before_change();
