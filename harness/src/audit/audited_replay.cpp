@@ -48,7 +48,7 @@ void pad_memory(std::uint32_t seed) {
   std::vector<void*> given_back;
   std::mt19937 random(seed);
   for (int i = 0; i < pieces; ++i) {
-    const std::size_t size = random() % (i % every == 0 ? 100000u : 200u) + 1;
+    const std::size_t size = random() % (i % every == 0 ? 100000u : 1000u) + 1;
     (random() % 2 == 0 ? kept : given_back).push_back(malloc(size));
   }
   std::shuffle(given_back.begin(), given_back.end(), random);

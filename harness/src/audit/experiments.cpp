@@ -19,6 +19,10 @@ using Source = ObservedCall::Source;
 constexpr unsigned char first_fill = 0x3f;
 constexpr unsigned char other_fills[] = {0xff, 0xbe, 0x55};
 
+/// The holes of a used heap, in all replays that are held still: then what a controller gives back waits its turn behind
+/// them, and keeps its paint, instead of being taken by whoever asks next.
+constexpr std::uint32_t usual_padding = 1;
+
 constexpr const char* comma_locale = "de_DE.UTF-8";
 
 bool any_of_source(const std::vector<ObservedCall>& calls, Source source) {
@@ -86,7 +90,7 @@ class Plan {
       still(Factor::memory, i).fill = other_fills[static_cast<std::size_t>(i) % std::size(other_fills)];
       ReplaySettings& addresses = still(Factor::addresses, i);
       addresses.other_addresses = true;
-      addresses.padding = static_cast<std::uint32_t>(i) + 1;
+      addresses.padding = usual_padding + static_cast<std::uint32_t>(i) + 1;
       still(Factor::environment, i).other_environment = true;
       if (by_folder) still(Factor::folder, i).other_folder = true;
     }
@@ -155,6 +159,7 @@ ReplaySettings still_replay(const AuditOptions& options) {
   settings.name = "still";
   settings.everywhere = virtualised(options.seed);
   settings.fill = first_fill;
+  settings.padding = usual_padding;
   settings.other_addresses = false;
   return settings;
 }
