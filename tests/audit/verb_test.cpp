@@ -64,6 +64,7 @@ TEST_F(AuditVerb, GivesSimulatedTimeAndSeededRandomNumbers) {
     const Outcome outcome = rehearse({"audit", zoo.string(), "--virtualise", "--seed", "7", "-o", "virtual.mcap"});
     EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("of its inputs, with simulated time and seeded random numbers: "));
+    EXPECT_THAT(outcome.out, HasSubstr("\nrecorded in virtual.mcap: "));
     EXPECT_THAT(done({"info", "virtual.mcap"}).out, HasSubstr("clock, random; seed 7"));
     EXPECT_THAT(done({"replay", "virtual.mcap"}).out, HasSubstr("equal bit for bit"));
     EXPECT_THAT(done({"audit", "virtual.mcap"}).out, HasSubstr(", with simulated time and seeded random numbers: "));
@@ -80,6 +81,14 @@ TEST_F(AuditVerb, KeepsARecordingOnlyIfItIsVirtual) {
   const Outcome outcome = rehearse({"audit", scenario("time").string(), "-o", "kept.mcap"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, HasSubstr("-o is the recording that --virtualise makes"));
+  EXPECT_FALSE(exists("kept.mcap"));
+}
+
+TEST_F(AuditVerb, RecordsNoRecordingAgain) {
+  done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
+  const Outcome outcome = rehearse({"audit", "zoo.mcap", "--virtualise", "-o", "kept.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("-o is a new recording, and that takes a scenario; zoo.mcap is one already"));
   EXPECT_FALSE(exists("kept.mcap"));
 }
 

@@ -13,6 +13,7 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "scratch_folder.h"
 
 namespace rehearse::tool {
 namespace {
@@ -30,26 +31,12 @@ struct Settings {
   AuditedReplay replay;  // what this process is to do; without a folder: audit
 };
 
-/// A folder for what the processes of an audit write; removed with all that is in it.
-class Scratch {
- public:
-  Scratch() {
-    std::error_code failed;
-    std::string name = (fs::temp_directory_path(failed) / "rehearse-audit.XXXXXX").string();
-    if (!failed && mkdtemp(name.data())) path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  /// Empty if it can't be made.
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+/// A folder that nobody else can have made; empty if it can't be made.
+fs::path new_temporary_folder() {
+  std::error_code failed;
+  std::string name = (fs::temp_directory_path(failed) / "rehearse-audit.XXXXXX").string();
+  return !failed && mkdtemp(name.data()) ? fs::path(name) : fs::path();
+}
 
 const char* words_for(Factor factor) {
   switch (factor) {
@@ -130,10 +117,13 @@ Exit run(Settings& settings) {
   if (!settings.replay.folder.empty()) return run_replay(settings);
   if (!settings.output.empty() && !settings.audit.virtualise)
     return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
+  const std::string kind = fs::path(settings.subject).extension().string();
+  if (!settings.output.empty() && kind != ".yaml" && kind != ".yml")
+    return refuse(error("-o is a new recording, and that takes a scenario; " + settings.subject + " is one already"));
   if (!settings.output.empty())
     if (const auto allowed = check_output(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
-  const Scratch scratch;
+  const ScratchFolder scratch(new_temporary_folder());
   if (scratch.path().empty())
     return refuse(error("there is no folder for temporary files", "TMPDIR names one that can be written to"));
   std::error_code failed;
@@ -152,6 +142,8 @@ Exit run(Settings& settings) {
     fmt::print("{}\n", to_json(*report));
   else
     tell(settings, *report);
+  if (!settings.output.empty() && !settings.json)
+    fmt::print("recorded in {}: replay and check give it the same time and random numbers\n", settings.output);
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   return report->deterministic ? Exit::done : Exit::differs;
 }

@@ -13,6 +13,7 @@
 #include "golden_verbs.h"
 #include "options.h"
 #include "progress.h"
+#include "scratch_folder.h"
 
 namespace rehearse::tool {
 namespace {
@@ -34,23 +35,6 @@ struct Measured {
   NoiseFloor noise;
   std::string file;       // that was written; empty: none
   std::string unwritten;  // why not
-};
-
-/// A folder for traces, removed with what is in it.
-class Scratch {
- public:
-  explicit Scratch(const std::string& name)
-      : path_(pending_folder() / "noise" / fmt::format("{}.{}", name, getpid())) {}
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 /// Where the measurement belongs, or why it can't be kept.
@@ -77,7 +61,7 @@ Result<Measured> measure(const Settings& settings, const std::string& file) {
   if (!scenario) return scenario.errors();
   if (settings.duration) scenario->duration = *settings.duration;
   Progress progress("measuring " + scenario->name);
-  const Scratch scratch(scenario->name);
+  const ScratchFolder scratch(pending_folder() / "noise" / fmt::format("{}.{}", scenario->name, getpid()));
   std::error_code failed;
   fs::create_directories(scratch.path(), failed);
   if (failed) return error(fmt::format("the folder {} can't be made: {}", scratch.path().string(), failed.message()));
