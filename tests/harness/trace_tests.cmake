@@ -2,12 +2,7 @@ rehearse_add_test(trace_test LABEL unit
   SOURCES
     trace/broken_traces_test.cpp
     trace/cdr_test.cpp
-    trace/mcap_copy_test.cpp
-    trace/mcap_damage_test.cpp
-    trace/mcap_order_test.cpp
-    trace/mcap_reader_test.cpp
-    trace/mcap_writer_test.cpp
     trace/messages_test.cpp
     trace/ros2msg_test.cpp
     trace/trace_test.cpp
-  LIBRARIES Rehearse::trace lz4)
+  LIBRARIES Rehearse::trace)

@@ -136,7 +136,9 @@ class Writer {
                             StringMap metadata = {}, ChunkGroup group = numbers);
 
   /// Copies the message into the open chunk of its channel's group. Tens of nanoseconds, unless the queue is full.
-  Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data);
+  /// `sequence`: for messages that have a number already; else they are counted from 0 on each channel.
+  Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data,
+                     std::optional<std::uint32_t> sequence = {});
 
   /// The same for a message that takes long to compose, as a picture to encode: the Writer's thread will call `compose`
   /// once, when the chunk is finished. What it gives depends only on what it was made of, which nobody changes; it

@@ -75,10 +75,19 @@ std::string programs() {
   const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
     const std::string_view path = library->dlpi_name;
     const std::string name(path.substr(path.rfind('/') + 1));
-    constexpr std::string_view deciding[] = {"librehearse_model.",    "librehearse_world.",      "librehearse_renderer.",
-                                             "librehearse_scenario.", "librehearse_harness.",    "librehearse_trace.",
-                                             "librehearse_cnoid.",    "librehearse_simulation.", "libode.",
-                                             "libOSMesa.",            "libm.",                   "libc.",
+    constexpr std::string_view deciding[] = {"librehearse_model.",
+                                             "librehearse_world.",
+                                             "librehearse_renderer.",
+                                             "librehearse_scenario.",
+                                             "librehearse_harness.",
+                                             "librehearse_mcap.",
+                                             "librehearse_trace.",
+                                             "librehearse_cnoid.",
+                                             "librehearse_simulation.",
+                                             "libode.",
+                                             "libOSMesa.",
+                                             "libm.",
+                                             "libc.",
                                              "libstdc++."};
     const auto names_it = [&](std::string_view prefix) { return name.starts_with(prefix); };
     if (std::any_of(std::begin(deciding), std::end(deciding), names_it)) {

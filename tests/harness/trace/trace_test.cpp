@@ -1,4 +1,4 @@
-#include "mcap_files.h"
+#include "../mcap/mcap_files.h"
 
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>

@@ -4,7 +4,7 @@
 #include <rehearse/mcap.h>
 
 #include "codec.h"
-#include "mcap_records.h"
+#include "records.h"
 
 #include <atomic>
 #include <condition_variable>

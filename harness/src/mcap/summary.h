@@ -1,7 +1,7 @@
 // What stands behind the data section of a file: DataEnd, the summary, the Footer. Internal.
 #pragma once
 
-#include "mcap_records.h"
+#include "records.h"
 
 namespace rehearse::mcap {
 

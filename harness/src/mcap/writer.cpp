@@ -1,4 +1,4 @@
-#include "mcap_output.h"
+#include "output.h"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,8 @@ class Writer::Impl {
 
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
   std::uint16_t add_channel(Channel channel, ChunkGroup group);
-  Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data);
+  Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
+                     std::optional<std::uint32_t> sequence);
   Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, PutOff message,
                            std::size_t held);
   Result<void> add_attachment(Attachment attachment);
@@ -53,7 +54,8 @@ class Writer::Impl {
   std::uint64_t deadline_of(const ChunkData& chunk) const {
     return chunk.first_time + std::min(options_.chunk_span, no_time - chunk.first_time);
   }
-  Group& begin_message(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t size);
+  Group& begin_message(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t size,
+                       std::optional<std::uint32_t> numbered = {});
   Result<void> end_message(Group& group);
   void finish_chunk(Group& group);
   void finish_old_chunks(std::uint64_t now);
@@ -109,7 +111,8 @@ std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
 
 /// Puts the head of a message's record, with `size` bytes of data to come, into the open chunk of its channel's group.
 Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uint64_t log_time,
-                                                 std::uint64_t publish_time, std::size_t size) {
+                                                 std::uint64_t publish_time, std::size_t size,
+                                                 std::optional<std::uint32_t> numbered) {
   REHEARSE_ASSERT(channel >= 1 && channel <= channels_.size(), "a message's channel is added before it");
   REHEARSE_ASSERT(!closed_, "nothing is written to a closed trace");
   if (log_time >= next_deadline_) finish_old_chunks(log_time);
@@ -128,7 +131,8 @@ Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uin
 
   std::array<std::byte, record_head + message_head> head;
   const std::uint64_t length = message_head + size;
-  const auto sequence = static_cast<std::uint32_t>(state.count++);
+  const auto counted = static_cast<std::uint32_t>(state.count++);
+  const std::uint32_t sequence = numbered.value_or(counted);
   head[0] = std::byte{op::message};
   std::memcpy(&head[1], &length, 8);
   std::memcpy(&head[9], &channel, 2);
@@ -143,9 +147,9 @@ Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uin
   return group;
 }
 
-Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
-                                 Bytes data) {
-  Group& group = begin_message(channel, log_time, publish_time, data.size());
+Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
+                                 std::optional<std::uint32_t> sequence) {
+  Group& group = begin_message(channel, log_time, publish_time, data.size(), sequence);
   group.open.records.insert(group.open.records.end(), data.begin(), data.end());
   return end_message(group);
 }
@@ -254,9 +258,9 @@ std::uint16_t Writer::add_channel(std::uint16_t schema, std::string_view topic, 
   return impl_->add_channel({0, schema, std::string(topic), std::string(message_encoding), std::move(metadata)}, group);
 }
 
-Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
-                           Bytes data) {
-  return impl_->write(channel, log_time_ns, publish_time_ns, data);
+Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data,
+                           std::optional<std::uint32_t> sequence) {
+  return impl_->write(channel, log_time_ns, publish_time_ns, data, sequence);
 }
 
 Result<void> Writer::write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,

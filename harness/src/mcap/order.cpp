@@ -1,4 +1,4 @@
-#include "mcap_reader_impl.h"
+#include "reader_impl.h"
 
 #include <fmt/format.h>
 

@@ -9,8 +9,8 @@
 
 #include "codec.h"
 #include "file_view.h"
-#include "mcap_reader_impl.h"
-#include "mcap_summary.h"
+#include "reader_impl.h"
+#include "summary.h"
 
 namespace rehearse::mcap {
 namespace {

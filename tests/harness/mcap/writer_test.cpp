@@ -176,6 +176,19 @@ TEST(McapWriter, CountsSequencesPerChannel) {
   EXPECT_EQ(sequences["/pictures"], (std::vector<std::uint32_t>{0}));
 }
 
+TEST(McapWriter, KeepsTheNumberOfAMessageThatHasOne) {
+  const TempFile file;
+  auto writer = std::move(*mcap::Writer::create(file.path()));
+  const auto channel = writer->add_channel(0, "/copied", "text");
+  for (const std::uint32_t number : {7u, 9u, 0xffffffffu}) {
+    ASSERT_TRUE(writer->write(channel, number, number, bytes_of("x"), number));
+  }
+  ASSERT_TRUE(writer->close());
+  const Pass pass = pass_over(**mcap::Reader::open(file.path()));
+  ASSERT_EQ(pass.messages.size(), 3u);
+  for (const Seen& seen : pass.messages) EXPECT_EQ(seen.sequence, seen.log_time);
+}
+
 TEST(McapWriter, GivesEqualSchemasOneId) {
   const TempFile file;
   auto writer = std::move(*mcap::Writer::create(file.path()));

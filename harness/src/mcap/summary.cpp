@@ -1,4 +1,4 @@
-#include "mcap_summary.h"
+#include "summary.h"
 
 #include "codec.h"
 

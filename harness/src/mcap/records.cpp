@@ -1,4 +1,4 @@
-#include "mcap_records.h"
+#include "records.h"
 
 #include "codec.h"
 

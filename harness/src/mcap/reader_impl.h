@@ -1,11 +1,11 @@
-// What a Reader consists of. Internal; mcap_scan.cpp opens, mcap_reader.cpp passes over, mcap_order.cpp sorts by time.
+// What a Reader consists of. Internal; scan.cpp opens, reader.cpp passes over, order.cpp sorts by time.
 #pragma once
 
 #include <rehearse/mcap.h>
 
 #include "codec.h"
 #include "file_view.h"
-#include "mcap_records.h"
+#include "records.h"
 
 namespace rehearse::mcap {
 
@@ -71,15 +71,15 @@ class Reader::Impl {
   Impl(FileView file, Bytes bytes, std::string name, ReaderOptions options)
       : file_(std::move(file)), bytes_(bytes), name_(std::move(name)), options_(options), damage_(name_) {}
 
-  // mcap_scan.cpp
+  // scan.cpp
   Result<void> scan();
 
-  // mcap_reader.cpp
+  // reader.cpp
   Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
   Result<void> for_each_record(const OnRecord& callback);
   Result<Message> message_at(const Location& location);
 
-  // mcap_order.cpp
+  // order.cpp
   Result<void> for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels);
 
   FileView file_;
@@ -114,7 +114,7 @@ class Reader::Impl {
   bool loose_messages_ = false;            // some messages are in no chunk
 
  private:
-  // mcap_scan.cpp
+  // scan.cpp
   void scan_data_record(const Record& record);
   void scan_attachment(const Record& record);
   void scan_chunk_head(const Record& record);
@@ -124,7 +124,7 @@ class Reader::Impl {
   void learn_from_chunks();
   void report_cut(const RecordWalker& walker);
 
-  // mcap_reader.cpp
+  // reader.cpp
   bool pass_over_chunk(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
   bool deliver(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
 

@@ -1,4 +1,4 @@
-#include "mcap_output.h"
+#include "output.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <csignal>
 #include <cstring>
 
-#include "mcap_summary.h"
+#include "summary.h"
 
 namespace rehearse::mcap {
 

@@ -1,0 +1,8 @@
+rehearse_add_test(mcap_test LABEL unit
+  SOURCES
+    mcap/copy_test.cpp
+    mcap/damage_test.cpp
+    mcap/order_test.cpp
+    mcap/reader_test.cpp
+    mcap/writer_test.cpp
+  LIBRARIES Rehearse::mcap lz4)
