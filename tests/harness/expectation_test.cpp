@@ -38,9 +38,29 @@ class Expectations : public ::testing::Test {
     run_.events = {{msg::Time::from_ns(2'000'000), 2, "note", "Robot/Pd", "the goal is reached"}};
   }
 
+  /// Of the whole run; a tick at a time it has to be judged alike.
   ExpectationResult judged(const Expectation& expectation) {
     const Trace trace = run_.load(folder_ / "run.mcap");
-    return judge_expectations({expectation}, trace)[0];
+    const ExpectationResult result = judge_expectations({expectation}, trace)[0];
+    const auto in_pieces = judge_expectations({expectation}, folder_ / "run.mcap", 1);
+    EXPECT_TRUE(in_pieces) << to_string(in_pieces.errors());
+    expect_same((*in_pieces)[0], result);
+    return result;
+  }
+  static void expect_same(const ExpectationResult& a, const ExpectationResult& b) {
+    EXPECT_EQ(a.holds, b.holds);
+    EXPECT_EQ(a.text, b.text);
+    EXPECT_EQ(a.sentence, b.sentence);
+    EXPECT_EQ(a.series, b.series);
+    expect_same(a.first, b.first);
+    expect_same(a.worst, b.worst);
+  }
+  static void expect_same(const std::optional<ViolatingSample>& a, const std::optional<ViolatingSample>& b) {
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (!a) return;
+    EXPECT_EQ(a->tick, b->tick);
+    EXPECT_EQ(a->time, b->time);
+    EXPECT_EQ(a->value, b->value);
   }
   std::string sentence(const Expectation& expectation) {
     const ExpectationResult result = judged(expectation);

@@ -9,7 +9,9 @@
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +38,12 @@ struct ExpectationResult {
 
 /// One result for each expectation, in their order.
 std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>& expectations, const Trace& run);
+
+/// The same of a recording that need not fit into the memory; it is read in pieces (Trace::load_in_pieces). Fails if it
+/// can't be read.
+Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
+                                                          const std::filesystem::path& recording,
+                                                          std::size_t piece_size = Trace::usual_piece_size);
 
 /// The one that is known first to be violated; one that is a matter of no single sample only if there is no other.
 /// Null: all hold.

@@ -49,7 +49,7 @@ struct Metadata;
 namespace msg {
 struct ContactChange;
 struct Event;
-}
+}  // namespace msg
 
 /// What the 64 bits of a cell are.
 enum class CellKind { floating, signed_integer, unsigned_integer, boolean };
@@ -98,6 +98,15 @@ class Trace {
   };
   /// Reads the whole file, in one pass, CRCs checked. Pictures stay in the file.
   static Result<Trace> load(const std::filesystem::path& file, Damage damage = Damage::refuse);
+
+  using OnPiece = std::function<void(const Trace& piece)>;
+  static constexpr std::size_t usual_piece_size = std::size_t{4} << 20;  // [bytes]
+  /// The same for a file that is too long for the memory: `on_piece` is called with some ticks at a time, in their
+  /// order in the file, as soon as their numbers take about `piece_size` bytes. A piece has all attachments and
+  /// metadata, and the channels and series that were met so far. Returns the last piece. Damage is told at the end,
+  /// after the pieces.
+  static Result<Trace> load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
+                                      std::size_t piece_size = usual_piece_size);
 
   const std::string& file() const { return file_; }      // as the user named it
   const Diagnostics& damage() const { return damage_; }  // only with Damage::tolerate

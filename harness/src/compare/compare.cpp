@@ -14,7 +14,17 @@
 
 namespace rehearse {
 
-TickClock::TickClock(const Trace& trace) {
+TickClock::TickClock(const Trace& trace) { read(trace); }
+
+TickClock::TickClock(const Trace& piece, const TickClock& before) {
+  if (!before.empty()) {
+    times_.push_back(before.times_.back());
+    ticks_.push_back(before.ticks_.back());
+  }
+  read(piece);
+}
+
+void TickClock::read(const Trace& trace) {
   for (const TraceChannel& channel : trace.channels()) {
     if (channel.type != msg::Tick::type_name || channel.columns.empty()) continue;
     const std::size_t column = column_of(channel, "tick");
@@ -275,8 +285,8 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
       [](const ChannelComparison& a, const ChannelComparison& b) { return comes_before(*a.first_bit, *b.first_bit); });
 }
 
-/// A part of the loop that is compared makes some of the channel's values. Checkpoints are compared by the state's hash;
-/// a run of some parts only needs none.
+/// A part of the loop that is compared makes some of the channel's values. Checkpoints are compared by the state's
+/// hash; a run of some parts only needs none.
 bool takes(const CompareOptions& options, const TraceChannel& channel) {
   if (channel.type == msg::Tick::type_name) return true;  // each element decides
   if (channel.type == msg::Checkpoint::type_name) return options.stages.empty();

@@ -17,7 +17,10 @@ namespace rehearse {
 /// Which tick a time belongs to, by a trace's /tick channel.
 class TickClock {
  public:
+  TickClock() = default;
   explicit TickClock(const Trace& trace);
+  /// Of a piece of a trace; `before` is that of the piece before it, whose last tick may not be over.
+  TickClock(const Trace& piece, const TickClock& before);
   bool empty() const { return times_.empty(); }
   std::uint64_t last_time() const { return times_.back(); }
   const std::vector<std::uint64_t>& times() const { return times_; }  // [ns]
@@ -27,6 +30,8 @@ class TickClock {
   bool has(std::uint64_t time) const;
 
  private:
+  void read(const Trace& trace);
+
   std::vector<std::uint64_t> times_;  // ascending
   std::vector<std::int64_t> ticks_;
 };

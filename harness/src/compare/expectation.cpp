@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "compare_parts.h"
@@ -21,14 +22,6 @@ struct RunEnd {
   std::uint64_t time = 0;  // of its last tick [ns]
   bool early = false;      // it failed, or was cut off
 };
-
-RunEnd end_of(const Trace& run, const TickClock& clock) {
-  RunEnd end;
-  end.time = clock.empty() ? to_ns(run.duration()) : clock.last_time();
-  const mcap::StringMap* outcome = run.find_metadata("rehearse.outcome");
-  end.early = outcome == nullptr || outcome->count("failure") != 0;
-  return end;
-}
 
 /// Nanoseconds are what a trace has; a double of them may have more digits.
 std::string time_text(double seconds) { return fmt::format("{:.12g} s", seconds); }
@@ -87,6 +80,10 @@ std::string sample_text(const ViolatingSample& sample, const std::string& unit, 
                      time_text(sample.time));
 }
 
+std::string event_text(const msg::Event& event) {
+  return fmt::format("{} {}: {}", event.severity, event.source, event.text);
+}
+
 /// How far a value is out of the bounds; not above 0 if it is right. NaN is as far as can be.
 double excess_of(const Expectation& e, double value) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -104,110 +101,114 @@ bool is_right(const Expectation& e, double value) {
   return e.near ? excess <= 0.0 : excess < 0.0;
 }
 
-/// One series of the run under one expectation.
+/// One series of a run under one expectation; the run comes in pieces.
 class SeriesJudge {
  public:
-  SeriesJudge(const Expectation& expectation, const TraceChannel& channel, std::size_t column, const TickClock& clock)
-      : expectation_(expectation), channel_(channel), column_(column), clock_(clock) {}
+  explicit SeriesJudge(const Expectation& expectation) : expectation_(&expectation) {}
 
+  void take(const TraceChannel& channel, std::size_t column, const TickClock& clock);
   /// False if it doesn't hold; then `first`, or `problem` if it is a matter of no sample.
-  bool judge();
+  bool finish();
 
   std::optional<ViolatingSample> first, worst;
   std::string problem;
 
  private:
-  std::optional<std::size_t> row_at(std::uint64_t time) const;
-  bool judge_moment();
-  bool judge_span();
-  double bounded(std::size_t row) const;
-  ViolatingSample sample(std::size_t row) const;
+  bool is_asked_for(std::uint64_t time) const;
+  void take_sample(const ViolatingSample& sample);
 
-  const Expectation& expectation_;
-  const TraceChannel& channel_;
-  std::size_t column_;
-  const TickClock& clock_;
-  double baseline_ = 0.0;
+  const Expectation* expectation_;
+  std::optional<double> baseline_;
+  std::uint64_t baseline_time_ = 0;
+  std::optional<ViolatingSample> latest_;  // for a moment: the latest sample at it or before
+  std::uint64_t latest_time_ = 0;
+  bool any_ = false, any_right_ = false;
+  std::optional<ViolatingSample> nearest_;  // to the bounds, of those out of them
+  double worst_excess_ = 0.0, nearest_excess_ = 0.0;
 };
 
-/// The latest message at that time or before.
-std::optional<std::size_t> SeriesJudge::row_at(std::uint64_t time) const {
-  std::optional<std::size_t> latest;
-  for (std::size_t row = 0; row < channel_.rows(); ++row)
-    if (channel_.times[row] <= time && (!latest || channel_.times[row] >= channel_.times[*latest])) latest = row;
-  return latest;
+/// Of a moment all samples up to it, of a span those in it.
+bool SeriesJudge::is_asked_for(std::uint64_t time) const {
+  if (expectation_->at_end) return true;
+  if (expectation_->at) return time <= to_ns(*expectation_->at);
+  const Span span = span_of(*expectation_);
+  return time >= span.from && time <= span.until;
 }
 
-double SeriesJudge::bounded(std::size_t row) const {
-  const double value = channel_.number(row, column_) - baseline_;
-  return expectation_.absolute ? std::abs(value) : value;
-}
-
-ViolatingSample SeriesJudge::sample(std::size_t row) const {
-  const std::uint64_t time = channel_.times[row];
-  return {clock_.tick_at(time), seconds(time), bounded(row)};
-}
-
-bool SeriesJudge::judge() {
-  if (expectation_.since) {
-    const auto row = row_at(to_ns(*expectation_.since));
-    if (!row) {
-      problem = fmt::format("there is no sample at {} s or before", *expectation_.since);
-      return false;
+void SeriesJudge::take(const TraceChannel& channel, std::size_t column, const TickClock& clock) {
+  const Expectation& e = *expectation_;
+  for (std::size_t row = 0; row < channel.rows(); ++row) {
+    const std::uint64_t time = channel.times[row];
+    const double number = channel.number(row, column);
+    if (e.since && time <= to_ns(*e.since) && (!baseline_ || time >= baseline_time_)) {
+      baseline_ = number;
+      baseline_time_ = time;
     }
-    baseline_ = channel_.number(*row, column_);
+    if (!is_asked_for(time)) continue;
+    const double change = number - baseline_.value_or(0.0);
+    const ViolatingSample sample{clock.tick_at(time), seconds(time), e.absolute ? std::abs(change) : change};
+    if (!e.at && !e.at_end) {
+      take_sample(sample);
+    } else if (!latest_ || time >= latest_time_) {
+      latest_ = sample;
+      latest_time_ = time;
+    }
   }
-  return expectation_.at || expectation_.at_end ? judge_moment() : judge_span();
 }
 
-bool SeriesJudge::judge_moment() {
-  const std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
-  const auto row = row_at(expectation_.at ? to_ns(*expectation_.at) : last);
-  if (!row) {
-    problem = "there is no sample then or before";
+void SeriesJudge::take_sample(const ViolatingSample& sample) {
+  any_ = true;
+  const double excess = excess_of(*expectation_, *sample.value);
+  if (is_right(*expectation_, *sample.value)) {
+    any_right_ = true;
+    return;
+  }
+  if (!first) first = sample;
+  if (!worst || excess > worst_excess_) worst = sample, worst_excess_ = excess;
+  if (!nearest_ || excess < nearest_excess_) nearest_ = sample, nearest_excess_ = excess;
+}
+
+bool SeriesJudge::finish() {
+  const bool moment = expectation_->at || expectation_->at_end;
+  if (expectation_->since && !baseline_) {
+    problem = fmt::format("there is no sample at {} s or before", *expectation_->since);
+    first = worst = std::nullopt;
     return false;
   }
-  if (is_right(expectation_, bounded(*row))) return true;
-  first = worst = sample(*row);
+  if (moment ? !latest_ : !any_) {
+    problem = moment ? "there is no sample then or before" : "there is no sample in that span";
+    return false;
+  }
+  if (moment) {
+    if (is_right(*expectation_, *latest_->value)) return true;
+    first = worst = latest_;
+    return false;
+  }
+  if (expectation_->sometime ? any_right_ : !first) return true;
+  if (expectation_->sometime) first = worst = nearest_;
   return false;
 }
 
-bool SeriesJudge::judge_span() {
-  const Span span = span_of(expectation_);
-  std::optional<std::size_t> first_row, worst_row, nearest_row;
-  bool any_right = false, any = false;
-  double worst_excess = 0.0, nearest_excess = 0.0;
-  for (std::size_t row = 0; row < channel_.rows(); ++row) {
-    if (channel_.times[row] < span.from || channel_.times[row] > span.until) continue;
-    any = true;
-    const double value = bounded(row);
-    const double excess = excess_of(expectation_, value);
-    if (is_right(expectation_, value)) {
-      any_right = true;
-      continue;
-    }
-    if (!first_row) first_row = row;
-    if (!worst_row || excess > worst_excess) worst_row = row, worst_excess = excess;
-    if (!nearest_row || excess < nearest_excess) nearest_row = row, nearest_excess = excess;
-  }
-  if (!any) {
-    problem = "there is no sample in that span";
-    return false;
-  }
-  if (expectation_.sometime ? any_right : !first_row) return true;
-  first = sample(expectation_.sometime ? *nearest_row : *first_row);
-  worst = sample(expectation_.sometime ? *nearest_row : *worst_row);
-  return false;
-}
-
-/// One run under all expectations.
+/// One run, taken piece by piece, under all expectations.
 class RunJudge {
  public:
-  explicit RunJudge(const Trace& run) : run_(run), clock_(run), end_(end_of(run, clock_)) {}
+  explicit RunJudge(const std::vector<Expectation>& expectations) : expectations_(expectations) {
+    cases_.resize(expectations.size());
+  }
 
-  ExpectationResult judge(const Expectation& expectation) const;
+  void take(const Trace& piece);
+  /// `last`: the last piece, for what is of the whole run.
+  std::vector<ExpectationResult> finish(const Trace& last);
 
  private:
+  struct JudgedSeries {
+    SeriesJudge judge;
+    std::string unit;
+  };
+  struct Case {
+    std::map<std::string, JudgedSeries, std::less<>> series;  // those that match
+    std::optional<msg::Event> event;                          // the first that matches
+  };
   /// What the series that match have come to.
   struct Tally {
     std::int64_t found = 0, violating = 0;
@@ -216,27 +217,87 @@ class RunJudge {
     std::string problem;     // of it, if it is a matter of no sample
   };
 
+  void take_times(const Trace& piece);
+  void take_series(const Expectation& expectation, const Trace& piece, Case& to) const;
+  static void take_events(const Expectation& expectation, const Trace& piece, Case& to);
+  void set_end(const Trace& last);
+
   std::string missing_time(const Expectation& expectation) const;
-  void judge_events(ExpectationResult& result) const;
-  void judge_series(ExpectationResult& result) const;
-  std::string violation_of(ExpectationResult& result, const Tally& tally) const;
+  void judge_events(const Case& found, ExpectationResult& result) const;
+  void judge_series(Case& found, const Trace& last, ExpectationResult& result) const;
+  std::string violation_of(ExpectationResult& result, const Tally& tally, const Trace& last) const;
   static void take(const SeriesJudge& judge, const std::string& name, const std::string& unit,
                    ExpectationResult& result, Tally& tally);
 
-  const Trace& run_;
+  const std::vector<Expectation>& expectations_;
+  std::vector<Case> cases_;  // like expectations_
   TickClock clock_;
+  std::uint64_t earliest_ = std::numeric_limits<std::uint64_t>::max(), latest_ = 0;  // of all messages [ns]
   RunEnd end_;
 };
 
-ExpectationResult RunJudge::judge(const Expectation& expectation) const {
-  ExpectationResult result;
-  result.expectation = expectation;
-  result.text = text_of(expectation, "");
-  if (expectation.subject == Expectation::Subject::series)
-    judge_series(result);
-  else
-    judge_events(result);
-  return result;
+void RunJudge::take(const Trace& piece) {
+  clock_ = TickClock(piece, clock_);
+  take_times(piece);
+  for (std::size_t i = 0; i < expectations_.size(); ++i) {
+    if (expectations_[i].subject == Expectation::Subject::series)
+      take_series(expectations_[i], piece, cases_[i]);
+    else
+      take_events(expectations_[i], piece, cases_[i]);
+  }
+}
+
+void RunJudge::take_times(const Trace& piece) {
+  if (!clock_.empty()) return;
+  for (const TraceChannel& channel : piece.channels()) {
+    for (const std::uint64_t time : channel.times) {
+      earliest_ = std::min(earliest_, time);
+      latest_ = std::max(latest_, time);
+    }
+  }
+}
+
+void RunJudge::take_series(const Expectation& e, const Trace& piece, Case& to) const {
+  for (const auto& [name, place] : piece.series()) {
+    if (!matches(e.pattern, name)) continue;
+    const TraceChannel& channel = piece.channels()[place.channel];
+    auto known = to.series.find(name);
+    if (known == to.series.end())
+      known =
+          to.series.emplace(name, JudgedSeries{SeriesJudge(e), unit_of(channel, channel.columns[place.column].element)})
+              .first;
+    if (!e.angle || known->second.unit == "rad") known->second.judge.take(channel, place.column, clock_);
+  }
+}
+
+void RunJudge::take_events(const Expectation& e, const Trace& piece, Case& to) {
+  const Span span = span_of(e);
+  for (const msg::Event& event : piece.events()) {
+    const std::uint64_t time = event.stamp.to_ns();
+    if (to.event || time < span.from || time > span.until) continue;
+    if (matches(e.pattern, event_text(event))) to.event = event;
+  }
+}
+
+void RunJudge::set_end(const Trace& last) {
+  const std::uint64_t duration = earliest_ > latest_ ? 0 : latest_ - earliest_;
+  end_.time = clock_.empty() ? duration : clock_.last_time();
+  const mcap::StringMap* outcome = last.find_metadata("rehearse.outcome");
+  end_.early = outcome == nullptr || outcome->count("failure") != 0;
+}
+
+std::vector<ExpectationResult> RunJudge::finish(const Trace& last) {
+  set_end(last);
+  std::vector<ExpectationResult> results(expectations_.size());
+  for (std::size_t i = 0; i < expectations_.size(); ++i) {
+    results[i].expectation = expectations_[i];
+    results[i].text = text_of(expectations_[i], "");
+    if (expectations_[i].subject == Expectation::Subject::series)
+      judge_series(cases_[i], last, results[i]);
+    else
+      judge_events(cases_[i], results[i]);
+  }
+  return results;
 }
 
 /// Why the run can't say what is asked, if it is too short for that.
@@ -246,24 +307,19 @@ std::string RunJudge::missing_time(const Expectation& e) const {
   return fmt::format("the run ended{} at {}", end_.early ? " early," : "", time_text(seconds(end_.time)));
 }
 
-void RunJudge::judge_events(ExpectationResult& result) const {
-  const Expectation& e = result.expectation;
-  const Span span = span_of(e);
-  const bool wanted = e.subject == Expectation::Subject::event;
-  result.holds = !wanted;
-  for (const msg::Event& event : run_.events()) {
-    const std::uint64_t time = event.stamp.to_ns();
-    const std::string text = fmt::format("{} {}: {}", event.severity, event.source, event.text);
-    if (time < span.from || time > span.until || !matches(e.pattern, text)) continue;
+void RunJudge::judge_events(const Case& found, ExpectationResult& result) const {
+  const bool wanted = result.expectation.subject == Expectation::Subject::event;
+  if (found.event) {
     result.holds = wanted;
     if (wanted) return;
-    result.first = result.worst = ViolatingSample{event.tick, seconds(time), std::nullopt};
-    result.sentence =
-        fmt::format("expected {}: \"{}\" at tick {} ({})", result.text, text, event.tick, time_text(seconds(time)));
+    const double time = seconds(found.event->stamp.to_ns());
+    result.first = result.worst = ViolatingSample{found.event->tick, time, std::nullopt};
+    result.sentence = fmt::format("expected {}: \"{}\" at tick {} ({})", result.text, event_text(*found.event),
+                                  found.event->tick, time_text(time));
     return;
   }
-  const std::string reason = missing_time(e);
-  result.holds = result.holds && reason.empty();
+  const std::string reason = missing_time(result.expectation);
+  result.holds = !wanted && reason.empty();
   if (!result.holds)
     result.sentence = fmt::format("expected {}: {}", result.text, reason.empty() ? "there is none" : reason);
 }
@@ -281,32 +337,29 @@ void RunJudge::take(const SeriesJudge& judge, const std::string& name, const std
   tally.problem = judge.problem;
 }
 
-void RunJudge::judge_series(ExpectationResult& result) const {
+void RunJudge::judge_series(Case& found, const Trace& last, ExpectationResult& result) const {
   const Expectation& e = result.expectation;
   Tally tally;
-  for (const auto& [name, place] : run_.series()) {
-    if (!matches(e.pattern, name)) continue;
-    const TraceChannel& channel = run_.channels()[place.channel];
-    const std::string unit = unit_of(channel, channel.columns[place.column].element);
-    if (++tally.found == 1) tally.unit = unit;
-    if (unit != tally.unit) tally.unit.clear();
-    SeriesJudge judge(e, channel, place.column, clock_);
-    const bool is_angle = unit == "rad";
+  for (auto& [name, series] : found.series) {
+    if (++tally.found == 1) tally.unit = series.unit;
+    if (series.unit != tally.unit) tally.unit.clear();
+    const bool is_angle = series.unit == "rad";
     if (e.angle && !is_angle)
-      judge.problem = fmt::format("{} is no angle{}{}", name, unit.empty() ? "" : ", but in ", unit);
-    if ((e.angle && !is_angle) || !judge.judge()) take(judge, name, unit, result, tally);
+      series.judge.problem =
+          fmt::format("{} is no angle{}{}", name, series.unit.empty() ? "" : ", but in ", series.unit);
+    if ((e.angle && !is_angle) || !series.judge.finish()) take(series.judge, name, series.unit, result, tally);
   }
   result.text = text_of(e, e.angle ? "rad" : tally.unit);
-  const std::string what = violation_of(result, tally);
+  const std::string what = violation_of(result, tally, last);
   result.holds = what.empty();
   if (!result.holds) result.sentence = fmt::format("expected {}: {}", result.text, what);
 }
 
 /// What isn't as expected; empty if all is.
-std::string RunJudge::violation_of(ExpectationResult& result, const Tally& tally) const {
+std::string RunJudge::violation_of(ExpectationResult& result, const Tally& tally, const Trace& last) const {
   const Expectation& e = result.expectation;
   if (tally.found == 0) {
-    const std::string near = run_.nearest_series(e.pattern);
+    const std::string near = last.nearest_series(e.pattern);
     return fmt::format("the run has no such series{}{}", near.empty() ? "" : "; the nearest are ", near);
   }
   const std::string reason = missing_time(e);
@@ -327,11 +380,19 @@ std::string RunJudge::violation_of(ExpectationResult& result, const Tally& tally
 }  // namespace
 
 std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>& expectations, const Trace& run) {
-  std::vector<ExpectationResult> results;
-  if (expectations.empty()) return results;
-  const RunJudge judge(run);
-  for (const Expectation& expectation : expectations) results.push_back(judge.judge(expectation));
-  return results;
+  RunJudge judge(expectations);
+  judge.take(run);
+  return judge.finish(run);
+}
+
+Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
+                                                          const std::filesystem::path& recording,
+                                                          std::size_t piece_size) {
+  RunJudge judge(expectations);
+  const auto last = Trace::load_in_pieces(
+      recording, [&](const Trace& piece) { judge.take(piece); }, piece_size);
+  if (!last) return last.errors();
+  return judge.finish(*last);
 }
 
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {

@@ -6,11 +6,15 @@
 
 namespace rehearse {
 
-/// Builds a Trace in one pass over its file.
+/// Builds a Trace in one pass over its file: whole, or piece after piece.
 class TraceLoader {
  public:
-  TraceLoader(const std::filesystem::path& file, Trace::Damage damage)
-      : file_(file), tolerant_(damage == Trace::Damage::tolerate) {}
+  TraceLoader(const std::filesystem::path& file, Trace::Damage damage, Trace::OnPiece on_piece = {},
+              std::size_t piece_size = 0)
+      : file_(file),
+        tolerant_(damage == Trace::Damage::tolerate),
+        on_piece_(std::move(on_piece)),
+        piece_size_(piece_size) {}
 
   Result<Trace> load();
 
@@ -26,12 +30,19 @@ class TraceLoader {
   void add_message(const mcap::Message& message);
   template <class T>
   void add_decoded(const mcap::Message& message, std::vector<T>& to);
+  bool ends_a_tick(const mcap::Message& message) const;
+  void end_piece();
+  void assemble();
   void name_series();
   void complain(std::string message);
 
   const std::filesystem::path file_;
   const bool tolerant_;
+  const Trace::OnPiece on_piece_;
+  const std::size_t piece_size_;
   Trace trace_;
+  bool has_ticks_ = false;
+  std::size_t held_ = 0;  // bytes of the tables, about
   std::map<std::uint16_t, std::unique_ptr<Source>> sources_;
   std::vector<Source*> by_id_ = std::vector<Source*>(0x10000, nullptr);
   Diagnostics problems_;
@@ -44,13 +55,51 @@ Result<Trace> TraceLoader::load() {
   trace_.events_ = std::make_shared<std::vector<msg::Event>>();
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
   trace_.reader_ = std::move(*reader);
+  for (const auto& [id, channel] : trace_.reader_->channels()) {
+    const mcap::Schema* schema = trace_.reader_->schema_of(channel);
+    has_ticks_ = has_ticks_ || (schema != nullptr && schema->name == msg::Tick::type_name);
+  }
   const auto pass = trace_.reader_->for_each_message([this](const mcap::Message& message) {
     add_message(message);
+    if (on_piece_ && held_ >= piece_size_ && ends_a_tick(message)) end_piece();
     return tolerant_ || problems_.empty();
   });
   if (!pass) problems_.insert(problems_.begin(), pass.errors().begin(), pass.errors().end());
   if (!problems_.empty() && !tolerant_) return problems_;
   trace_.damage_ = std::move(problems_);
+  assemble();
+  if (on_piece_) on_piece_(trace_);
+  return std::move(trace_);
+}
+
+/// Where the numbers of a moment are together.
+bool TraceLoader::ends_a_tick(const mcap::Message& message) const {
+  if (!has_ticks_) return true;
+  const mcap::Schema* schema = trace_.reader_->schema_of(*message.channel);
+  return schema != nullptr && schema->name == msg::Tick::type_name;
+}
+
+/// Hands out what was read so far and goes on with empty tables of the same columns.
+void TraceLoader::end_piece() {
+  assemble();
+  on_piece_(trace_);
+  std::size_t next = 0;
+  for (const auto& [id, channel] : trace_.reader_->channels()) {
+    TraceChannel& table = trace_.channels_[next++];
+    table.times.clear();
+    table.cells.clear();
+    table.locations.clear();
+    if (const auto source = sources_.find(id); source != sources_.end()) source->second->table = std::move(table);
+  }
+  trace_.channels_.clear();
+  trace_.series_.clear();
+  trace_.events_->clear();
+  trace_.contact_changes_->clear();
+  held_ = 0;
+}
+
+/// Makes the trace of the tables.
+void TraceLoader::assemble() {
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     const auto source = sources_.find(id);
     if (source != sources_.end()) {
@@ -68,7 +117,6 @@ Result<Trace> TraceLoader::load() {
     }
   }
   name_series();
-  return std::move(trace_);
 }
 
 TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
@@ -105,6 +153,7 @@ void TraceLoader::add_message(const mcap::Message& message) {
     return;
   }
   if (source.keeps_locations) table.locations.push_back(message.location);
+  held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (source.keeps_locations ? sizeof(mcap::Location) : 0);
   if (table.encoding != "cdr") return;
   if (table.type == msg::Event::type_name) add_decoded(message, *trace_.events_);
   if (table.type == msg::ContactChange::type_name) add_decoded(message, *trace_.contact_changes_);
@@ -163,5 +212,10 @@ void TraceLoader::name_series() {
 }
 
 Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) { return TraceLoader(file, damage).load(); }
+
+Result<Trace> Trace::load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
+                                    std::size_t piece_size) {
+  return TraceLoader(file, Damage::refuse, on_piece, piece_size).load();
+}
 
 }  // namespace rehearse

@@ -393,6 +393,34 @@ TEST(Trace, DecodesChangesOfContact) {
   EXPECT_TRUE(trace.contact_changes()[0].begins);
 }
 
+TEST(Trace, LoadsInPiecesThatEndWithATick) {
+  Recording recording;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    recording.add("/SR1/joints", i * ms, joints({"KNEE"}, {0.1 * static_cast<double>(i)}));
+    if (i == 1) recording.add("/events", i * ms, msg::Event{{0, 1}, 1, "note", "SR1", "hello"});
+    msg::Tick tick;
+    tick.tick = static_cast<std::int64_t>(i);
+    recording.add("/tick", i * ms, tick);
+  }
+  ASSERT_TRUE(recording.writer().close());
+  std::vector<double> knee;
+  std::vector<std::size_t> events;
+  const auto last = Trace::load_in_pieces(
+      recording.file().path(),
+      [&](const Trace& piece) {
+        EXPECT_EQ(names_of(piece), names_of(recording.load()));
+        const auto values = piece.values("SR1/KNEE/q");
+        EXPECT_EQ(piece.values("tick"), values.empty() ? values : std::vector{static_cast<double>(knee.size())});
+        knee.insert(knee.end(), values.begin(), values.end());
+        events.push_back(piece.events().size());
+      },
+      1);
+  ASSERT_TRUE(last) << to_string(last.errors());
+  EXPECT_THAT(knee, ElementsAre(0.0, 0.1, 0.2));
+  EXPECT_THAT(events, ElementsAre(0u, 1u, 0u, 0u)) << "a piece for each tick, and what was left: nothing";
+  EXPECT_EQ(last->series().size(), recording.load().series().size());
+}
+
 TEST(Trace, KnowsChannelsAttachmentsAndMetadata) {
   Recording recording;
   recording.add("/R/joints", 0, joints({"A"}, {1}));
