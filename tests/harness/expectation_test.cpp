@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <rehearse/expectation.h>
 
+#include <bit>
 #include <limits>
 
 #include "small_traces.h"
@@ -60,7 +61,8 @@ class Expectations : public ::testing::Test {
     if (!a) return;
     EXPECT_EQ(a->tick, b->tick);
     EXPECT_EQ(a->time, b->time);
-    EXPECT_EQ(a->value, b->value);
+    ASSERT_EQ(a->value.has_value(), b->value.has_value());
+    if (a->value) EXPECT_EQ(std::bit_cast<std::uint64_t>(*a->value), std::bit_cast<std::uint64_t>(*b->value));
   }
   std::string sentence(const Expectation& expectation) {
     const ExpectationResult result = judged(expectation);
