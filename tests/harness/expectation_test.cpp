@@ -62,7 +62,9 @@ class Expectations : public ::testing::Test {
     EXPECT_EQ(a->tick, b->tick);
     EXPECT_EQ(a->time, b->time);
     ASSERT_EQ(a->value.has_value(), b->value.has_value());
-    if (a->value) EXPECT_EQ(std::bit_cast<std::uint64_t>(*a->value), std::bit_cast<std::uint64_t>(*b->value));
+    if (a->value) {
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(*a->value), std::bit_cast<std::uint64_t>(*b->value));
+    }
   }
   std::string sentence(const Expectation& expectation) {
     const ExpectationResult result = judged(expectation);
