@@ -5,15 +5,22 @@ find_package(fmt REQUIRED)
 find_package(Threads REQUIRED)
 
 rehearse_add_library(mcap
+  src/mcap/byte_window.cpp
   src/mcap/bytes.cpp
+  src/mcap/chunk_opener.cpp
   src/mcap/codec.cpp
+  src/mcap/contents.cpp
   src/mcap/copy.cpp
+  src/mcap/damage_log.cpp
   src/mcap/file_view.cpp
+  src/mcap/frame.cpp
+  src/mcap/input.cpp
   src/mcap/order.cpp
   src/mcap/output.cpp
   src/mcap/reader.cpp
   src/mcap/records.cpp
   src/mcap/scan.cpp
+  src/mcap/stream.cpp
   src/mcap/summary.cpp
   src/mcap/writer.cpp)
 target_include_directories(rehearse_mcap PUBLIC

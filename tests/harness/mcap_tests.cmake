@@ -4,5 +4,6 @@ rehearse_add_test(mcap_test LABEL unit
     mcap/damage_test.cpp
     mcap/order_test.cpp
     mcap/reader_test.cpp
+    mcap/stream_test.cpp
     mcap/writer_test.cpp
   LIBRARIES Rehearse::mcap lz4)

@@ -9,7 +9,8 @@
 // calls and their arguments, on nothing else.
 //
 // Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
-// damaged file before it says where the damage is. Neither class may be used from two threads at a time.
+// damaged file before it says where the damage is. What comes through a pipe it keeps in a temporary file first; to read
+// it as it comes: mcap_stream.h. Neither class may be used from two threads at a time.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -183,14 +184,15 @@ struct Record {
   std::optional<std::uint64_t> chunk;  // offset of its chunk in the file, if it is in one
 };
 
-/// Reads one file. open() fails only if there is nothing to be had: no such file, not MCAP. A file that is cut or
-/// damaged opens; damage() says where, passes deliver what is whole and then return all the damage they met.
+/// Reads one file. open() fails only if there is nothing to be had: no such file, not MCAP, not a file (a directory, a
+/// device). A pipe is one, and so is standard input, named "-". A file that is cut or damaged opens; damage() says where, passes deliver what is whole and then return all the damage they met.
 class Reader {
  public:
   using OnMessage = std::function<bool(const Message&)>;  // false: stop
   using OnRecord = std::function<bool(const Record&)>;    // false: stop
 
-  /// Maps the file and walks its outermost records (not into chunks, except for channels if there is no summary).
+  /// Maps the file, as large as it is now, and walks its outermost records (not into chunks, except for channels if
+  /// there is no summary).
   static Result<std::unique_ptr<Reader>> open(const std::filesystem::path& file, ReaderOptions options = {});
   /// The same over bytes that outlive the Reader; `name` is what messages call them.
   static Result<std::unique_ptr<Reader>> open_bytes(Bytes bytes, std::string name, ReaderOptions options = {});

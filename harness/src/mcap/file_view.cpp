@@ -4,47 +4,102 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
 #include <utility>
+#include <vector>
+
+#include "input.h"
 
 namespace rehearse::mcap {
 
 namespace {
 
-Diagnostic unreadable(const std::filesystem::path& file, std::string_view why) {
-  Diagnostic diagnostic = error(fmt::format("can't read the trace: {}", why));
-  diagnostic.file = file.string();
+Diagnostic failure(const std::string& name, std::string_view what, int problem) {
+  Diagnostic diagnostic = error(fmt::format("can't {}: {}", what, std::strerror(problem)));
+  diagnostic.file = name;
   return diagnostic;
 }
+
+/// A file without a name that goes with its descriptor.
+class TemporaryFile {
+ public:
+  TemporaryFile() {
+    std::error_code ignored;
+    folder_ = std::filesystem::temp_directory_path(ignored).string();
+    descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return;
+    std::string name = folder_ + "/rehearse.XXXXXX";  // not every file system has nameless ones
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor_ >= 0) ::unlink(name.c_str());
+  }
+  ~TemporaryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  bool append(Bytes bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno != EINTR) return false;
+      if (written > 0) bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    return true;
+  }
+  int descriptor() const { return descriptor_; }
+  const std::string& folder() const { return folder_; }
+
+ private:
+  int descriptor_ = -1;
+  std::string folder_;
+};
 
 }  // namespace
 
 Result<FileView> FileView::open(const std::filesystem::path& file) {
-  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (opened < 0) return unreadable(file, std::strerror(errno));
-  struct stat status {};
-  const bool known = ::fstat(opened, &status) == 0;
-  const auto size = static_cast<std::size_t>(status.st_size);
-  const bool regular = known && S_ISREG(status.st_mode);
-  void* place = regular && size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, opened, 0) : nullptr;
-  const int problem = errno;
-  ::close(opened);
-  if (!regular) return unreadable(file, S_ISDIR(status.st_mode) ? "it is a directory" : "it is not a regular file");
-  if (place == MAP_FAILED) return unreadable(file, std::strerror(problem));
-  return FileView(Bytes(static_cast<const std::byte*>(place), size));
+  auto input = Input::open(file);
+  if (!input) return input.errors();
+  if (input->mappable_size() == 0) return keep(*input);
+  return map(input->descriptor(), input->mappable_size(), input->name());
+}
+
+Result<FileView> FileView::keep(Input& input) {
+  TemporaryFile kept;
+  const std::string keeping = fmt::format("keep what comes in {}", kept.folder());
+  if (kept.descriptor() < 0) return failure(input.name(), keeping, errno);
+  std::vector<std::byte> piece(std::size_t{1} << 18);
+  std::uint64_t size = 0;
+  while (true) {
+    const auto came = input.read(piece);
+    if (!came) return came.errors();
+    if (*came == 0) return map(kept.descriptor(), size, input.name());
+    if (!kept.append(Bytes(piece).first(*came))) return failure(input.name(), keeping, errno);
+    size += *came;
+  }
+}
+
+Result<FileView> FileView::map(int descriptor, std::uint64_t size, const std::string& name) {
+  FileView view;
+  view.name_ = name;
+  if (size == 0) return view;
+  void* place = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  if (place == MAP_FAILED) return failure(name, "read the trace", errno);
+  view.bytes_ = Bytes(static_cast<const std::byte*>(place), size);
+  return view;
 }
 
 FileView::~FileView() {
   if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
-FileView::FileView(FileView&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
+FileView::FileView(FileView&& other) noexcept
+    : bytes_(std::exchange(other.bytes_, {})), name_(std::move(other.name_)) {}
 
 FileView& FileView::operator=(FileView&& other) noexcept {
   std::swap(bytes_, other.bytes_);
+  std::swap(name_, other.name_);
   return *this;
 }
 

@@ -5,9 +5,13 @@
 
 namespace rehearse::mcap {
 
+class Input;
+
 class FileView {
  public:
-  /// Maps a regular file for reading. A file that shrinks while it is mapped is beyond help.
+  /// Maps a file for reading, as large as it is now: what is written behind that meanwhile isn't seen. What can't be
+  /// mapped (a pipe, standard input by the name "-") is kept in a nameless temporary file first, to its end.
+  /// A file that another program cuts while it is mapped is beyond help; our Writer doesn't.
   static Result<FileView> open(const std::filesystem::path& file);
   FileView() = default;
   ~FileView();
@@ -15,10 +19,14 @@ class FileView {
   FileView& operator=(FileView&& other) noexcept;
 
   Bytes bytes() const { return bytes_; }
+  const std::string& name() const { return name_; }  // of the file, as messages call it
 
  private:
-  explicit FileView(Bytes bytes) : bytes_(bytes) {}
+  static Result<FileView> map(int descriptor, std::uint64_t size, const std::string& name);
+  static Result<FileView> keep(Input& input);
+
   Bytes bytes_;
+  std::string name_;
 };
 
 }  // namespace rehearse::mcap

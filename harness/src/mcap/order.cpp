@@ -86,7 +86,7 @@ void Merge::open_next_chunk() {
   run->order.clear();
   run->next = 0;
   run->chunk = place.offset;
-  const auto records = reader_.open_chunk(*head, place.offset, run->buffer);
+  const auto records = reader_.chunk_opener_.open(*head, place.offset, run->buffer);
   if (!records) {
     damage_.add(records.errors().front().message);
     return;
@@ -105,7 +105,7 @@ void Merge::collect(Run& run, RecordWalker& walker, const ChunkPlace* place) {
   bool in_span = true;
   while (walker.next(record)) {
     if (record.opcode != op::message) {
-      if (place != nullptr) reader_.learn(record, damage_);
+      if (place != nullptr) reader_.contents_.learn(record, damage_);
       continue;
     }
     const auto head = parse_message_head(record.body);
@@ -171,7 +171,7 @@ Result<void> Reader::Impl::for_each_message_in_order(const OnMessage& callback, 
   Merge merge(*this, channels, damage);
   Record record;
   while (merge.next(record)) {
-    const Message message = read_message(record, damage);
+    const Message message = contents_.read_message(record, damage);
     if (message.channel != nullptr && !callback(message)) return verdict(damage);
     merge.advance();
   }

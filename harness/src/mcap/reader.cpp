@@ -4,59 +4,10 @@
 
 namespace rehearse::mcap {
 
-std::optional<MessageHead> parse_message_head(Bytes body) {
-  if (body.size() < message_head) return std::nullopt;
-  MessageHead head;
-  std::memcpy(&head.channel, body.data(), 2);
-  std::memcpy(&head.sequence, body.data() + 2, 4);
-  std::memcpy(&head.log_time, body.data() + 6, 8);
-  std::memcpy(&head.publish_time, body.data() + 14, 8);
-  return head;
-}
-
 Diagnostic Reader::Impl::damaged(std::string message) const {
   Diagnostic diagnostic = error(std::move(message));
   diagnostic.file = name_;
   return diagnostic;
-}
-
-Result<Bytes> Reader::Impl::open_chunk(const ChunkHead& head, std::uint64_t offset, RawBuffer& buffer) {
-  if (head.uncompressed_size > options_.max_chunk_size) {
-    return damaged(
-        fmt::format("damaged: the chunk at byte {} says that it holds {} bytes decompressed; {} is the limit", offset,
-                    head.uncompressed_size, options_.max_chunk_size));
-  }
-  auto records = decompressor_.decompress(head.compression, head.records, head.uncompressed_size, buffer);
-  if (!records) {
-    return damaged(fmt::format("damaged: the chunk at byte {} can't be decompressed: {}", offset,
-                               records.errors().front().message));
-  }
-  if (options_.check_crcs && head.uncompressed_crc != 0 && head.uncompressed_crc != crc32(*records)) {
-    return damaged(fmt::format("damaged: the CRC of the chunk at byte {} doesn't match", offset));
-  }
-  return records;
-}
-
-Message Reader::Impl::read_message(const Record& record, DamageLog& damage) {
-  Message message;
-  const auto head = parse_message_head(record.body);
-  if (!head) {
-    damage.add(fmt::format("damaged: the message at byte {} is too short", record.chunk.value_or(record.offset)));
-    return message;
-  }
-  const auto channel = channels_.find(head->channel);
-  if (channel == channels_.end()) {
-    damage.add(fmt::format("damaged: a message at byte {} is of channel {}, which isn't defined",
-                           record.chunk.value_or(record.offset), head->channel));
-    return message;
-  }
-  message.channel = &channel->second;
-  message.sequence = head->sequence;
-  message.log_time = head->log_time;
-  message.publish_time = head->publish_time;
-  message.data = record.body.subspan(message_head);
-  message.location = {record.chunk.value_or(record.offset), record.chunk ? record.offset : 0, record.chunk.has_value()};
-  return message;
 }
 
 void Reader::Impl::check_data_crc(DamageLog& damage) {
@@ -76,7 +27,7 @@ bool Reader::Impl::deliver(const Record& record, const OnMessage& callback, cons
                            DamageLog& damage) {
   const auto head = parse_message_head(record.body);
   if (head && !channels.has(head->channel)) return true;
-  const Message message = read_message(record, damage);
+  const Message message = contents_.read_message(record, damage);
   return message.channel == nullptr || callback(message);
 }
 
@@ -84,7 +35,7 @@ bool Reader::Impl::pass_over_chunk(const Record& record, const OnMessage& callba
                                    DamageLog& damage) {
   const auto head = parse_chunk(record.body);
   if (!head) return true;  // known since scan()
-  const auto records = open_chunk(*head, record.offset, pass_buffer_);
+  const auto records = chunk_opener_.open(*head, record.offset, pass_buffer_);
   if (!records) {
     damage.add(records.errors().front().message);
     return true;
@@ -96,7 +47,7 @@ bool Reader::Impl::pass_over_chunk(const Record& record, const OnMessage& callba
     if (inner.opcode == op::message) {
       if (!deliver(inner, callback, channels, damage)) return false;
     } else {
-      learn(inner, damage);
+      contents_.learn(inner, damage);
     }
   }
   if (!inside.at_end()) {
@@ -127,7 +78,7 @@ Result<void> Reader::Impl::for_each_record(const OnRecord& callback) {
     if (!callback(record)) return verdict(damage);
     const auto head = record.opcode == op::chunk ? parse_chunk(record.body) : std::nullopt;
     if (head) {
-      const auto records = open_chunk(*head, record.offset, pass_buffer_);
+      const auto records = chunk_opener_.open(*head, record.offset, pass_buffer_);
       if (!records) {
         damage.add(records.errors().front().message);
         continue;
@@ -155,8 +106,8 @@ Result<Message> Reader::Impl::message_at(const Location& location) {
     if (!head) return nothing_there;
     if (at_chunk_ != location.record) {
       at_chunk_ = 0;
-      auto records = open_chunk(*head, location.record, at_buffer_);
-      if (!records) return records.errors();
+      auto records = chunk_opener_.open(*head, location.record, at_buffer_);
+      if (!records) return damaged(records.errors().front().message);
       at_records_ = *records;
       at_chunk_ = location.record;
     }
@@ -167,7 +118,7 @@ Result<Message> Reader::Impl::message_at(const Location& location) {
   }
   if (record.opcode != op::message) return nothing_there;
   DamageLog damage(name_);
-  const Message message = read_message(record, damage);
+  const Message message = contents_.read_message(record, damage);
   if (message.channel == nullptr) return damage.list();
   return message;
 }
@@ -176,7 +127,8 @@ Result<std::unique_ptr<Reader>> Reader::open(const std::filesystem::path& file, 
   auto view = FileView::open(file);
   if (!view) return view.errors();
   const Bytes bytes = view->bytes();
-  auto impl = std::make_unique<Impl>(std::move(*view), bytes, file.string(), options);
+  std::string name = view->name();
+  auto impl = std::make_unique<Impl>(std::move(*view), bytes, std::move(name), options);
   if (auto scanned = impl->scan(); !scanned) return scanned.errors();
   return std::unique_ptr<Reader>(new Reader(std::move(impl)));
 }
@@ -192,20 +144,17 @@ Reader::Reader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Reader::~Reader() = default;
 
 const std::string& Reader::name() const { return impl_->name_; }
-const std::string& Reader::profile() const { return impl_->profile_; }
-const std::string& Reader::library() const { return impl_->library_; }
+const std::string& Reader::profile() const { return impl_->contents_.profile; }
+const std::string& Reader::library() const { return impl_->contents_.library; }
 std::uint64_t Reader::size() const { return impl_->bytes_.size(); }
 const Diagnostics& Reader::damage() const { return impl_->damage_.list(); }
-const std::map<std::uint16_t, Schema>& Reader::schemas() const { return impl_->schemas_; }
-const std::map<std::uint16_t, Channel>& Reader::channels() const { return impl_->channels_; }
+const std::map<std::uint16_t, Schema>& Reader::schemas() const { return impl_->contents_.schemas; }
+const std::map<std::uint16_t, Channel>& Reader::channels() const { return impl_->contents_.channels; }
 const std::vector<Attachment>& Reader::attachments() const { return impl_->attachments_; }
 const std::vector<Metadata>& Reader::metadata() const { return impl_->metadata_; }
-const std::optional<Statistics>& Reader::statistics() const { return impl_->statistics_; }
+const std::optional<Statistics>& Reader::statistics() const { return impl_->contents_.statistics; }
 
-const Schema* Reader::schema_of(const Channel& channel) const {
-  const auto found = impl_->schemas_.find(channel.schema_id);
-  return found == impl_->schemas_.end() ? nullptr : &found->second;
-}
+const Schema* Reader::schema_of(const Channel& channel) const { return impl_->contents_.schema_of(channel); }
 
 Result<void> Reader::for_each_message(const OnMessage& callback, std::span<const std::uint16_t> channels) {
   return impl_->for_each_message(callback, ChannelSet(channels));

@@ -3,35 +3,11 @@
 
 #include <rehearse/mcap.h>
 
-#include "codec.h"
+#include "chunk_opener.h"
+#include "contents.h"
 #include "file_view.h"
-#include "records.h"
 
 namespace rehearse::mcap {
-
-/// Steps over records. Stops at the end of the range, or before the first that isn't whole.
-class RecordWalker {
- public:
-  explicit RecordWalker(Bytes range, std::uint64_t start = 0) : range_(range), offset_(start) {}
-
-  bool next(Record& record);
-  /// Of the next record; after the last whole one: where the walk ended.
-  std::uint64_t offset() const { return offset_; }
-  bool at_end() const { return offset_ == range_.size(); }
-
- private:
-  Bytes range_;
-  std::uint64_t offset_;
-};
-
-/// nullopt if the body is shorter than a message's head.
-struct MessageHead {
-  std::uint16_t channel = 0;
-  std::uint32_t sequence = 0;
-  std::uint64_t log_time = 0;
-  std::uint64_t publish_time = 0;
-};
-std::optional<MessageHead> parse_message_head(Bytes body);
 
 /// Which channels a pass delivers.
 class ChannelSet {
@@ -46,19 +22,6 @@ class ChannelSet {
   std::vector<bool> chosen_;
 };
 
-/// Damage found so far: a bounded list, so that a file full of damage doesn't fill the memory with it.
-class DamageLog {
- public:
-  explicit DamageLog(std::string file) : file_(std::move(file)) {}
-  void add(std::string message);
-  const Diagnostics& list() const { return list_; }
-
- private:
-  static constexpr std::size_t limit = 50;
-  std::string file_;
-  Diagnostics list_;
-};
-
 /// A chunk as the walk at opening found it.
 struct ChunkPlace {
   std::uint64_t offset = 0;
@@ -69,7 +32,7 @@ struct ChunkPlace {
 class Reader::Impl {
  public:
   Impl(FileView file, Bytes bytes, std::string name, ReaderOptions options)
-      : file_(std::move(file)), bytes_(bytes), name_(std::move(name)), options_(options), damage_(name_) {}
+      : file_(std::move(file)), bytes_(bytes), name_(std::move(name)), options_(options), damage_(name_), chunk_opener_(options) {}
 
   // scan.cpp
   Result<void> scan();
@@ -86,21 +49,12 @@ class Reader::Impl {
   Bytes bytes_;
   std::string name_;
   ReaderOptions options_;
-  std::string profile_;
-  std::string library_;
-  std::map<std::uint16_t, Schema> schemas_;
-  std::map<std::uint16_t, Channel> channels_;
+  Contents contents_;
   std::vector<Attachment> attachments_;
   std::vector<Metadata> metadata_;
-  std::optional<Statistics> statistics_;
   DamageLog damage_;
+  ChunkOpener chunk_opener_;
 
-  /// The chunk's decompressed records, its CRC checked; in `buffer`, or in the file itself. The diagnostic is complete.
-  Result<Bytes> open_chunk(const ChunkHead& head, std::uint64_t offset, RawBuffer& buffer);
-  /// Takes in a Schema or Channel record; anything else is ignored. Contradictions go to `damage`.
-  void learn(const Record& record, DamageLog& damage);
-  /// The message of a record; its channel null (and damage logged) if it can't be had.
-  Message read_message(const Record& record, DamageLog& damage);
   /// Adds to `damage` if the data section's CRC doesn't match; computed once.
   void check_data_crc(DamageLog& damage);
   /// All damage: that of opening and that of a pass.
@@ -116,11 +70,9 @@ class Reader::Impl {
  private:
   // scan.cpp
   void scan_data_record(const Record& record);
-  void scan_attachment(const Record& record);
   void scan_chunk_head(const Record& record);
   void scan_end(RecordWalker& walker, const Record& data_end);
-  void scan_footer(const Record& footer, std::uint64_t summary_start);
-  void scan_summary(Bytes summary, std::uint64_t start);
+  void scan_summary_up_to(const Record& footer, std::uint64_t start);
   void learn_from_chunks();
   void report_cut(const RecordWalker& walker);
 
@@ -128,7 +80,6 @@ class Reader::Impl {
   bool pass_over_chunk(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
   bool deliver(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
 
-  Decompressor decompressor_;
   RawBuffer pass_buffer_;
   RawBuffer at_buffer_;  // of message_at: the chunk that it read last
   Bytes at_records_;

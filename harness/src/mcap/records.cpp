@@ -4,6 +4,20 @@
 
 namespace rehearse::mcap {
 
+bool RecordWalker::next(Record& record) {
+  const Bytes left = range_.subspan(offset_);
+  if (left.size() < record_head) return false;
+  ByteReader in(left);
+  const auto opcode = in.get<std::uint8_t>();
+  const auto length = in.get<std::uint64_t>();
+  if (opcode == 0 || length > in.left()) return false;
+  record.opcode = opcode;
+  record.body = in.get_bytes(length);
+  record.offset = offset_;
+  offset_ += record_head + length;
+  return true;
+}
+
 std::optional<Schema> parse_schema(Bytes body) {
   ByteReader in(body);
   Schema schema;
@@ -23,6 +37,16 @@ std::optional<Channel> parse_channel(Bytes body) {
   channel.message_encoding = in.get_string();
   channel.metadata = in.get_map();
   return in.ok() ? std::optional(std::move(channel)) : std::nullopt;
+}
+
+std::optional<MessageHead> parse_message_head(Bytes body) {
+  if (body.size() < message_head) return std::nullopt;
+  MessageHead head;
+  std::memcpy(&head.channel, body.data(), 2);
+  std::memcpy(&head.sequence, body.data() + 2, 4);
+  std::memcpy(&head.log_time, body.data() + 6, 8);
+  std::memcpy(&head.publish_time, body.data() + 14, 8);
+  return head;
 }
 
 std::optional<ChunkHead> parse_chunk(Bytes body) {

@@ -48,9 +48,33 @@ struct AttachmentRecord {
   std::uint32_t crc = 0;  // 0: none
 };
 
+/// What stands before the data of a message.
+struct MessageHead {
+  std::uint16_t channel = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t log_time = 0;
+  std::uint64_t publish_time = 0;
+};
+
+/// Steps over records. Stops at the end of the range, or before the first that isn't whole.
+class RecordWalker {
+ public:
+  explicit RecordWalker(Bytes range, std::uint64_t start = 0) : range_(range), offset_(start) {}
+
+  bool next(Record& record);
+  /// Of the next record; after the last whole one: where the walk ended.
+  std::uint64_t offset() const { return offset_; }
+  bool at_end() const { return offset_ == range_.size(); }
+
+ private:
+  Bytes range_;
+  std::uint64_t offset_;
+};
+
 // Each takes the body of a record and is nullopt if the body is too short for what it says.
 std::optional<Schema> parse_schema(Bytes body);
 std::optional<Channel> parse_channel(Bytes body);
+std::optional<MessageHead> parse_message_head(Bytes body);
 std::optional<ChunkHead> parse_chunk(Bytes body);
 std::optional<AttachmentRecord> parse_attachment(Bytes body);
 std::optional<Metadata> parse_metadata(Bytes body);
