@@ -20,6 +20,7 @@ rehearse_add_library(mcap
   src/mcap/reader.cpp
   src/mcap/records.cpp
   src/mcap/scan.cpp
+  src/mcap/sink.cpp
   src/mcap/stream.cpp
   src/mcap/summary.cpp
   src/mcap/writer.cpp)

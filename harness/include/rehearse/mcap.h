@@ -9,8 +9,8 @@
 // calls and their arguments, on nothing else.
 //
 // Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
-// damaged file before it says where the damage is. What comes through a pipe it keeps in a temporary file first; to read
-// it as it comes: mcap_stream.h. Neither class may be used from two threads at a time.
+// damaged file before it says where the damage is. What comes through a pipe it keeps in a temporary file first; who
+// reads it as it comes: mcap_stream.h. Neither class may be used from two threads at a time.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -95,17 +95,45 @@ enum class Compression { none, lz4, zstd };
 /// "", "lz4" or "zstd": the format's own names.
 std::string_view to_string(Compression compression);
 
+/// What a file has besides what was put into it. The format demands none of it: what is left out is missed by readers
+/// who want to find something without reading everything, or to notice damage.
+struct FileForm {
+  bool chunks = true;                  // false: messages stand by themselves, uncompressed, in the order of the calls
+  bool definitions_in_chunks = false;  // schemas and channels before their first message in each chunk, nowhere else
+  bool message_indexes = true;         // behind each chunk
+  bool chunk_crcs = true;
+  bool attachment_crcs = true;
+  bool data_crc = true;
+  bool summary = true;  // false: nothing of what follows, but for the CRC
+  bool repeated_schemas = true;
+  bool repeated_channels = true;
+  bool statistics = true;
+  bool chunk_indexes = true;
+  bool attachment_indexes = true;
+  bool metadata_indexes = true;
+  bool summary_offsets = true;
+  bool summary_crc = true;
+
+  bool has_definitions_in_chunks() const { return chunks && definitions_in_chunks; }
+};
+
 struct WriterOptions {
   /// The profile of the header. With "ros2" every channel gets the metadata key offered_qos_profiles that it demands.
   std::string profile = "ros2";
+  /// Who writes, as the header says it; nullopt: rehearse and its version.
+  std::optional<std::string> library;
   /// A chunk is finished when its records, and what is held for those put off, reach this size [bytes]; so it is at
   /// most one message larger.
   std::size_t chunk_size = 768 * 1024;
   /// ... or when any message comes this much log time after the chunk's first [ns]. This bounds what a kill loses.
   std::uint64_t chunk_span = 1'000'000'000;
+  /// For all channels; nullopt: as their groups say.
+  std::optional<Compression> compression;
+  int lz4_level = 0;   // from 3 on it is slower, and smaller
   int zstd_level = 1;  // level 3 took three times as long on joint states and made them no smaller (measured)
   /// Finished chunks that may wait for the writer thread; then write() waits too. Bounds the memory.
   std::size_t queue_length = 4;
+  FileForm form;
 };
 
 /// How the messages of a channel are stored. Channels with equal values share chunks.
@@ -123,16 +151,21 @@ inline constexpr ChunkGroup pictures{1, Compression::none};
 /// readable up to the last finished chunk: as a kill does.
 class Writer {
  public:
-  /// Creates or truncates the file. Fails if it can't be opened.
+  /// Creates the file, or begins it anew: who has the old one open keeps it as it was, unless it has more than one name
+  /// or owner. Links, pipes and devices are written into. Fails if it can't be opened.
   static Result<std::unique_ptr<Writer>> create(const std::filesystem::path& file, WriterOptions options = {});
+  /// Appends to bytes that outlive the Writer, and that nobody else touches before close() or flush() has returned.
+  static std::unique_ptr<Writer> create_in_memory(std::vector<std::byte>& out, WriterOptions options = {});
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Adds a schema and returns its id (from 1); the same name, encoding and data again is the same id.
+  /// Adds a schema and returns its id (from 1); the same name, encoding and data again is the same id. A file holds
+  /// 65535: one more is 0 and an error of every later call.
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
 
-  /// Adds a channel and returns its id (from 1). `schema` is 0 or an id of add_schema. At most 65535.
+  /// Adds a channel and returns its id (from 1). `schema` is 0 or an id of add_schema. A file holds 65536, the last
+  /// with the id 0: one more is an error of every later call.
   std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
                             StringMap metadata = {}, ChunkGroup group = numbers);
 
@@ -161,7 +194,7 @@ class Writer {
   /// returns what the first did.
   Result<void> close();
 
-  /// The number under which the file is open, until close().
+  /// The number under which the file is open, until close(); -1 in memory.
   int descriptor() const;
 
  private:
@@ -185,7 +218,8 @@ struct Record {
 };
 
 /// Reads one file. open() fails only if there is nothing to be had: no such file, not MCAP, not a file (a directory, a
-/// device). A pipe is one, and so is standard input, named "-". A file that is cut or damaged opens; damage() says where, passes deliver what is whole and then return all the damage they met.
+/// device). A pipe is one, and so is standard input, named "-". A file that is cut or damaged opens; damage() says
+/// where, passes deliver what is whole and then return all the damage they met.
 class Reader {
  public:
   using OnMessage = std::function<bool(const Message&)>;  // false: stop

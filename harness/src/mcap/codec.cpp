@@ -23,10 +23,12 @@ std::string_view to_string(Compression compression) {
 
 struct Compressor::State {
   std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> zstd{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+  LZ4F_preferences_t lz4 = LZ4F_INIT_PREFERENCES;
   RawBuffer out;
 };
 
-Compressor::Compressor(int zstd_level) : state_(std::make_unique<State>()) {
+Compressor::Compressor(int zstd_level, int lz4_level) : state_(std::make_unique<State>()) {
+  state_->lz4.compressionLevel = lz4_level;
   ZSTD_CCtx_setParameter(state_->zstd.get(), ZSTD_c_compressionLevel, zstd_level);
 }
 
@@ -35,10 +37,10 @@ Compressor::~Compressor() = default;
 Result<Bytes> Compressor::compress(Compression compression, Bytes raw) {
   if (compression == Compression::none) return raw;
   const bool zstd = compression == Compression::zstd;
-  const std::size_t bound = zstd ? ZSTD_compressBound(raw.size()) : LZ4F_compressFrameBound(raw.size(), nullptr);
+  const std::size_t bound = zstd ? ZSTD_compressBound(raw.size()) : LZ4F_compressFrameBound(raw.size(), &state_->lz4);
   std::byte* out = state_->out.reserve(bound);
   const std::size_t size = zstd ? ZSTD_compress2(state_->zstd.get(), out, bound, raw.data(), raw.size())
-                                : LZ4F_compressFrame(out, bound, raw.data(), raw.size(), nullptr);
+                                : LZ4F_compressFrame(out, bound, raw.data(), raw.size(), &state_->lz4);
   if (zstd ? ZSTD_isError(size) : LZ4F_isError(size)) {
     return error(fmt::format("{} can't compress a chunk: {}", to_string(compression),
                              zstd ? ZSTD_getErrorName(size) : LZ4F_getErrorName(size)));

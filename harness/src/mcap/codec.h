@@ -13,7 +13,7 @@ std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0);
 /// Compresses chunks, one after the other, with state that is reused.
 class Compressor {
  public:
-  explicit Compressor(int zstd_level);
+  Compressor(int zstd_level, int lz4_level);
   ~Compressor();
   Compressor(const Compressor&) = delete;
   Compressor& operator=(const Compressor&) = delete;

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <sys/stat.h>
-#include <unistd.h>
 #include <algorithm>
-#include <cerrno>
 #include <csignal>
 #include <cstring>
 
@@ -26,29 +23,15 @@ std::thread start_quiet_thread(Function function) {
   return thread;
 }
 
-/// Device and inode; of what isn't open none.
-std::pair<std::uint64_t, std::uint64_t> identity_of(int file) {
-  struct stat status {};
-  if (::fstat(file, &status) != 0) return {};
-  return {status.st_dev, status.st_ino};
-}
-
 }  // namespace
 
-Output::Output(int file, std::string name, const WriterOptions& options)
-    : file_(file),
-      device_(identity_of(file).first),
-      inode_(identity_of(file).second),
+Output::Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
+    : sink_(std::move(sink)),
+      form_(options.form),
       name_(std::move(name)),
       queue_length_(std::max<std::size_t>(1, options.queue_length)),
-      compressor_(options.zstd_level),
+      compressor_(options.zstd_level, options.lz4_level),
       thread_(start_quiet_thread([this] { run(); })) {}
-
-/// The program around us may have closed our descriptor, and its number may stand for another file by now.
-bool Output::is_our_file() const {
-  const auto [device, inode] = identity_of(file_);
-  return device == device_ && inode == inode_;
-}
 
 Output::~Output() {
   stop();
@@ -119,28 +102,38 @@ void Output::process(Job& job) {
   if (const auto* raw = std::get_if<RawJob>(&job)) return process_raw(*raw);
   auto& chunk = std::get<ChunkData>(job);
   compose(chunk);
-  process_chunk(chunk);
+  if (form_.chunks) {
+    process_chunk(chunk);
+  } else {
+    write_data(chunk.records);
+  }
 }
 
-/// Puts the data of what was put off behind the heads of their records.
+/// Puts the data of what was put off behind the heads of their messages.
 void Output::compose(ChunkData& chunk) {
   if (chunk.put_off.empty()) return;
   composed_.clear();
-  auto next = chunk.put_off.begin();
-  for (std::size_t i = 0; i < chunk.index.size(); ++i) {
-    const std::size_t begin = chunk.index[i].offset;
-    const std::size_t end = i + 1 < chunk.index.size() ? chunk.index[i + 1].offset : chunk.records.size();
-    chunk.index[i].offset = composed_.size();
-    const Bytes record = Bytes(chunk.records).subspan(begin, end - begin);
-    composed_.insert(composed_.end(), record.begin(), record.end());
-    if (next == chunk.put_off.end() || next->entry != i) continue;
-    const std::vector<std::byte> data = next->compose();
-    next->compose = nullptr;  // what it held goes
-    ++next;
+  const auto copy = [&](std::size_t begin, std::size_t end) {
+    const Bytes piece = Bytes(chunk.records).subspan(begin, end - begin);
+    composed_.insert(composed_.end(), piece.begin(), piece.end());
+  };
+  std::size_t copied = 0;  // of the records
+  std::size_t moved = 0;   // entries of the index
+  for (PutOff& message : chunk.put_off) {
+    const std::size_t shift = composed_.size() - copied;  // what was put in before
+    for (; moved <= message.entry; ++moved) chunk.index[moved].offset += shift;
+    const std::size_t head = chunk.index[message.entry].offset;
+    const std::size_t data_at = head - shift + record_head + message_head;
+    copy(copied, data_at);
+    copied = data_at;
+    const std::vector<std::byte> data = message.compose();
+    message.compose = nullptr;  // what it held goes
     const std::uint64_t length = message_head + data.size();
-    std::memcpy(&composed_[chunk.index[i].offset + 1], &length, sizeof length);
+    std::memcpy(&composed_[head + 1], &length, sizeof length);
     composed_.insert(composed_.end(), data.begin(), data.end());
   }
+  for (; moved < chunk.index.size(); ++moved) chunk.index[moved].offset += composed_.size() - copied;
+  copy(copied, chunk.records.size());
   std::swap(chunk.records, composed_);
 }
 
@@ -177,7 +170,7 @@ void Output::process_chunk(const ChunkData& chunk) {
   out.put(chunk.start_time);
   out.put(chunk.end_time);
   out.put(static_cast<std::uint64_t>(chunk.records.size()));
-  out.put(crc32(chunk.records));
+  out.put(form_.chunk_crcs ? crc32(chunk.records) : 0u);
   out.put_string(compression);
   out.put(static_cast<std::uint64_t>(compressed->size()));
   out.put_bytes(*compressed);
@@ -185,7 +178,7 @@ void Output::process_chunk(const ChunkData& chunk) {
   const std::uint64_t chunk_length = out.size();
   std::vector<std::byte> offsets;
   ByteWriter offset_map(offsets);
-  put_message_indexes(chunk, out, offset_, offset_map);
+  if (form_.message_indexes) put_message_indexes(chunk, out, offset_, offset_map);
 
   ++counts_.chunk_count;
   ByteWriter summary(chunk_indexes_);
@@ -237,45 +230,39 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
   statistics.metadata_count = counts_.metadata_count;
   statistics.chunk_count = counts_.chunk_count;
 
-  SummaryComposer summary(offset_, data_crc_);
-  const auto add_group = [&](std::uint8_t opcode, auto&& put_records) {
+  SummaryComposer summary(offset_, form_.data_crc ? data_crc_ : 0, form_);
+  const auto add_group = [&](bool wanted, std::uint8_t opcode, auto&& put_records) {
+    if (!wanted || !form_.summary) return;
     std::vector<std::byte> records;
     ByteWriter out(records);
     put_records(out);
     summary.add_group(opcode, records);
   };
-  add_group(op::schema, [&](ByteWriter& out) {
+  add_group(form_.repeated_schemas, op::schema, [&](ByteWriter& out) {
     for (const auto& schema : schemas) put_schema(out, schema);
   });
-  add_group(op::channel, [&](ByteWriter& out) {
+  add_group(form_.repeated_channels, op::channel, [&](ByteWriter& out) {
     for (const auto& channel : channels) put_channel(out, channel);
   });
-  add_group(op::statistics, [&](ByteWriter& out) { put_statistics(out, statistics); });
-  summary.add_group(op::chunk_index, chunk_indexes_);
-  summary.add_group(op::attachment_index, attachment_indexes_);
-  summary.add_group(op::metadata_index, metadata_indexes_);
+  add_group(form_.statistics, op::statistics, [&](ByteWriter& out) { put_statistics(out, statistics); });
+  add_group(form_.chunk_indexes, op::chunk_index, [&](ByteWriter& out) { out.put_bytes(chunk_indexes_); });
+  add_group(form_.attachment_indexes, op::attachment_index,
+            [&](ByteWriter& out) { out.put_bytes(attachment_indexes_); });
+  add_group(form_.metadata_indexes, op::metadata_index, [&](ByteWriter& out) { out.put_bytes(metadata_indexes_); });
   write_file(summary.finish());
   close_file();
   return status();
 }
 
 void Output::write_data(Bytes bytes) {
-  data_crc_ = crc32(bytes, data_crc_);
+  if (form_.data_crc) data_crc_ = crc32(bytes, data_crc_);
   write_file(bytes);
 }
 
 void Output::write_file(Bytes bytes) {
-  if (!bytes.empty() && !failed() && !is_our_file())
-    return fail(
-        error("the trace can't be written any further: something in this process has closed its file descriptor",
-              "what was written before is whole; does a controller close what it hasn't opened?"));
-  while (!bytes.empty() && !failed()) {
-    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return fail(error(fmt::format("can't write the trace: {}", std::strerror(errno))));
-    offset_ += static_cast<std::uint64_t>(written);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
+  if (failed()) return;
+  if (const auto written = sink_->write(bytes); !written) return fail(written.errors().front());
+  offset_ += bytes.size();
 }
 
 void Output::fail(Diagnostic diagnostic) {
@@ -286,10 +273,8 @@ void Output::fail(Diagnostic diagnostic) {
 }
 
 void Output::close_file() {
-  if (file_ < 0) return;
-  const int result = is_our_file() ? ::close(file_) : 0;
-  file_ = -1;
-  if (result != 0 && !failed()) fail(error(fmt::format("can't finish writing the trace: {}", std::strerror(errno))));
+  const auto closed = sink_->close();
+  if (!closed && !failed()) fail(closed.errors().front());
 }
 
 }  // namespace rehearse::mcap

@@ -5,6 +5,7 @@
 
 #include "codec.h"
 #include "records.h"
+#include "sink.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -29,7 +30,7 @@ struct PutOff {
   std::function<std::vector<std::byte>()> compose;
 };
 
-/// A chunk while it is being filled, and until it is written.
+/// A chunk while it is being filled, and until it is written; or messages that will stand in none.
 struct ChunkData {
   std::vector<std::byte> records;
   std::vector<IndexEntry> index;
@@ -39,6 +40,7 @@ struct ChunkData {
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   Compression compression = Compression::none;
+  std::vector<std::uint16_t> defined;  // channels whose definitions are in the records
 
   bool empty() const { return index.empty(); }
   std::size_t size() const { return records.size() + held; }
@@ -46,6 +48,7 @@ struct ChunkData {
     records.clear();
     index.clear();
     put_off.clear();
+    defined.clear();
     held = 0;
   }
 };
@@ -64,8 +67,8 @@ using Job = std::variant<RawJob, ChunkData>;
 
 class Output {
  public:
-  /// Takes over the open file and starts the thread.
-  Output(int file, std::string name, const WriterOptions& options);
+  /// Starts the thread. `name` is what messages call the file.
+  Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options);
   /// Writes what is queued and closes the file.
   ~Output();
   Output(const Output&) = delete;
@@ -77,10 +80,12 @@ class Output {
   ChunkData take_chunk();
 
   /// Of the open file.
-  int descriptor() const { return file_; }
+  int descriptor() const { return sink_->descriptor(); }
   bool failed() const { return failed_.load(std::memory_order_acquire); }
   /// Success, or the failure.
   Result<void> status();
+  /// Nothing is written from now on.
+  void fail(Diagnostic diagnostic);
   /// Waits until everything queued is written.
   Result<void> drain();
   /// Ends the thread, writes the end of the data section, the summary and the footer, and closes the file. `statistics`
@@ -98,12 +103,10 @@ class Output {
                            ByteWriter& offsets) const;
   void write_data(Bytes bytes);  // of the data section: counted into its CRC
   void write_file(Bytes bytes);
-  bool is_our_file() const;
-  void fail(Diagnostic diagnostic);
   void close_file();
 
-  int file_;
-  std::uint64_t device_ = 0, inode_ = 0;  // of the file behind file_
+  std::unique_ptr<Sink> sink_;
+  const FileForm form_;
   const std::string name_;
   const std::size_t queue_length_;
   Compressor compressor_;

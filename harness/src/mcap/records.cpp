@@ -137,7 +137,7 @@ void put_channel(ByteWriter& out, const Channel& channel) {
   out.end_record();
 }
 
-void put_attachment(ByteWriter& out, const Attachment& attachment) {
+void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc) {
   std::vector<std::byte> covered;
   ByteWriter body(covered);
   body.put(attachment.log_time);
@@ -148,7 +148,7 @@ void put_attachment(ByteWriter& out, const Attachment& attachment) {
   body.put_bytes(attachment.data);
   out.begin_record(op::attachment);
   out.put_bytes(covered);
-  out.put(crc32(covered));
+  out.put(with_crc ? crc32(covered) : 0u);
   out.end_record();
 }
 

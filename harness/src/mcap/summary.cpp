@@ -4,7 +4,8 @@
 
 namespace rehearse::mcap {
 
-SummaryComposer::SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc) : data_size_(data_size) {
+SummaryComposer::SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form)
+    : data_size_(data_size), form_(form) {
   ByteWriter out(bytes_);
   out.begin_record(op::data_end);
   out.put(data_crc);
@@ -25,15 +26,17 @@ void SummaryComposer::add_group(std::uint8_t opcode, Bytes records) {
 
 Bytes SummaryComposer::finish() {
   ByteWriter out(bytes_);
+  const bool empty = bytes_.size() == summary_at_;
   const std::uint64_t offsets_start = data_size_ + bytes_.size();
-  out.put_bytes(offsets_);
+  const bool has_offsets = form_.summary_offsets && !empty;
+  if (has_offsets) out.put_bytes(offsets_);
   out.begin_record(op::footer);
-  out.put(data_size_ + summary_at_);
-  out.put(offsets_start);
+  out.put(empty ? 0 : data_size_ + summary_at_);
+  out.put(has_offsets ? offsets_start : 0);
   out.put(std::uint32_t{0});
   out.end_record();
   const std::size_t crc_at = bytes_.size() - 4;
-  out.patch(crc_at, crc32(Bytes(bytes_).subspan(summary_at_, crc_at - summary_at_)));
+  if (form_.summary_crc) out.patch(crc_at, crc32(Bytes(bytes_).subspan(summary_at_, crc_at - summary_at_)));
   out.put_bytes(magic);
   return bytes_;
 }

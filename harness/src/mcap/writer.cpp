@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <fcntl.h>
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace rehearse::mcap {
@@ -14,16 +13,18 @@ namespace rehearse::mcap {
 namespace {
 /// Later than any log time.
 constexpr std::uint64_t no_time = std::numeric_limits<std::uint64_t>::max();
+constexpr std::size_t most_schemas = 0xffff;  // 0 is none
+constexpr std::size_t most_channels = 0x10000;
 }  // namespace
 
 class Writer::Impl {
  public:
-  Impl(int file, std::string name, const WriterOptions& options)
-      : options_(options), output_(file, std::move(name), options) {
+  Impl(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
+      : options_(options), output_(std::move(sink), std::move(name), options) {
     RawJob job;
     ByteWriter out(job.bytes);
     out.put_bytes(magic);
-    put_header(out, options.profile, "rehearse " REHEARSE_VERSION);
+    put_header(out, options.profile, options.library.value_or("rehearse " REHEARSE_VERSION));
     output_.push(std::move(job));
   }
 
@@ -46,10 +47,13 @@ class Writer::Impl {
   };
   struct ChannelState {
     std::size_t group = 0;
-    std::uint64_t count = 0;
+    std::uint64_t count = 0;       // messages
+    bool defined_in_open = false;  // in the open chunk of its group
   };
 
+  static std::size_t index_of(std::uint16_t channel) { return static_cast<std::uint16_t>(channel - 1); }
   std::size_t find_or_add_group(ChunkGroup key);
+  void define_in_chunk(std::uint16_t channel, ChunkData& chunk);
   /// The log time at which the chunk is old enough to be finished.
   std::uint64_t deadline_of(const ChunkData& chunk) const {
     return chunk.first_time + std::min(options_.chunk_span, no_time - chunk.first_time);
@@ -62,7 +66,8 @@ class Writer::Impl {
 
   const WriterOptions options_;
   std::vector<Schema> schemas_;
-  std::vector<Channel> channels_;     // id - 1 is the index
+  std::multimap<std::string, std::uint16_t, std::less<>> schemas_by_name_;
+  std::vector<Channel> channels_;     // index_of
   std::vector<ChannelState> states_;  // like channels_
   std::vector<Group> groups_;
   std::uint64_t next_deadline_ = no_time;  // log time at which some chunk is old
@@ -74,34 +79,49 @@ class Writer::Impl {
 };
 
 std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
-  for (const Schema& schema : schemas_) {
-    if (schema.name == name && schema.encoding == encoding && schema.data == data) return schema.id;
+  const auto [first, last] = schemas_by_name_.equal_range(name);
+  for (auto place = first; place != last; ++place) {
+    const Schema& schema = schemas_[place->second - 1u];
+    if (schema.encoding == encoding && schema.data == data) return schema.id;
   }
-  REHEARSE_ASSERT(schemas_.size() < 0xffff, "a trace holds at most 65535 schemas");
+  if (schemas_.size() == most_schemas) {
+    output_.fail(error(fmt::format("the schema {} is one too many: a file holds {}", name, most_schemas)));
+    return 0;
+  }
   schemas_.push_back(
       {static_cast<std::uint16_t>(schemas_.size() + 1), std::string(name), std::string(encoding), std::string(data)});
-  RawJob job;
-  ByteWriter out(job.bytes);
-  put_schema(out, schemas_.back());
-  output_.push(std::move(job));
+  schemas_by_name_.emplace(name, schemas_.back().id);
+  if (!options_.form.has_definitions_in_chunks()) {
+    RawJob job;
+    ByteWriter out(job.bytes);
+    put_schema(out, schemas_.back());
+    output_.push(std::move(job));
+  }
   return schemas_.back().id;
 }
 
 std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
   REHEARSE_ASSERT(channel.schema_id <= schemas_.size(), "a channel's schema is added before it");
-  REHEARSE_ASSERT(channels_.size() < 0xffff, "a trace holds at most 65535 channels");
+  if (channels_.size() == most_channels) {
+    output_.fail(error(fmt::format("the channel {} is one too many: a file holds {}", channel.topic, most_channels)));
+    return channels_.back().id;
+  }
   if (options_.profile == "ros2") channel.metadata.try_emplace("offered_qos_profiles");
-  channel.id = static_cast<std::uint16_t>(channels_.size() + 1);
-  RawJob job;
-  ByteWriter out(job.bytes);
-  put_channel(out, channel);
-  output_.push(std::move(job));
+  channel.id = static_cast<std::uint16_t>(channels_.size() + 1);  // the last is 0
+  if (!options_.form.has_definitions_in_chunks()) {
+    RawJob job;
+    ByteWriter out(job.bytes);
+    put_channel(out, channel);
+    output_.push(std::move(job));
+  }
   states_.push_back({find_or_add_group(group)});
   channels_.push_back(std::move(channel));
   return channels_.back().id;
 }
 
 std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
+  if (options_.compression) key.compression = *options_.compression;
+  if (!options_.form.chunks) key = {};  // all messages in the order in which they come
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     if (groups_[i].key.id == key.id && groups_[i].key.compression == key.compression) return i;
   }
@@ -113,10 +133,10 @@ std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
 Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uint64_t log_time,
                                                  std::uint64_t publish_time, std::size_t size,
                                                  std::optional<std::uint32_t> numbered) {
-  REHEARSE_ASSERT(channel >= 1 && channel <= channels_.size(), "a message's channel is added before it");
+  REHEARSE_ASSERT(index_of(channel) < channels_.size(), "a message's channel is added before it");
   REHEARSE_ASSERT(!closed_, "nothing is written to a closed trace");
   if (log_time >= next_deadline_) finish_old_chunks(log_time);
-  ChannelState& state = states_[channel - 1];
+  ChannelState& state = states_[index_of(channel)];
   Group& group = groups_[state.group];
   ChunkData& chunk = group.open;
   if (chunk.empty()) {
@@ -127,6 +147,7 @@ Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uin
   }
   chunk.start_time = std::min(chunk.start_time, log_time);
   chunk.end_time = std::max(chunk.end_time, log_time);
+  if (options_.form.has_definitions_in_chunks() && !state.defined_in_open) define_in_chunk(channel, chunk);
   chunk.index.push_back({log_time, chunk.records.size(), channel});
 
   std::array<std::byte, record_head + message_head> head;
@@ -145,6 +166,16 @@ Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uin
   start_time_ = std::min(start_time_, log_time);
   end_time_ = std::max(end_time_, log_time);
   return group;
+}
+
+/// Puts what defines a channel before its first message in a chunk.
+void Writer::Impl::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
+  const Channel& definition = channels_[index_of(channel)];
+  ByteWriter out(chunk.records);
+  if (definition.schema_id != 0) put_schema(out, schemas_[definition.schema_id - 1u]);
+  put_channel(out, definition);
+  chunk.defined.push_back(channel);
+  states_[index_of(channel)].defined_in_open = true;
 }
 
 Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
@@ -171,6 +202,7 @@ Result<void> Writer::Impl::end_message(Group& group) {
 }
 
 void Writer::Impl::finish_chunk(Group& group) {
+  for (const std::uint16_t channel : group.open.defined) states_[index_of(channel)].defined_in_open = false;
   ChunkData next = output_.take_chunk();
   output_.push(std::exchange(group.open, std::move(next)));
 }
@@ -194,7 +226,7 @@ Result<void> Writer::Impl::add_attachment(Attachment attachment) {
   RawJob job;
   job.kind = RawJob::Kind::attachment;
   ByteWriter out(job.bytes);
-  put_attachment(out, attachment);
+  put_attachment(out, attachment, options_.form.attachment_crcs);
   job.data_size = attachment.data.size();
   attachment.data = {};
   job.attachment = std::move(attachment);
@@ -228,7 +260,7 @@ Result<void> Writer::Impl::close() {
   statistics.message_start_time = message_count_ == 0 ? 0 : start_time_;
   statistics.message_end_time = end_time_;
   for (const Channel& channel : channels_) {
-    const std::uint64_t count = states_[channel.id - 1].count;
+    const std::uint64_t count = states_[index_of(channel.id)].count;
     if (count > 0) statistics.channel_message_counts[channel.id] = count;
   }
   closed_ = output_.finish(schemas_, channels_, statistics);
@@ -236,13 +268,13 @@ Result<void> Writer::Impl::close() {
 }
 
 Result<std::unique_ptr<Writer>> Writer::create(const std::filesystem::path& file, WriterOptions options) {
-  const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (opened < 0) {
-    Diagnostic failure = error(fmt::format("can't create the trace: {}", std::strerror(errno)));
-    failure.file = file.string();
-    return failure;
-  }
-  return std::unique_ptr<Writer>(new Writer(std::make_unique<Impl>(opened, file.string(), options)));
+  auto sink = open_file_sink(file);
+  if (!sink) return sink.errors();
+  return std::unique_ptr<Writer>(new Writer(std::make_unique<Impl>(std::move(*sink), file.string(), options)));
+}
+
+std::unique_ptr<Writer> Writer::create_in_memory(std::vector<std::byte>& out, WriterOptions options) {
+  return std::unique_ptr<Writer>(new Writer(std::make_unique<Impl>(make_memory_sink(out), "in memory", options)));
 }
 
 Writer::Writer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -1,0 +1,111 @@
+#include "sink.h"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+namespace rehearse::mcap {
+
+namespace {
+
+/// Device and inode; of what isn't open none.
+std::pair<std::uint64_t, std::uint64_t> identity_of(int file) {
+  struct stat status {};
+  if (::fstat(file, &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
+}
+
+class FileSink : public Sink {
+ public:
+  explicit FileSink(int file) : file_(file), identity_(identity_of(file)) {}
+  ~FileSink() override { static_cast<void>(close()); }
+  FileSink(const FileSink&) = delete;
+  FileSink& operator=(const FileSink&) = delete;
+
+  Result<void> write(Bytes bytes) override;
+  Result<void> close() override;
+  int descriptor() const override { return file_; }
+
+ private:
+  /// The program around us may have closed our descriptor, and its number may stand for another file by now.
+  bool is_our_file() const { return identity_of(file_) == identity_; }
+
+  int file_;
+  std::pair<std::uint64_t, std::uint64_t> identity_;
+};
+
+Result<void> FileSink::write(Bytes bytes) {
+  if (!bytes.empty() && !is_our_file())
+    return error("the trace can't be written any further: something in this process has closed its file descriptor",
+                 "what was written before is whole; does a controller close what it hasn't opened?");
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return error(fmt::format("can't write the trace: {}", std::strerror(errno)));
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> FileSink::close() {
+  if (file_ < 0) return {};
+  const bool ours = is_our_file();
+  const int file = std::exchange(file_, -1);
+  if (ours && ::close(file) != 0) return error(fmt::format("can't finish writing the trace: {}", std::strerror(errno)));
+  return {};
+}
+
+class MemorySink : public Sink {
+ public:
+  explicit MemorySink(std::vector<std::byte>& out) : out_(out) {}
+  Result<void> write(Bytes bytes) override {
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+    return {};
+  }
+  Result<void> close() override { return {}; }
+
+ private:
+  std::vector<std::byte>& out_;
+};
+
+/// Puts a new, empty file in the place of one that only we have to do with; -1 if it isn't so, or can't be done.
+int replace(const std::filesystem::path& file) {
+  struct stat old {};
+  if (::lstat(file.c_str(), &old) != 0 || !S_ISREG(old.st_mode)) return -1;
+  if (old.st_nlink != 1 || old.st_uid != ::geteuid() || ::access(file.c_str(), W_OK) != 0) return -1;
+  std::string name = file.string() + ".XXXXXX";
+  const int opened = ::mkostemp(name.data(), O_CLOEXEC);
+  if (opened < 0) return -1;
+  struct stat now {};
+  if (::fchmod(opened, old.st_mode & 07777) == 0 && ::fstat(opened, &now) == 0 && now.st_gid == old.st_gid &&
+      ::rename(name.c_str(), file.c_str()) == 0)
+    return opened;
+  ::close(opened);
+  ::unlink(name.c_str());
+  return -1;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) {
+  std::error_code none;
+  std::filesystem::path place = std::filesystem::canonical(file, none);  // behind links
+  int opened = none ? -1 : replace(place);
+  if (opened < 0) opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (opened < 0) {
+    Diagnostic failure = error(fmt::format("can't create the trace: {}", std::strerror(errno)));
+    failure.file = file.string();
+    return failure;
+  }
+  return std::unique_ptr<Sink>(std::make_unique<FileSink>(opened));
+}
+
+std::unique_ptr<Sink> make_memory_sink(std::vector<std::byte>& out) { return std::make_unique<MemorySink>(out); }
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,294 @@
+// What a Writer can be told to leave out, or to do otherwise; and where it writes.
+#include "mcap_files.h"
+
+#include <rehearse/mcap_stream.h>
+
+#include <gmock/gmock.h>
+
+#include <sys/stat.h>
+#include <functional>
+#include <map>
+#include <thread>
+
+using namespace rehearse;
+using namespace rehearse::test;
+using testing::HasSubstr;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Form {
+  std::string name;
+  std::function<void(mcap::WriterOptions&)> set;
+  std::vector<int> without;  // opcodes that aren't in the file
+};
+void PrintTo(const Form& form, std::ostream* out) { *out << form.name; }
+
+std::vector<Form> forms() {
+  using O = mcap::WriterOptions;
+  return {
+      {"AsEver", [](O&) {}, {}},
+      {"Unchunked", [](O& o) { o.form.chunks = false; }, {0x06, 0x07, 0x08}},
+      {"DefinitionsInChunks", [](O& o) { o.form.definitions_in_chunks = true; }, {}},
+      {"NoMessageIndex", [](O& o) { o.form.message_indexes = false; }, {0x07}},
+      {"NoSummary", [](O& o) { o.form.summary = false; }, {0x08, 0x0a, 0x0b, 0x0d, 0x0e}},
+      {"NoRepeatedSchemas", [](O& o) { o.form.repeated_schemas = false; }, {}},
+      {"NoRepeatedChannels", [](O& o) { o.form.repeated_channels = false; }, {}},
+      {"DefinitionsOnlyInChunks",
+       [](O& o) {
+         o.form.definitions_in_chunks = true;
+         o.form.repeated_schemas = o.form.repeated_channels = false;
+       },
+       {}},
+      {"NoStatistics", [](O& o) { o.form.statistics = false; }, {0x0b}},
+      {"NoChunkIndex", [](O& o) { o.form.chunk_indexes = false; }, {0x08}},
+      {"NoAttachmentIndex", [](O& o) { o.form.attachment_indexes = false; }, {0x0a}},
+      {"NoMetadataIndex", [](O& o) { o.form.metadata_indexes = false; }, {0x0d}},
+      {"NoSummaryOffsets", [](O& o) { o.form.summary_offsets = false; }, {0x0e}},
+      {"NoCrcs",
+       [](O& o) { o.form.chunk_crcs = o.form.attachment_crcs = o.form.data_crc = o.form.summary_crc = false; },
+       {}},
+      {"Uncompressed", [](O& o) { o.compression = mcap::Compression::none; }, {}},
+      {"Lz4", [](O& o) { o.compression = mcap::Compression::lz4; }, {}},
+      {"Lz4Level9",
+       [](O& o) {
+         o.compression = mcap::Compression::lz4;
+         o.lz4_level = 9;
+       },
+       {}},
+      {"ZstdLevel19",
+       [](O& o) {
+         o.compression = mcap::Compression::zstd;
+         o.zstd_level = 19;
+       },
+       {}},
+  };
+}
+
+class McapForms : public testing::TestWithParam<Form> {
+ protected:
+  /// Two channels in two groups, one of them put off, an attachment, metadata.
+  static Buffer file_of(const Form& form) {
+    mcap::WriterOptions options;
+    form.set(options);
+    options.chunk_size = 300;
+    Buffer bytes;
+    const auto writer = mcap::Writer::create_in_memory(bytes, options);
+    const auto schema = writer->add_schema("test/msg/Text", "ros2msg", "string text\n");
+    const auto numbers = writer->add_channel(schema, "/numbers", "cdr");
+    const auto pictures = writer->add_channel(0, "/pictures", "png", {}, mcap::pictures);
+    EXPECT_TRUE(writer->add_attachment("scenario.yaml", "application/yaml", bytes_of("rehearse: 1\n")));
+    for (std::uint64_t i = 0; i < 50; ++i) {
+      EXPECT_TRUE(writer->write(numbers, i, i, bytes_of("number " + std::to_string(i))));
+      if (i % 5 != 0) continue;
+      EXPECT_TRUE(writer->write_later(pictures, i, i, 100, [i] { return Buffer(i + 1, std::byte{'p'}); }));
+    }
+    EXPECT_TRUE(writer->add_metadata("provenance", {{"seed", "0"}}));
+    EXPECT_TRUE(writer->close());
+    return bytes;
+  }
+
+  static std::map<int, int> records_of(mcap::Reader& reader) {
+    std::map<int, int> count;
+    EXPECT_TRUE(reader.for_each_record([&](const mcap::Record& record) { return ++count[record.opcode], true; }));
+    return count;
+  }
+};
+
+}  // namespace
+
+TEST_P(McapForms, AreReadBackWhateverIsLeftOut) {
+  const Buffer bytes = file_of(GetParam());
+  const Buffer usual_bytes = file_of(forms().front());
+  const auto usual = std::move(*mcap::Reader::open_bytes(usual_bytes, "usual"));
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+  EXPECT_TRUE(reader->damage().empty()) << to_string(reader->damage());
+  const Pass pass = pass_over(*reader);
+  EXPECT_TRUE(pass.end) << to_string(pass.end.errors());
+  EXPECT_EQ(pass.messages.size(), 60u);
+  EXPECT_EQ(reader->schemas(), usual->schemas());
+  EXPECT_EQ(reader->channels(), usual->channels());
+  ASSERT_EQ(reader->attachments().size(), 1u);
+  EXPECT_EQ(text_of(reader->attachments()[0].data), "rehearse: 1\n");
+  ASSERT_EQ(reader->metadata().size(), 1u);
+
+  const Pass in_order = pass_in_order(*reader);
+  EXPECT_TRUE(in_order.end);
+  std::uint64_t time = 0;
+  std::map<std::string, std::uint32_t> next;
+  for (const Seen& message : in_order.messages) {
+    EXPECT_GE(message.log_time, time);
+    time = message.log_time;
+    EXPECT_EQ(message.sequence, next[message.topic]++);
+    EXPECT_EQ(message.data,
+              message.topic == "/numbers" ? "number " + std::to_string(time) : std::string(time + 1, 'p'));
+  }
+  EXPECT_EQ(next, (std::map<std::string, std::uint32_t>{{"/numbers", 50}, {"/pictures", 10}}));
+}
+
+TEST_P(McapForms, AreReadBackAsAStream) {
+  const Buffer bytes = file_of(GetParam());
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+  const auto stream = std::move(*mcap::StreamReader::open_source(
+      [&, at = std::size_t{0}](std::span<std::byte> target) mutable {
+        const std::size_t count = std::min(target.size(), bytes.size() - at);
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), count, target.begin());
+        at += count;
+        return Result<std::size_t>(count);
+      },
+      "a"));
+  std::vector<Seen> messages;
+  const auto end =
+      stream->for_each_message([&](const mcap::Message& message) { return messages.push_back(see(message)), true; });
+  EXPECT_TRUE(end) << to_string(end.errors());
+  EXPECT_EQ(messages, pass_over(*reader).messages);
+}
+
+TEST_P(McapForms, HaveNothingOfWhatIsLeftOut) {
+  const Buffer bytes = file_of(GetParam());
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+  const auto records = records_of(*reader);
+  for (const int opcode : GetParam().without) EXPECT_FALSE(records.contains(opcode)) << "opcode " << opcode;
+  for (int opcode = 1; opcode <= 0x0f; ++opcode) {
+    const bool left_out =
+        std::find(GetParam().without.begin(), GetParam().without.end(), opcode) != GetParam().without.end();
+    EXPECT_EQ(records.contains(opcode), !left_out) << "opcode " << opcode;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, McapForms, testing::ValuesIn(forms()), [](const auto& form) { return form.param.name; });
+
+TEST(McapWriterForms, ChunksWithDefinitionsStandAlone) {
+  mcap::WriterOptions options;
+  options.chunk_size = 1;  // a message each
+  options.form.definitions_in_chunks = true;
+  Buffer bytes;
+  const auto writer = mcap::Writer::create_in_memory(bytes, options);
+  const auto schema = writer->add_schema("T", "ros2msg", "");
+  const auto channel = writer->add_channel(schema, "/a", "cdr");
+  for (std::uint64_t i = 0; i < 3; ++i) ASSERT_TRUE(writer->write(channel, i, i, bytes_of("x")));
+  ASSERT_TRUE(writer->close());
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+  std::vector<int> inside;
+  EXPECT_TRUE(reader->for_each_record([&](const mcap::Record& record) {
+    if (record.chunk) inside.push_back(record.opcode);
+    return true;
+  }));
+  EXPECT_EQ(inside, (std::vector<int>{3, 4, 5, 3, 4, 5, 3, 4, 5}));
+}
+
+TEST(McapWriterForms, NamesWhoWrites) {
+  mcap::WriterOptions options;
+  options.library = "a recorder 1.0";
+  options.profile = "";
+  Buffer bytes;
+  ASSERT_TRUE(mcap::Writer::create_in_memory(bytes, options)->close());
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+  EXPECT_EQ(reader->library(), "a recorder 1.0");
+  EXPECT_EQ(reader->profile(), "");
+}
+
+TEST(McapWriterForms, WritesTheSameBytesToMemoryAsIntoAFile) {
+  const TempFile file;
+  Buffer bytes;
+  {
+    const auto writer = mcap::Writer::create_in_memory(bytes);
+    EXPECT_EQ(writer->descriptor(), -1);
+    const auto channel = writer->add_channel(0, "/a", "text");
+    ASSERT_TRUE(writer->write(channel, 1, 2, bytes_of("x")));
+    ASSERT_TRUE(writer->close());
+  }
+  {
+    const auto writer = std::move(*mcap::Writer::create(file.path()));
+    const auto channel = writer->add_channel(0, "/a", "text");
+    ASSERT_TRUE(writer->write(channel, 1, 2, bytes_of("x")));
+    ASSERT_TRUE(writer->close());
+  }
+  EXPECT_EQ(bytes, file.read());
+}
+
+TEST(McapWriterForms, WhatIsFlushedToMemoryCanBeReadAtOnce) {
+  Buffer bytes;
+  const auto writer = mcap::Writer::create_in_memory(bytes);
+  const auto channel = writer->add_channel(0, "/a", "text");
+  ASSERT_TRUE(writer->write(channel, 1, 2, bytes_of("x")));
+  ASSERT_TRUE(writer->flush());
+  EXPECT_EQ(pass_over(*std::move(*mcap::Reader::open_bytes(bytes, "a"))).messages.size(), 1u);
+}
+
+TEST(McapWriterLimits, Holds65536ChannelsAndSaysThatOneMoreIsTooMany) {
+  Buffer bytes;
+  const auto writer = mcap::Writer::create_in_memory(bytes);
+  std::uint16_t last = 0;
+  for (int i = 0; i < 0x10000; ++i) {
+    last = writer->add_channel(0, "/" + std::to_string(i), "text");
+    if (i % 1000 != 0) continue;
+    ASSERT_TRUE(writer->write(last, 0, 0, bytes_of("x")));
+  }
+  EXPECT_EQ(last, 0) << "the ids begin at 1";
+  ASSERT_TRUE(writer->write(last, 1, 1, bytes_of("the last")));
+  ASSERT_TRUE(writer->flush());
+  {
+    const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+    const Pass pass = pass_over(*reader);
+    EXPECT_EQ(reader->channels().size(), 0x10000u);
+    EXPECT_EQ(pass.messages.back(), (Seen{"/65535", 0, 1, "the last"}));
+  }
+  const auto one_more = writer->add_channel(0, "/one/more", "text");
+  const auto written = writer->write(one_more, 2, 2, bytes_of("x"));
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.errors()[0].message, "the channel /one/more is one too many: a file holds 65536");
+  EXPECT_FALSE(writer->close());
+}
+
+TEST(McapWriterLimits, Holds65535SchemasAndSaysThatOneMoreIsTooMany) {
+  Buffer bytes;
+  const auto writer = mcap::Writer::create_in_memory(bytes);
+  for (int i = 1; i < 0x10000; ++i) ASSERT_EQ(writer->add_schema("T" + std::to_string(i), "ros2msg", ""), i);
+  ASSERT_EQ(writer->add_schema("T7", "ros2msg", ""), 7);
+  EXPECT_TRUE(writer->flush());
+  EXPECT_EQ(writer->add_schema("U", "ros2msg", ""), 0);
+  EXPECT_THAT(to_string(writer->close().errors()), HasSubstr("the schema U is one too many: a file holds 65535"));
+}
+
+TEST(McapWriterTargets, WhoHasTheOldFileOpenKeepsIt) {
+  const TempFile file;
+  write_small_file(file.path());
+  fs::permissions(file.path(), fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+  const auto reader = std::move(*mcap::Reader::open(file.path()));
+  ASSERT_TRUE(std::move(*mcap::Writer::create(file.path()))->close());
+  EXPECT_EQ(pass_over(*reader).messages.size(), 5u) << "as it was";
+  EXPECT_TRUE(pass_over(*std::move(*mcap::Reader::open(file.path()))).messages.empty()) << "as it is";
+  EXPECT_EQ(fs::status(file.path()).permissions(),
+            fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+}
+
+TEST(McapWriterTargets, ALinkStaysALink) {
+  const TempFile file, link;
+  write_small_file(file.path());
+  fs::create_symlink(file.path(), link.path());
+  ASSERT_TRUE(std::move(*mcap::Writer::create(link.path()))->close());
+  EXPECT_TRUE(fs::is_symlink(link.path()));
+  EXPECT_TRUE(pass_over(*std::move(*mcap::Reader::open(file.path()))).messages.empty()) << "where it leads to";
+}
+
+TEST(McapWriterTargets, AFileWithTwoNamesKeepsBoth) {
+  const TempFile file, other;
+  write_small_file(file.path());
+  fs::create_hard_link(file.path(), other.path());
+  ASSERT_TRUE(std::move(*mcap::Writer::create(file.path()))->close());
+  EXPECT_TRUE(fs::equivalent(file.path(), other.path()));
+}
+
+TEST(McapWriterTargets, APipeIsWrittenInto) {
+  const TempFile pipe;
+  ASSERT_EQ(::mkfifo(pipe.path().c_str(), 0600), 0);
+  std::thread writer([&] { write_small_file(pipe.path()); });
+  auto stream = std::move(*mcap::StreamReader::open(pipe.path()));
+  int count = 0;
+  EXPECT_TRUE(stream->for_each_message([&](const mcap::Message&) { return ++count, true; }));
+  writer.join();
+  EXPECT_EQ(count, 5);
+  EXPECT_TRUE(fs::is_fifo(pipe.path()));
+}
