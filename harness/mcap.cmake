@@ -5,6 +5,7 @@ find_package(fmt REQUIRED)
 find_package(Threads REQUIRED)
 
 rehearse_add_library(mcap
+  src/mcap/by_summary.cpp
   src/mcap/byte_window.cpp
   src/mcap/bytes.cpp
   src/mcap/chunk_opener.cpp

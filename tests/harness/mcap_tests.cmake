@@ -1,5 +1,6 @@
 rehearse_add_test(mcap_test LABEL unit
   SOURCES
+    mcap/by_summary_test.cpp
     mcap/copy_test.cpp
     mcap/damage_test.cpp
     mcap/order_test.cpp

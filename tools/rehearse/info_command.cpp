@@ -1,10 +1,13 @@
 // rehearse info: what stands in a trace, or in any MCAP file.
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
@@ -19,13 +22,18 @@ namespace rehearse::tool {
 namespace {
 
 constexpr std::size_t events_shown = 20;  // to a person; JSON has them all
+/// A file up to this size is read whole without being asked to: that takes a fraction of a second [bytes].
+constexpr std::uintmax_t small_file = 64'000'000;
+/// A log time beyond this is of a wall clock, not of a simulation: 1973 [ns].
+constexpr std::uint64_t wall_clock_begins = 100'000'000'000'000'000;
 
 struct Settings {
   std::string trace;
   bool json = false;
+  bool full = false;
 };
 
-/// What one pass over the messages says of a channel.
+/// What is known of the messages of a channel, or of all: by a pass, or by the summary (then without bytes).
 struct ChannelCount {
   std::uint64_t messages = 0;
   std::uint64_t bytes = 0;                                          // of the payloads
@@ -45,14 +53,19 @@ struct ChannelCount {
 };
 
 struct Contents {
+  bool by_summary = false;                         // bytes, events and damage aren't known
   std::map<std::uint16_t, ChannelCount> channels;  // by id
   ChannelCount all;
   std::uint64_t ticks = 0;
+  std::uint64_t event_count = 0;
   std::vector<msg::Event> events;
   Diagnostics damage;
 
   double begin() const { return all.messages == 0 ? 0.0 : static_cast<double>(all.first) / 1e9; }  // [s]
   double end() const { return static_cast<double>(all.last) / 1e9; }                               // [s]
+  double duration() const {                                                                        // [s]
+    return all.messages == 0 ? 0.0 : static_cast<double>(all.last - all.first) / 1e9;
+  }
 };
 
 std::string type_of(const mcap::Reader& reader, const mcap::Channel& channel) {
@@ -73,6 +86,7 @@ Contents count(mcap::Reader& reader) {
     contents.all.add(message);
     if (type == msg::Tick::type_name) ++contents.ticks;
     if (type == msg::Event::type_name) {
+      ++contents.event_count;
       CdrReader payload(message.data);
       msg::Event event;
       if (msg::decode(payload, event)) contents.events.push_back(std::move(event));
@@ -81,6 +95,56 @@ Contents count(mcap::Reader& reader) {
   });
   contents.damage = whole.errors();
   return contents;
+}
+
+/// What the statistics say. A channel's rate is that over the time of the whole file.
+Contents counts_of_summary(const mcap::Reader& reader) {
+  const mcap::Statistics& said = *reader.statistics();
+  const auto counted = [&](std::uint64_t messages) {
+    return ChannelCount{messages, 0, said.message_start_time, said.message_end_time};
+  };
+  Contents contents;
+  contents.by_summary = true;
+  contents.all = counted(said.message_count);
+  for (const auto& [id, channel] : reader.channels()) {
+    const auto found = said.channel_message_counts.find(id);
+    contents.channels[id] = counted(found == said.channel_message_counts.end() ? 0 : found->second);
+    const std::string type = type_of(reader, channel);
+    if (type == msg::Tick::type_name) contents.ticks += contents.channels[id].messages;
+    if (type == msg::Event::type_name) contents.event_count += contents.channels[id].messages;
+  }
+  return contents;
+}
+
+/// The chunks of one compression.
+struct Compressed {
+  std::uint64_t chunks = 0;
+  std::uint64_t stored = 0;   // [bytes]
+  std::uint64_t size = 0;     // decompressed [bytes]
+  std::uint64_t largest = 0;  // decompressed [bytes]
+};
+
+std::map<std::string, Compressed> compressions(const mcap::Reader& reader) {
+  std::map<std::string, Compressed> by_name;
+  for (const mcap::Chunk& chunk : reader.chunks()) {
+    Compressed& all = by_name[chunk.compression.empty() ? "none" : chunk.compression];
+    ++all.chunks;
+    all.stored += chunk.stored_size;
+    all.size += chunk.size;
+    all.largest = std::max(all.largest, chunk.size);
+  }
+  return by_name;
+}
+
+Json compressions_json(const mcap::Reader& reader) {
+  Json list = Json::array();
+  for (const auto& [name, all] : compressions(reader))
+    list.push_back({{"compression", name},
+                    {"chunks", all.chunks},
+                    {"stored_bytes", all.stored},
+                    {"bytes", all.size},
+                    {"largest_chunk", all.largest}});
+  return list;
 }
 
 Json channels_json(const mcap::Reader& reader, const Contents& contents) {
@@ -95,7 +159,7 @@ Json channels_json(const mcap::Reader& reader, const Contents& contents) {
                         {"metadata", channel.metadata},
                         {"messages", counted.messages},
                         {"rate", counted.rate()},
-                        {"bytes", counted.bytes}});
+                        {"bytes", contents.by_summary ? Json(nullptr) : Json(counted.bytes)}});
   }
   return channels;
 }
@@ -117,6 +181,7 @@ Json statistics_json(const mcap::Reader& reader) {
 }
 
 Json events_json(const Contents& contents) {
+  if (contents.by_summary) return nullptr;
   Json events = Json::array();
   for (const msg::Event& event : contents.events)
     events.push_back({{"tick", event.tick},
@@ -141,37 +206,84 @@ Json trace_json(const mcap::Reader& reader, const Contents& contents) {
   return {{"file", reader.name()},
           {"size", reader.size()},
           {"header", {{"profile", reader.profile()}, {"library", reader.library()}}},
+          {"read", contents.by_summary ? "summary" : "all"},
           {"begin", contents.begin()},
-          {"duration", contents.end() - contents.begin()},
+          {"duration", contents.duration()},
+          {"begin_ns", contents.all.messages == 0 ? 0 : contents.all.first},
+          {"end_ns", contents.all.last},
           {"ticks", contents.ticks},
           {"messages", contents.all.messages},
           {"schemas", schemas},
           {"channels", channels_json(reader, contents)},
           {"statistics", statistics_json(reader)},
+          {"compression", compressions_json(reader)},
           {"attachments", attachments},
           {"metadata", metadata},
           {"events", events_json(contents)},
           {"damage", json_of(contents.damage)}};
 }
 
+void tell_line(std::string_view name, std::string_view value) { fmt::print("{:<13}{}\n", name, value); }
+
+/// A log time: seconds, or a date if it can only be one.
+std::string time_text(std::uint64_t time_ns) {
+  if (time_ns < wall_clock_begins) return fmt::format("{:.15g} s", static_cast<double>(time_ns) / 1e9);
+  const auto seconds = static_cast<std::time_t>(time_ns / 1'000'000'000);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09} UTC", fmt::gmtime(seconds), time_ns % 1'000'000'000);
+}
+
+void tell_compressions(const mcap::Reader& reader) {
+  std::string_view heading = "compression";
+  for (const auto& [name, all] : compressions(reader)) {
+    const double share =
+        all.size == 0 ? 100.0 : 100.0 * static_cast<double>(all.stored) / static_cast<double>(all.size);
+    tell_line(heading,
+              fmt::format("{}: {}, {} of {} ({:.1f} %), the largest {}", plain_text(name),
+                          count_text(static_cast<std::int64_t>(all.chunks), "chunk"), file_size_text(all.stored),
+                          file_size_text(all.size), share, file_size_text(all.largest)));
+    heading = "";
+  }
+}
+
+void tell_file(const mcap::Reader& reader, const Contents& contents) {
+  tell_line("file", reader.name());
+  tell_line("size", file_size_text(reader.size()));
+  tell_line("library", reader.library().empty() ? "unnamed" : plain_text(reader.library()));
+  tell_line("profile", reader.profile().empty() ? "none" : plain_text(reader.profile()));
+  tell_line("messages", fmt::format("{} in {}", contents.all.messages,
+                                    count_text(static_cast<std::int64_t>(reader.channels().size()), "channel")));
+  if (contents.ticks > 0) tell_line("ticks", std::to_string(contents.ticks));
+  if (contents.all.messages > 0) {
+    tell_line("duration", fmt::format("{:.15g} s", contents.duration()));
+    tell_line("start", time_text(contents.all.first));
+    tell_line("end", time_text(contents.all.last));
+  }
+  tell_compressions(reader);
+}
+
 void tell_channels(const mcap::Reader& reader, const Contents& contents) {
-  std::vector<TableRow> rows{{"topic", "type", "messages", "rate", "payload"}};
+  std::vector<TableRow> rows{{"topic", "type", "encoding", "messages", "rate"}};
+  if (!contents.by_summary) rows[0].push_back("payload");
   for (const auto& [id, channel] : reader.channels()) {
     const ChannelCount& counted = contents.channels.at(id);
-    rows.push_back({channel.topic, type_of(reader, channel), std::to_string(counted.messages),
-                    counted.rate() > 0.0 ? fmt::format("{:.4g} Hz", counted.rate()) : "-",
-                    file_size_text(counted.bytes)});
+    rows.push_back({plain_text(channel.topic), plain_text(type_of(reader, channel)),
+                    plain_text(channel.message_encoding), std::to_string(counted.messages),
+                    counted.rate() > 0.0 ? fmt::format("{:.4g} Hz", counted.rate()) : "-"});
+    if (!contents.by_summary) rows.back().push_back(file_size_text(counted.bytes));
   }
-  if (rows.size() > 1) print_table(rows);
+  if (rows.size() == 1) return;
+  fmt::print("\n");
+  print_table(rows);
 }
 
 void tell_records(const mcap::Reader& reader) {
   if (!reader.attachments().empty()) fmt::print("\nattachments\n");
   for (const mcap::Attachment& attachment : reader.attachments())
-    fmt::print("  {}, {}, {}\n", attachment.name, attachment.media_type, file_size_text(attachment.data.size()));
+    fmt::print("  {}, {}, {}\n", plain_text(attachment.name), plain_text(attachment.media_type),
+               file_size_text(attachment.data.size()));
   for (const mcap::Metadata& record : reader.metadata()) {
-    fmt::print("\nmetadata '{}'\n", record.name);
-    for (const auto& [key, value] : record.values) fmt::print("  {}: {}\n", key, value);
+    fmt::print("\nmetadata '{}'\n", plain_text(record.name));
+    for (const auto& [key, value] : record.values) fmt::print("  {}: {}\n", plain_text(key), plain_text(value));
   }
 }
 
@@ -181,33 +293,36 @@ void tell_events(const Contents& contents) {
   for (std::size_t i = 0; i < std::min(contents.events.size(), events_shown); ++i) {
     const msg::Event& event = contents.events[i];
     fmt::print("  tick {}, {} s: {}: {}: {}\n", event.tick, static_cast<double>(event.stamp.to_ns()) / 1e9,
-               event.severity, event.source, event.text);
+               event.severity, plain_text(event.source), plain_text(event.text));
   }
   if (contents.events.size() > events_shown)
     fmt::print("  and {} more; --json lists them all\n", contents.events.size() - events_shown);
 }
 
 void tell(const mcap::Reader& reader, const Contents& contents) {
-  fmt::print("{}: {}, written by {}{}\n", reader.name(), file_size_text(reader.size()),
-             reader.library().empty() ? "an unnamed library" : reader.library(),
-             reader.profile().empty() ? "" : ", profile " + reader.profile());
-  fmt::print("{} in {}, {:g} s from {:g} s to {:g} s",
-             count_text(static_cast<std::int64_t>(contents.all.messages), "message"),
-             count_text(static_cast<std::int64_t>(reader.channels().size()), "channel"),
-             contents.end() - contents.begin(), contents.begin(), contents.end());
-  fmt::print("{}\n\n",
-             contents.ticks > 0
-                 ? fmt::format(", {} on /tick", count_text(static_cast<std::int64_t>(contents.ticks), "message"))
-                 : "");
+  tell_file(reader, contents);
   tell_channels(reader, contents);
   tell_records(reader);
   tell_events(contents);
+  if (contents.by_summary)
+    fmt::print("\nas the file's summary says it; --full reads all of it: payloads, {}, checksums\n",
+               contents.event_count > 0
+                   ? count_text(static_cast<std::int64_t>(contents.event_count), "event") + " and rates of channels"
+                   : "rates of channels");
+}
+
+bool is_small(const std::string& file) {
+  std::error_code not_a_file;
+  const std::uintmax_t size = std::filesystem::file_size(file, not_a_file);
+  return not_a_file || size <= small_file;
 }
 
 Exit run(const Settings& settings) {
-  auto reader = mcap::Reader::open(settings.trace);
+  mcap::ReaderOptions options;
+  if (!settings.full && !is_small(settings.trace)) options.opening = mcap::Opening::by_summary;
+  auto reader = mcap::Reader::open(settings.trace, options);
   if (!reader) return refuse(reader.errors());
-  const Contents contents = count(**reader);
+  const Contents contents = (*reader)->opened_by_summary() ? counts_of_summary(**reader) : count(**reader);
   if (settings.json) {
     print(trace_json(**reader, contents));
     return contents.damage.empty() ? Exit::done : Exit::bad_input;
@@ -219,7 +334,13 @@ Exit run(const Settings& settings) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file")->required()->type_name("");
+  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file; -: standard input")
+      ->required()
+      ->type_name("");
+  options.add_flag(
+      "--full", settings->full,
+      "read all messages and check all checksums, however large the file is; else one of more than 64 MB is "
+      "told of as its summary does");
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
 }
@@ -228,7 +349,8 @@ std::function<Exit()> declare(CLI::App& options) {
 
 const Verb info_verb{"info",
                      "  rehearse info sr1.mcap\n"
-                     "  rehearse info sr1.mcap --json\n",
+                     "  rehearse info sr1.mcap --json\n"
+                     "  ssh robot cat log.mcap | rehearse info -\n",
                      declare};
 
 }  // namespace rehearse::tool

@@ -25,6 +25,9 @@ Json json_of(const Diagnostics& diagnostics);
 /// The object and a newline, on stdout. Text that isn't UTF-8 has its bad bytes replaced.
 void print(const Json& object);
 
+/// Text out of somebody's file, for a terminal: control characters and bytes that aren't UTF-8 as \xNN.
+std::string plain_text(std::string_view text);
+
 /// "812 bytes", "5.4 MB".
 std::string file_size_text(std::uintmax_t bytes);
 /// "1 link", "3 links".

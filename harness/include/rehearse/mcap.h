@@ -77,6 +77,16 @@ struct Metadata {
   std::uint64_t offset = 0;  // of its record in the file
 };
 
+/// A chunk: as its own head says it, or the summary's index of it.
+struct Chunk {
+  std::uint64_t offset = 0;       // of its record in the file
+  std::uint64_t start_time = 0;   // [ns], of its earliest message
+  std::uint64_t end_time = 0;     // [ns], of its latest
+  std::string compression;        // "", "lz4", "zstd", or whatever stands there
+  std::uint64_t stored_size = 0;  // [bytes]
+  std::uint64_t size = 0;         // decompressed [bytes]
+};
+
 /// Counts, as the file's summary states them.
 struct Statistics {
   std::uint64_t message_count = 0;
@@ -203,8 +213,15 @@ class Writer {
   std::unique_ptr<Impl> impl_;
 };
 
+/// How a Reader learns what is in a file.
+enum class Opening {
+  walk,        // by every outermost record: finds all damage of the frame, and reads no message
+  by_summary,  // by what the end of the file says, if that is whole and fits together; else by the walk
+};
+
 struct ReaderOptions {
   bool check_crcs = true;
+  Opening opening = Opening::walk;
   /// A chunk that says it is larger decompressed is refused as damaged [bytes].
   std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
 };
@@ -239,7 +256,12 @@ class Reader {
   const std::string& library() const;  // of the header: who wrote it
   std::uint64_t size() const;          // [bytes]
 
-  /// What the walk at open() found: cut at byte N, summary damaged, ... Empty: the file's frame is whole.
+  /// Whether open() learned all from the summary. The walk is then made by the first pass that isn't of single
+  /// messages: until then damage() is empty, and an attachment's CRC isn't checked. What the walk finds comes with that
+  /// pass.
+  bool opened_by_summary() const;
+
+  /// What the walk found: cut at byte N, summary damaged, ... Empty: the file's frame is whole.
   const Diagnostics& damage() const;
 
   const std::map<std::uint16_t, Schema>& schemas() const;
@@ -248,6 +270,7 @@ class Reader {
   const Schema* schema_of(const Channel& channel) const;
   const std::vector<Attachment>& attachments() const;
   const std::vector<Metadata>& metadata() const;
+  const std::vector<Chunk>& chunks() const;             // in file order
   const std::optional<Statistics>& statistics() const;  // nullopt: the file has none
 
   /// Every message of the chosen channels (all if empty) in file order. A chunk whose CRC is wrong is left out whole.

@@ -90,6 +90,15 @@ Result<FileView> FileView::map(int descriptor, std::uint64_t size, const std::st
   return view;
 }
 
+void FileView::forget(Bytes part) const {
+  if (bytes_.empty() || part.data() < bytes_.data() || part.data() + part.size() > bytes_.data() + bytes_.size())
+    return;
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const std::size_t begin = static_cast<std::size_t>(part.data() - bytes_.data()) / page * page;
+  const std::size_t end = static_cast<std::size_t>(part.data() + part.size() - bytes_.data());
+  ::madvise(const_cast<std::byte*>(bytes_.data()) + begin, end - begin, MADV_DONTNEED);
+}
+
 FileView::~FileView() {
   if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }

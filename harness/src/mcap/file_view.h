@@ -19,6 +19,9 @@ class FileView {
   FileView& operator=(FileView&& other) noexcept;
 
   Bytes bytes() const { return bytes_; }
+  /// Lets go of the memory that these bytes take here; they come back when they are looked at. Nothing for bytes that
+  /// aren't of this file.
+  void forget(Bytes part) const;
   const std::string& name() const { return name_; }  // of the file, as messages call it
 
  private:

@@ -34,7 +34,7 @@ class Merge {
   Merge(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
       : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
     std::stable_sort(chunks_.begin(), chunks_.end(),
-                     [](const ChunkPlace& a, const ChunkPlace& b) { return a.start_time < b.start_time; });
+                     [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
     if (reader.loose_messages_) collect_loose();
   }
 
@@ -49,13 +49,13 @@ class Merge {
   }
   void collect_loose();
   void open_next_chunk();
-  void collect(Run& run, RecordWalker& walker, const ChunkPlace* place);
+  void collect(Run& run, RecordWalker& walker, const Chunk* place);
   void add(std::unique_ptr<Run> run);
 
   Reader::Impl& reader_;
   const ChannelSet& channels_;
   DamageLog& damage_;
-  std::vector<ChunkPlace> chunks_;  // by start time, then place
+  std::vector<Chunk> chunks_;  // by start time, then place
   std::size_t next_chunk_ = 0;
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<Run>> spare_;  // for their memory
@@ -71,7 +71,7 @@ void Merge::collect_loose() {
 }
 
 void Merge::open_next_chunk() {
-  const ChunkPlace place = chunks_[next_chunk_++];
+  const Chunk place = chunks_[next_chunk_++];
   Record record;
   RecordWalker at(reader_.bytes_, place.offset);
   const auto head = at.next(record) ? parse_chunk(record.body) : std::nullopt;
@@ -100,7 +100,7 @@ void Merge::open_next_chunk() {
   add(std::move(run));
 }
 
-void Merge::collect(Run& run, RecordWalker& walker, const ChunkPlace* place) {
+void Merge::collect(Run& run, RecordWalker& walker, const Chunk* place) {
   Record record;
   bool in_span = true;
   while (walker.next(record)) {
@@ -167,6 +167,7 @@ void Merge::advance() {
 }  // namespace
 
 Result<void> Reader::Impl::for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels) {
+  walk_if_not_yet();
   DamageLog damage(name_);
   Merge merge(*this, channels, damage);
   Record record;

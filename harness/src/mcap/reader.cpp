@@ -34,7 +34,7 @@ bool Reader::Impl::deliver(const Record& record, const OnMessage& callback, cons
 bool Reader::Impl::pass_over_chunk(const Record& record, const OnMessage& callback, const ChannelSet& channels,
                                    DamageLog& damage) {
   const auto head = parse_chunk(record.body);
-  if (!head) return true;  // known since scan()
+  if (!head) return true;  // known since the walk
   const auto records = chunk_opener_.open(*head, record.offset, pass_buffer_);
   if (!records) {
     damage.add(records.errors().front().message);
@@ -57,6 +57,7 @@ bool Reader::Impl::pass_over_chunk(const Record& record, const OnMessage& callba
 }
 
 Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const ChannelSet& channels) {
+  walk_if_not_yet();
   DamageLog damage(name_);
   RecordWalker walker(bytes_.first(data_end_), magic.size());
   Record record;
@@ -71,6 +72,7 @@ Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const Cha
 }
 
 Result<void> Reader::Impl::for_each_record(const OnRecord& callback) {
+  walk_if_not_yet();
   DamageLog damage(name_);
   RecordWalker walker(bytes_, magic.size());
   Record record;
@@ -129,13 +131,13 @@ Result<std::unique_ptr<Reader>> Reader::open(const std::filesystem::path& file, 
   const Bytes bytes = view->bytes();
   std::string name = view->name();
   auto impl = std::make_unique<Impl>(std::move(*view), bytes, std::move(name), options);
-  if (auto scanned = impl->scan(); !scanned) return scanned.errors();
+  if (auto opened = impl->open(); !opened) return opened.errors();
   return std::unique_ptr<Reader>(new Reader(std::move(impl)));
 }
 
 Result<std::unique_ptr<Reader>> Reader::open_bytes(Bytes bytes, std::string name, ReaderOptions options) {
   auto impl = std::make_unique<Impl>(FileView(), bytes, std::move(name), options);
-  if (auto scanned = impl->scan(); !scanned) return scanned.errors();
+  if (auto opened = impl->open(); !opened) return opened.errors();
   return std::unique_ptr<Reader>(new Reader(std::move(impl)));
 }
 
@@ -147,11 +149,13 @@ const std::string& Reader::name() const { return impl_->name_; }
 const std::string& Reader::profile() const { return impl_->contents_.profile; }
 const std::string& Reader::library() const { return impl_->contents_.library; }
 std::uint64_t Reader::size() const { return impl_->bytes_.size(); }
+bool Reader::opened_by_summary() const { return !impl_->walked_; }
 const Diagnostics& Reader::damage() const { return impl_->damage_.list(); }
 const std::map<std::uint16_t, Schema>& Reader::schemas() const { return impl_->contents_.schemas; }
 const std::map<std::uint16_t, Channel>& Reader::channels() const { return impl_->contents_.channels; }
 const std::vector<Attachment>& Reader::attachments() const { return impl_->attachments_; }
 const std::vector<Metadata>& Reader::metadata() const { return impl_->metadata_; }
+const std::vector<Chunk>& Reader::chunks() const { return impl_->chunks_; }
 const std::optional<Statistics>& Reader::statistics() const { return impl_->contents_.statistics; }
 
 const Schema* Reader::schema_of(const Channel& channel) const { return impl_->contents_.schema_of(channel); }

@@ -22,20 +22,20 @@ class ChannelSet {
   std::vector<bool> chosen_;
 };
 
-/// A chunk as the walk at opening found it.
-struct ChunkPlace {
-  std::uint64_t offset = 0;
-  std::uint64_t start_time = 0;
-  std::uint64_t end_time = 0;
-};
-
 class Reader::Impl {
  public:
   Impl(FileView file, Bytes bytes, std::string name, ReaderOptions options)
-      : file_(std::move(file)), bytes_(bytes), name_(std::move(name)), options_(options), damage_(name_), chunk_opener_(options) {}
+      : file_(std::move(file)),
+        bytes_(bytes),
+        name_(std::move(name)),
+        options_(options),
+        damage_(name_),
+        chunk_opener_(options) {}
 
-  // scan.cpp
-  Result<void> scan();
+  /// As the options say.
+  Result<void> open();
+  /// Before a pass over everything.
+  void walk_if_not_yet();
 
   // reader.cpp
   Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
@@ -61,14 +61,20 @@ class Reader::Impl {
   Result<void> verdict(const DamageLog& pass) const;
   Diagnostic damaged(std::string message) const;
 
-  // What scan() found; the rest of it.
+  // Of the walk, if it was made; the rest of it.
+  bool walked_ = false;
   std::uint64_t data_end_ = 0;             // offset of DataEnd, or of the first byte that is no whole record
   std::optional<std::uint32_t> data_crc_;  // as DataEnd has it, if it has one
-  std::vector<ChunkPlace> chunks_;         // in file order
+  std::vector<Chunk> chunks_;              // in file order
   bool loose_messages_ = false;            // some messages are in no chunk
 
  private:
+  // by_summary.cpp
+  bool open_by_summary();
+  std::optional<std::uint64_t> find_summary() const;
+
   // scan.cpp
+  void scan();
   void scan_data_record(const Record& record);
   void scan_chunk_head(const Record& record);
   void scan_end(RecordWalker& walker, const Record& data_end);

@@ -111,6 +111,29 @@ std::optional<Footer> parse_footer(Bytes body) {
   return in.ok() && in.left() == 0 ? std::optional(footer) : std::nullopt;
 }
 
+std::optional<ChunkIndex> parse_chunk_index(Bytes body) {
+  ByteReader in(body);
+  ChunkIndex index;
+  index.chunk.start_time = in.get<std::uint64_t>();
+  index.chunk.end_time = in.get<std::uint64_t>();
+  index.chunk.offset = in.get<std::uint64_t>();
+  index.length = in.get<std::uint64_t>();
+  in.get_bytes(in.get<std::uint32_t>());  // where the message indexes are
+  index.indexes_length = in.get<std::uint64_t>();
+  index.chunk.compression = in.get_string();
+  index.chunk.stored_size = in.get<std::uint64_t>();
+  index.chunk.size = in.get<std::uint64_t>();
+  return in.ok() ? std::optional(std::move(index)) : std::nullopt;
+}
+
+std::optional<RecordPlace> parse_record_place(Bytes body) {
+  ByteReader in(body);
+  RecordPlace place;
+  place.offset = in.get<std::uint64_t>();
+  place.length = in.get<std::uint64_t>();
+  return in.ok() ? std::optional(place) : std::nullopt;
+}
+
 void put_header(ByteWriter& out, std::string_view profile, std::string_view library) {
   out.begin_record(op::header);
   out.put_string(profile);

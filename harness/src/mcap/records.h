@@ -41,6 +41,19 @@ struct Footer {
   std::uint32_t summary_crc = 0;
 };
 
+/// What a ChunkIndex says.
+struct ChunkIndex {
+  Chunk chunk;
+  std::uint64_t length = 0;          // of the chunk's record [bytes]
+  std::uint64_t indexes_length = 0;  // of the message indexes behind it [bytes]
+};
+
+/// What an AttachmentIndex or a MetadataIndex says of where the record is.
+struct RecordPlace {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;  // with its head [bytes]
+};
+
 /// An attachment as parsed, with what its CRC covers.
 struct AttachmentRecord {
   Attachment attachment;
@@ -80,6 +93,8 @@ std::optional<AttachmentRecord> parse_attachment(Bytes body);
 std::optional<Metadata> parse_metadata(Bytes body);
 std::optional<Statistics> parse_statistics(Bytes body);
 std::optional<Footer> parse_footer(Bytes body);
+std::optional<ChunkIndex> parse_chunk_index(Bytes body);
+std::optional<RecordPlace> parse_record_place(Bytes body);
 
 // Each appends a whole record.
 void put_header(ByteWriter& out, std::string_view profile, std::string_view library);

@@ -7,8 +7,22 @@
 
 namespace rehearse::mcap {
 
-Result<void> Reader::Impl::scan() {
+Result<void> Reader::Impl::open() {
   if (!begins_with_magic(bytes_)) return damaged(describe_start(bytes_));
+  if (options_.opening == Opening::walk || !open_by_summary()) walk_if_not_yet();
+  return {};
+}
+
+void Reader::Impl::walk_if_not_yet() {
+  if (walked_) return;
+  walked_ = true;
+  attachments_.clear();
+  metadata_.clear();
+  chunks_.clear();
+  scan();
+}
+
+void Reader::Impl::scan() {
   RecordWalker walker(bytes_, magic.size());
   Record record;
   bool first = true;
@@ -27,7 +41,6 @@ Result<void> Reader::Impl::scan() {
     scan_data_record(record);
   }
   if (!summary_has_channels_) learn_from_chunks();
-  return {};
 }
 
 void Reader::Impl::report_cut(const RecordWalker& walker) {
@@ -56,7 +69,8 @@ void Reader::Impl::scan_data_record(const Record& record) {
 
 void Reader::Impl::scan_chunk_head(const Record& record) {
   if (const auto head = parse_chunk(record.body)) {
-    chunks_.push_back({record.offset, head->start_time, head->end_time});
+    chunks_.push_back({record.offset, head->start_time, head->end_time, std::string(head->compression),
+                       head->records.size(), head->uncompressed_size});
   } else {
     damage_.add(fmt::format("damaged: the chunk at byte {} is too short for what it says", record.offset));
   }
@@ -98,7 +112,7 @@ void Reader::Impl::scan_summary_up_to(const Record& record, std::uint64_t start)
 /// Files without a summary tell their channels only inside of their chunks.
 void Reader::Impl::learn_from_chunks() {
   DamageLog ignored(name_);  // a pass over the messages says it
-  for (const ChunkPlace& place : chunks_) {
+  for (const Chunk& place : chunks_) {
     RecordWalker at(bytes_, place.offset);
     Record record;
     if (!at.next(record)) continue;

@@ -1,0 +1,154 @@
+// Opening a file by its end: what the summary says, if it is whole and fits together. Looks at nothing else but the
+// header, the first and the last chunk, and the records that the summary points to.
+#include "frame.h"
+#include "reader_impl.h"
+
+#include <algorithm>
+
+namespace rehearse::mcap {
+
+namespace {
+
+/// All that stands in a summary.
+struct Summary {
+  Contents contents;
+  std::vector<ChunkIndex> chunks;
+  std::vector<RecordPlace> attachments;
+  std::vector<RecordPlace> metadata;
+  std::uint64_t statistics = 0;  // records
+  bool whole = true;
+};
+
+void take_in(const Record& record, Summary& summary, DamageLog& damage) {
+  const auto keep = [&](auto&& parsed, auto& list) {
+    if (parsed) list.push_back(std::move(*parsed));
+    summary.whole = summary.whole && parsed;
+  };
+  switch (record.opcode) {
+    case op::chunk_index: return keep(parse_chunk_index(record.body), summary.chunks);
+    case op::attachment_index: return keep(parse_record_place(record.body), summary.attachments);
+    case op::metadata_index: return keep(parse_record_place(record.body), summary.metadata);
+    case op::statistics:
+      summary.contents.statistics = parse_statistics(record.body);
+      ++summary.statistics;
+      return;
+    default: summary.contents.learn(record, damage);
+  }
+}
+
+/// Whether the counts are those of what is indexed, and no channel is missing.
+bool counts_fit(const Summary& summary) {
+  if (summary.statistics != 1 || !summary.contents.statistics) return false;
+  const Statistics& said = *summary.contents.statistics;
+  const auto& channels = summary.contents.channels;
+  std::uint64_t messages = 0;
+  for (const auto& [channel, count] : said.channel_message_counts) {
+    if (!channels.contains(channel)) return false;
+    messages += count;
+  }
+  for (const auto& [id, channel] : channels)
+    if (channel.schema_id != 0 && !summary.contents.schema_of(channel)) return false;
+  return messages == said.message_count && channels.size() == said.channel_count &&
+         summary.contents.schemas.size() == said.schema_count && summary.chunks.size() == said.chunk_count &&
+         summary.attachments.size() == said.attachment_count && summary.metadata.size() == said.metadata_count;
+}
+
+/// Whether what begins at `offset` in the data section is a record of that opcode and length.
+bool is_record(Bytes data, std::uint64_t offset, std::uint64_t length, std::uint8_t opcode) {
+  if (offset < magic.size() || offset > data.size()) return false;
+  Record record;
+  return RecordWalker(data, offset).next(record) && record.opcode == opcode &&
+         record_head + record.body.size() == length;
+}
+
+/// Whether the chunks can stand where they are said to, one behind the other; the first and the last one do.
+bool chunks_fit(std::vector<ChunkIndex>& chunks, Bytes data) {
+  const auto earlier = [](const ChunkIndex& a, const ChunkIndex& b) { return a.chunk.offset < b.chunk.offset; };
+  std::stable_sort(chunks.begin(), chunks.end(), earlier);
+  std::uint64_t end = magic.size();
+  for (const ChunkIndex& index : chunks) {
+    if (index.chunk.offset < end || index.chunk.offset > data.size()) return false;
+    const std::uint64_t room = data.size() - index.chunk.offset;
+    if (index.length > room || index.indexes_length > room - index.length || index.chunk.stored_size > index.length)
+      return false;
+    end = index.chunk.offset + index.length + index.indexes_length;
+  }
+  const auto stands = [&](const ChunkIndex& index) {
+    return is_record(data, index.chunk.offset, index.length, op::chunk);
+  };
+  return chunks.empty() || (stands(chunks.front()) && stands(chunks.back()));
+}
+
+}  // namespace
+
+/// Where the summary begins, if Footer, DataEnd and the last bytes of the file are as they should be.
+std::optional<std::uint64_t> Reader::Impl::find_summary() const {
+  constexpr std::size_t data_end_size = record_head + 4;
+  constexpr std::size_t tail = footer_size + magic.size();
+  if (bytes_.size() < magic.size() + data_end_size + tail || !begins_with_magic(bytes_.last(magic.size())))
+    return std::nullopt;
+  const std::uint64_t footer_at = bytes_.size() - tail;
+  Record record;
+  if (!RecordWalker(bytes_, footer_at).next(record) || record.opcode != op::footer) return std::nullopt;
+  const auto footer = parse_footer(record.body);
+  if (!footer || footer->summary_start < magic.size() + data_end_size || footer->summary_start >= footer_at)
+    return std::nullopt;
+  if (!is_record(bytes_, footer->summary_start - data_end_size, data_end_size, op::data_end)) return std::nullopt;
+  if (!options_.check_crcs || footer->summary_crc == 0) return footer->summary_start;
+  std::uint32_t crc = 0;
+  constexpr std::size_t step = std::size_t{1} << 20;
+  for (Bytes left = bytes_.subspan(footer->summary_start, footer_at + footer_covered - footer->summary_start);
+       !left.empty();) {
+    const Bytes piece = left.first(std::min(step, left.size()));
+    crc = crc32(piece, crc);
+    file_.forget(piece);
+    left = left.subspan(piece.size());
+  }
+  return crc == footer->summary_crc ? std::optional(footer->summary_start) : std::nullopt;
+}
+
+/// False: the file has to be walked, and nothing was learned.
+bool Reader::Impl::open_by_summary() {
+  const auto start = find_summary();
+  if (!start) return false;
+  DamageLog damage(name_);
+  Summary summary;
+  const Bytes data = bytes_.first(*start);
+  Record record;
+  if (!RecordWalker(data, magic.size()).next(record) || record.opcode != op::header) return false;
+  summary.contents.learn_header(record, damage);
+
+  RecordWalker walker(bytes_.first(bytes_.size() - footer_size - magic.size()), *start);
+  std::uint64_t forgotten = *start;
+  while (walker.next(record)) {
+    take_in(record, summary, damage);
+    constexpr std::uint64_t step = std::uint64_t{1} << 20;
+    if (walker.offset() - forgotten < step) continue;
+    file_.forget(bytes_.subspan(forgotten, walker.offset() - forgotten));
+    forgotten = walker.offset();
+  }
+  if (!walker.at_end() || !summary.whole || !counts_fit(summary) || !chunks_fit(summary.chunks, data)) return false;
+
+  std::vector<Attachment> attachments;
+  for (const RecordPlace& place : summary.attachments) {
+    if (!is_record(data, place.offset, place.length, op::attachment)) return false;
+    RecordWalker(data, place.offset).next(record);
+    // its CRC isn't checked: that would read all of it
+    if (auto attachment = read_attachment(record, false, damage)) attachments.push_back(std::move(*attachment));
+  }
+  std::vector<Metadata> metadata;
+  for (const RecordPlace& place : summary.metadata) {
+    if (!is_record(data, place.offset, place.length, op::metadata)) return false;
+    RecordWalker(data, place.offset).next(record);
+    if (auto values = read_metadata(record, damage)) metadata.push_back(std::move(*values));
+  }
+  if (!damage.list().empty()) return false;
+
+  contents_ = std::move(summary.contents);
+  attachments_ = std::move(attachments);
+  metadata_ = std::move(metadata);
+  for (ChunkIndex& index : summary.chunks) chunks_.push_back(std::move(index.chunk));
+  return true;
+}
+
+}  // namespace rehearse::mcap
