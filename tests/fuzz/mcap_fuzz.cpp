@@ -1,12 +1,18 @@
-// Whatever the bytes: the reader of traces delivers messages or says what is wrong, and never crashes, hangs or takes
-// memory that the bytes don't warrant. Schemas and payloads found inside go on to the ros2msg and CDR readers.
+// Whatever the bytes: the readers of traces deliver messages or say what is wrong, and never crash, hang or take memory
+// that the bytes don't warrant. All ways of reading deliver the same, and so does a copy by our Writer. Schemas and
+// payloads found inside go on to the ros2msg and CDR readers.
 #include <rehearse/mcap.h>
+#include <rehearse/mcap_stream.h>
 #include <rehearse/ros2msg.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
+#include <string>
+#include <tuple>
+#include <vector>
 
 using namespace rehearse;
 
@@ -63,11 +69,120 @@ void read_all(mcap::Bytes bytes, bool check_crcs) {
   decode_all(reader);
 }
 
+void expect(bool true_of_all_bytes) {
+  if (!true_of_all_bytes) std::abort();
+}
+
+/// A message, with where it stands if that is to be the same as well.
+struct Seen {
+  std::uint64_t record = 0, inside = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t log_time = 0, publish_time = 0, data = 0;
+  std::string topic;
+  bool operator==(const Seen&) const = default;
+};
+
+Seen see(const mcap::Message& message, bool with_place) {
+  return {with_place ? message.location.record : 0,
+          with_place ? message.location.inside : 0,
+          message.sequence,
+          message.log_time,
+          message.publish_time,
+          sum(message.data) * 31 + message.data.size(),
+          message.channel->topic};
+}
+
+/// The first messages in file order, and whether anything was wrong.
+struct Pass {
+  std::vector<Seen> messages;
+  bool whole = false;
+};
+
+template <class AnyReader>
+Pass pass_over(AnyReader& reader, bool with_place) {
+  constexpr std::size_t most = 20'000;
+  Pass pass;
+  const Result<void> end = reader.for_each_message([&](const mcap::Message& message) {
+    pass.messages.push_back(see(message, with_place));
+    return pass.messages.size() < most;
+  });
+  pass.whole = end.ok() && pass.messages.size() < most;
+  return pass;
+}
+
+constexpr std::uint64_t small_chunks = 1 << 20;
+
+Pass read_file(mcap::Bytes bytes, mcap::Opening opening) {
+  const auto reader = mcap::Reader::open_bytes(bytes, "fuzz.mcap", {true, opening, small_chunks});
+  return reader ? pass_over(**reader, true) : Pass{};
+}
+
+/// In pieces whose sizes come from the bytes.
+Pass read_stream(mcap::Bytes bytes) {
+  std::size_t at = 0;
+  const auto source = [&](std::span<std::byte> target) -> Result<std::size_t> {
+    if (at == bytes.size()) return std::size_t{0};
+    const auto wanted = std::size_t{1} + std::to_integer<std::size_t>(bytes[at]) % 61;
+    const std::size_t count = std::min({wanted, target.size(), bytes.size() - at});
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), count, target.begin());
+    at += count;
+    return count;
+  };
+  const auto stream = mcap::StreamReader::open_source(source, "fuzz.mcap", {true, mcap::Opening::walk, small_chunks});
+  return stream ? pass_over(**stream, true) : Pass{};
+}
+
+/// Of a whole file that is read well: what our Writer makes of it, in a form that the bytes choose.
+void rewrite(mcap::Bytes bytes) {
+  const auto reader = mcap::Reader::open_bytes(bytes, "fuzz.mcap", {true, mcap::Opening::walk, small_chunks});
+  const std::uint64_t choice = sum(bytes);
+  mcap::WriterOptions options;
+  options.chunk_size = 1 + choice % 5000;
+  options.form.chunks = choice % 3 != 0;
+  options.form.definitions_in_chunks = choice % 2 == 0;
+  options.form.summary = choice % 5 != 0;
+  options.form.repeated_channels = choice % 7 != 0;
+  options.compression = static_cast<mcap::Compression>(choice % 3);
+  std::vector<std::byte> copy;
+  const auto writer = mcap::Writer::create_in_memory(copy, options);
+  std::map<std::uint16_t, std::uint16_t> schemas, channels;
+  for (const auto& [id, schema] : (*reader)->schemas())
+    schemas[id] = writer->add_schema(schema.name, schema.encoding, schema.data);
+  for (const auto& [id, channel] : (*reader)->channels())
+    channels[id] =
+        writer->add_channel(schemas[channel.schema_id], channel.topic, channel.message_encoding, channel.metadata);
+  const auto copied = (*reader)->for_each_message([&](const mcap::Message& message) {
+    return writer
+        ->write(channels[message.channel->id], message.log_time, message.publish_time, message.data, message.sequence)
+        .ok();
+  });
+  expect(copied.ok() && writer->close().ok());
+  const auto again = mcap::Reader::open_bytes(copy, "copy.mcap");
+  expect(again.ok());
+  const Pass before = pass_over(**reader, false), after = pass_over(**again, false);
+  expect(after.whole && after.messages == before.messages);
+  const auto indexed = mcap::Reader::open_bytes(copy, "copy.mcap", {.opening = mcap::Opening::by_summary});
+  const bool all_repeated = options.form.repeated_channels || (*reader)->channels().empty();
+  expect((*indexed)->opened_by_summary() == (options.form.summary && all_repeated));
+}
+
+void compare_ways(mcap::Bytes bytes) {
+  const Pass file = read_file(bytes, mcap::Opening::walk);
+  const Pass summary = read_file(bytes, mcap::Opening::by_summary);
+  const Pass stream = read_stream(bytes);
+  expect(summary.whole == file.whole && (!file.whole || summary.messages == file.messages));
+  // A stream doesn't know what stands behind a message: it may miss one whose channel comes later, and then says so.
+  expect(!stream.whole || (file.whole && stream.messages == file.messages));
+  expect(stream.messages.size() <= file.messages.size());
+  if (file.whole) rewrite(bytes);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const mcap::Bytes bytes(reinterpret_cast<const std::byte*>(data), size);
   read_all(bytes, true);
+  compare_ways(bytes);
   read_all(bytes, false);  // goes deeper: mutations seldom get a CRC right
   return 0;
 }
