@@ -79,6 +79,7 @@ class Reader::Impl {
   void scan_chunk_head(const Record& record);
   void scan_end(RecordWalker& walker, const Record& data_end);
   void scan_summary_up_to(const Record& footer, std::uint64_t start);
+  bool knows_all_definitions() const;
   void learn_from_chunks();
   void report_cut(const RecordWalker& walker);
 

@@ -40,7 +40,7 @@ void Reader::Impl::scan() {
     }
     scan_data_record(record);
   }
-  if (!summary_has_channels_) learn_from_chunks();
+  if (!knows_all_definitions()) learn_from_chunks();
 }
 
 void Reader::Impl::report_cut(const RecordWalker& walker) {
@@ -107,6 +107,18 @@ void Reader::Impl::scan_summary_up_to(const Record& record, std::uint64_t start)
     if (said.opcode == op::statistics) contents_.statistics = parse_statistics(said.body);
     contents_.learn(said, damage_);
   }
+}
+
+/// Whether the summary repeats what may stand in chunks only.
+bool Reader::Impl::knows_all_definitions() const {
+  const auto is_known = [&](const auto& entry) {
+    return entry.second.schema_id == 0 || contents_.schema_of(entry.second) != nullptr;
+  };
+  const auto& said = contents_.statistics;
+  const bool all_counted =
+      !said || (contents_.channels.size() >= said->channel_count && contents_.schemas.size() >= said->schema_count);
+  return summary_has_channels_ && all_counted &&
+         std::all_of(contents_.channels.begin(), contents_.channels.end(), is_known);
 }
 
 /// Files without a summary tell their channels only inside of their chunks.

@@ -117,6 +117,19 @@ TEST(McapReader, LearnsChannelsInsideOfChunksWhenThereIsNoSummary) {
   EXPECT_EQ(pass_over(*reader).messages.size(), 1u);
 }
 
+TEST(McapReader, LearnsSchemasInsideOfChunksWhenTheSummaryHasOnlyTheChannels) {
+  mcap::WriterOptions options;
+  options.form.definitions_in_chunks = true;
+  options.form.repeated_schemas = false;
+  Buffer bytes;
+  const auto writer = mcap::Writer::create_in_memory(bytes, options);
+  const auto channel = writer->add_channel(writer->add_schema("T", "ros2msg", ""), "/a", "cdr");
+  ASSERT_TRUE(writer->write(channel, 1, 1, bytes_of("x")));
+  ASSERT_TRUE(writer->close());
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
+  EXPECT_EQ(reader->schemas().at(1).name, "T");
+}
+
 TEST(McapReader, ReadsLz4Chunks) {
   const Composer records = Composer().channel(1, "/a").message(1, 1, std::string(1000, 'x'));
   Composer packed;
