@@ -1,0 +1,167 @@
+// What the container costs: writing over compressing, reading over decompressing and checking, small messages over
+// copying them, and info of a large file.
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "../harness/mcap/large_file.h"
+#include "mcap/codec.h"
+#include "mcap/records.h"
+#include "pairs.h"
+
+namespace rehearse {
+namespace {
+
+using Buffer = std::vector<std::byte>;
+
+constexpr std::size_t chunk_size = mcap::WriterOptions{}.chunk_size;
+
+/// Joint states of a robot that moves its legs, as sensor_msgs/msg/JointState has them: names, then positions,
+/// velocities and efforts of 30 joints, tick by tick.
+std::vector<Buffer> joint_states() {
+  constexpr std::size_t ticks = 50'000, joints = 30, moving = 12;
+  std::string names;
+  for (std::size_t i = 0; i < joints; ++i) names += std::string("\x0c\0\0\0LEG_JOINT_", 14) + std::to_string(10 + i);
+  std::vector<Buffer> messages;
+  for (std::size_t tick = 0; tick < ticks; ++tick) {
+    double values[3 * joints] = {};
+    for (std::size_t i = 0; i < moving; ++i) {
+      const double phase = 0.001 * static_cast<double>(tick) * (1.0 + 0.1 * static_cast<double>(i));
+      values[i] = std::sin(phase);
+      values[joints + i] = std::cos(phase);
+      values[2 * joints + i] = 20.0 * std::sin(phase) * std::cos(3.0 * phase);
+    }
+    Buffer message(names.size() + sizeof values);
+    std::memcpy(message.data(), names.data(), names.size());
+    std::memcpy(message.data() + names.size(), values, sizeof values);
+    messages.push_back(std::move(message));
+  }
+  return messages;
+}
+
+/// The file of these messages.
+Buffer file_of(const std::vector<Buffer>& messages, mcap::WriterOptions options = {}) {
+  Buffer file;
+  file.reserve(messages.size() * (messages[0].size() + 64));
+  const auto writer = mcap::Writer::create_in_memory(file, std::move(options));
+  const auto channel = writer->add_channel(0, "/joints", "cdr");
+  for (std::uint64_t i = 0; i < messages.size(); ++i)
+    static_cast<void>(writer->write(channel, i * 1'000'000, i * 1'000'000, messages[i]));
+  REHEARSE_ASSERT(writer->close(), "memory is never full");
+  return file;
+}
+
+/// Work: joint states through the Writer, as recordings are written. Base: zstd -1 over the same bytes, in pieces as
+/// large as a chunk.
+void writing_over_compressing(benchmark::State& state) {
+  const auto messages = joint_states();
+  Buffer all;
+  for (const Buffer& message : messages) all.insert(all.end(), message.begin(), message.end());
+  mcap::Compressor compressor(mcap::WriterOptions{}.zstd_level, 0);
+  Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
+  for (auto _ : state) {
+    const auto write = [&] { benchmark::DoNotOptimize(file_of(messages).data()); };
+    const auto compress = [&] {
+      for (std::size_t at = 0; at < all.size(); at += chunk_size) {
+        const auto piece = mcap::Bytes(all).subspan(at, std::min(chunk_size, all.size() - at));
+        benchmark::DoNotOptimize(compressor.compress(mcap::Compression::zstd, piece)->data());
+      }
+    };
+    state.SetIterationTime(pairs.measure(write, compress));
+  }
+  pairs.report(state, 1, 1);
+}
+BENCHMARK(writing_over_compressing)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// Work: messages of 16 bytes, uncompressed, with all CRCs and indexes, into memory. Base: copying their records five
+/// times.
+void small_messages_over_copying(benchmark::State& state) {
+  constexpr std::uint64_t count = 1'000'000;
+  const Buffer data(16, std::byte{7});
+  mcap::WriterOptions options;
+  options.compression = mcap::Compression::none;
+  options.chunk_span = ~std::uint64_t{0};
+  Buffer file, copy;
+  file.reserve(count * 80);
+  const Buffer records(count * (mcap::record_head + mcap::message_head + data.size()), std::byte{7});
+  copy.resize(records.size());
+  Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
+  std::vector<double> rates;
+  for (auto _ : state) {
+    const auto write = [&] {
+      file.clear();
+      const auto writer = mcap::Writer::create_in_memory(file, options);
+      const auto channel = writer->add_channel(0, "/small", "cdr");
+      for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(writer->write(channel, i, i, data));
+      REHEARSE_ASSERT(writer->close(), "memory is never full");
+    };
+    const auto copy_records = [&] {
+      for (int i = 0; i < 5; ++i) {
+        std::memcpy(copy.data(), records.data(), records.size());
+        benchmark::ClobberMemory();
+      }
+    };
+    const double seconds = pairs.measure(write, copy_records);
+    rates.push_back(static_cast<double>(count) / seconds);
+    state.SetIterationTime(seconds);
+  }
+  pairs.report(state, 1, 1);
+  std::stable_sort(rates.begin(), rates.end());
+  state.counters["per_second"] = rates[rates.size() / 2];
+}
+BENCHMARK(small_messages_over_copying)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// Work: a pass over all messages, all CRCs checked. Base: decompressing the same chunks, and one CRC over what comes
+/// out.
+void reading_over_decompressing(benchmark::State& state) {
+  const Buffer file = file_of(joint_states());
+  const auto reader = std::move(*mcap::Reader::open_bytes(file, "joints"));
+  std::vector<mcap::ChunkHead> heads;
+  REHEARSE_ASSERT(reader->for_each_record([&](const mcap::Record& record) {
+    if (record.opcode == mcap::op::chunk) heads.push_back(*mcap::parse_chunk(record.body));
+    return true;
+  }),
+                  "the file is whole");
+  mcap::Decompressor decompressor;
+  mcap::RawBuffer buffer;
+  Pairs pairs;
+  for (auto _ : state) {
+    std::uint64_t sum = 0;
+    const auto read = [&] {
+      const auto opened = mcap::Reader::open_bytes(file, "joints");
+      const auto end = (*opened)->for_each_message([&](const mcap::Message& message) {
+        sum += message.log_time + message.data.size();
+        return true;
+      });
+      REHEARSE_ASSERT(end, "the file is whole");
+    };
+    const auto decompress = [&] {
+      for (const mcap::ChunkHead& head : heads)
+        sum += mcap::crc32(*decompressor.decompress(head.compression, head.records, head.uncompressed_size, buffer));
+    };
+    state.SetIterationTime(pairs.measure(read, decompress));
+    benchmark::DoNotOptimize(sum);
+  }
+  pairs.report(state, 1, 1);
+}
+BENCHMARK(reading_over_decompressing)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// Work: `rehearse info` of an indexed file of 10 GB. Base: `rehearse --version`.
+void info_of_10_gigabytes(benchmark::State& state) {
+  const auto file = std::filesystem::temp_directory_path() / "rehearse_info_of_10_gigabytes.mcap";
+  test::LargeFile large(file, 10'000'000'000);
+  if (!large.ok()) return state.SkipWithError("no room for a large file");
+  const auto run = [](const std::string& arguments) {
+    const std::string line = REHEARSE_COMMAND " " + arguments + " > /dev/null";
+    REHEARSE_ASSERT(std::system(line.c_str()) == 0, "it is a whole file");
+  };
+  Pairs pairs;
+  for (auto _ : state)
+    state.SetIterationTime(pairs.measure([&] { run("info " + file.string()); }, [&] { run("--version"); }));
+  pairs.report(state, 1, 1);
+}
+BENCHMARK(info_of_10_gigabytes)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rehearse

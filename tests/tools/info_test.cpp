@@ -1,0 +1,114 @@
+// rehearse info of files that aren't ours: large ones, ones that come through a pipe, ones that aren't text.
+#include "../harness/mcap/large_file.h"
+#include "command.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <rehearse/mcap.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class InfoOfAnyFile : public Command {
+ protected:
+  static mcap::Bytes bytes_of(std::string_view text) {
+    return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
+  }
+
+  /// What the command takes at most [kB], or this test, if that is more.
+  long memory_of(const std::vector<std::string>& arguments) const {
+    std::string program = command.string(), file = (folder() / arguments.at(1)).string();
+    std::string verb = arguments.at(0);
+    char* words[] = {program.data(), verb.data(), file.data(), nullptr};
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    pid_t child = 0;
+    EXPECT_EQ(posix_spawn(&child, program.c_str(), &quiet, nullptr, words, environ), 0);
+    posix_spawn_file_actions_destroy(&quiet);
+    rusage used{};
+    int status = 0;
+    EXPECT_EQ(wait4(child, &status, 0, &used), child);
+    EXPECT_EQ(status, 0);
+    return used.ru_maxrss;
+  }
+
+  /// Two channels, three messages a second apart.
+  void write_log(const std::string& name, std::uint64_t start, const std::string& topic = "/numbers") const {
+    mcap::WriterOptions options;
+    options.profile = "";
+    options.library = "a robot's recorder";
+    const auto writer = std::move(*mcap::Writer::create(folder() / name, options));
+    const auto numbers = writer->add_channel(0, topic, "json");
+    const auto pictures = writer->add_channel(0, "/pictures", "png", {}, mcap::pictures);
+    ASSERT_TRUE(writer->add_metadata(topic, {{topic, topic}}));
+    ASSERT_TRUE(writer->write(numbers, start, start, bytes_of("{}")));
+    ASSERT_TRUE(writer->write(pictures, start + 1'000'000'000, start, bytes_of("png")));
+    ASSERT_TRUE(writer->write(numbers, start + 2'000'000'000, start, bytes_of("{}")));
+    ASSERT_TRUE(writer->close());
+  }
+};
+
+TEST_F(InfoOfAnyFile, TellsADateOfWallClockTime) {
+  write_log("log.mcap", 1'714'566'896'123'456'789);
+  const std::string text = done({"info", "log.mcap"}).out;
+  EXPECT_THAT(text, HasSubstr("\nlibrary      a robot's recorder\nprofile      none\nmessages     3 in 2 channels\n"
+                              "duration     2 s\nstart        2024-05-01 12:34:56.123456789 UTC\n"
+                              "end          2024-05-01 12:34:58.123456789 UTC\n"));
+  EXPECT_THAT(text, ContainsRegex("\ncompression  none: 1 chunk, .*\n             zstd: 1 chunk, "));
+}
+
+TEST_F(InfoOfAnyFile, TellsAProgramOfChunks) {
+  write_log("log.mcap", 0);
+  const nlohmann::json info = done({"info", "log.mcap", "--json"}).json();
+  EXPECT_EQ(info["read"], "all");
+  EXPECT_EQ(info["begin_ns"], 0);
+  EXPECT_EQ(info["end_ns"], 2'000'000'000);
+  ASSERT_EQ(info["compression"].size(), 2u);
+  EXPECT_EQ(info["compression"][0]["compression"], "none");
+  EXPECT_EQ(info["compression"][0]["stored_bytes"], info["compression"][0]["bytes"]);
+  EXPECT_EQ(info["compression"][1]["chunks"], 1);
+}
+
+TEST_F(InfoOfAnyFile, ReadsStandardInput) {
+  write_log("log.mcap", 0);
+  for (const char* from : {"cat log.mcap |", "< log.mcap"}) {
+    const Outcome outcome = run("/bin/sh", {"-c", std::string(from) + " " + quoted(command.string()) + " info -"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("file         standard input\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("messages     3 in 2 channels\n"));
+  }
+}
+
+TEST_F(InfoOfAnyFile, TextOfAFileSteersNoTerminalAndBreaksNoJson) {
+  write_log("log.mcap", 0, "/\xff\x1b[2J\xc3\x28");
+  EXPECT_THAT(done({"info", "log.mcap"}).out, HasSubstr("  /\\xff\\x1b[2J\\xc3(  "));
+  const nlohmann::json info = done({"info", "log.mcap", "--json"}).json();
+  EXPECT_EQ(info["channels"][0]["topic"], "/\xef\xbf\xbd\x1b[2J\xef\xbf\xbd(");
+}
+
+/// What an indexed file holds is known by its end: neither the time nor the memory grows with the messages.
+TEST_F(InfoOfAnyFile, MakesNoPassOverALargeFile) {
+  LargeFile large(folder() / "large.mcap", 10'000'000'000);
+  ASSERT_TRUE(large.ok()) << "no room for it in " << folder();
+  const Outcome outcome = rehearse({"info", "large.mcap"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("size         10.0 GB\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("messages     " + std::to_string(large.messages()) + " in 30 channels\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("as the file's summary says it; --full reads all of it"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("payload ")));
+#if !defined(__SANITIZE_ADDRESS__)
+  EXPECT_LT(memory_of({"info", "large.mcap"}), 20'000) << "kB; pages of the file count";
+#endif
+}
+
+}  // namespace
+}  // namespace rehearse::test
