@@ -7,6 +7,9 @@
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -41,6 +44,7 @@ class TemporaryFile {
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
   bool append(Bytes bytes) {
+    size_ += bytes.size();
     while (!bytes.empty()) {
       const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
       if (written < 0 && errno != EINTR) return false;
@@ -49,35 +53,51 @@ class TemporaryFile {
     return true;
   }
   int descriptor() const { return descriptor_; }
+  std::uint64_t size() const { return size_; }
   const std::string& folder() const { return folder_; }
 
  private:
   int descriptor_ = -1;
+  std::uint64_t size_ = 0;
   std::string folder_;
 };
+
+/// All that comes, to its end.
+Result<std::shared_ptr<const TemporaryFile>> keep(Input& input) {
+  const auto kept = std::make_shared<TemporaryFile>();
+  const std::string keeping = fmt::format("keep what comes in {}", kept->folder());
+  if (kept->descriptor() < 0) return failure(input.name(), keeping, errno);
+  std::vector<std::byte> piece(std::size_t{1} << 18);
+  while (true) {
+    const auto came = input.read(piece);
+    if (!came) return came.errors();
+    if (*came == 0) return std::shared_ptr<const TemporaryFile>(kept);
+    if (!kept->append(Bytes(piece).first(*came))) return failure(input.name(), keeping, errno);
+  }
+}
+
+/// The same of a pipe that gives its bytes once: whoever opens it again gets what came the first time.
+Result<std::shared_ptr<const TemporaryFile>> keep_for_all(Input& input) {
+  static std::mutex mutex;
+  static std::map<std::uint64_t, std::shared_ptr<const TemporaryFile>> all;
+  if (!input.only_once()) return keep(input);
+  const std::scoped_lock lock(mutex);
+  const auto found = all.find(*input.only_once());
+  if (found != all.end()) return found->second;
+  auto kept = keep(input);
+  if (kept) all[*input.only_once()] = *kept;
+  return kept;
+}
 
 }  // namespace
 
 Result<FileView> FileView::open(const std::filesystem::path& file) {
   auto input = Input::open(file);
   if (!input) return input.errors();
-  if (input->mappable_size() == 0) return keep(*input);
-  return map(input->descriptor(), input->mappable_size(), input->name());
-}
-
-Result<FileView> FileView::keep(Input& input) {
-  TemporaryFile kept;
-  const std::string keeping = fmt::format("keep what comes in {}", kept.folder());
-  if (kept.descriptor() < 0) return failure(input.name(), keeping, errno);
-  std::vector<std::byte> piece(std::size_t{1} << 18);
-  std::uint64_t size = 0;
-  while (true) {
-    const auto came = input.read(piece);
-    if (!came) return came.errors();
-    if (*came == 0) return map(kept.descriptor(), size, input.name());
-    if (!kept.append(Bytes(piece).first(*came))) return failure(input.name(), keeping, errno);
-    size += *came;
-  }
+  if (input->mappable_size() > 0) return map(input->descriptor(), input->mappable_size(), input->name());
+  const auto kept = keep_for_all(*input);
+  if (!kept) return kept.errors();
+  return map((*kept)->descriptor(), (*kept)->size(), input->name());
 }
 
 Result<FileView> FileView::map(int descriptor, std::uint64_t size, const std::string& name) {

@@ -5,12 +5,11 @@
 
 namespace rehearse::mcap {
 
-class Input;
-
 class FileView {
  public:
   /// Maps a file for reading, as large as it is now: what is written behind that meanwhile isn't seen. What can't be
-  /// mapped (a pipe, standard input by the name "-") is kept in a nameless temporary file first, to its end.
+  /// mapped (a pipe, standard input by the name "-") is kept in a nameless temporary file first, to its end; of a
+  /// pipe without a name for the life of the process, so that it can be opened again.
   /// A file that another program cuts while it is mapped is beyond help; our Writer doesn't.
   static Result<FileView> open(const std::filesystem::path& file);
   FileView() = default;
@@ -26,7 +25,6 @@ class FileView {
 
  private:
   static Result<FileView> map(int descriptor, std::uint64_t size, const std::string& name);
-  static Result<FileView> keep(Input& input);
 
   Bytes bytes_;
   std::string name_;

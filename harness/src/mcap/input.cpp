@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <poll.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
@@ -39,6 +41,9 @@ Result<void> Input::look() {
   if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) return unreadable("it is a device");
   if (S_ISREG(status.st_mode) && ::lseek(descriptor_, 0, SEEK_CUR) == 0)
     size_ = static_cast<std::uint64_t>(status.st_size);
+  struct statfs system {};
+  if (S_ISFIFO(status.st_mode) && ::fstatfs(descriptor_, &system) == 0 && system.f_type == PIPEFS_MAGIC)
+    only_once_ = status.st_ino;
   return {};
 }
 

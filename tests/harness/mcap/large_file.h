@@ -17,9 +17,11 @@ class LargeFile {
     raw(magic);
     record(0x01, text("") + text("a large file"));
     std::string definitions;
-    for (std::uint16_t id = 1; id <= channels; ++id)
-      definitions += head(0x04, 0x1f) + number(id) + number<std::uint16_t>(0) + text("/series/" + two_digits(id)) +
-                     text("text") + number<std::uint32_t>(0);
+    for (std::uint16_t id = 1; id <= channels; ++id) {
+      const std::string body = number(id) + number<std::uint16_t>(0) + text("/series/" + two_digits(id)) +
+                               text("text") + number<std::uint32_t>(0);
+      definitions += head(0x04, body.size()) + body;
+    }
     raw(definitions);
     while (at_ < size) chunk();
     record(0x0f, number<std::uint32_t>(0));

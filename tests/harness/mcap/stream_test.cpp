@@ -283,6 +283,18 @@ TEST(McapInput, APipeIsReadAsAFile) {
   EXPECT_EQ(pass_in_order(**reader).messages.size(), 5u);
 }
 
+TEST(McapInput, APipeThatHasNoNameCanBeOpenedAgain) {
+  Pipe pipe, other;
+  pipe.write(small_file());
+  pipe.close_end(1);
+  other.write(Composer().magic().header().end().bytes);
+  other.close_end(1);
+  for (int time = 0; time < 2; ++time) {
+    EXPECT_EQ(pass_over(*std::move(*mcap::Reader::open(pipe.path()))).messages.size(), 5u);
+    EXPECT_EQ(pass_over(*std::move(*mcap::Reader::open(other.path()))).messages.size(), 0u);
+  }
+}
+
 TEST(McapInput, AFileThatIsMadeUpAsItIsReadIsReadAsAFile) {
   const auto reader = mcap::Reader::open("/proc/self/status");
   ASSERT_FALSE(reader);
