@@ -23,6 +23,7 @@ rehearse_add_library(mcap
   src/mcap/scan.cpp
   src/mcap/sink.cpp
   src/mcap/stream.cpp
+  src/mcap/select.cpp
   src/mcap/summary.cpp
   src/mcap/writer.cpp)
 target_include_directories(rehearse_mcap PUBLIC

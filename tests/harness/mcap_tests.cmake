@@ -8,5 +8,6 @@ rehearse_add_test(mcap_test LABEL unit
     mcap/reader_test.cpp
     mcap/stream_test.cpp
     mcap/writer_forms_test.cpp
+    mcap/select_test.cpp
     mcap/writer_test.cpp
   LIBRARIES Rehearse::mcap lz4 zstd)
