@@ -22,10 +22,10 @@
 namespace rehearse {
 
 struct Tolerance {
-  double atol = 0.0;                        // in the unit of the series
-  double rtol = 0.0;                        // of the scale
-  double lead = 0.0;                        // [s]
-  double lag = 0.0;                         // [s]
+  double atol = 0.0;         // in the unit of the series
+  double rtol = 0.0;         // of the scale
+  double lead = 0.0;         // [s]
+  double lag = 0.0;          // [s]
   std::optional<int> ticks = std::nullopt;  // events: how far off they may be; none: no rule says
   double pixel_share = 0.0;  // pictures: share of the pixels that may differ by more than is allowed to each, 0 to 1
   double pixel_delta = 0.0;  // pictures: difference of a colour [of 255] that still counts as equal
@@ -38,8 +38,7 @@ struct Tolerance {
 };
 
 /// What a series may differ by if no rule speaks of it, by its unit. Beside it what was measured: the largest noise
-/// (noise_floor.h) of all sample scenarios over ten seconds each, on the plant level, where a difference lives for 0.1
-/// s:
+/// (noise_floor.h) of all sample scenarios over ten seconds each, on the plant level, where a difference lives for 0.1 s:
 ///
 ///   unit                                    default             noise, and where
 ///   rad, quaternion (an angle [rad])        1e-9                7e-13   the arm with a grasp
@@ -56,12 +55,12 @@ struct Tolerance {
 ///   any other, none                         0: the same bits
 ///
 /// The share of a picture's pixels that may differ by more is 0.0005: edges fall on the next pixel. A command that a
-/// controller computes in another arithmetic differs by less than a state does. Between noise and default lie 10 to
-/// 10^7, and the smallest faults that were tried (1 g more of 30 kg, 1 % less friction) differ by 10^2 to 10^7 times
-/// the default and more.
+/// controller computes in another arithmetic differs by less than a state does. Between noise and default lie 10 to 10^7,
+/// and the smallest faults that were tried (1 g more of 30 kg, 1 % less friction) differ by 10^2 to 10^7 times the default
+/// and more.
 ///
-/// In the closed loop noise grows, with contacts a thousandfold a second and more: there the same numbers hold up to
-/// the scenario's horizon only.
+/// In the closed loop noise grows, with contacts a thousandfold a second and more: there the same numbers hold up to the
+/// scenario's horizon only.
 Tolerance default_tolerance(std::string_view unit);
 
 /// The last rule that matches the series decides. What it doesn't state, and what no rule matches, is as by default.
