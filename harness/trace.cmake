@@ -2,9 +2,11 @@
 find_package(fmt REQUIRED)
 
 rehearse_add_library(trace
+  src/trace/message_json.cpp
   src/trace/range_messages.cpp
   src/trace/ros2msg_parse.cpp
   src/trace/ros2msg_decode.cpp
+  src/trace/ros2msg_literal.cpp
   src/trace/trace_rows.cpp
   src/trace/trace_typed_rows.cpp
   src/trace/trace_load.cpp

@@ -1,6 +1,7 @@
 // Whatever the bytes: a payload is decoded as far as it goes, and nothing outside of it is read. The first byte chooses
 // what it is: a payload of one of the schemas below; from 0x80 on a schema of its own, up to a zero byte, and its
 // payload; 0xf0 to 0xff values to write and read again.
+#include <rehearse/message_json.h>
 #include <rehearse/messages.h>
 #include <rehearse/ros2msg.h>
 
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,6 +43,12 @@ const std::vector<std::string>& schemas() {
   return texts;
 }
 
+/// JSON that others can read, and that says the same when they write it again.
+void check_json(const std::string& text) {
+  const auto read = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (!read.is_object() || !nlohmann::ordered_json::accept(read.dump())) std::abort();
+}
+
 /// Touches every byte, so that a view that points anywhere else is noticed.
 void decode(std::string_view schema_text, Bytes payload) {
   auto schema = ros2msg::Schema::parse("fuzz_msgs/msg/Fuzz", schema_text);
@@ -53,6 +61,9 @@ void decode(std::string_view schema_text, Bytes payload) {
     size += 1 + value.text.size() + value.blob.size();
     if (size > 2 * payload.size() + 16) std::abort();  // more than the payload has
   });
+  constexpr std::size_t limit = 1 << 20;
+  if (const auto json = ros2msg::to_json(decoder, payload, limit)) check_json(*json);
+  static_cast<void>(ros2msg::to_line(decoder, payload));
 }
 
 /// What was decoded can be written, and is the same when it is decoded again.

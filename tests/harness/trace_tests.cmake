@@ -1,8 +1,11 @@
+find_package(nlohmann_json 3.10 REQUIRED)
+
 rehearse_add_test(trace_test LABEL unit
   SOURCES
     trace/broken_traces_test.cpp
     trace/cdr_test.cpp
+    trace/message_json_test.cpp
     trace/messages_test.cpp
     trace/ros2msg_test.cpp
     trace/trace_test.cpp
-  LIBRARIES Rehearse::trace)
+  LIBRARIES Rehearse::trace nlohmann_json::nlohmann_json)

@@ -2,7 +2,8 @@
 //
 // A payload begins with four bytes that say which byte order follows; values then stand at multiples of their own size,
 // counted from behind those four bytes. Strings carry their length with a final zero; sequences carry their count.
-// The writer writes little-endian; the reader takes both byte orders. Both reuse their memory from message to message.
+// The writer writes little-endian; the reader takes both byte orders, and the plain form of XCDR version 2, in which
+// values of eight bytes stand at multiples of four. Both reuse their memory from message to message.
 #pragma once
 
 #include <bit>
@@ -85,12 +86,24 @@ class CdrWriter {
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> payload) : bytes_(payload) {
-    if (payload.size() < 4 || payload[0] != std::byte{0} || payload[1] > std::byte{1}) {
+    const int encapsulation = encapsulation_of(payload);
+    // As RTPS numbers them, and as XTypes did before: even ones are big-endian.
+    const bool plain = encapsulation == 0x00 || encapsulation == 0x01;
+    const bool plain2 =
+        encapsulation == 0x06 || encapsulation == 0x07 || encapsulation == 0x10 || encapsulation == 0x11;
+    if (!plain && !plain2) {
       fail();
       return;
     }
-    swap_ = (payload[1] == std::byte{1}) != (std::endian::native == std::endian::little);
+    swap_ = (encapsulation % 2 == 1) != (std::endian::native == std::endian::little);
+    largest_alignment_ = plain ? 8 : 4;
     position_ = 4;
+  }
+
+  /// What the first two bytes say: 0 and 1 are plain CDR; -1 if there aren't four.
+  static int encapsulation_of(std::span<const std::byte> payload) {
+    if (payload.size() < 4) return -1;
+    return std::to_integer<int>(payload[0]) << 8 | std::to_integer<int>(payload[1]);
   }
 
   bool ok() const { return ok_; }
@@ -100,6 +113,8 @@ class CdrReader {
   std::size_t left() const { return ok_ ? bytes_.size() - position_ : 0; }
   /// The payload is in the other byte order than this machine's.
   bool swapped() const { return swap_; }
+  /// The payload is of XCDR version 2, where arrays and sequences of anything but numbers carry their size [bytes].
+  bool is_version_2() const { return largest_alignment_ == 4; }
 
   template <CdrNumber T>
   T get() {
@@ -153,9 +168,10 @@ class CdrReader {
     return place;
   }
 
-  /// Skips to a multiple of `alignment` (a power of two, at most 8).
+  /// Skips to a multiple of `alignment` (a power of two, at most 8), of 4 for 8 in version 2.
   void align(std::size_t alignment) {
-    const std::size_t padding = (4 - position_) & (alignment - 1);
+    const std::size_t padding =
+        (4 - position_) & ((alignment < largest_alignment_ ? alignment : largest_alignment_) - 1);
     if (padding != 0) take(padding);
   }
 
@@ -186,6 +202,7 @@ class CdrReader {
 
   std::span<const std::byte> bytes_;
   std::size_t position_ = 0;
+  std::size_t largest_alignment_ = 8;
   bool swap_ = false;
   bool ok_ = true;
 };

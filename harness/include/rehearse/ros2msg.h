@@ -3,7 +3,11 @@
 // A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line
 // "MSG: package/Name" and its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`;
 // TYPE is a primitive or another message, with `[]`, `[n]` or `[<=n]` behind it for a sequence, an array or a bounded
-// sequence; `string<=n` is a bounded string. wstring is refused.
+// sequence; `string<=n` is a bounded string. Defaults and constants have to be values of their type.
+//
+// Some writers leave out types that everybody knows: builtin_interfaces/Time and Duration and std_msgs/Header need no
+// definition. wstring is refused: how it is put into a payload differs from middleware to middleware, and nothing in
+// the payload says which it was.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -71,6 +75,19 @@ struct Value {
   bool is_number() const { return kind != Kind::text && kind != Kind::blob; }
 };
 
+/// Hears of a payload in its order. Between begin_message() and end_message() each field is announced by field(), and
+/// is a value, a message, or an array of either.
+class Visitor {
+ public:
+  virtual ~Visitor() = default;
+  virtual void begin_message() = 0;
+  virtual void end_message() = 0;
+  virtual void field(std::string_view name) = 0;
+  virtual void begin_array(std::uint32_t count) = 0;
+  virtual void end_array() = 0;
+  virtual void value(const Value& value) = 0;
+};
+
 /// Walks payloads of one schema. Not for two threads at a time.
 class Decoder {
  public:
@@ -82,9 +99,16 @@ class Decoder {
   /// CDR, or breaks a bound; what came before was delivered. Bytes left over at the end are ignored.
   bool decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback);
 
+  /// The same with the message's structure. What was begun when it gives up is not ended.
+  bool decode(std::span<const std::byte> payload, Visitor& visitor);
+
+  /// Why the last decode() gave up, as "ends at byte 12, within position/3"; empty if it didn't.
+  const std::string& problem() const { return problem_; }
+
  private:
   Schema schema_;
   std::string path_;  // of the value at hand; kept for its memory
+  std::string problem_;
 };
 
 }  // namespace rehearse::ros2msg

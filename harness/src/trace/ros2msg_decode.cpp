@@ -1,6 +1,8 @@
 #include <rehearse/cdr.h>
 #include <rehearse/ros2msg.h>
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 
@@ -8,23 +10,56 @@ namespace rehearse::ros2msg {
 
 namespace {
 
-/// One pass over one payload.
+/// A Visitor to whom the values alone matter.
+class ValuesOnly final : public Visitor {
+ public:
+  explicit ValuesOnly(const std::function<void(const Value&)>& callback) : callback_(callback) {}
+  void begin_message() override {}
+  void end_message() override {}
+  void field(std::string_view) override {}
+  void begin_array(std::uint32_t) override {}
+  void end_array() override {}
+  void value(const Value& value) override { callback_(value); }
+
+ private:
+  const std::function<void(const Value&)>& callback_;
+};
+
+std::string encapsulation_problem(std::span<const std::byte> payload) {
+  const int kind = CdrReader::encapsulation_of(payload);
+  if (kind < 0) return fmt::format("isn't CDR: it has {} bytes, and four come before anything else", payload.size());
+  if (kind == 0x02 || kind == 0x03 || (0x08 <= kind && kind <= 0x0b) || (0x12 <= kind && kind <= 0x15)) {
+    return fmt::format("is CDR of a kind that no ROS message has (encapsulation 0x{:04x}: a type that may change)",
+                       kind);
+  }
+  return fmt::format("isn't CDR: it begins with 0x{:04x}", kind);
+}
+
+/// One pass over one payload. It ends: each element takes a byte at least, and the parser bounds the depth.
 class Walk {
  public:
-  Walk(const Schema& schema, CdrReader& reader, std::string& path, const std::function<void(const Value&)>& callback)
-      : schema_(schema), reader_(reader), path_(path), callback_(callback) {}
-
-  void message(const Definition& definition) {
-    // CDR has no empty structures: ROS puts one byte into a message without fields.
-    if (definition.fields.empty()) reader_.get<std::uint8_t>();
-    for (const FieldDefinition& field : definition.fields) {
-      if (!reader_.ok()) return;
-      const Segment segment(path_, field.name);
-      this->field(field.type);
-    }
+  Walk(const Schema& schema, std::span<const std::byte> payload, std::string& path, Visitor& visitor)
+      : schema_(schema), reader_(payload), path_(path), visitor_(visitor) {
+    if (!reader_.ok()) problem_ = encapsulation_problem(payload);
   }
 
-  bool ok() const { return ok_ && reader_.ok(); }
+  void message(const Definition& definition) {
+    visitor_.begin_message();
+    if (definition.fields.empty()) {  // CDR has no empty structures: ROS puts one byte into a message without fields
+      reader_.get<std::uint8_t>();
+      check_end();
+    }
+    for (const FieldDefinition& field : definition.fields) {
+      if (!ok()) return;
+      const Segment segment(path_, field.name);
+      visitor_.field(field.name);
+      this->field(field.type);
+    }
+    if (ok()) visitor_.end_message();
+  }
+
+  bool ok() const { return problem_.empty(); }
+  std::string take_problem() { return std::move(problem_); }
 
  private:
   /// Lengthens the path for as long as it lives.
@@ -45,19 +80,33 @@ class Walk {
 
   void field(const FieldType& type) {
     if (type.shape == FieldType::Shape::single) return element(type);
+    std::size_t size = 0;
+    const bool has_size = reader_.is_version_2() && (type.is_message || type.primitive == Primitive::string);
+    if (has_size) size = reader_.get<std::uint32_t>();
+    const std::size_t begin = reader_.position();
     std::uint32_t count = type.count;
     if (type.shape == FieldType::Shape::sequence) {
       count = reader_.get_count(1);
-      if (type.count != 0 && count > type.count) ok_ = false;
+      if (type.count != 0 && count > type.count) fail(fmt::format("has {} elements of at most {}", count, type.count));
     }
+    check_end();
     if (!ok()) return;
     if (!type.is_message && type.primitive == Primitive::uint8) return blob(count);
+    elements(type, count);
+    if (ok() && has_size && reader_.position() - begin != size) {
+      fail(fmt::format("says {} bytes and has {}", size, reader_.position() - begin));
+    }
+  }
+
+  void elements(const FieldType& type, std::uint32_t count) {
+    visitor_.begin_array(count);
     std::array<char, 16> digits;
     for (std::uint32_t i = 0; i < count && ok(); ++i) {
       const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), i).ptr;
       const Segment segment(path_, std::string_view(digits.data(), end));
       element(type);
     }
+    if (ok()) visitor_.end_array();
   }
 
   void element(const FieldType& type) {
@@ -78,7 +127,9 @@ class Walk {
       case Primitive::string:
         value.kind = Value::Kind::text;
         value.text = reader_.get_string();
-        if (type.string_bound != 0 && value.text.size() > type.string_bound) ok_ = false;
+        if (type.string_bound != 0 && value.text.size() > type.string_bound) {
+          fail(fmt::format("has {} characters of at most {}", value.text.size(), type.string_bound));
+        }
         break;
     }
     emit(value);
@@ -102,26 +153,40 @@ class Walk {
   }
 
   void emit(Value& value) {
+    check_end();
     if (!ok()) return;
     value.path = path_;
-    callback_(value);
+    visitor_.value(value);
+  }
+
+  void check_end() {
+    if (reader_.ok() || !ok()) return;
+    problem_ = fmt::format("ends at byte {}{}{}", reader_.position(), path_.empty() ? "" : ", within ", path_);
+  }
+  void fail(std::string_view what) {
+    if (ok()) problem_ = fmt::format("breaks its schema: {} {}", path_, what);
   }
 
   const Schema& schema_;
-  CdrReader& reader_;
+  CdrReader reader_;
   std::string& path_;
-  const std::function<void(const Value&)>& callback_;
-  bool ok_ = true;
+  Visitor& visitor_;
+  std::string problem_;
 };
 
 }  // namespace
 
 bool Decoder::decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback) {
-  CdrReader reader(payload);
+  ValuesOnly visitor(callback);
+  return decode(payload, visitor);
+}
+
+bool Decoder::decode(std::span<const std::byte> payload, Visitor& visitor) {
   path_.clear();
-  Walk walk(schema_, reader, path_, callback);
-  walk.message(schema_.definitions.front());
-  return walk.ok();
+  Walk walk(schema_, payload, path_, visitor);
+  if (walk.ok()) walk.message(schema_.definitions.front());
+  problem_ = walk.take_problem();
+  return problem_.empty();
 }
 
 }  // namespace rehearse::ros2msg

@@ -1,10 +1,13 @@
 #include <rehearse/ros2msg.h>
 
+#include "ros2msg_literal.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
 #include <optional>
 
 namespace rehearse::ros2msg {
@@ -52,21 +55,25 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-/// The line without its comment; a # within quotes begins none.
+/// The line without its comment. A # within quotes begins none; a quote counts where a text may begin, so that an
+/// apostrophe in the midst of one hides nothing.
 std::string_view without_comment(std::string_view line) {
   char quote = 0;
+  char before = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
     if (quote != 0) {
-      if (line[i] == '\\') {
+      if (c == '\\') {
         ++i;
-      } else if (line[i] == quote) {
+      } else if (c == quote) {
         quote = 0;
       }
-    } else if (line[i] == '"' || line[i] == '\'') {
-      quote = line[i];
-    } else if (line[i] == '#') {
+    } else if ((c == '"' || c == '\'') && (is_space(before) || before == '=' || before == '[' || before == ',')) {
+      quote = c;
+    } else if (c == '#') {
       return line.substr(0, i);
     }
+    before = c;
   }
   return line;
 }
@@ -88,6 +95,7 @@ std::string canonical_name(std::string_view type) {
 // More than any message has; so that hostile text takes linear time.
 constexpr std::size_t max_definitions = 1000;
 constexpr std::size_t max_fields = 4096;
+constexpr int max_depth = 64;
 
 /// A field whose type is looked up when all definitions are known.
 struct OpenField {
@@ -101,6 +109,7 @@ class Parser {
  public:
   Parser(std::string_view type, std::string file) : file_(std::move(file)) {
     schema_.definitions.push_back({canonical_name(type), {}, {}});
+    by_name_.emplace(canonical_name(type), 0);
   }
 
   Result<Schema> parse(std::string_view text);
@@ -114,14 +123,18 @@ class Parser {
   void add_field(FieldType type, std::string message_name, std::string_view name, std::string_view value);
   void resolve();
   std::optional<std::size_t> find_definition(std::string_view type, std::string_view package) const;
+  std::optional<std::size_t> add_known(std::string_view type);
   void check_cycles();
-  void visit(std::size_t definition, std::vector<int>& state);
+  enum class Mark { unseen, open, done };  // open: on the way down to the one at hand
+  void visit(std::size_t definition, int depth, std::vector<Mark>& marks);
+  int line_of(std::size_t definition, std::size_t field) const;
   void complain(int line, std::string message, std::string hint = {});
 
   Definition& current() { return schema_.definitions.back(); }
 
   Schema schema_;
   std::string file_;
+  std::map<std::string, std::size_t, std::less<>> by_name_;  // indices into the definitions
   std::vector<OpenField> open_fields_;
   Diagnostics errors_;
   int line_ = 0;
@@ -144,7 +157,7 @@ Result<Schema> Parser::parse(std::string_view text) {
 
 void Parser::parse_line(std::string_view line) {
   if (line.empty()) return;
-  if (line.size() >= 3 && line.find_first_not_of('=') == std::string_view::npos) {
+  if (line.find_first_not_of('=') == std::string_view::npos) {
     expects_heading_ = true;
   } else if (expects_heading_) {
     begin_definition(line);
@@ -161,8 +174,8 @@ void Parser::begin_definition(std::string_view line) {
   if (schema_.definitions.size() == max_definitions) {
     return complain(line_, fmt::format("more than {} types in one schema", max_definitions));
   }
-  for (const Definition& definition : schema_.definitions) {
-    if (definition.name == name) complain(line_, fmt::format("type {} is defined twice", name));
+  if (!by_name_.emplace(name, schema_.definitions.size()).second) {
+    complain(line_, fmt::format("type {} is defined twice", name));
   }
   schema_.definitions.push_back({name, {}, {}});
 }
@@ -212,7 +225,9 @@ bool Parser::parse_type(std::string_view text, FieldType& type, std::string& mes
     type.string_bound = *bound;
     text = "string";
   }
-  if (text.starts_with("wstring")) return complain(line_, "type wstring is not supported", "string"), false;
+  if (text == "wstring" || text.starts_with("wstring<=")) {
+    return complain(line_, "type wstring can't be decoded: how it is put differs from middleware to middleware"), false;
+  }
   if (const auto primitive = find_primitive(text)) {
     type.primitive = *primitive;
     return true;
@@ -230,11 +245,16 @@ void Parser::add_constant(const FieldType& type, std::string_view type_text, std
     return complain(line_, fmt::format("constant {} can't be of type {}", name, type_text), "a primitive type");
   }
   if (value.empty()) return complain(line_, fmt::format("constant {} has no value", name));
-  if (type.primitive == Primitive::string && value.size() >= 2 && value.front() == value.back() &&
-      (value.front() == '"' || value.front() == '\'')) {
-    value = value.substr(1, value.size() - 2);
+  for (const Constant& constant : current().constants) {
+    if (constant.name == name) return complain(line_, fmt::format("constant {} is declared twice", name));
   }
-  current().constants.push_back({std::string(name), type.primitive, std::string(value)});
+  if (current().constants.size() == max_fields) {
+    return complain(line_, fmt::format("more than {} constants in one type", max_fields));
+  }
+  if (const std::string wrong = literal_problem(type, value); !wrong.empty()) {
+    return complain(line_, fmt::format("constant {}: the value {}", name, wrong));
+  }
+  current().constants.push_back({std::string(name), type.primitive, std::string(without_quotes(type, value))});
 }
 
 void Parser::add_field(FieldType type, std::string message_name, std::string_view name, std::string_view value) {
@@ -244,6 +264,12 @@ void Parser::add_field(FieldType type, std::string message_name, std::string_vie
   for (const FieldDefinition& field : current().fields) {
     if (field.name == name) return complain(line_, fmt::format("field {} is declared twice", name));
   }
+  if (type.is_message && !value.empty()) {
+    return complain(line_, fmt::format("field {}: a message has no default", name));
+  }
+  if (const std::string wrong = value.empty() ? "" : literal_problem(type, value); !wrong.empty()) {
+    return complain(line_, fmt::format("field {}: the default {}", name, wrong));
+  }
   if (type.is_message) {
     open_fields_.push_back({schema_.definitions.size() - 1, current().fields.size(), std::move(message_name), line_});
   }
@@ -251,17 +277,13 @@ void Parser::add_field(FieldType type, std::string message_name, std::string_vie
 }
 
 void Parser::resolve() {
-  for (const OpenField& open : open_fields_) {
+  // The list grows while it is walked: a type that everybody knows may use another.
+  for (std::size_t i = 0; i < open_fields_.size(); ++i) {
+    const OpenField open = open_fields_[i];
+    const std::string type = canonical_name(open.type);
     const std::string enclosing = schema_.definitions[open.definition].name;
-    auto found = find_definition(canonical_name(open.type), enclosing.substr(0, enclosing.find('/')));
-    if (!found && (open.type == "builtin_interfaces/Time" || open.type == "builtin_interfaces/Duration")) {
-      // Many writers leave these two out: everybody knows them.
-      found = schema_.definitions.size();
-      FieldType sec, nanosec;
-      sec.primitive = Primitive::int32;
-      nanosec.primitive = Primitive::uint32;
-      schema_.definitions.push_back({open.type, {{"sec", sec, {}}, {"nanosec", nanosec, {}}}, {}});
-    }
+    auto found = find_definition(type, enclosing.substr(0, enclosing.find('/')));
+    if (!found) found = add_known(type);
     if (found) {
       schema_.definitions[open.definition].fields[open.field].type.message = *found;
     } else {
@@ -270,39 +292,71 @@ void Parser::resolve() {
   }
 }
 
+/// A bare name means a type of the same package, Header that of std_msgs if there is none.
 std::optional<std::size_t> Parser::find_definition(std::string_view type, std::string_view package) const {
-  const bool bare = type.find('/') == std::string_view::npos;
-  const std::string full = !bare              ? std::string(type)
-                           : type == "Header" ? "std_msgs/Header"
-                                              : fmt::format("{}/{}", package, type);
-  for (std::size_t i = 0; i < schema_.definitions.size(); ++i) {
-    if (schema_.definitions[i].name == full) return i;
+  const auto find = [&](std::string_view name) -> std::optional<std::size_t> {
+    const auto place = by_name_.find(name);
+    return place == by_name_.end() ? std::nullopt : std::optional(place->second);
+  };
+  if (type.find('/') != std::string_view::npos) return find(type);
+  if (const auto same_package = find(fmt::format("{}/{}", package, type))) return same_package;
+  return type == "Header" ? find("std_msgs/Header") : std::nullopt;
+}
+
+/// Many writers leave these out.
+std::optional<std::size_t> Parser::add_known(std::string_view type) {
+  const auto field = [](const char* name, Primitive primitive) {
+    FieldType single;
+    single.primitive = primitive;
+    return FieldDefinition{name, single, {}};
+  };
+  const std::size_t index = schema_.definitions.size();
+  if (type == "builtin_interfaces/Time" || type == "builtin_interfaces/Duration") {
+    by_name_.emplace(type, index);
+    schema_.definitions.push_back(
+        {std::string(type), {field("sec", Primitive::int32), field("nanosec", Primitive::uint32)}, {}});
+    return index;
+  }
+  if (type == "std_msgs/Header" || type == "Header") {
+    by_name_.emplace("std_msgs/Header", index);
+    FieldDefinition stamp = field("stamp", Primitive::boolean);
+    stamp.type.is_message = true;
+    schema_.definitions.push_back({"std_msgs/Header", {stamp, field("frame_id", Primitive::string)}, {}});
+    open_fields_.push_back({index, 0, "builtin_interfaces/Time", 0});
+    return index;
   }
   return std::nullopt;
 }
 
 void Parser::check_cycles() {
-  std::vector<int> state(schema_.definitions.size(), 0);
-  for (std::size_t i = 0; i < state.size(); ++i) visit(i, state);
+  std::vector<Mark> marks(schema_.definitions.size(), Mark::unseen);
+  for (std::size_t i = 0; i < marks.size(); ++i) visit(i, 0, marks);
 }
 
-/// Depth first; state 1 is "on the way down", 2 is "done". The depth is bounded by a limit of ours, not by the stack.
-void Parser::visit(std::size_t definition, std::vector<int>& state) {
-  constexpr std::ptrdiff_t max_depth = 64;
-  if (state[definition] != 0 || !errors_.empty()) return;
-  state[definition] = 1;
-  for (const OpenField& open : open_fields_) {
-    if (open.definition != definition) continue;
-    const std::size_t used = schema_.definitions[definition].fields[open.field].type.message;
-    if (state[used] == 1) {
-      return complain(open.line, fmt::format("type {} contains itself", schema_.definitions[used].name));
+/// Depth first. The depth is bounded by a limit of ours, not by the stack.
+void Parser::visit(std::size_t definition, int depth, std::vector<Mark>& marks) {
+  if (marks[definition] == Mark::done || !errors_.empty()) return;
+  marks[definition] = Mark::open;
+  const std::vector<FieldDefinition>& fields = schema_.definitions[definition].fields;
+  for (std::size_t i = 0; i < fields.size() && errors_.empty(); ++i) {
+    if (!fields[i].type.is_message) continue;
+    const std::size_t used = fields[i].type.message;
+    if (marks[used] == Mark::open) {
+      complain(line_of(definition, i), fmt::format("type {} contains itself", schema_.definitions[used].name));
+    } else if (depth == max_depth) {
+      complain(line_of(definition, i), fmt::format("types are nested more than {} deep", max_depth));
+    } else {
+      visit(used, depth + 1, marks);
     }
-    if (std::count(state.begin(), state.end(), 1) > max_depth) {
-      return complain(open.line, fmt::format("types are nested more than {} deep", max_depth));
-    }
-    visit(used, state);
   }
-  state[definition] = 2;
+  marks[definition] = Mark::done;
+}
+
+int Parser::line_of(std::size_t definition, std::size_t field) const {
+  for (const OpenField& open : open_fields_) {
+    if (open.definition == definition && open.field == field) return open.line;
+  }
+  return 0;
 }
 
 void Parser::complain(int line, std::string message, std::string hint) {

@@ -87,8 +87,24 @@ TEST(Cdr, ReadsBothByteOrders) {
   EXPECT_TRUE(reader.ok());
 }
 
+TEST(Cdr, AlignsToFourAtMostInVersion2) {
+  for (const int kind : {0x07, 0x11}) {
+    const auto bytes = payload(0, kind, 0, 0, 9, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 5);
+    CdrReader reader(bytes);
+    EXPECT_TRUE(reader.is_version_2());
+    EXPECT_EQ(reader.get<std::uint8_t>(), 9);
+    EXPECT_EQ(reader.get<std::uint64_t>(), 1u);
+    EXPECT_EQ(reader.get<std::uint8_t>(), 5);
+    EXPECT_TRUE(reader.ok());
+  }
+  const auto big = payload(0, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7);
+  CdrReader reader(big);
+  EXPECT_EQ(reader.get<std::uint64_t>(), 7u);
+}
+
 TEST(Cdr, RefusesOtherEncapsulations) {
-  EXPECT_FALSE(CdrReader(payload(0, 7, 0, 0, 1)).ok());
+  for (const int kind : {2, 3, 5, 8, 9, 0x0a, 0x12, 0x15, 0xff})
+    EXPECT_FALSE(CdrReader(payload(0, kind, 0, 0, 1)).ok());
   EXPECT_FALSE(CdrReader(payload(1, 1, 0, 0, 1)).ok());
   EXPECT_FALSE(CdrReader(payload(0, 1, 0)).ok());
 }

@@ -1,0 +1,40 @@
+// A message as text: JSON for programs, a line for people. For whatever a ros2msg schema describes.
+//
+// An object has the fields of the schema, in its order; a message within is an object, an array or a sequence an array.
+// Integers of 64 bits are written in full. A float is written with as many digits as a reader of doubles needs to get
+// the same bits, a float32 as the double that it is; it always has a point or an exponent, so -0.0 keeps its sign. JSON
+// has no NaN and no infinities: they are the strings "NaN", "Infinity" and "-Infinity", and a NaN's own bits are lost.
+// uint8 arrays and sequences, of whatever length (byte[] and char[] are others of their names), are strings in base64.
+// Bytes of a string that aren't UTF-8 become U+FFFD.
+#pragma once
+
+#include <rehearse/ros2msg.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace rehearse::ros2msg {
+
+/// The message as one JSON object without a newline. Fails if the payload doesn't fit the schema, or if the text would
+/// be longer than `max_size` [bytes].
+Result<std::string> to_json(Decoder& decoder, std::span<const std::byte> payload,
+                            std::size_t max_size = std::size_t{1} << 30);
+
+/// The fields for people to read, in one line: of arrays the first few elements and how many there are, of bytes their
+/// number. Fails as to_json().
+Result<std::string> to_line(Decoder& decoder, std::span<const std::byte> payload);
+
+}  // namespace rehearse::ros2msg
+
+namespace rehearse {
+
+/// Appends the text as a JSON string with its quotes.
+void append_json(std::string& json, std::string_view text);
+/// Appends the number as described above.
+void append_json(std::string& json, double number);
+/// Appends the bytes as a JSON string in base64 (RFC 4648, with padding).
+void append_base64(std::string& json, std::span<const std::byte> bytes);
+
+}  // namespace rehearse

@@ -1,0 +1,20 @@
+// Values as schemas write them: constants and defaults. Internal.
+#pragma once
+
+#include <rehearse/ros2msg.h>
+
+#include <string>
+#include <string_view>
+
+namespace rehearse::ros2msg {
+
+/// Why the text is no value of that type, as "'300' is no uint8"; empty if it is one. `type` is no message.
+std::string literal_problem(const FieldType& type, std::string_view text);
+
+/// The text, of a quoted string what is within the quotes.
+std::string_view without_quotes(const FieldType& type, std::string_view text);
+
+/// "uint8", "string".
+std::string_view name_of(Primitive primitive);
+
+}  // namespace rehearse::ros2msg
