@@ -86,6 +86,36 @@ void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
                    "meshes that can't be had are left out, with a warning");
 }
 
+void add_selection_options(CLI::App& options, mcap::Selection& selection) {
+  // Which option it was is said before what is wrong with it.
+  const auto take = [](const std::string& option, auto parsed) {
+    if (parsed) return std::move(*parsed);
+    throw CLI::ValidationError(option, fmt::format("{} ({})", parsed.errors()[0].message, parsed.errors()[0].hint));
+  };
+  options
+      .add_option("--topics", selection.topics,
+                  "only topics that match one of these patterns; * stands for any text, slashes included")
+      ->type_name("GLOB...");
+  options
+      .add_option_function<std::string>(
+          "--from",
+          [=, &selection](const std::string& text) { selection.from = take("--from", mcap::parse_moment(text)); },
+          "only messages from this log time on [s]; +S counts from the file's first message")
+      ->type_name("[+]S");
+  options
+      .add_option_function<std::string>(
+          "--until",
+          [=, &selection](const std::string& text) { selection.until = take("--until", mcap::parse_moment(text)); },
+          "only messages before this log time [s], likewise")
+      ->type_name("[+]S");
+  options
+      .add_option_function<std::string>(
+          "--ticks",
+          [=, &selection](const std::string& text) { selection.ticks = take("--ticks", mcap::parse_tick_span(text)); },
+          "only what was recorded in these ticks, both included; A.. and ..B have no other end")
+      ->type_name("A..B");
+}
+
 void add_json_flag(CLI::App& options, bool& json) {
   options.add_flag("--json", json, "print one JSON object, and nothing else, on stdout");
 }

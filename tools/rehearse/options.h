@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rehearse/host_options.h>
+#include <rehearse/mcap_select.h>
 #include <rehearse/urdf.h>
 
 #include <CLI/App.hpp>
@@ -27,6 +28,9 @@ void add_host_options(CLI::App& options, HostOptions& host);
 
 /// --package NAME=DIR, as often as one likes, and --allow-missing-meshes.
 void add_mesh_options(CLI::App& options, UrdfOptions& urdf);
+
+/// --topics, --from, --until and --ticks: which messages of a file.
+void add_selection_options(CLI::App& options, mcap::Selection& selection);
 
 /// --json.
 void add_json_flag(CLI::App& options, bool& json);

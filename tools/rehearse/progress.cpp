@@ -15,6 +15,8 @@ constexpr std::chrono::milliseconds interval{100};
 
 }  // namespace
 
+bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) == 1; }
+
 Progress::Progress(std::string what) : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {

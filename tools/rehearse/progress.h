@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <string>
 
 namespace rehearse::tool {
@@ -26,6 +27,9 @@ class Progress {
   Clock::time_point begin_ = Clock::now();
   Clock::time_point last_ = begin_;
 };
+
+/// True if what is written there is read by a person: then it is its own progress bar.
+bool is_terminal(std::FILE* stream);
 
 /// Wall time since it was made [s].
 class Stopwatch {

@@ -1,0 +1,126 @@
+// rehearse cat: the messages of a trace, or of any MCAP file, one a line.
+#include <fmt/format.h>
+#include <rehearse/mcap_select.h>
+#include <rehearse/mcap_stream.h>
+#include <rehearse/message_print.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+struct Settings {
+  std::string trace;
+  mcap::Selection selection;
+  std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();  // messages
+  bool json = false;
+};
+
+/// Puts lines on stdout and counts them.
+class Lines {
+ public:
+  explicit Lines(const Settings& settings)
+      : limit_(settings.limit), printer_(settings.json ? MessagePrinter::Form::json : MessagePrinter::Form::line) {}
+
+  /// False if there is to be no more: enough were printed, or nobody reads them.
+  bool print(const mcap::Message& message, const mcap::Schema* schema) {
+    const std::string_view line = printer_.print(message, schema);
+    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) return note_failure(), false;
+    return ++printed_ < limit_;
+  }
+
+  /// What became of them: `read` says how reading ended.
+  Exit end(const Result<void>& read) {
+    if (!problem_ && std::fflush(stdout) != 0) note_failure();
+    if (problem_ == EPIPE) return Exit::done;  // whoever reads has seen enough, as `head` does
+    if (problem_) return refuse(error(fmt::format("can't write to stdout: {}", std::strerror(*problem_))));
+    return read ? Exit::done : refuse(read.errors());
+  }
+
+ private:
+  void note_failure() { problem_ = errno; }
+
+  const std::uint64_t limit_;
+  MessagePrinter printer_;
+  std::uint64_t printed_ = 0;
+  std::optional<int> problem_;  // errno
+};
+
+Exit cat_file(const Settings& settings) {
+  const auto opened = mcap::Reader::open(settings.trace);
+  if (!opened) return refuse(opened.errors());
+  mcap::Reader& reader = **opened;
+  auto selector = mcap::Selector::of(settings.selection, reader);
+  if (!selector) return refuse(selector.errors());
+  std::vector<std::uint16_t> channels;
+  for (const auto& [id, channel] : reader.channels())
+    if (selector->takes_topic(channel.topic)) channels.push_back(id);
+  const std::int64_t all = reader.statistics() ? static_cast<std::int64_t>(reader.statistics()->message_count) : 0;
+  Lines lines(settings);
+  std::optional<Progress> progress;
+  if (!is_terminal(stdout)) progress.emplace("printing");
+  std::int64_t passed = 0;
+  const Result<void> read = reader.for_each_message_in_order(
+      [&](const mcap::Message& message) {
+        if (progress) progress->show(++passed, all);
+        if (selector->end() && message.log_time >= *selector->end()) return false;
+        return !selector->takes(message) || lines.print(message, reader.schema_of(*message.channel));
+      },
+      channels);
+  progress.reset();
+  return lines.end(read);
+}
+
+Exit cat_stream(const Settings& settings) {
+  const auto opened = mcap::StreamReader::open(settings.trace);
+  if (!opened) return refuse(opened.errors());
+  mcap::StreamReader& stream = **opened;
+  auto selector = mcap::Selector::of_stream(settings.selection);
+  if (!selector) return refuse(selector.errors());
+  Lines lines(settings);
+  return lines.end(stream.for_each_message([&](const mcap::Message& message) {
+    return !selector->takes(message) || lines.print(message, stream.schema_of(*message.channel));
+  }));
+}
+
+Exit run(const Settings& settings) {
+  std::error_code ignored;
+  const bool is_stream = settings.trace == "-" || std::filesystem::is_fifo(settings.trace, ignored);
+  return is_stream ? cat_stream(settings) : cat_file(settings);
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file; - is standard input")
+      ->required()
+      ->type_name("");
+  add_selection_options(options, settings->selection);
+  add_integer(options, "--limit", "stop after so many messages", 1, std::numeric_limits<std::int64_t>::max(),
+              [=](std::int64_t limit) { settings->limit = static_cast<std::uint64_t>(limit); });
+  options.add_flag("--json", settings->json,
+                   "print one JSON object a line: topic, log_time, publish_time [ns], sequence, and message, or, if it "
+                   "can't be decoded, data. Bytes (uint8[]) and data are base64");
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb cat_verb{"cat",
+                    "  rehearse cat sr1.mcap --topics /tick --limit 3\n"
+                    "  rehearse cat bag.mcap --topics '/imu*' --from +2 --until +2.5 --json\n"
+                    "  zstd -dc bag.mcap.zst | rehearse cat - | less\n",
+                    declare};
+
+}  // namespace rehearse::tool
