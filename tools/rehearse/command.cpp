@@ -23,6 +23,8 @@ constexpr VerbSummary verbs[] = {
      Program::simulate},
     {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit},
     {"info", "what stands in a trace", Program::rehearse},
+    {"cat", "print the messages of a trace, one a line", Program::rehearse},
+    {"export", "write a trace as tables (CSV), pictures or a video", Program::rehearse},
     {"inspect", "load a robot model and report what was understood of it", Program::rehearse},
     {"render", "draw a picture of a scenario or a model", Program::simulate},
     {"new", "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse},

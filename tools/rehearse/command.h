@@ -34,8 +34,10 @@ struct Verb {
 
 // Defined in NAME_command.cpp.
 extern const Verb audit_verb;
+extern const Verb cat_verb;
 extern const Verb check_verb;
 extern const Verb diff_verb;
+extern const Verb export_verb;
 extern const Verb golden_verb;
 extern const Verb info_verb;
 extern const Verb inspect_verb;

@@ -50,6 +50,9 @@ Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const 
 /// Types that TRACE_FORMAT.md gives a table of their own; null for all others.
 std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel);
 
+/// Gives every column the name of its series, as trace.h has them, and lists them. Columns have to be complete.
+void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series);
+
 /// Types without series: pictures, checkpoints, events, changes of contact.
 bool has_no_series(std::string_view type);
 

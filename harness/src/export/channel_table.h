@@ -1,0 +1,59 @@
+// The messages of a channel as rows of a table. Internal.
+#pragma once
+
+#include <rehearse/mcap.h>
+#include <rehearse/trace.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "trace/trace_rows.h"
+
+namespace rehearse {
+
+class ChannelTable {
+ public:
+  struct Column {
+    std::string name;
+    std::string unit;  // empty: not stated
+  };
+
+  virtual ~ChannelTable() = default;
+  /// Fails if its messages have no table: pictures, encodings that aren't decoded, a schema that is wrong.
+  static Result<std::unique_ptr<ChannelTable>> make(const mcap::Channel& channel, const mcap::Schema* schema);
+
+  /// Takes in a message; columns that it is the first to have are added. False if it doesn't fit its schema.
+  virtual bool read(mcap::Bytes payload) = 0;
+  /// Appends the cells of the message that was read last, each after a comma; empty ones for columns that came later.
+  virtual void append_row(std::string& line) const = 0;
+  virtual std::vector<Column> columns() const = 0;
+};
+
+/// A channel whose numbers have names as in a Trace. Its one row is that of the message that was read last.
+class SeriesTable final : public ChannelTable {
+ public:
+  /// Null if the messages have no series. `any_schema`: also types that trace.h gives no names of their own.
+  static Result<std::unique_ptr<SeriesTable>> make(const mcap::Channel& channel, const mcap::Schema* schema,
+                                                   bool any_schema);
+
+  bool read(mcap::Bytes payload) override;
+  void append_row(std::string& line) const override;
+  std::vector<Column> columns() const override;
+  TraceChannel& channel() { return channel_; }
+
+ private:
+  SeriesTable() = default;
+
+  TraceChannel channel_;
+  std::unique_ptr<RowReader> rows_;
+};
+
+/// Appends a cell of a row; quoted if need be.
+void append_cell(std::string& line, std::string_view text);
+/// Appends the time in seconds with nine digits behind the point.
+void append_seconds(std::string& line, std::uint64_t ns);
+
+}  // namespace rehearse

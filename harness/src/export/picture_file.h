@@ -1,0 +1,25 @@
+// A recorded picture as a file that other programs open. Internal.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+struct PictureFile {
+  std::uint64_t stamp = 0;          // when it was captured [ns]
+  std::string extension;            // "png", "jpg"; empty: the camera was off
+  std::vector<std::uint8_t> bytes;  // of the file
+};
+
+bool is_picture_type(std::string_view message_type);
+
+/// From the payload of a CompressedImage or an Image. Fails if it is neither, or of an encoding that PNG can't say.
+Result<PictureFile> picture_file(std::string_view message_type, std::span<const std::byte> payload);
+
+}  // namespace rehearse

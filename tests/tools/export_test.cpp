@@ -1,0 +1,250 @@
+// rehearse export: tables, pictures, videos.
+#include <gmock/gmock.h>
+#include <png.h>
+#include <rehearse/image.h>
+#include <rehearse/png.h>
+
+#include <array>
+#include <cmath>
+
+#include "command.h"
+#include "mixed_file.h"
+
+namespace rehearse::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+template <class Number>
+std::vector<std::uint8_t> bytes_of_pixels(const std::vector<Number>& pixels) {
+  const auto bytes = std::as_bytes(std::span(pixels));
+  std::vector<std::uint8_t> data(bytes.size());
+  std::memcpy(data.data(), bytes.data(), bytes.size());
+  return data;
+}
+
+/// The samples of a PNG file as they stand in it, 16 bits each.
+std::vector<int> samples_of(const fs::path& file) {
+  std::FILE* in = std::fopen(file.c_str(), "rb");
+  if (in == nullptr) return {};
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, in);
+  png_read_png(png, info, PNG_TRANSFORM_IDENTITY, nullptr);
+  const std::size_t bytes = png_get_bit_depth(png, info) / 8u;
+  std::vector<int> samples;
+  for (png_uint_32 y = 0; y < png_get_image_height(png, info); ++y) {
+    const png_bytep row = png_get_rows(png, info)[y];
+    for (std::size_t i = 0; i < png_get_rowbytes(png, info); i += bytes)
+      samples.push_back(bytes == 2 ? row[i] << 8 | row[i + 1] : row[i]);
+  }
+  png_destroy_read_struct(&png, &info, nullptr);
+  std::fclose(in);
+  return samples;
+}
+
+class Export : public Command {
+ protected:
+  /// Three ticks of a robot with a joint and two cameras; an event in the second.
+  Export() {
+    auto writer = std::move(*mcap::Writer::create(folder() / "run.mcap"));
+    TopicWriter joints(*writer, "/Robot/joints", "cdr", add_schema<msg::JointState>(*writer), {{"unit:q", "rad"}});
+    TopicWriter events(*writer, "/events", "cdr", add_schema<msg::Event>(*writer));
+    TopicWriter color(*writer, "/Robot/Camera/image", "cdr", add_schema<msg::CompressedImage>(*writer));
+    TopicWriter depth(*writer, "/Robot/Camera/depth", "cdr", add_schema<msg::Image>(*writer));
+    TopicWriter other(*writer, "/other", "protobuf");
+    TopicWriter ticks(*writer, "/tick", "cdr", add_schema<msg::Tick>(*writer));
+    const std::array<double, 3> knee{1.0 / 3.0, nan, -inf};
+    for (std::uint64_t i = 0; i < 3; ++i) {
+      const std::uint64_t time = i * 1'000'000;
+      const auto stamp = msg::Time::from_ns(time);
+      joints.put(time, msg::JointState{{stamp, ""}, {"KNEE"}, {knee[i]}, {}, {5e-324}});
+      if (i == 1) events.put(time, msg::Event{stamp, 1, "note", "Robot", "said \"a, b\"\nand more"});
+      if (i != 1) color.put(time, msg::CompressedImage{{stamp, ""}, "png", encode_png(picture(i))});
+      if (i == 1) color.put(time, msg::CompressedImage{{stamp, ""}, "png", {}});  // switched off
+      depth.put(
+          time,
+          msg::Image{
+              {stamp, ""}, 1, 4, "32FC1", 0, 16, bytes_of_pixels(std::vector<float>{1.2344f, INFINITY, NAN, 100.0f})});
+      msg::Tick tick{stamp, static_cast<std::int64_t>(i), ~std::uint64_t{0}, 0, 0, {}};
+      if (i < 2) tick.controller_results = {true};
+      ticks.put(time, tick);
+    }
+    other.raw(1, bytes_of("x"));
+    EXPECT_TRUE(writer->close());
+  }
+
+  static Image picture(std::uint64_t number) { return {2, 1, {static_cast<std::uint8_t>(number), 20, 30, 40, 50, 60}}; }
+
+  /// A program called ffmpeg that keeps its arguments and what it is given.
+  std::string fake_ffmpeg(const std::string& end) const {
+    fs::create_directory(folder() / "bin");
+    write("bin/ffmpeg", "#!/bin/sh\nprintf '%s\\n' \"$@\" > arguments\ncat > pictures\n" + end + "\n");
+    fs::permissions(folder() / "bin/ffmpeg", fs::perms::owner_all);
+    return "PATH=" + (folder() / "bin").string() + ":$PATH";
+  }
+};
+
+TEST_F(Export, WritesATableForEachTopic) {
+  const Outcome outcome = done({"export", "run.mcap", "-o", "tables"});
+  EXPECT_EQ(read_file(folder() / "tables/Robot_joints.csv"),
+            "time [s],KNEE/q [rad],KNEE/u\n"
+            "0.000000000,0.3333333333333333,5e-324\n"
+            "0.001000000,NaN,5e-324\n"
+            "0.002000000,-Infinity,5e-324\n");
+  EXPECT_EQ(read_file(folder() / "tables/events.csv"),
+            "time [s],stamp/sec,stamp/nanosec,tick,severity,source,text\n"
+            "0.001000000,0,1000000,1,note,Robot,\"said \"\"a, b\"\"\nand more\"\n");
+  EXPECT_THAT(read_file(folder() / "tables/tick.csv"), HasSubstr("0.001000000,1,18446744073709551615,0,0,1\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("tables/Robot_joints.csv: 3 rows, 3 columns\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("left out /Robot/Camera/image: pictures: see --frames\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("left out /other: messages of encoding 'protobuf' without a schema"));
+}
+
+TEST_F(Export, JoinsAllSeriesByTick) {
+  done({"export", "run.mcap", "-o", "all.csv", "--joined", "--ticks", "1.."});
+  const std::string text = read_file(folder() / "all.csv");
+  EXPECT_EQ(text,
+            "time [s],Robot/KNEE/q [rad],Robot/KNEE/u,tick,state_hash,input_hash,output_hash,controller_results/0\n"
+            "0.001000000,NaN,5e-324,1,18446744073709551615,0,0,1\n"
+            "0.002000000,-Infinity,5e-324,2,18446744073709551615,0,0,0\n");
+}
+
+TEST_F(Export, JoinsNothingWithoutTicks) {
+  const Outcome outcome = rehearse({"export", "run.mcap", "-o", "all.csv", "--joined", "--topics", "/Robot/joints"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("nothing that is chosen is a tick"));
+  EXPECT_FALSE(exists("all.csv"));
+}
+
+TEST_F(Export, WritesThePicturesThatWereRecorded) {
+  const Outcome outcome = done({"export", "run.mcap", "-o", "pictures", "--frames", "--json"});
+  EXPECT_EQ(read_file(folder() / "pictures/Robot_Camera_image.csv"),
+            "time [s],captured [s],file\n"
+            "0.000000000,0.000000000,Robot_Camera_image/000000.png\n"
+            "0.001000000,0.001000000,\n"
+            "0.002000000,0.002000000,Robot_Camera_image/000002.png\n");
+  const std::string bytes = read_file(folder() / "pictures/Robot_Camera_image/000002.png");
+  EXPECT_EQ(decode_png({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()})->pixels, picture(2).pixels);
+  EXPECT_THAT(samples_of(folder() / "pictures/Robot_Camera_depth/000000.png"), ElementsAre(1234, 0, 0, 65535));
+  const auto written = outcome.json().at("written");
+  EXPECT_EQ(written[0].at("topic"), "/Robot/Camera/image");
+  EXPECT_EQ(written[0].at("pictures"), 2);
+  EXPECT_EQ(written[1].at("pictures"), 3);
+}
+
+TEST_F(Export, KeepsTheValuesOfEveryEncoding) {
+  struct Case {
+    std::string encoding;
+    std::uint8_t is_bigendian;
+    std::uint32_t width;
+    std::vector<std::uint8_t> data;
+    std::vector<int> samples;
+  };
+  const std::vector<Case> cases{
+      {"rgb8", 0, 1, {1, 2, 3}, {1, 2, 3}},        {"bgr8", 0, 1, {1, 2, 3}, {3, 2, 1}},
+      {"rgba8", 0, 1, {1, 2, 3, 4}, {1, 2, 3, 4}}, {"bgra8", 0, 1, {1, 2, 3, 4}, {3, 2, 1, 4}},
+      {"mono8", 0, 2, {1, 255}, {1, 255}},         {"mono16", 0, 1, {1, 2}, {0x0201}},
+      {"16UC1", 1, 1, {1, 2}, {0x0102}},           {"32FC1", 1, 1, {0x3f, 0x80, 0, 0}, {1000}}};
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "kinds.mcap"));
+    for (const Case& c : cases) {
+      TopicWriter topic(*writer, "/" + c.encoding, "cdr", add_schema<msg::Image>(*writer));
+      std::vector<std::uint8_t> data = c.data;
+      const auto step = static_cast<std::uint32_t>(data.size() + 3);  // rows may be padded
+      data.resize(step + c.data.size());
+      std::copy(c.data.begin(), c.data.end(), data.begin() + step);
+      topic.put(0, msg::Image{{}, 2, c.width, c.encoding, c.is_bigendian, step, data});
+    }
+    TopicWriter topic(*writer, "/yuv", "cdr", add_schema<msg::Image>(*writer));
+    topic.put(0, msg::Image{{}, 1, 2, "yuv422", 0, 4, {1, 2, 3, 4}});
+    topic.put(1, msg::Image{{}, 1000, 1000, "rgb8", 0, 3000, {1, 2, 3, 4}});
+    ASSERT_TRUE(writer->close());
+  }
+  const Outcome outcome = rehearse({"export", "kinds.mcap", "-o", "out", "--frames"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("topic /yuv: pictures of encoding 'yuv422' can't be written"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("a picture says 1000 x 1000 pixels of rgb8 in rows of 3000 bytes, and has 4 bytes"));
+  for (const Case& c : cases) {
+    std::vector<int> twice = c.samples;
+    twice.insert(twice.end(), c.samples.begin(), c.samples.end());
+    EXPECT_EQ(samples_of(folder() / "out" / c.encoding / "000000.png"), twice) << c.encoding;
+  }
+}
+
+TEST_F(Export, ReplacesItsOwnKindOnly) {
+  fs::create_directory(folder() / "tables");
+  write("tables/events.csv", "mine,not yours\n");
+  const Outcome refused = rehearse({"export", "run.mcap", "-o", "tables"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("won't replace tables/events.csv: it exists and is no table of ours"));
+  EXPECT_FALSE(exists("tables/Robot_joints.csv")) << "nothing is written then";
+  fs::remove(folder() / "tables/events.csv");
+  done({"export", "run.mcap", "-o", "tables"});
+  done({"export", "run.mcap", "-o", "tables"});
+  write("file", "x");
+  EXPECT_THAT(rehearse({"export", "run.mcap", "-o", "file"}).err, HasSubstr("can't make the folder file"));
+  EXPECT_THAT(rehearse({"export", "run.mcap", "-o", "file", "--joined"}).err, HasSubstr("won't replace file"));
+  EXPECT_EQ(read_file(folder() / "file"), "x");
+}
+
+TEST_F(Export, NamesTopicsThatAreAlikeApart) {
+  auto writer = std::move(*mcap::Writer::create(folder() / "names.mcap"));
+  for (const char* topic : {"/a/b", "/a_b", "/../x y", ""}) {
+    TopicWriter(*writer, topic, "cdr", add_schema<msg::Event>(*writer)).put(0, msg::Event{});
+  }
+  ASSERT_TRUE(writer->close());
+  done({"export", "names.mcap", "-o", "t"});
+  for (const char* name : {"t/a_b.csv", "t/a_b_2.csv", "t/%2E._x%20y.csv", "t/_.csv"})
+    EXPECT_TRUE(exists(name)) << name;
+}
+
+TEST_F(Export, HandsThePicturesToFfmpeg) {
+  const std::string environment = fake_ffmpeg("printf 'xxxxftypisom' > walk.mp4");
+  const Outcome outcome =
+      rehearse({"export", "run.mcap", "-o", "walk.mp4", "--video", "--topics", "*image"}, environment);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("walk.mp4: 2 pictures"));
+  const std::string arguments = read_file(folder() / "arguments");
+  EXPECT_THAT(arguments, HasSubstr("-framerate\n500.000000\n-c:v\npng\n-i\npipe:0\n"));
+  EXPECT_THAT(arguments, HasSubstr("yuv420p\nfile:" + (folder() / "walk.mp4").string() + "\n"));
+  const auto first = encode_png(picture(0)), last = encode_png(picture(2));
+  EXPECT_EQ(read_file(folder() / "pictures"),
+            std::string(first.begin(), first.end()) + std::string(last.begin(), last.end()));
+}
+
+TEST_F(Export, SaysWhyThereIsNoVideo) {
+  const auto refusal = [&](std::vector<std::string> arguments, const std::string& environment) {
+    arguments.insert(arguments.begin(), {"export", "run.mcap", "--video", "-o"});
+    const Outcome outcome = rehearse(arguments, environment);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  const std::string failing = fake_ffmpeg("printf half > half.mp4; exit 3");
+  EXPECT_THAT(refusal({"a.mp4"}, failing),
+              HasSubstr("a video is of one topic with pictures; /Robot/Camera/image, /Robot/Camera/depth are chosen"));
+  EXPECT_THAT(refusal({"a.avi", "--topics", "*image"}, failing), HasSubstr("'.avi' is no kind of video"));
+  EXPECT_THAT(refusal({"half.mp4", "--topics", "*image"}, failing), HasSubstr("ffmpeg could not make the video"));
+  EXPECT_FALSE(exists("half.mp4"));
+  EXPECT_THAT(refusal({"a.gif", "--topics", "*image"}, "PATH=/nowhere"), HasSubstr("it is in Debian's package ffmpeg"));
+  write("mine.mp4", "my own text, long enough");
+  EXPECT_THAT(refusal({"mine.mp4", "--topics", "*image"}, failing), HasSubstr("won't replace mine.mp4"));
+}
+
+TEST_F(Export, WritesWhatIsWholeOfADamagedFile) {
+  const std::string bytes = read_file(folder() / "run.mcap");
+  write("cut.mcap", bytes.substr(0, bytes.size() - 20));
+  const Outcome outcome = rehearse({"export", "cut.mcap", "-o", "tables"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(exists("tables/Robot_joints.csv"));
+  EXPECT_THAT(outcome.err, HasSubstr("cut.mcap: error: "));
+}
+
+}  // namespace
+}  // namespace rehearse::test

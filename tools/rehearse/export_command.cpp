@@ -1,0 +1,105 @@
+// rehearse export: a trace, or any MCAP file, as tables, pictures or a video.
+#include <fmt/format.h>
+#include <rehearse/trace_export.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+struct Settings {
+  std::string trace;
+  std::string output;
+  bool joined = false;
+  bool frames = false;
+  bool video = false;
+  bool json = false;
+  ExportOptions options;
+};
+
+Result<ExportReport> write(const Settings& settings) {
+  Progress progress("exporting");
+  ExportOptions options = settings.options;
+  options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+  const auto form = settings.joined   ? export_joined
+                    : settings.frames ? export_frames
+                    : settings.video  ? export_video
+                                      : export_tables;
+  return form(settings.trace, settings.output, options);
+}
+
+Json json_of(const ExportReport& report) {
+  Json written = Json::array(), skipped = Json::array();
+  for (const ExportedTopic& topic : report.written)
+    written.push_back({{"file", topic.file.string()},
+                       {"topic", topic.topic},
+                       {"rows", topic.rows},
+                       {"columns", topic.columns},
+                       {"pictures", topic.pictures}});
+  for (const SkippedTopic& topic : report.skipped) skipped.push_back({{"topic", topic.topic}, {"why", topic.why}});
+  return {{"written", written}, {"skipped", skipped}, {"damage", tool::json_of(report.damage)}};
+}
+
+void tell(const ExportReport& report) {
+  for (const ExportedTopic& topic : report.written) {
+    std::string what;
+    if (topic.rows > 0) what = count_text(topic.rows, "row") + ", " + count_text(topic.columns, "column");
+    if (topic.pictures > 0) what += (what.empty() ? "" : ", ") + count_text(topic.pictures, "picture");
+    fmt::print("{}: {}\n", topic.file.string(), what.empty() ? "nothing" : what);
+  }
+  for (const SkippedTopic& topic : report.skipped) fmt::print("left out {}: {}\n", topic.topic, topic.why);
+}
+
+Exit run(const Settings& settings) {
+  const auto report = write(settings);
+  if (!report) return refuse(report.errors());
+  if (settings.json) {
+    print(json_of(*report));
+  } else {
+    tell(*report);
+  }
+  std::fflush(stdout);  // before what stderr says of it
+  if (report->damage.empty()) return Exit::done;
+  return settings.json ? Exit::bad_input : refuse(report->damage);
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file")->required()->type_name("");
+  options
+      .add_option("-o,--output", settings->output,
+                  "the folder for tables and pictures, made if it isn't there; the file of --joined and --video")
+      ->required()
+      ->type_name("PATH");
+  CLI::Option* joined = options.add_flag("--joined", settings->joined,
+                                         "one table of all series, a row a tick, instead of one table a topic");
+  CLI::Option* frames = options.add_flag(
+      "--frames", settings->frames,
+      "pictures instead of tables: PNG or JPEG, and a table of their times. Distances become millimetres, 16 bits");
+  CLI::Option* video = options.add_flag(
+      "--video", settings->video,
+      "the pictures of a topic as .mp4, .mkv, .webm, or a preview as .gif, .apng, .webp; needs ffmpeg");
+  joined->excludes(frames)->excludes(video);
+  frames->excludes(video);
+  add_selection_options(options, settings->options.selection);
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb export_verb{"export",
+                       "  rehearse export sr1.mcap -o tables\n"
+                       "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
+                       "  rehearse export sr1.mcap -o pictures --frames --topics '*Camera*'\n"
+                       "  rehearse export sr1.mcap -o walk.mp4 --video --topics '/SR1/LeftCamera/image'\n",
+                       declare};
+
+}  // namespace rehearse::tool
