@@ -10,6 +10,7 @@
 #include <set>
 
 #include "compare_parts.h"
+#include "counterpart.h"
 #include "replay/trace_scenario.h"
 
 namespace rehearse {
@@ -157,6 +158,10 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
       !traces.clock.has(time) && traces.actual_clock.has(time) ? traces.actual_clock : traces.clock;
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
+  if (traces.clock.empty() && traces.actual_clock.empty()) {  // not recorded by us: which message it is
+    const auto message = std::lower_bound(channel.times.begin(), channel.times.end(), time);
+    divergence.tick = message - channel.times.begin();
+  }
   divergence.time = static_cast<double>(time) / 1e9;
   divergence.channel = channel.topic;
   divergence.stage = stage_of(channel.topic);
@@ -344,10 +349,9 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
       },
       comparison.event_differences);
   compare_lone_channels(traces, taken, add, comparison.remarks);
-  std::set<std::string_view> compared;
   for (const TraceChannel& channel : golden.channels()) {
-    const TraceChannel* other = actual.find_channel(channel.topic);
-    if (!compared.insert(channel.topic).second || !taken(channel) || !other) continue;
+    const TraceChannel* other = counterpart(golden, channel, actual);
+    if (!taken(channel) || !other) continue;
     ChannelComparison& result = add(channel.topic);
     compare_channel(traces, channel, *other, result);
     if (is_picture(channel)) comparison.pictures += result.values;

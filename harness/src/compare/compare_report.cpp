@@ -6,6 +6,7 @@
 #include <map>
 
 #include "compare_parts.h"
+#include "describe.h"
 
 namespace rehearse {
 namespace {
@@ -17,8 +18,19 @@ std::string counted(std::int64_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-std::string place_text(const Divergence& d) {
-  return fmt::format("tick {} ({:.10g} s), {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
+/// Files that aren't ours have no ticks: then places are numbers of messages.
+bool has_ticks(const Comparison& comparison) {
+  const auto is_a_tick = [](const std::optional<Divergence>& d) { return d && d->channel == "/tick"; };
+  return comparison.ticks > 0 || is_a_tick(comparison.first) || is_a_tick(comparison.first_bit);
+}
+
+std::string when_text(const Comparison& comparison, const Divergence& d) {
+  if (has_ticks(comparison)) return fmt::format("tick {} ({:.10g} s)", d.tick, d.time);
+  return fmt::format("message {} ({:.16g} s)", d.tick, d.time);  // it may be the time since 1970
+}
+
+std::string place_text(const Comparison& comparison, const Divergence& d) {
+  return fmt::format("{}, {}{}{}", when_text(comparison, d), d.channel, d.element.empty() ? "" : " ", d.element);
 }
 
 /// Channels of one kind whose numbers mean the same: one line of the table.
@@ -98,13 +110,13 @@ std::string element_of(const Row& row, const Divergence& d) {
 }
 
 /// The element, then what can't be done without: how much and when.
-std::string worst_text(const Row& row, std::size_t width) {
+std::string worst_text(const Row& row, std::size_t width, const char* tick) {
   constexpr std::size_t least = 12;  // of the element
   const ChannelComparison& channel = *row.worst;
   const Divergence& worst = channel.worst ? *channel.worst : channel.first ? *channel.first : *channel.first_bit;
   const std::string element = element_of(row, worst);
   if (!worst.note.empty())
-    return shortened(fmt::format("tick {}: {}{}{}", worst.tick, element, element.empty() ? "" : " ", worst.note),
+    return shortened(fmt::format("{} {}: {}{}{}", tick, worst.tick, element, element.empty() ? "" : " ", worst.note),
                      std::max(width, 3 * least));
   const double times = times_tolerance(worst.difference, worst.tolerance);
   std::string text =
@@ -113,7 +125,7 @@ std::string worst_text(const Row& row, std::size_t width) {
   return shortened(element, width > text.size() + 1 + least ? width - text.size() - 1 : least) + " " + text;
 }
 
-std::string rows_text(const std::vector<Row>& rows) {
+std::string rows_text(const std::vector<Row>& rows, const char* tick) {
   std::size_t width = 7;
   for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i)
     width = std::min<std::size_t>(34, std::max(width, rows[i].name.size()));
@@ -122,13 +134,13 @@ std::string rows_text(const std::vector<Row>& rows) {
     return fmt::format("  {:<10} {:<{}} {:>8} {:>8} {:>8} {:>8}  {}\n", stage, shortened(name, width), width, first,
                        values, differing, beyond, worst);
   };
-  std::string text =
-      line("stage", "channel", "tick", "values", "differ", "beyond", "worst: by how much @tick, x tolerance");
+  std::string text = line("stage", "channel", tick, "values", "differ", "beyond",
+                          fmt::format("worst: by how much @{}, x tolerance", tick));
   for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i) {
     const Row& row = rows[i];
     const std::size_t used = 2 + 10 + 1 + width + 4 * 9 + 2;
     text += line(to_string(row.stage), row.name, row.channels[0]->first_bit->tick, row.values, row.differing,
-                 row.beyond, worst_text(row, line_width - used));
+                 row.beyond, worst_text(row, line_width - used, tick));
   }
   if (rows.size() > rows_shown) {
     std::int64_t others = 0;
@@ -191,20 +203,24 @@ std::string verdict(const Comparison& comparison) {
     if (comparison.first->channel.empty()) return "can't be compared: " + comparison.first->note;
     const std::string reason =
         comparison.explanation.empty() ? "" : "; changed since the golden: " + comparison.explanation;
-    return "differs at " + to_string(*comparison.first) + reason;
+    return "differs at " +
+           describe(*comparison.first, when_text(comparison, *comparison.first), has_ticks(comparison)) + reason;
   }
+  if (comparison.equal && !has_ticks(comparison))
+    return fmt::format("equal bit for bit: {}, {}", counted(comparison.values - comparison.pictures, "value"),
+                       counted(comparison.pictures, "picture"));
   if (comparison.equal)
     return fmt::format("equal bit for bit: {}, {}, {}", counted(comparison.ticks, "tick"),
                        counted(comparison.values - comparison.pictures - comparison.events, "number"),
                        counted(comparison.pictures, "picture"));
-  const std::string since = fmt::format("bits differ from {} on", place_text(*comparison.first_bit));
+  const std::string since = fmt::format("bits differ from {} on", place_text(comparison, *comparison.first_bit));
   const std::string how = comparison.agreement == Agreement::in_noise ? "within the noise floor" : "within tolerance";
   if (!comparison.worst)
     return fmt::format("{}: every value is the same, but {}{}", how, since, blanked_text(comparison));
   const Divergence& worst = *comparison.worst;
   return fmt::format("{}: {} of {} values differ, the worst by {:.2g} of its tolerance ({}); {}{}", how,
                      comparison.differing, comparison.values, times_tolerance(worst.difference, worst.tolerance),
-                     place_text(worst), since, blanked_text(comparison));
+                     place_text(comparison, worst), since, blanked_text(comparison));
 }
 
 std::string verdict(const Comparison& comparison, std::optional<double> until) {
@@ -216,10 +232,11 @@ std::string verdict(const Comparison& comparison, std::optional<double> until) {
 std::string table(const Comparison& comparison) {
   std::string text;
   if (!comparison.equal && !comparison.channels.empty()) {
-    text += rows_text(rows_of(comparison)) + equal_text(comparison);
+    text += rows_text(rows_of(comparison), has_ticks(comparison) ? "tick" : "message") + equal_text(comparison);
     const auto& worst = comparison.worst;
     const bool told = comparison.first && worst && to_string(*worst) == to_string(*comparison.first);
-    if (worst && !told && !comparison.within) text += "  worst: " + to_string(*worst) + "\n";
+    if (worst && !told && !comparison.within)
+      text += "  worst: " + describe(*worst, when_text(comparison, *worst), has_ticks(comparison)) + "\n";
     text += remarks_text(comparison.remarks);
   }
   for (const Diagnostic& warning : comparison.warnings) text += "  " + to_string(warning) + "\n";

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
-#include <set>
 #include <utility>
 
 #include "compare_parts.h"
+#include "counterpart.h"
 #include "recording/topic_segment.h"
 #include "recording/trace_version.h"
 
@@ -113,11 +113,9 @@ class LoneChannels {
         missing_(missing),
         of_(missing ? traces.golden : traces.actual),
         other_(missing ? traces.actual : traces.golden) {
-    std::set<std::string_view> seen;
     for (const TraceChannel& channel : of_.channels()) {
       const bool later = !channel.times.empty() && channel.times.front() > traces.end;
-      if (takes(channel) && !later && !other_.find_channel(channel.topic) && seen.insert(channel.topic).second)
-        lone_.push_back(&channel);
+      if (takes(channel) && !later && !counterpart(of_, channel, other_)) lone_.push_back(&channel);
     }
   }
 
@@ -192,6 +190,7 @@ class LoneChannels {
 
   std::string text_of(const Group& group, int channels) const {
     const char* what = missing_ ? "missing" : "extra: the golden hasn't it";
+    if (group.what.empty() && channels > 1) return fmt::format("{} channels of this topic are {}", channels, what);
     if (group.what.empty() || channels == 1) return fmt::format("the channel is {}", what);
     return fmt::format("{} is {} (its {} channels)", group.what, what, channels);
   }

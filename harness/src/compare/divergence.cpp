@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/describe.h"
+
 namespace rehearse {
 namespace {
 
@@ -60,20 +62,26 @@ std::string ulps_text(std::uint64_t ulps) {
 }  // namespace
 
 std::string to_string(const Divergence& d) {
-  const std::string place =
-      fmt::format("tick {} ({:.10g} s): {}{}{}", d.tick, d.time, d.channel, d.element.empty() ? "" : " ", d.element);
-  if (!d.note.empty()) return fmt::format("{}: {} (stage: {})", place, d.note, to_string(d.stage));
+  return describe(d, fmt::format("tick {} ({:.10g} s)", d.tick, d.time), true);
+}
+
+std::string describe(const Divergence& d, const std::string& where, bool with_stage) {
+  const std::string place = fmt::format("{}: {}{}{}", where, d.channel, d.element.empty() ? "" : " ", d.element);
+  const auto stage = [&](const char* before, const char* after) {
+    return with_stage ? fmt::format("{}stage: {}{}", before, to_string(d.stage), after) : std::string();
+  };
+  if (!d.note.empty()) return fmt::format("{}: {}{}", place, d.note, stage(" (", ")"));
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
   if (std::isnan(d.difference))
-    return fmt::format("{} is {}{}, expected {}{} (not comparable; stage: {})", place, d.actual, unit, d.expected, unit,
-                       to_string(d.stage));
+    return fmt::format("{} is {}{}, expected {}{} (not comparable{})", place, d.actual, unit, d.expected, unit,
+                       stage("; ", ""));
   const double share = relative_difference(d);
   const std::string relative = std::isfinite(share) ? fmt::format("relative {:.3g}, ", share) : "";
   const std::string bound = d.tolerance > 0.0 ? fmt::format(", {:.3g} times the tolerance of {:g}{}",
                                                             d.difference / d.tolerance, d.tolerance, unit)
                                               : "";
-  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}; stage: {})", place, d.actual, unit,
-                     d.expected, unit, d.difference, unit, relative, ulps_text(d.ulps), bound, to_string(d.stage));
+  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}{})", place, d.actual, unit, d.expected, unit,
+                     d.difference, unit, relative, ulps_text(d.ulps), bound, stage("; ", ""));
 }
 
 }  // namespace rehearse

@@ -33,7 +33,6 @@ class TraceLoader {
   bool ends_a_tick(const mcap::Message& message) const;
   void end_piece();
   void assemble();
-  void name_series();
   void complain(std::string message);
 
   const std::filesystem::path file_;
@@ -116,7 +115,9 @@ void TraceLoader::assemble() {
                                   {}});
     }
   }
-  name_series();
+  std::vector<TraceChannel*> channels;
+  for (TraceChannel& channel : trace_.channels_) channels.push_back(&channel);
+  name_series(channels, trace_.series_);
 }
 
 TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
@@ -130,12 +131,8 @@ TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
   source->table.encoding = channel.message_encoding;
   source->table.metadata = channel.metadata;
   auto rows = make_row_reader(source->table, schema);
-  if (rows) {
-    source->rows = std::move(*rows);
-  } else {
-    problems_.insert(problems_.end(), rows.errors().begin(), rows.errors().end());
-    complain(fmt::format("topic {} can't be read: its schema is wrong", channel.topic));
-  }
+  // Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
+  if (rows) source->rows = std::move(*rows);
   source->keeps_locations = source->rows == nullptr || make_typed_row_reader(source->table) == nullptr;
   known = source.get();
   sources_.emplace(channel.id, std::move(source));
@@ -192,19 +189,19 @@ std::string join(const std::string& prefix, const std::string& element) {
 
 }  // namespace
 
-void TraceLoader::name_series() {
-  for (std::size_t c = 0; c < trace_.channels_.size(); ++c) {
-    TraceChannel& channel = trace_.channels_[c];
+void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series) {
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    TraceChannel& channel = *channels[c];
     const std::string topic = channel.topic.starts_with('/') ? channel.topic.substr(1) : channel.topic;
     // The last is for a topic that two channels share.
     for (const std::string& prefix : {owner_of(channel.topic), topic, fmt::format("{}#{}", topic, c)}) {
       const bool taken = std::any_of(channel.columns.begin(), channel.columns.end(), [&](const TraceColumn& column) {
-        return trace_.series_.contains(join(prefix, column.element));
+        return series.contains(join(prefix, column.element));
       });
       if (taken) continue;
       for (std::size_t i = 0; i < channel.columns.size(); ++i) {
         channel.columns[i].series = join(prefix, channel.columns[i].element);
-        trace_.series_.emplace(channel.columns[i].series, SeriesPlace{c, i});
+        series.emplace(channel.columns[i].series, SeriesPlace{c, i});
       }
       break;
     }

@@ -1,0 +1,92 @@
+// rehearse diff of files that aren't ours: other encodings, the clock of the wall, no ticks, topics that come twice.
+#include <gmock/gmock.h>
+
+#include "command.h"
+#include "mixed_file.h"
+
+namespace rehearse::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class DiffFiles : public Command {
+ protected:
+  /// Two channels of one topic, of joints and of bytes; the values that a test may change.
+  void write_file(const std::string& name, double knee, std::string_view bytes, std::string_view second = "same",
+                  bool has_extra = false) const {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    TopicWriter joints(*writer, "/joints", "cdr", add_schema<msg::JointState>(*writer));
+    TopicWriter proto(*writer, "/proto", "protobuf", writer->add_schema("foo.Bar", "protobuf", "x"));
+    TopicWriter first(*writer, "/twice", "");
+    TopicWriter other(*writer, "/twice", "text");
+    for (std::uint64_t i = 0; i < 3; ++i) {
+      const std::uint64_t time = wall_clock + i * 1'000'000;
+      joints.put(time, msg::JointState{{}, {"KNEE"}, {i == 1 ? knee : 0.5}, {}, {}});
+      proto.raw(time, bytes_of(i == 2 ? bytes : "bytes"));
+      first.raw(time, bytes_of("same"));
+      other.raw(time, bytes_of(second));
+    }
+    if (has_extra) TopicWriter(*writer, "/extra", "").raw(wall_clock, bytes_of("x"));
+    ASSERT_TRUE(writer->close());
+  }
+  Outcome diff(const std::string& other) const { return rehearse({"diff", "a.mcap", other}); }
+
+  void SetUp() override { write_file("a.mcap", 0.5, "bytes"); }
+};
+
+TEST_F(DiffFiles, FindsEqualFilesEqual) {
+  write_file("b.mcap", 0.5, "bytes");
+  const Outcome outcome = diff("b.mcap");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("equal bit for bit: 12 values, 0 pictures\n"));
+}
+
+TEST_F(DiffFiles, NamesTheMessageOfANumberThatDiffers) {
+  write_file("b.mcap", 0.75, "bytes");
+  const Outcome outcome = diff("b.mcap");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out,
+              StartsWith("differs at message 1 (1700000000.124457 s): /joints KNEE/q is 0.75, expected 0.5: "
+                         "off by 0.25"));
+  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("stage: ")));
+}
+
+TEST_F(DiffFiles, ComparesWhatItDoesNotDecodeByItsBytes) {
+  write_file("b.mcap", 0.5, "bytez");
+  const Outcome outcome = diff("b.mcap");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, StartsWith("differs at message 2 ("));
+  EXPECT_THAT(outcome.out, HasSubstr("/proto"));
+}
+
+TEST_F(DiffFiles, ComparesEachChannelOfATopicThatComesTwice) {
+  write_file("b.mcap", 0.5, "bytes", "other");
+  const Outcome outcome = diff("b.mcap");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, StartsWith("differs at message 0 ("));
+  EXPECT_THAT(outcome.out, HasSubstr("/twice"));
+}
+
+TEST_F(DiffFiles, NamesAChannelThatOneOfThemLacks) {
+  write_file("b.mcap", 0.5, "bytes", "same", true);
+  EXPECT_THAT(diff("b.mcap").out, HasSubstr("/extra: the channel is extra"));
+  EXPECT_THAT(rehearse({"diff", "b.mcap", "a.mcap"}).out, HasSubstr("/extra: the channel is missing"));
+}
+
+TEST_F(DiffFiles, ComparesMessagesOfASchemaThatIsNoneByTheirBytes) {
+  const auto write = [&](const std::string& name, std::string_view payload) {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    TopicWriter(*writer, "/wide", "cdr", writer->add_schema("a/msg/B", "ros2msg", "wstring text\n"))
+        .raw(wall_clock, bytes_of(payload));
+    ASSERT_TRUE(writer->close());
+  };
+  write("c.mcap", "one");
+  write("d.mcap", "one");
+  write("e.mcap", "two");
+  EXPECT_EQ(rehearse({"diff", "c.mcap", "d.mcap"}).status, 0);
+  EXPECT_EQ(rehearse({"diff", "c.mcap", "e.mcap"}).status, 1);
+}
+
+}  // namespace
+}  // namespace rehearse::test
