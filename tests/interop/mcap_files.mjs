@@ -3,9 +3,11 @@ import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
 import { decompress } from "fzstd";
+import lz4 from "lz4js";
 import { open, readFile } from "node:fs/promises";
 
 const decompressHandlers = {
+  lz4: (buffer) => Uint8Array.from(lz4.decompress(buffer)),
   zstd: (buffer, size) => decompress(buffer, new Uint8Array(Number(size))),
 };
 

@@ -1,0 +1,52 @@
+// Tests that ask libraries of npm: a script of this folder, run on a file of the test's own.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+#include <unistd.h>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+namespace rehearse::test {
+
+namespace fs = std::filesystem;
+
+struct Output {
+  std::string text;  // stdout and stderr
+  int status = 0;
+};
+
+inline Output run(const std::string& command) {
+  Output output;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return {"popen failed", -1};
+  std::array<char, 4096> part;
+  while (const std::size_t size = std::fread(part.data(), 1, part.size(), pipe)) output.text.append(part.data(), size);
+  output.status = ::pclose(pipe);
+  return output;
+}
+
+inline std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+/// Skipped without node or the packages.
+class NodeTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (run("node --version").status != 0) GTEST_SKIP() << "node is not installed";
+    if (!fs::exists(fs::path(INTEROP_DIR) / "node_modules/lz4js")) GTEST_SKIP() << "run `npm ci` in " << INTEROP_DIR;
+  }
+  void TearDown() override { fs::remove(file_); }
+
+  Output node(const std::string& script, const std::string& more = "") {
+    return run("node " + quoted(fs::path(INTEROP_DIR) / script) + " " + quoted(file_) + " " + more);
+  }
+  /// That @mcap/core and Foxglove's decoder find what `rehearse cat --json` prints.
+  Output compare_with_cat() { return node("compare_cat.mjs", quoted(REHEARSE_COMMAND)); }
+
+  const fs::path file_ = fs::temp_directory_path() / ("rehearse_interop_" + std::to_string(::getpid()) + ".mcap");
+};
+
+}  // namespace rehearse::test
