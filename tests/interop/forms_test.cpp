@@ -21,6 +21,11 @@ class InteropForms : public NodeTest, public testing::WithParamInterface<const c
     const Output output = node("write_forms.mjs", GetParam());
     ASSERT_EQ(output.status, 0) << output.text;
   }
+  static mcap::Statistics of_108_messages() {
+    mcap::Statistics statistics;
+    statistics.message_count = 108;
+    return statistics;
+  }
   static bool lacks(const char* feature) { return std::strstr(GetParam(), feature) != nullptr; }
 };
 
@@ -56,7 +61,7 @@ TEST_P(InteropForms, WeFindEverythingElse) {
   for (const auto& [id, channel] : reader.channels())
     EXPECT_EQ(channel.metadata, (mcap::StringMap{{"note", channel.topic}}));
   EXPECT_EQ(reader.statistics().has_value(), !lacks("useStatistics"));
-  if (reader.statistics()) EXPECT_EQ(reader.statistics()->message_count, 108u);
+  EXPECT_EQ(reader.statistics().value_or(of_108_messages()).message_count, 108u);
   ASSERT_EQ(reader.attachments().size(), 1u);
   EXPECT_EQ(reader.attachments()[0].log_time, 5u);
   EXPECT_EQ(reader.attachments()[0].media_type, "text/plain");
