@@ -47,13 +47,14 @@ Json json_of(const ExportReport& report) {
   return {{"written", written}, {"skipped", skipped}, {"damage", tool::json_of(report.damage)}};
 }
 
-void tell(const ExportReport& report) {
+void tell(const ExportReport& report, bool of_pictures) {
   for (const ExportedTopic& topic : report.written) {
     std::string what;
     if (topic.rows > 0) what = count_text(topic.rows, "row") + ", " + count_text(topic.columns, "column");
     if (topic.pictures > 0) what += (what.empty() ? "" : ", ") + count_text(topic.pictures, "picture");
     fmt::print("{}: {}\n", topic.file.string(), what.empty() ? "nothing" : what);
   }
+  if (of_pictures) return;  // that most topics have none goes without saying
   for (const SkippedTopic& topic : report.skipped) fmt::print("left out {}: {}\n", topic.topic, topic.why);
 }
 
@@ -63,7 +64,7 @@ Exit run(const Settings& settings) {
   if (settings.json) {
     print(json_of(*report));
   } else {
-    tell(*report);
+    tell(*report, settings.frames || settings.video);
   }
   std::fflush(stdout);  // before what stderr says of it
   if (report->damage.empty()) return Exit::done;

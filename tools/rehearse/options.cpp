@@ -95,7 +95,7 @@ void add_selection_options(CLI::App& options, mcap::Selection& selection) {
   options
       .add_option("--topics", selection.topics,
                   "only topics that match one of these patterns; * stands for any text, slashes included")
-      ->type_name("GLOB...");
+      ->type_name("GLOB");
   options
       .add_option_function<std::string>(
           "--from",
