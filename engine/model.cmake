@@ -26,6 +26,7 @@ rehearse_add_library(model
   src/model/pinhole.cpp
   src/model/rigid_groups.cpp
   src/model/shape_bounds.cpp
+  src/model/text.cpp
   src/urdf/urdf.cpp
   src/urdf/urdf_cameras.cpp
   src/urdf/urdf_contact_sensors.cpp

@@ -13,6 +13,9 @@ rehearse_add_library(mcap
   src/mcap/contents.cpp
   src/mcap/copy.cpp
   src/mcap/damage_log.cpp
+  src/mcap/doctor.cpp
+  src/mcap/doctor_chunks.cpp
+  src/mcap/doctor_summary.cpp
   src/mcap/file_view.cpp
   src/mcap/frame.cpp
   src/mcap/input.cpp
@@ -20,6 +23,8 @@ rehearse_add_library(mcap
   src/mcap/output.cpp
   src/mcap/reader.cpp
   src/mcap/records.cpp
+  src/mcap/record_layout.cpp
+  src/mcap/resync.cpp
   src/mcap/scan.cpp
   src/mcap/sink.cpp
   src/mcap/stream.cpp

@@ -11,6 +11,7 @@ rehearse_add_library(trace
   src/trace/ros2msg_literal.cpp
   src/trace/trace_rows.cpp
   src/trace/trace_typed_rows.cpp
+  src/trace/trace_doctor.cpp
   src/trace/trace_load.cpp
   src/trace/trace.cpp)
 target_link_libraries(rehearse_trace

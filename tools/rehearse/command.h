@@ -38,11 +38,15 @@ extern const Verb cat_verb;
 extern const Verb check_verb;
 extern const Verb diff_verb;
 extern const Verb export_verb;
+extern const Verb doctor_verb;
+extern const Verb filter_verb;
 extern const Verb golden_verb;
 extern const Verb info_verb;
 extern const Verb inspect_verb;
+extern const Verb merge_verb;
 extern const Verb new_verb;
 extern const Verb record_verb;
+extern const Verb recover_verb;
 extern const Verb render_verb;
 extern const Verb replay_verb;
 

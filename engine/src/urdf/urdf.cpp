@@ -30,7 +30,7 @@ void check_version(const XMLElement& robot, Findings& findings) {
   const std::string_view version = text == nullptr ? "1.0" : text;
   if (version == "1.0" || version == "1" || version == "1.1") return;
   findings.warning(robot.GetLineNum(),
-                   fmt::format("the file is of URDF version {}; it is read as 1.1", urdf::in_quotes(version)));
+                   fmt::format("the file is of URDF version {}; it is read as 1.1", in_quotes(version)));
 }
 
 /// Everything of the robot that our own pass reads, with the document brought to what urdfdom may see of it.

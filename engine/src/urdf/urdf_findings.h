@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/text.h>
 
 #include <cstddef>
 #include <map>
@@ -51,19 +52,9 @@ class Findings {
   std::map<std::string, Passed> counted_;  // by sentence
 };
 
-inline constexpr std::size_t longest_quote = 60;   // [bytes]
 inline constexpr std::size_t longest_path = 1000;  // [bytes]
 
-/// The text fit for one line of a message: shortened, without control characters and broken UTF-8.
-std::string printable(std::string_view text, std::size_t longest = longest_quote);
-
-/// The same in single quotes, for names and values.
-std::string in_quotes(std::string_view text, std::size_t longest = longest_quote);
-
-/// The same as a tag, for names of elements: <name>.
+/// The name fit for one line of a message, as a tag: <name>.
 std::string tag(std::string_view name);
-
-/// True if the bytes are UTF-8 (RFC 3629: no overlong forms, no surrogates).
-bool is_utf8(std::string_view text);
 
 }  // namespace rehearse::urdf

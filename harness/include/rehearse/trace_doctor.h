@@ -1,0 +1,52 @@
+// What the doctor looks for in the messages of a file: schemas that can't be parsed, payloads that aren't what their
+// schema says, and in recordings of ours what a recording has to have (harness/TRACE_FORMAT.md).
+#pragma once
+
+#include <rehearse/mcap_doctor.h>
+#include <rehearse/ros2msg.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+/// To be given to mcap::examine() as DoctorOptions::content; for one file.
+class TraceCheck : public mcap::ContentCheck {
+ public:
+  void schema(const mcap::Schema& schema, mcap::Place place, mcap::Findings& findings) override;
+  void message(const mcap::Message& message, const mcap::Schema* schema, mcap::Place place,
+               mcap::Findings& findings) override;
+  void attachment(const mcap::Attachment& attachment, mcap::Findings& findings) override;
+  void metadata(const mcap::Metadata& metadata, mcap::Findings& findings) override;
+  void end(std::uint64_t size, mcap::Findings& findings) override;
+
+ private:
+  struct ChannelState {
+    std::unique_ptr<ros2msg::Decoder> decoder;  // null: the payloads aren't looked into
+    bool is_tick = false;
+    std::uint64_t broken = 0;  // payloads that can't be decoded
+    mcap::Place broken_at;     // the first of them
+    std::string topic, type;
+  };
+
+  ChannelState& state_of(const mcap::Message& message, const mcap::Schema* schema);
+  void tick(const mcap::Message& message, mcap::Place place);
+  void examine_recording(mcap::Findings& findings) const;
+  void examine_outcome(mcap::Findings& findings) const;
+
+  std::map<std::uint16_t, ChannelState> channels_;  // by id
+  std::vector<std::string> attachments_;            // names
+  std::map<std::string, mcap::Metadata> metadata_;  // by name, the last of each
+  int provenances_ = 0;
+
+  std::int64_t ticks_ = 0;  // messages on /tick, and their numbers
+  std::int64_t first_tick_ = 0, last_tick_ = 0;
+  std::uint64_t gaps_ = 0;
+  mcap::Place gap_at_;  // the first of them
+  std::int64_t gap_after_ = 0, gap_before_ = 0;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,303 @@
+#include <fmt/format.h>
+#include <rehearse/text.h>
+
+#include <algorithm>
+
+#include "doctor.h"
+#include "reader_impl.h"
+#include "record_layout.h"
+
+namespace rehearse::mcap {
+
+namespace {
+
+/// The element of `sorted` that begins at that byte; null: none does.
+template <class T>
+const T* find_at(const std::vector<T>& sorted, std::uint64_t offset) {
+  const auto found = std::lower_bound(sorted.begin(), sorted.end(), offset,
+                                      [](const T& element, std::uint64_t value) { return element.offset < value; });
+  return found != sorted.end() && found->offset == offset ? &*found : nullptr;
+}
+
+/// Collects what an index says otherwise than it is.
+class Comparison {
+ public:
+  explicit Comparison(std::string what) : what_(std::move(what)) {}
+
+  template <class T>
+  void compare(std::string_view field, const T& stated, const T& there) {
+    if (stated != there) text_ += fmt::format("{} {} {}, which is {}", text_.empty() ? "" : ";", field, stated, there);
+  }
+  void compare_text(std::string_view field, std::string_view stated, std::string_view there) {
+    if (stated != there) compare<std::string>(field, in_quotes(stated), in_quotes(there));
+  }
+  /// Empty: all is as it says.
+  std::string sentence() const { return text_.empty() ? "" : what_ + " says:" + text_; }
+
+ private:
+  std::string what_;
+  std::string text_;
+};
+
+}  // namespace
+
+/// Everything from behind the data section to the end of the file.
+void Doctor::examine_summary(const Record& footer, std::uint64_t begin) {
+  indexed_chunks_.assign(chunks_.size(), false);
+  indexed_attachments_.assign(attachments_.size(), false);
+  indexed_metadata_.assign(metadata_.size(), false);
+  RecordWalker walker(file_.first(footer.offset), begin);
+  Record record;
+  while (walker.next(record)) {
+    if (is_known(record.opcode) && !check_fields(record, {record.offset, {}})) continue;
+    examine_summary_record(record);
+  }
+  tell_what_summary_lacks(begin);
+  examine_footer(footer, begin);
+  const std::uint64_t end = footer.offset + record_head + footer.body.size();
+  const Bytes tail = file_.subspan(end);
+  if (tail.size() < magic.size() || !std::equal(magic.begin(), magic.end(), tail.begin()))
+    return fail({end, {}}, "the magic bytes that end a file aren't there");
+  if (tail.size() > magic.size())
+    fail({end + magic.size(), {}}, fmt::format("{} bytes behind the end of the file", tail.size() - magic.size()));
+}
+
+void Doctor::examine_footer(const Record& record, std::uint64_t summary_begin) {
+  const Place place{record.offset, {}};
+  if (!check_fields(record, place)) return;
+  const auto footer = parse_footer(record.body);
+  if (!footer) return;  // its length was told
+  const bool empty = summary_begin == record.offset;
+  const bool starts_right = footer->summary_start == summary_begin || (empty && footer->summary_start == 0);
+  if (!starts_right)
+    fail(place, fmt::format("the Footer says that the summary begins at byte {}, and it does at byte {}",
+                            footer->summary_start, empty ? 0 : summary_begin));
+  std::uint64_t offsets_begin = 0;
+  for (const auto& [opcode, span] : groups_)
+    if (opcode == op::summary_offset && offsets_begin == 0) offsets_begin = span.first;
+  if (footer->summary_offset_start != offsets_begin &&
+      !(offsets_begin == 0 && footer->summary_offset_start == record.offset))
+    fail(place, fmt::format("the Footer says that the summary offsets begin at byte {}, and they do at byte {}",
+                            footer->summary_offset_start, offsets_begin));
+  if (footer->summary_crc == 0) return;
+  const Bytes covered = file_.subspan(summary_begin, record.offset + record_head + 16 - summary_begin);
+  if (footer->summary_crc != crc32(covered)) fail(place, "the CRC of the summary, which the Footer states, doesn't match");
+}
+
+void Doctor::examine_summary_record(const Record& record) {
+  const Place place{record.offset, {}};
+  examine_grouping(record);
+  if (offsets_begun_ && record.opcode != op::summary_offset)
+    fail(place, fmt::format("a {} behind the first Summary Offset", name_of(record.opcode)));
+  switch (record.opcode) {
+    case op::schema:
+    case op::channel: return examine_repeated(record);
+    case op::chunk_index: return examine_chunk_index(record);
+    case op::attachment_index: return examine_record_index(record, attachments_, true);
+    case op::metadata_index: return examine_record_index(record, metadata_, false);
+    case op::statistics: return examine_statistics(record);
+    case op::summary_offset: return examine_summary_offset(record);
+    default: break;
+  }
+  if (is_known(record.opcode))
+    fail(place, fmt::format("a {} may not stand in the summary", name_of(record.opcode)));
+  else if (!is_private(record.opcode))
+    add(Severity::note, place, fmt::format("a {}, which version 0 doesn't know", name_of(record.opcode)));
+}
+
+void Doctor::examine_grouping(const Record& record) {
+  const std::uint64_t end = record.offset + record_head + record.body.size();
+  if (!groups_.empty() && groups_.back().first == record.opcode) {
+    groups_.back().second.second = end;
+    return;
+  }
+  const bool again =
+      std::any_of(groups_.begin(), groups_.end(), [&](const auto& group) { return group.first == record.opcode; });
+  if (again)
+    fail({record.offset, {}},
+         fmt::format("the summary isn't grouped: a {} again, behind records of other kinds", name_of(record.opcode)));
+  groups_.push_back({record.opcode, {record.offset, end}});
+}
+
+/// A Schema or Channel of the summary.
+void Doctor::examine_repeated(const Record& record) {
+  const Place place{record.offset, {}};
+  if (record.opcode == op::schema) {
+    const auto schema = parse_schema(record.body);
+    REHEARSE_ASSERT(schema, "its fields are whole");
+    repeated_schemas_.try_emplace(schema->id, record.offset);
+    const auto known = schemas_.find(schema->id);
+    if (known == schemas_.end()) {
+      if (!damaged_)
+        fail(place, fmt::format("the summary has Schema {} {}, and the data section hasn't", schema->id,
+                                in_quotes(schema->name)));
+    } else if (known->second.first != *schema) {
+      fail(place, fmt::format("Schema {} is defined otherwise than at byte {}", schema->id, known->second.second));
+    }
+    return;
+  }
+  const auto channel = parse_channel(record.body);
+  REHEARSE_ASSERT(channel, "its fields are whole");
+  repeated_channels_.try_emplace(channel->id, record.offset);
+  const auto known = channels_.find(channel->id);
+  if (known == channels_.end()) {
+    if (!damaged_)
+      fail(place, fmt::format("the summary has Channel {} {}, and the data section hasn't", channel->id,
+                              in_quotes(channel->topic)));
+  } else if (known->second.channel != *channel) {
+    fail(place, fmt::format("Channel {} is defined otherwise than at byte {}", channel->id, known->second.offset));
+  }
+}
+
+void Doctor::examine_chunk_index(const Record& record) {
+  const Place place{record.offset, {}};
+  ByteReader in(record.body);
+  const auto start_time = in.get<std::uint64_t>();
+  const auto end_time = in.get<std::uint64_t>();
+  const auto offset = in.get<std::uint64_t>();
+  const auto length = in.get<std::uint64_t>();
+  ByteReader offsets(in.get_bytes(in.get<std::uint32_t>()));
+  const auto indexes_length = in.get<std::uint64_t>();
+  const auto compression = as_text(in.get_bytes(in.get<std::uint32_t>()));
+  const auto stored_size = in.get<std::uint64_t>();
+  const auto raw_size = in.get<std::uint64_t>();
+  const ExaminedChunk* chunk = find_at(chunks_, offset);
+  if (chunk == nullptr)
+    return fail(place, fmt::format("a Chunk Index of byte {}, where no Chunk begins", offset));
+  const auto index = static_cast<std::size_t>(chunk - chunks_.data());
+  if (indexed_chunks_[index]) fail(place, fmt::format("a second Chunk Index of the Chunk at byte {}", offset));
+  indexed_chunks_[index] = true;
+  Comparison comparison(fmt::format("the Chunk Index of the Chunk at byte {}", offset));
+  comparison.compare("start time", start_time, chunk->start_time);
+  comparison.compare("end time", end_time, chunk->end_time);
+  comparison.compare("length", length, chunk->length);
+  comparison.compare_text("compression", compression, chunk->compression);
+  comparison.compare("compressed size", stored_size, chunk->stored_size);
+  comparison.compare("uncompressed size", raw_size, chunk->raw_size);
+  comparison.compare("length of the message indexes", indexes_length, chunk->indexes_length);
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> stated;
+  while (offsets.left() > 0) {
+    const auto channel = offsets.get<std::uint16_t>();
+    stated.push_back({channel, offsets.get<std::uint64_t>()});
+  }
+  auto there = chunk->indexes;
+  std::sort(stated.begin(), stated.end());
+  std::sort(there.begin(), there.end());
+  if (std::string said = comparison.sentence(); !said.empty()) fail(place, std::move(said));
+  if (stated != there && !stated.empty())
+    fail(place, fmt::format("the Chunk Index of the Chunk at byte {} doesn't have the places of its {} message indexes",
+                            offset, there.size()));
+}
+
+/// An Attachment Index, or a Metadata Index.
+void Doctor::examine_record_index(const Record& record, const std::vector<ExaminedRecord>& all, bool attachments) {
+  const Place place{record.offset, {}};
+  const std::string kind = attachments ? "Attachment" : "Metadata";
+  ByteReader in(record.body);
+  const auto offset = in.get<std::uint64_t>();
+  const auto length = in.get<std::uint64_t>();
+  const ExaminedRecord* there = find_at(all, offset);
+  if (there == nullptr)
+    return fail(place, fmt::format("a {} Index of byte {}, where no {} record begins", kind, offset, kind));
+  std::vector<bool>& indexed = attachments ? indexed_attachments_ : indexed_metadata_;
+  const auto index = static_cast<std::size_t>(there - all.data());
+  if (indexed[index]) fail(place, fmt::format("a second {} Index of byte {}", kind, offset));
+  indexed[index] = true;
+  Comparison comparison(fmt::format("the {} Index of byte {}", kind, offset));
+  comparison.compare("length", length, there->length);
+  if (attachments) {
+    comparison.compare("log time", in.get<std::uint64_t>(), there->attachment.log_time);
+    comparison.compare("create time", in.get<std::uint64_t>(), there->attachment.create_time);
+    comparison.compare("data size", in.get<std::uint64_t>(), there->data_size);
+  }
+  comparison.compare_text("name", in.get_string(), there->attachment.name);
+  if (attachments) comparison.compare_text("media type", in.get_string(), there->attachment.media_type);
+  if (std::string said = comparison.sentence(); !said.empty()) fail(place, std::move(said));
+}
+
+void Doctor::examine_statistics(const Record& record) {
+  const Place place{record.offset, {}};
+  if (statistics_at_) return fail(place, fmt::format("second Statistics; the first are at byte {}", *statistics_at_));
+  statistics_at_ = record.offset;
+  const auto stated = parse_statistics(record.body);
+  REHEARSE_ASSERT(stated, "its fields are whole");
+  if (!stated->channel_message_counts.empty()) {
+    for (const auto& [id, channel] : channels_)
+      if (!repeated_channels_.contains(id))
+        fail(place, fmt::format("the Statistics count messages by channel, but no Channel {} {} stands before them in the "
+                                "summary",
+                                id, in_quotes(channel.channel.topic)));
+  }
+  if (damaged_) return;  // not everything could be counted
+  Comparison comparison("the Statistics");
+  comparison.compare<std::uint64_t>("messages", stated->message_count, messages_);
+  comparison.compare<std::uint64_t>("schemas", stated->schema_count, schemas_.size());
+  comparison.compare<std::uint64_t>("channels", stated->channel_count, channels_.size());
+  comparison.compare<std::uint64_t>("attachments", stated->attachment_count, attachments_.size());
+  comparison.compare<std::uint64_t>("metadata", stated->metadata_count, metadata_.size());
+  comparison.compare<std::uint64_t>("chunks", stated->chunk_count, chunks_.size());
+  comparison.compare<std::uint64_t>("first log time", stated->message_start_time, messages_ == 0 ? 0 : first_time_);
+  comparison.compare<std::uint64_t>("last log time", stated->message_end_time, last_time_);
+  if (!stated->channel_message_counts.empty()) {
+    for (const auto& [id, count] : stated->channel_message_counts) {
+      const auto channel = channels_.find(id);
+      comparison.compare<std::uint64_t>(fmt::format("messages of channel {}", id), count,
+                                        channel == channels_.end() ? 0 : channel->second.messages);
+    }
+    for (const auto& [id, channel] : channels_)
+      if (channel.messages > 0 && !stated->channel_message_counts.contains(id))
+        comparison.compare<std::uint64_t>(fmt::format("messages of channel {}", id), 0, channel.messages);
+  }
+  if (std::string said = comparison.sentence(); !said.empty()) fail(place, std::move(said));
+}
+
+void Doctor::examine_summary_offset(const Record& record) {
+  const Place place{record.offset, {}};
+  offsets_begun_ = true;
+  ByteReader in(record.body);
+  const auto opcode = in.get<std::uint8_t>();
+  const auto begin = in.get<std::uint64_t>();
+  const auto length = in.get<std::uint64_t>();
+  const auto group =
+      std::find_if(groups_.begin(), groups_.end(), [&](const auto& candidate) { return candidate.first == opcode; });
+  if (group == groups_.end() || opcode == op::summary_offset)
+    return fail(place, fmt::format("a Summary Offset of a group of {} records, which the summary hasn't", name_of(opcode)));
+  const auto [there, end] = group->second;
+  if (begin != there || length != end - there)
+    fail(place, fmt::format("the Summary Offset of the group of {} records says {} bytes at byte {}; they are {} bytes at "
+                            "byte {}",
+                            name_of(opcode), length, begin, end - there, there));
+}
+
+/// Indexes are there for all or for none; and what they point to can be read from the summary alone.
+void Doctor::tell_what_summary_lacks(std::uint64_t begin) {
+  const auto lacking = [&](const std::vector<bool>& indexed, std::string_view kind, const auto& all) {
+    const auto missing = static_cast<std::size_t>(std::count(indexed.begin(), indexed.end(), false));
+    if (missing == 0 || missing == indexed.size()) return;
+    const auto first = static_cast<std::size_t>(std::find(indexed.begin(), indexed.end(), false) - indexed.begin());
+    fail({begin, {}}, fmt::format("the summary has no {} Index for {} of {} records, the first of them at byte {}", kind,
+                                  missing, indexed.size(), all[first].offset));
+  };
+  lacking(indexed_chunks_, "Chunk", chunks_);
+  lacking(indexed_attachments_, "Attachment", attachments_);
+  lacking(indexed_metadata_, "Metadata", metadata_);
+  const bool has_index = std::find(indexed_chunks_.begin(), indexed_chunks_.end(), true) != indexed_chunks_.end();
+  if (!has_index) return;
+  if (loose_messages_ > 0)
+    add(Severity::warning, {loose_at_, {}},
+        fmt::format("{} messages stand outside of Chunks, from here on, although the file has a Chunk Index: readers that "
+                    "go by it won't find them",
+                    loose_messages_));
+  for (const auto& [id, channel] : channels_) {
+    if (!channel.in_chunks) continue;
+    if (!repeated_channels_.contains(id))
+      fail({begin, {}}, fmt::format("the summary has a Chunk Index, but not Channel {} {}, which has messages in chunks",
+                                    id, in_quotes(channel.channel.topic)));
+    const std::uint16_t schema = channel.channel.schema_id;
+    if (schema != 0 && schemas_.contains(schema) && !repeated_schemas_.contains(schema))
+      fail({begin, {}}, fmt::format("the summary has a Chunk Index, but not Schema {} of Channel {} {}", schema, id,
+                                    in_quotes(channel.channel.topic)));
+  }
+}
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+#include <rehearse/messages.h>
+#include <rehearse/text.h>
+#include <rehearse/trace_doctor.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace rehearse {
+
+namespace {
+
+constexpr std::string_view scenario_name = "scenario.yaml";
+
+/// Records by which a file says that it isn't all of a recording.
+constexpr const char* cut_by[] = {"rehearse.filter", "rehearse.merge", "rehearse.recover"};
+
+}  // namespace
+
+void TraceCheck::schema(const mcap::Schema& schema, mcap::Place place, mcap::Findings& findings) {
+  if (schema.encoding != "ros2msg") return;
+  const auto parsed = ros2msg::Schema::parse(schema.name, schema.data);
+  if (!parsed)
+    findings.add(Severity::error, place,
+                 fmt::format("Schema {} {} can't be parsed: line {}: {}", schema.id, in_quotes(schema.name),
+                             parsed.errors().front().line, parsed.errors().front().message));
+}
+
+TraceCheck::ChannelState& TraceCheck::state_of(const mcap::Message& message, const mcap::Schema* schema) {
+  const auto [place, added] = channels_.try_emplace(message.channel->id);
+  ChannelState& state = place->second;
+  if (!added || schema == nullptr || message.channel->message_encoding != "cdr" || schema->encoding != "ros2msg")
+    return state;
+  state.topic = message.channel->topic;
+  state.type = schema->name;
+  state.is_tick = schema->name == msg::Tick::type_name && state.topic == "/tick";
+  if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
+    state.decoder = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
+  return state;
+}
+
+void TraceCheck::message(const mcap::Message& message, const mcap::Schema* schema, mcap::Place place,
+                         mcap::Findings&) {
+  ChannelState& state = state_of(message, schema);
+  if (!state.decoder) return;
+  if (!state.decoder->decode(message.data, [](const ros2msg::Value&) {})) {
+    if (state.broken++ == 0) state.broken_at = place;
+    return;
+  }
+  if (state.is_tick) tick(message, place);
+}
+
+void TraceCheck::tick(const mcap::Message& message, mcap::Place place) {
+  CdrReader reader(message.data);
+  msg::Tick tick;
+  if (!msg::decode(reader, tick)) return;
+  if (ticks_++ == 0) {
+    first_tick_ = tick.tick;
+  } else if (tick.tick != last_tick_ + 1 && gaps_++ == 0) {
+    gap_at_ = place;
+    gap_after_ = last_tick_;
+    gap_before_ = tick.tick;
+  }
+  last_tick_ = tick.tick;
+}
+
+void TraceCheck::attachment(const mcap::Attachment& attachment, mcap::Findings&) {
+  attachments_.push_back(attachment.name);
+}
+
+void TraceCheck::metadata(const mcap::Metadata& metadata, mcap::Findings&) {
+  if (metadata.name == "rehearse") ++provenances_;
+  metadata_[metadata.name] = metadata;
+}
+
+void TraceCheck::end(std::uint64_t, mcap::Findings& findings) {
+  for (const auto& [id, state] : channels_)
+    if (state.broken > 0)
+      findings.add(Severity::error, state.broken_at,
+                   fmt::format("Channel {} {}: {} of its messages, the first one here, can't be decoded as {}", id,
+                               in_quotes(state.topic), state.broken, in_quotes(state.type)));
+  if (provenances_ > 0) examine_recording(findings);
+}
+
+/// The file is a recording of ours, or made of some. What was cut out or lost, and says so, is only noted.
+void TraceCheck::examine_recording(mcap::Findings& findings) const {
+  const mcap::Metadata& provenance = metadata_.at("rehearse");
+  const bool cut = std::any_of(std::begin(cut_by), std::end(cut_by),
+                               [this](const char* name) { return metadata_.contains(name); });
+  const Severity severity = cut ? Severity::note : Severity::error;
+  if (provenances_ > 1)
+    findings.add(severity, {provenance.offset, {}},
+                 fmt::format("the file says {} times where it comes from: it holds several recordings", provenances_));
+  if (!provenance.values.contains("trace_version"))
+    findings.add(Severity::error, {provenance.offset, {}}, "the recording doesn't state its trace_version");
+  if (std::find(attachments_.begin(), attachments_.end(), scenario_name) == attachments_.end())
+    findings.add(severity, {provenance.offset, {}}, fmt::format("the recording has no attachment {}", scenario_name));
+  for (const std::string& name : attachments_)
+    for (const std::string_view suffix : {".report", ".meshes"})
+      if (name.ends_with(suffix) && std::find(attachments_.begin(), attachments_.end(),
+                                              name.substr(0, name.size() - suffix.size())) == attachments_.end())
+        findings.add(severity, {provenance.offset, {}},
+                     fmt::format("the recording has the attachment {}, but not what it is about", in_quotes(name)));
+  if (gaps_ > 0)
+    findings.add(severity, gap_at_,
+                 fmt::format("the ticks have {} {}: tick {} comes after tick {}", gaps_, gaps_ == 1 ? "gap" : "gaps",
+                             gap_before_, gap_after_));
+  if (ticks_ > 0 && first_tick_ != 0)
+    findings.add(severity, {provenance.offset, {}}, fmt::format("the recording begins with tick {}", first_tick_));
+  if (!cut) examine_outcome(findings);
+}
+
+/// How the run ended, of a recording that is all there.
+void TraceCheck::examine_outcome(mcap::Findings& findings) const {
+  const auto outcome = metadata_.find("rehearse.outcome");
+  if (outcome == metadata_.end())
+    return findings.add(Severity::error, {metadata_.at("rehearse").offset, {}},
+                        "the recording doesn't say how the run ended: it was cut off");
+  const auto stated = outcome->second.values.find("ticks");
+  const std::string there = std::to_string(ticks_ == 0 ? 0 : last_tick_);
+  if (stated == outcome->second.values.end() || stated->second != there)
+    findings.add(Severity::error, {outcome->second.offset, {}},
+                 fmt::format("the outcome says that the run had {} ticks, and there are {}",
+                             stated == outcome->second.values.end() ? "no number of" : stated->second, there));
+}
+
+}  // namespace rehearse
