@@ -8,6 +8,7 @@ rehearse_add_library(mcap
   src/mcap/by_summary.cpp
   src/mcap/byte_window.cpp
   src/mcap/bytes.cpp
+  src/mcap/channel_groups.cpp
   src/mcap/chunk_opener.cpp
   src/mcap/codec.cpp
   src/mcap/contents.cpp
@@ -16,6 +17,7 @@ rehearse_add_library(mcap
   src/mcap/doctor.cpp
   src/mcap/doctor_chunks.cpp
   src/mcap/doctor_summary.cpp
+  src/mcap/draft.cpp
   src/mcap/file_view.cpp
   src/mcap/frame.cpp
   src/mcap/input.cpp
@@ -24,12 +26,14 @@ rehearse_add_library(mcap
   src/mcap/reader.cpp
   src/mcap/records.cpp
   src/mcap/record_layout.cpp
+  src/mcap/recover.cpp
   src/mcap/resync.cpp
   src/mcap/scan.cpp
   src/mcap/sink.cpp
   src/mcap/stream.cpp
   src/mcap/select.cpp
   src/mcap/summary.cpp
+  src/mcap/survey.cpp
   src/mcap/writer.cpp)
 target_include_directories(rehearse_mcap PUBLIC
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

@@ -23,6 +23,7 @@ constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb, &c
 constexpr const Verb* own_verbs[] = {&replay_verb,
                                      &diff_verb,
                                      &info_verb,
+                                     &recover_verb,
                                      &doctor_verb,
                                      &inspect_verb,
                                      &new_verb};

@@ -5,6 +5,8 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include <algorithm>
+
 namespace rehearse::mcap {
 
 std::uint32_t crc32(Bytes bytes, std::uint32_t seed) {
@@ -111,6 +113,50 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
   if (compression == "zstd") return decompress_zstd(state_->zstd.get(), compressed, size, out);
   if (compression == "lz4") return decompress_lz4(state_->lz4.get(), compressed, size, out);
   return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", compression));
+}
+
+namespace {
+
+/// How many bytes of `target` could be filled before the stream ended or made no sense.
+std::size_t front_of_zstd(ZSTD_DCtx* context, Bytes compressed, std::byte* target, std::size_t size) {
+  ZSTD_DCtx_reset(context, ZSTD_reset_session_only);
+  ZSTD_inBuffer in{compressed.data(), compressed.size(), 0};
+  ZSTD_outBuffer out{target, size, 0};
+  while (out.pos < size) {
+    const std::size_t before = in.pos + out.pos;
+    const std::size_t wanted = ZSTD_decompressStream(context, &out, &in);
+    if (ZSTD_isError(wanted) || wanted == 0 || in.pos + out.pos == before) break;
+  }
+  return out.pos;
+}
+
+std::size_t front_of_lz4(LZ4F_dctx* context, Bytes compressed, std::byte* target, std::size_t size) {
+  LZ4F_resetDecompressionContext(context);
+  std::size_t written = 0;
+  std::size_t read = 0;
+  while (written < size) {
+    std::size_t room = size - written;
+    std::size_t taken = compressed.size() - read;
+    const std::size_t wanted =
+        LZ4F_decompress(context, target + written, &room, compressed.data() + read, &taken, nullptr);
+    if (LZ4F_isError(wanted)) break;
+    written += room;
+    read += taken;
+    if (wanted == 0 || room + taken == 0) break;
+  }
+  return written;
+}
+
+}  // namespace
+
+Bytes Decompressor::decompress_front(std::string_view compression, Bytes compressed, std::uint64_t size,
+                                     RawBuffer& out) {
+  if (compression.empty()) return compressed.first(std::min<std::uint64_t>(size, compressed.size()));
+  if (compression != "zstd" && compression != "lz4") return {};
+  std::byte* target = out.reserve(size);
+  const std::size_t got = compression == "zstd" ? front_of_zstd(state_->zstd.get(), compressed, target, size)
+                                                : front_of_lz4(state_->lz4.get(), compressed, target, size);
+  return Bytes(target, got);
 }
 
 }  // namespace rehearse::mcap

@@ -55,6 +55,9 @@ class Decompressor {
   /// the empty word gives back `compressed` itself. The diagnostic says what is wrong, not where.
   Result<Bytes> decompress(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
 
+  /// Of damaged bytes: as far as it goes, at most `size` bytes of it; nothing of a compression that it doesn't know.
+  Bytes decompress_front(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
+
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -70,7 +70,8 @@ class Writer::Impl {
   std::vector<Channel> channels_;     // index_of
   std::vector<ChannelState> states_;  // like channels_
   std::vector<Group> groups_;
-  std::uint64_t next_deadline_ = no_time;  // log time at which some chunk is old
+  std::uint64_t next_deadline_ = no_time;       // log time at which some chunk is old
+  std::uint64_t unwritten_deadline_ = no_time;  // the same of the chunks that were handed over
   std::uint64_t message_count_ = 0;
   std::uint64_t start_time_ = no_time;
   std::uint64_t end_time_ = 0;
@@ -203,11 +204,14 @@ Result<void> Writer::Impl::end_message(Group& group) {
 
 void Writer::Impl::finish_chunk(Group& group) {
   for (const std::uint16_t channel : group.open.defined) states_[index_of(channel)].defined_in_open = false;
+  unwritten_deadline_ = std::min(unwritten_deadline_, deadline_of(group.open));
+  next_deadline_ = std::min(next_deadline_, unwritten_deadline_);
   ChunkData next = output_.take_chunk();
   output_.push(std::exchange(group.open, std::move(next)));
 }
 
-/// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups.
+/// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups, and waits
+/// until no such chunk is left to be written: so a kill loses no more than that span.
 void Writer::Impl::finish_old_chunks(std::uint64_t now) {
   next_deadline_ = no_time;
   for (Group& group : groups_) {
@@ -219,6 +223,11 @@ void Writer::Impl::finish_old_chunks(std::uint64_t now) {
       next_deadline_ = std::min(next_deadline_, deadline);
     }
   }
+  if (unwritten_deadline_ <= now) {
+    static_cast<void>(output_.drain());  // a failure is told by whoever asks for the status next
+    unwritten_deadline_ = no_time;
+  }
+  next_deadline_ = std::min(next_deadline_, unwritten_deadline_);
 }
 
 Result<void> Writer::Impl::add_attachment(Attachment attachment) {

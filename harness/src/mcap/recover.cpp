@@ -1,0 +1,257 @@
+#include <fmt/format.h>
+#include <rehearse/mcap_doctor.h>
+#include <rehearse/mcap_recover.h>
+#include <rehearse/text.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "draft.h"
+#include "file_view.h"
+#include "record_layout.h"
+#include "survey.h"
+
+namespace rehearse::mcap {
+
+namespace {
+
+constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
+
+/// Gets, in file order, what is saved; false: stop.
+struct OnSaved {
+  std::function<bool(const Message&)> message;
+  std::function<bool(const Attachment&)> attachment;
+  std::function<bool(const Metadata&)> metadata;
+};
+
+/// The second pass: delivers what the first one saved.
+class SavedPass {
+ public:
+  SavedPass(Bytes file, const Survey& survey, const RecoverOptions& options, Recovery& recovery, const OnSaved& saved)
+      : file_(file), survey_(survey), options_(options), recovery_(recovery), saved_(saved) {}
+
+  void run() {
+    for (const SavedRun& run : survey_.runs) {
+      RecordWalker walker(file_.first(run.end), run.begin);
+      Record record;
+      while (walker.next(record)) {
+        if (!pass(record, run.trusted)) return;
+      }
+    }
+    if (orphans_ > 0)
+      recovery_.remarks.push_back(
+          fmt::format("{} messages are of channels whose definitions are lost, and so can't be kept", orphans_));
+  }
+
+ private:
+  /// False: stop.
+  bool pass(const Record& record, bool trusted) {
+    if (options_.progress && record.offset >= next_progress_) {
+      options_.progress(file_.size() / 2 + record.offset / 2, file_.size());
+      next_progress_ = record.offset + progress_step;
+    }
+    switch (record.opcode) {
+      case op::message: return deliver(record);
+      case op::chunk: return pass_chunk(record, trusted);
+      case op::attachment: {
+        auto attachment = parse_attachment(record.body);
+        REHEARSE_ASSERT(attachment, "the first pass parsed it");
+        attachment->attachment.offset = record.offset;
+        return saved_.attachment(attachment->attachment);
+      }
+      case op::metadata: {
+        const auto metadata = parse_metadata(record.body);
+        REHEARSE_ASSERT(metadata, "the first pass parsed it");
+        return saved_.metadata(*metadata);
+      }
+      default: return true;
+    }
+  }
+
+  bool pass_chunk(const Record& record, bool trusted) {
+    const auto head = parse_chunk(record.body);
+    REHEARSE_ASSERT(head, "the first pass parsed it");
+    Bytes records;
+    if (trusted) {
+      const auto whole = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
+      REHEARSE_ASSERT(whole, "the first pass decompressed it");
+      records = *whole;
+    } else {
+      const auto size = std::min(head->uncompressed_size, options_.max_chunk_size);
+      records = decompressor_.decompress_front(head->compression, head->records, size, buffer_);
+    }
+    RecordWalker inside(records);
+    Record inner;
+    inner.chunk = record.offset;
+    while (inside.next(inner)) {
+      if (is_known(inner.opcode) && !check_layout(inner.opcode, inner.body).whole) break;
+      if (inner.opcode == op::message && !deliver(inner)) return false;
+    }
+    return true;
+  }
+
+  bool deliver(const Record& record) {
+    const auto head = parse_message_head(record.body);
+    if (!head) return true;
+    const auto channel = survey_.channels.find(head->channel);
+    if (channel == survey_.channels.end()) {
+      ++orphans_;
+      ++recovery_.channels[head->channel].lost;
+      return true;
+    }
+    return saved_.message({&channel->second,
+                           head->sequence,
+                           head->log_time,
+                           head->publish_time,
+                           record.body.subspan(message_head),
+                           {record.chunk.value_or(record.offset), record.chunk ? record.offset : 0,
+                            record.chunk.has_value()}});
+  }
+
+  const Bytes file_;
+  const Survey& survey_;
+  const RecoverOptions& options_;
+  Recovery& recovery_;
+  const OnSaved& saved_;
+  Decompressor decompressor_;
+  RawBuffer buffer_;
+  std::uint64_t orphans_ = 0;
+  std::uint64_t next_progress_ = 0;
+};
+
+/// Defines the channels in the new file. Returns their ids there by those of the source.
+std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery& recovery) {
+  std::vector<std::uint16_t> ids(0x10000);
+  for (const auto& [id, channel] : survey.channels) {
+    std::uint16_t schema = 0;
+    if (channel.schema_id != 0) {
+      const auto known = survey.schemas.find(channel.schema_id);
+      if (known == survey.schemas.end())
+        recovery.remarks.push_back(fmt::format("the schema of {} is lost: its messages are kept without one",
+                                               in_quotes(channel.topic)));
+      else
+        schema = writer.add_schema(known->second.name, known->second.encoding, known->second.data);
+    }
+    ids[id] = writer.add_channel(schema, channel.topic, channel.message_encoding, channel.metadata,
+                                 survey.groups.of(id));
+    recovery.channels[id].topic = channel.topic;
+  }
+  return ids;
+}
+
+/// What statistics that are left say about what is missing.
+void count_losses(const Survey& survey, Recovery& recovery) {
+  if (survey.statistics) {
+    recovery.loss_is_known = true;
+    recovery.source_last_time = survey.statistics->message_end_time;
+    recovery.lost_messages = survey.statistics->message_count - std::min(survey.statistics->message_count, recovery.messages);
+    for (const auto& [id, count] : survey.statistics->channel_message_counts) {
+      RecoveredChannel& channel = recovery.channels[id];
+      channel.lost = count - std::min(count, channel.saved);
+    }
+    return;
+  }
+  for (const auto& [id, channel] : recovery.channels) recovery.lost_messages += channel.lost;
+}
+
+/// What the new file says of itself.
+StringMap note_of(const std::filesystem::path& source, const RecoverOptions& options, const Recovery& recovery) {
+  constexpr std::size_t listed = 20;
+  std::string spans;
+  for (std::size_t i = 0; i < std::min(listed, recovery.lost.size()); ++i)
+    spans += fmt::format("{}{}-{}: {}", i == 0 ? "" : "; ", recovery.lost[i].begin, recovery.lost[i].end,
+                         recovery.lost[i].what);
+  if (recovery.lost.size() > listed) spans += fmt::format("; and {} more", recovery.lost.size() - listed);
+  StringMap note{{"source", printable(source.filename().string(), 200)},
+                 {"source_bytes", std::to_string(recovery.size)},
+                 {"lost_bytes", std::to_string(recovery.lost_bytes)},
+                 {"lost", spans}};
+  if (recovery.loss_is_known) note["lost_messages"] = std::to_string(recovery.lost_messages);
+  if (options.trust_damaged) note["trust_damaged"] = "true";
+  return note;
+}
+
+Diagnostic about(const std::filesystem::path& file, std::string message) {
+  Diagnostic diagnostic = error(std::move(message));
+  diagnostic.file = file.string();
+  return diagnostic;
+}
+
+/// Writes all that the survey saved.
+Result<void> write_saved(Bytes file, const std::filesystem::path& source, const std::filesystem::path& target,
+                         const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
+  WriterOptions form;
+  form.profile = survey.profile;
+  auto writer = Writer::create(target, form);
+  if (!writer) return writer.errors();
+  const std::vector<std::uint16_t> ids = define(**writer, survey, recovery);
+  Result<void> written;
+  recovery.first_time = std::numeric_limits<std::uint64_t>::max();
+  OnSaved saved;
+  saved.message = [&](const Message& message) {
+    ++recovery.messages;
+    ++recovery.channels[message.channel->id].saved;
+    recovery.first_time = std::min(recovery.first_time, message.log_time);
+    recovery.last_time = std::max(recovery.last_time, message.log_time);
+    written = (*writer)->write(ids[message.channel->id], message.log_time, message.publish_time, message.data,
+                               message.sequence);
+    return written.ok();
+  };
+  saved.attachment = [&](const Attachment& attachment) {
+    ++recovery.attachments;
+    written = (*writer)->add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time,
+                                        attachment.create_time);
+    return written.ok();
+  };
+  saved.metadata = [&](const Metadata& metadata) {
+    ++recovery.metadata;
+    written = (*writer)->add_metadata(metadata.name, metadata.values);
+    return written.ok();
+  };
+  SavedPass(file, survey, options, recovery, saved).run();
+  if (!written) return written;
+  if (recovery.messages == 0) recovery.first_time = 0;
+  if (recovery.messages + recovery.attachments + recovery.metadata == 0)
+    return about(source, "nothing can be saved: it has no message, no attachment and no metadata that is whole");
+  count_losses(survey, recovery);
+  if (!recovery.is_whole()) {
+    if (auto noted = (*writer)->add_metadata("rehearse.recover", note_of(source, options, recovery)); !noted)
+      return noted;
+  }
+  return (*writer)->close();
+}
+
+/// Is what was written whole?
+Result<void> examine_written(const std::filesystem::path& written, const std::filesystem::path& target,
+                             const Recovery& recovery) {
+  const auto examination = examine(written);
+  if (!examination) return examination.errors();
+  for (const Finding& finding : examination->findings.list())
+    if (finding.severity == Severity::error)
+      return about(target, fmt::format("what was saved isn't a valid file, so it isn't kept: at byte {}: {}",
+                                       finding.place.offset, finding.message));
+  if (examination->messages != recovery.messages)
+    return about(target, fmt::format("{} messages were saved, and {} are in the file: it isn't kept", recovery.messages,
+                                     examination->messages));
+  return {};
+}
+
+}  // namespace
+
+Result<Recovery> recover(const std::filesystem::path& source, const std::filesystem::path& target,
+                         const RecoverOptions& options) {
+  const auto view = FileView::open(source);
+  if (!view) return view.errors();
+  auto draft = Draft::begin(target, std::span(&source, 1));
+  if (!draft) return draft.errors();
+  Recovery recovery;
+  const Survey survey(view->bytes(), options, recovery);
+  if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
+  if (auto done = write_saved(view->bytes(), source, draft->file(), survey, options, recovery); !done)
+    return done.errors();
+  if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
+  if (auto done = draft->finish(); !done) return done.errors();
+  return recovery;
+}
+
+}  // namespace rehearse::mcap

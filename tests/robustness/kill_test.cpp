@@ -1,0 +1,140 @@
+// Recordings killed by SIGKILL at random moments: from before the file is there to after the end. What is left can be
+// read and recovered, no more than a second of simulation is lost, and a golden beside it is never touched.
+//
+// REHEARSE_KILLS: how many; tests/README.md has the figures of a thousand.
+#include "recording_process.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+namespace rehearse::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double time_step = 0.001;       // [s]
+constexpr double most_lost = 1.0;         // [s] of simulation
+constexpr double tick_of_the_kill = time_step;  // the one that was under way
+
+int kills() {
+  const char* text = std::getenv("REHEARSE_KILLS");
+  return text == nullptr ? 40 : std::max(1, std::atoi(text));
+}
+
+/// What became of all the recordings.
+struct Figures {
+  int kills = 0;
+  int finished = 0;     // it was over before
+  int nothing = 0;      // no tick is saved: the kill came before the first chunk was due
+  int traces_lost = 0;  // what is left can't be read, or more than a second is lost
+  double lost_at_most = 0.0;  // [s] of simulation
+};
+
+class Kill : public ::testing::Test {
+ protected:
+  Kill() : counter_(folder() / "calls") {}
+
+  const fs::path& folder() const { return scratch_.path(); }
+
+  /// A pendulum under the controller that counts; `computing` in each call [microseconds].
+  fs::path scenario(const std::string& golden, double duration, int computing, double start) const {
+    const fs::path file = folder() / "pendulum.yaml";
+    std::ofstream text(file);
+    text << "rehearse: 1\nduration: " << duration << "\ntime_step: " << time_step << "\n";
+    if (!golden.empty()) text << "golden: " << golden << "\n";
+    text << "bodies:\n  - name: Pendulum\n    model: " << (fs::path(FIXTURES_DIR) / "models/pendulum.urdf").string()
+         << "\n    joints: {hinge: " << start << " deg}\n    controllers:\n      - name: Ticking\n        library: " << TICKING
+         << "\n        options: \"" << (folder() / "calls").string() << " " << computing << "\"\n";
+    return file;
+  }
+
+  /// Runs the words and kills them after a while; true if they had ended before.
+  bool run_and_kill(const std::vector<std::string>& words, std::chrono::microseconds after) {
+    counter_.reset();
+    const pid_t child = start(words, folder() / "log", [] { setenv("CI", "true", 1); });
+    std::this_thread::sleep_for(after);
+    kill(child, SIGKILL);
+    return wait_for(child) >= 0;
+  }
+
+  /// How long they take if nobody kills them.
+  std::chrono::microseconds whole_run(const std::vector<std::string>& words) {
+    const auto begin = Clock::now();
+    counter_.reset();
+    const int status = wait_for(start(words, folder() / "log", [] { setenv("CI", "true", 1); }));
+    EXPECT_LE(status, 1) << read_file(folder() / "log");
+    return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin);
+  }
+
+  void examine(const fs::path& trace, bool finished, Figures& figures) const {
+    ++figures.kills;
+    figures.finished += finished ? 1 : 0;
+    const std::int64_t reached = counter_.calls();  // calls, so ticks 0 to reached - 1
+    const auto last = save_what_is_left(trace, folder() / "saved.mcap");
+    if (!last) ++figures.nothing;
+    const std::int64_t saved = last.value_or(-1) + 1;
+    const double lost = std::max(0.0, static_cast<double>(reached - saved) * time_step);
+    figures.lost_at_most = std::max(figures.lost_at_most, lost);
+    if (lost > most_lost + tick_of_the_kill || ::testing::Test::HasFailure()) ++figures.traces_lost;
+    EXPECT_LE(lost, most_lost + tick_of_the_kill) << "reached " << reached << " ticks, saved " << saved;
+  }
+
+  static void tell(const char* what, const Figures& figures) {
+    std::printf("%s: %d kills, %d after the end, %d before anything was due, %d traces lost, at most %.3f s of simulation "
+                "lost\n",
+                what, figures.kills, figures.finished, figures.nothing, figures.traces_lost, figures.lost_at_most);
+  }
+
+  Scratch scratch_;
+  CallCounter counter_;
+  std::mt19937 random_{20261120};
+};
+
+/// From long before the first tick to a little after the end.
+std::chrono::microseconds moment(std::mt19937& random, std::chrono::microseconds whole) {
+  std::uniform_int_distribution<std::int64_t> distribution(0, whole.count() * 23 / 20);
+  return std::chrono::microseconds(distribution(random));
+}
+
+TEST_F(Kill, OfARecordingLosesAtMostASecondOfSimulation) {
+  Figures figures;
+  for (const int computing : {0, 50, 1000}) {  // far faster than time, some 15 times as fast, about as fast
+    const double duration = computing == 1000 ? 1.5 : computing == 50 ? 12.0 : 20.0;  // [s] simulated
+    const fs::path trace = folder() / "run.mcap";
+    const std::vector<std::string> words{REHEARSE_COMMAND, "record", scenario("", duration, computing, 20.0).string(), "-o",
+                                         trace.string()};
+    const auto whole = whole_run(words);
+    for (int i = 0; i < (kills() + 2) / 3 && !HasFailure(); ++i) {
+      fs::remove(trace);
+      const bool finished = run_and_kill(words, moment(random_, whole));
+      examine(trace, finished, figures);
+    }
+  }
+  tell("record", figures);
+}
+
+/// A check that differs from its golden records a run that is to wait, and may not touch the golden.
+TEST_F(Kill, OfACheckNeverTouchesTheGolden) {
+  const fs::path golden = folder() / "golden.mcap";
+  wait_for(start({REHEARSE_COMMAND, "record", scenario("", 4.0, 0, 20.0).string(), "-o", golden.string()}, folder() / "log"));
+  const std::string before = read_file(golden);
+  ASSERT_FALSE(before.empty()) << read_file(folder() / "log");
+  const fs::path changed = scenario("", 4.0, 0, 21.0);
+  const std::vector<std::string> words{REHEARSE_COMMAND, "check", changed.string(), "--golden", golden.string()};
+  setenv("REHEARSE_PENDING", (folder() / "pending").c_str(), 1);
+  const auto whole = whole_run(words);
+  for (int i = 0; i < (kills() + 3) / 4; ++i) {
+    run_and_kill(words, moment(random_, whole));
+    ASSERT_TRUE(read_file(golden) == before) << "kill " << i;
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder() / "pending"))
+    if (entry.is_regular_file() && entry.path().extension() == ".mcap")
+      save_what_is_left(entry.path(), folder() / "saved.mcap");
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,131 @@
+// rehearse recover: a whole file of what can be saved from one that is cut or damaged.
+#include <fmt/format.h>
+#include <rehearse/mcap_recover.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+constexpr std::size_t losses_shown = 20;  // to a person; JSON has more
+
+struct Settings {
+  std::string source;
+  std::string target;
+  mcap::RecoverOptions options;
+  bool json = false;
+};
+
+double seconds(std::uint64_t ns) { return static_cast<double>(ns) / 1e9; }
+
+std::string count_text(std::uint64_t count, std::string_view noun) {
+  return tool::count_text(static_cast<std::int64_t>(count), noun);
+}
+
+void tell_losses(const mcap::Recovery& recovery) {
+  for (std::size_t i = 0; i < std::min(losses_shown, recovery.lost.size()); ++i) {
+    const mcap::LostBytes& lost = recovery.lost[i];
+    fmt::print("  bytes {} to {}, {}: {}\n", lost.begin, lost.end, file_size_text(lost.end - lost.begin), lost.what);
+  }
+  if (recovery.lost.size() > losses_shown)
+    fmt::print("  and {} more places; --json lists them\n", recovery.lost.size() - losses_shown);
+  for (const std::string& remark : recovery.remarks) fmt::print("  {}\n", remark);
+}
+
+/// The messages that are missing, by channel.
+void tell_lost_messages(const mcap::Recovery& recovery) {
+  if (recovery.lost_messages == 0) {
+    if (!recovery.loss_is_known) fmt::print("how many messages are lost can't be told: the file's statistics are\n");
+    return;
+  }
+  fmt::print("{} lost{}:\n", count_text(recovery.lost_messages, "message"),
+             recovery.loss_is_known ? "" : ", or more: the file's statistics are");
+  for (const auto& [id, channel] : recovery.channels)
+    if (channel.lost > 0)
+      fmt::print("  {}: {} of {}\n", channel.topic.empty() ? fmt::format("channel {}", id) : channel.topic,
+                 channel.lost, channel.saved + channel.lost);
+}
+
+void tell(const Settings& settings, const mcap::Recovery& recovery) {
+  if (recovery.is_whole()) fmt::print("{} is whole: nothing is lost\n", settings.source);
+  fmt::print("saved {}, {}, {} in {}\n", count_text(recovery.messages, "message"),
+             count_text(recovery.attachments, "attachment"), count_text(recovery.metadata, "metadata record"),
+             settings.target);
+  if (recovery.messages > 0)
+    fmt::print("from {:g} s to {:g} s{}\n", seconds(recovery.first_time), seconds(recovery.last_time),
+               recovery.source_last_time && *recovery.source_last_time > recovery.last_time
+                   ? fmt::format("; what follows, up to {:g} s, is lost", seconds(*recovery.source_last_time))
+                   : "");
+  if (recovery.is_whole()) return;
+  fmt::print("{} of {} aren't in it\n", file_size_text(recovery.lost_bytes), file_size_text(recovery.size));
+  tell_losses(recovery);
+  tell_lost_messages(recovery);
+}
+
+Json recovery_json(const Settings& settings, const mcap::Recovery& recovery) {
+  Json lost = Json::array(), channels = Json::array();
+  for (const mcap::LostBytes& span : recovery.lost)
+    lost.push_back({{"begin", span.begin}, {"end", span.end}, {"what", span.what}});
+  for (const auto& [id, channel] : recovery.channels)
+    channels.push_back({{"id", id}, {"topic", channel.topic}, {"saved", channel.saved}, {"lost", channel.lost}});
+  return {{"file", settings.target},
+          {"whole", recovery.is_whole()},
+          {"messages", recovery.messages},
+          {"attachments", recovery.attachments},
+          {"metadata", recovery.metadata},
+          {"first_time", recovery.first_time},
+          {"last_time", recovery.last_time},
+          {"lost_messages", recovery.lost_messages},
+          {"loss_is_known", recovery.loss_is_known},
+          {"lost_bytes", recovery.lost_bytes},
+          {"lost", lost},
+          {"remarks", recovery.remarks},
+          {"channels", channels}};
+}
+
+Exit run(Settings& settings) {
+  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  const auto recovery = [&] {
+    Progress progress("recovering");
+    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
+      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
+    };
+    return mcap::recover(settings.source, settings.target, settings.options);
+  }();
+  if (!recovery) return refuse(recovery.errors());
+  if (settings.json)
+    print(recovery_json(settings, *recovery));
+  else
+    tell(settings, *recovery);
+  return Exit::done;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
+  options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
+  options.add_flag("--trust-damaged", settings->options.trust_damaged,
+                   "keep what seems whole in chunks whose CRC doesn't match; nothing says that it is right");
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb recover_verb{"recover",
+                        "  rehearse recover killed.mcap -o saved.mcap\n"
+                        "  rehearse recover damaged.mcap -o saved.mcap --json\n"
+                        "\n"
+                        "Exit status: 0 FILE is written, and is a valid file (it was opened again and examined), even if\n"
+                        "something is lost: what, is told. 2 there was nothing to be saved; nothing was written.\n",
+                        declare};
+
+}  // namespace rehearse::tool
