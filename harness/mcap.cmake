@@ -19,8 +19,10 @@ rehearse_add_library(mcap
   src/mcap/doctor_summary.cpp
   src/mcap/draft.cpp
   src/mcap/file_view.cpp
+  src/mcap/filter.cpp
   src/mcap/frame.cpp
   src/mcap/input.cpp
+  src/mcap/merge.cpp
   src/mcap/order.cpp
   src/mcap/output.cpp
   src/mcap/reader.cpp

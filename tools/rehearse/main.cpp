@@ -23,6 +23,8 @@ constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb, &c
 constexpr const Verb* own_verbs[] = {&replay_verb,
                                      &diff_verb,
                                      &info_verb,
+                                     &filter_verb,
+                                     &merge_verb,
                                      &recover_verb,
                                      &doctor_verb,
                                      &inspect_verb,

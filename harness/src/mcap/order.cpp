@@ -1,4 +1,4 @@
-#include "reader_impl.h"
+#include "order.h"
 
 #include <fmt/format.h>
 
@@ -6,63 +6,14 @@
 
 namespace rehearse::mcap {
 
-namespace {
+MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
+    : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
+  std::stable_sort(chunks_.begin(), chunks_.end(),
+                   [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
+  if (reader.loose_messages_) collect_loose();
+}
 
-/// A message that waits for its turn.
-struct Waiting {
-  std::uint64_t log_time = 0;
-  std::uint64_t offset = 0;  // of its record, in the file or in the decompressed chunk
-};
-
-/// A run of messages sorted by time: a decompressed chunk, or all messages that are in no chunk.
-struct Run {
-  std::optional<std::uint64_t> chunk;
-  RawBuffer buffer;
-  Bytes records;
-  std::vector<Waiting> order;
-  std::size_t next = 0;
-
-  bool done() const { return next == order.size(); }
-  std::uint64_t time() const { return order[next].log_time; }
-  std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
-};
-
-/// Merges runs by (log time, position in the file). Chunks are opened when the time comes to their first message and
-/// let go after their last.
-class Merge {
- public:
-  Merge(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
-      : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
-    std::stable_sort(chunks_.begin(), chunks_.end(),
-                     [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
-    if (reader.loose_messages_) collect_loose();
-  }
-
-  /// The next message's record; false when there is none left, or no memory for them.
-  bool next(Record& record);
-  /// Done with that message.
-  void advance();
-
- private:
-  static bool later(const std::unique_ptr<Run>& a, const std::unique_ptr<Run>& b) {
-    return std::pair(a->time(), a->file_offset()) > std::pair(b->time(), b->file_offset());
-  }
-  void collect_loose();
-  void open_next_chunk();
-  void collect(Run& run, RecordWalker& walker, const Chunk* place);
-  void add(std::unique_ptr<Run> run);
-
-  Reader::Impl& reader_;
-  const ChannelSet& channels_;
-  DamageLog& damage_;
-  std::vector<Chunk> chunks_;  // by start time, then place
-  std::size_t next_chunk_ = 0;
-  std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
-  std::vector<std::unique_ptr<Run>> spare_;  // for their memory
-  std::uint64_t held_ = 0;                   // bytes of open chunks
-};
-
-void Merge::collect_loose() {
+void MessageOrder::collect_loose() {
   auto run = std::make_unique<Run>();
   run->records = reader_.bytes_.first(reader_.data_end_);
   RecordWalker walker(run->records, magic.size());
@@ -70,7 +21,7 @@ void Merge::collect_loose() {
   add(std::move(run));
 }
 
-void Merge::open_next_chunk() {
+void MessageOrder::open_next_chunk() {
   const Chunk place = chunks_[next_chunk_++];
   Record record;
   RecordWalker at(reader_.bytes_, place.offset);
@@ -100,7 +51,7 @@ void Merge::open_next_chunk() {
   add(std::move(run));
 }
 
-void Merge::collect(Run& run, RecordWalker& walker, const Chunk* place) {
+void MessageOrder::collect(Run& run, RecordWalker& walker, const Chunk* place) {
   Record record;
   bool in_span = true;
   while (walker.next(record)) {
@@ -124,7 +75,7 @@ void Merge::collect(Run& run, RecordWalker& walker, const Chunk* place) {
   }
 }
 
-void Merge::add(std::unique_ptr<Run> run) {
+void MessageOrder::add(std::unique_ptr<Run> run) {
   if (run->done()) {
     spare_.push_back(std::move(run));
     return;
@@ -134,7 +85,7 @@ void Merge::add(std::unique_ptr<Run> run) {
   std::push_heap(heap_.begin(), heap_.end(), later);
 }
 
-bool Merge::next(Record& record) {
+bool MessageOrder::next(Record& record) {
   while (next_chunk_ < chunks_.size() && (heap_.empty() || chunks_[next_chunk_].start_time <= heap_.front()->time())) {
     if (held_ > 4 * reader_.options_.max_chunk_size) {
       damage_.add(fmt::format("more than {} bytes of chunks overlap in time: too much to put in order", held_));
@@ -151,7 +102,7 @@ bool Merge::next(Record& record) {
   return true;
 }
 
-void Merge::advance() {
+void MessageOrder::advance() {
   std::pop_heap(heap_.begin(), heap_.end(), later);
   Run& run = *heap_.back();
   ++run.next;
@@ -164,17 +115,15 @@ void Merge::advance() {
   heap_.pop_back();
 }
 
-}  // namespace
-
 Result<void> Reader::Impl::for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels) {
   walk_if_not_yet();
   DamageLog damage(name_);
-  Merge merge(*this, channels, damage);
+  MessageOrder order(*this, channels, damage);
   Record record;
-  while (merge.next(record)) {
+  while (order.next(record)) {
     const Message message = contents_.read_message(record, damage);
     if (message.channel != nullptr && !callback(message)) return verdict(damage);
-    merge.advance();
+    order.advance();
   }
   check_data_crc(damage);
   return verdict(damage);

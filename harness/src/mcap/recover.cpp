@@ -182,6 +182,7 @@ Result<void> write_saved(Bytes file, const std::filesystem::path& source, const 
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
   form.profile = survey.profile;
+  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
   auto writer = Writer::create(target, form);
   if (!writer) return writer.errors();
   const std::vector<std::uint16_t> ids = define(**writer, survey, recovery);

@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+#include <rehearse/glob.h>
+#include <rehearse/mcap_filter.h>
+#include <rehearse/text.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "channel_groups.h"
+#include "draft.h"
+#include "file_view.h"
+#include "whole_input.h"
+
+namespace rehearse::mcap {
+
+namespace {
+
+constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
+
+std::string join(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+/// One filtering.
+class Filter {
+ public:
+  Filter(Reader& reader, Writer& writer, Selector& selector, const ChannelGroups& groups, const FilterOptions& options)
+      : reader_(reader), writer_(writer), selector_(selector), groups_(groups), options_(options) {}
+
+  Result<Filtered> run();
+
+ private:
+  bool chosen(const Channel& channel) const;
+  void define();
+  Result<void> write_extras_before(std::uint64_t offset);
+  Result<void> write_note();
+  Result<void> write(const Message& message);
+
+  Reader& reader_;
+  Writer& writer_;
+  Selector& selector_;
+  const ChannelGroups& groups_;
+  const FilterOptions& options_;
+  std::vector<std::optional<std::uint16_t>> ids_ = std::vector<std::optional<std::uint16_t>>(0x10000);  // in the target
+  std::size_t next_attachment_ = 0, next_metadata_ = 0;
+  std::uint64_t next_progress_ = 0;
+  Filtered filtered_;
+};
+
+bool Filter::chosen(const Channel& channel) const {
+  return selector_.takes_topic(channel.topic) &&
+         std::none_of(options_.exclude.begin(), options_.exclude.end(),
+                      [&](const std::string& pattern) { return matches(pattern, channel.topic); });
+}
+
+void Filter::define() {
+  for (const auto& [id, channel] : reader_.channels()) {
+    if (!chosen(channel)) continue;
+    const Schema* schema = reader_.schema_of(channel);
+    const std::uint16_t schema_id =
+        schema == nullptr ? std::uint16_t{0} : writer_.add_schema(schema->name, schema->encoding, schema->data);
+    ids_[id] = writer_.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata,
+                                   groups_.of(id));
+    ++filtered_.channels;
+  }
+}
+
+/// Attachments and metadata that stand before that byte of the source.
+Result<void> Filter::write_extras_before(std::uint64_t offset) {
+  const auto& attachments = reader_.attachments();
+  for (; next_attachment_ < attachments.size() && attachments[next_attachment_].offset < offset; ++next_attachment_) {
+    const Attachment& attachment = attachments[next_attachment_];
+    if (!options_.attachments) continue;
+    ++filtered_.attachments;
+    if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data,
+                                           attachment.log_time, attachment.create_time);
+        !done)
+      return done;
+  }
+  const auto& metadata = reader_.metadata();
+  for (; next_metadata_ < metadata.size() && metadata[next_metadata_].offset < offset; ++next_metadata_) {
+    if (!options_.metadata) continue;
+    ++filtered_.metadata;
+    if (auto done = writer_.add_metadata(metadata[next_metadata_].name, metadata[next_metadata_].values); !done)
+      return done;
+  }
+  return {};
+}
+
+/// What the file was cut from.
+Result<void> Filter::write_note() {
+  if (!options_.cuts() || !options_.metadata) return {};
+  StringMap note{{"source", printable(std::filesystem::path(reader_.name()).filename().string(), 200)},
+                 {"source_messages", std::to_string(filtered_.messages + filtered_.left_out)}};
+  if (!options_.selection.topics.empty()) note["topics"] = join(options_.selection.topics);
+  if (!options_.exclude.empty()) note["exclude"] = join(options_.exclude);
+  if (!options_.selection.takes_all_times()) {
+    note["from_ns"] = std::to_string(selector_.begin());
+    if (selector_.end()) note["until_ns"] = std::to_string(*selector_.end());
+  }
+  if (!options_.attachments) note["attachments"] = "left out";
+  return writer_.add_metadata("rehearse.filter", note);
+}
+
+Result<void> Filter::write(const Message& message) {
+  filtered_.first_time = filtered_.messages == 0 ? message.log_time : std::min(filtered_.first_time, message.log_time);
+  filtered_.last_time = std::max(filtered_.last_time, message.log_time);
+  ++filtered_.messages;
+  return writer_.write(*ids_[message.channel->id], message.log_time, message.publish_time, message.data,
+                       message.sequence);
+}
+
+Result<Filtered> Filter::run() {
+  define();
+  Result<void> written;
+  const auto read = reader_.for_each_message([&](const Message& message) {
+    const std::uint64_t offset = message.location.record;
+    if (options_.progress && offset >= next_progress_) {
+      options_.progress(offset, reader_.size());
+      next_progress_ = offset + progress_step;
+    }
+    const bool taken = ids_[message.channel->id] && selector_.takes_time(message.log_time);
+    if (!taken) return ++filtered_.left_out, true;
+    written = write_extras_before(offset);
+    if (written) written = write(message);
+    return written.ok();
+  });
+  if (!written) return written.errors();
+  if (!read) return with_recover_hint(read.errors());
+  if (auto done = write_extras_before(std::numeric_limits<std::uint64_t>::max()); !done) return done.errors();
+  if (auto done = write_note(); !done) return done.errors();
+  if (auto done = writer_.close(); !done) return done.errors();
+  return filtered_;
+}
+
+WriterOptions form_of(const Reader& reader, const FilterOptions& options) {
+  WriterOptions form;
+  form.profile = reader.profile();
+  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
+  form.compression = options.compression;
+  if (options.level) form.zstd_level = form.lz4_level = *options.level;
+  if (options.chunk_size) form.chunk_size = *options.chunk_size;
+  return form;
+}
+
+}  // namespace
+
+Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
+                        const FilterOptions& options) {
+  const auto view = FileView::open(source);
+  if (!view) return view.errors();
+  const auto reader = Reader::open_bytes(view->bytes(), view->name());
+  if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());
+  auto selector = Selector::of(options.selection, **reader);
+  if (!selector) return selector.errors();
+  auto draft = Draft::begin(target, std::span(&source, 1));
+  if (!draft) return draft.errors();
+  const ChannelGroups groups = groups_of(view->bytes());
+  auto writer = Writer::create(draft->file(), form_of(**reader, options));
+  if (!writer) return writer.errors();
+  auto filtered = Filter(**reader, **writer, *selector, groups, options).run();
+  if (!filtered) return filtered;
+  std::error_code ignored;
+  filtered->bytes = std::filesystem::file_size(draft->file(), ignored);
+  if (auto done = draft->finish(); !done) return done.errors();
+  return filtered;
+}
+
+}  // namespace rehearse::mcap

@@ -1,0 +1,200 @@
+#include <fmt/format.h>
+#include <rehearse/mcap_merge.h>
+#include <rehearse/text.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <tuple>
+
+#include "channel_groups.h"
+#include "draft.h"
+#include "order.h"
+#include "whole_input.h"
+
+namespace rehearse::mcap {
+
+namespace {
+
+constexpr std::uint64_t progress_step = 1 << 16;  // [messages]
+constexpr int groups_of_a_source = 0x20000;       // more than one has
+
+/// A source while it is read.
+struct OpenSource {
+  std::string prefix;
+  std::unique_ptr<Reader::Impl> reader;
+  ChannelSet all{{}};
+  DamageLog damage{""};
+  std::unique_ptr<MessageOrder> order;
+  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // in the target, by those of the source
+  Message next;  // its channel null: there is none left
+  bool started = false;
+
+  /// Goes on to the next message.
+  void advance() {
+    Record record;
+    next = {};
+    if (started) order->advance();
+    started = true;
+    while (order->next(record)) {
+      next = reader->contents_.read_message(record, damage);
+      if (next.channel != nullptr) return;
+      order->advance();
+    }
+    reader->check_data_crc(damage);
+  }
+};
+
+Result<std::unique_ptr<OpenSource>> open_source(const MergeSource& source) {
+  auto view = FileView::open(source.file);
+  if (!view) return view.errors();
+  auto open = std::make_unique<OpenSource>();
+  const Bytes bytes = view->bytes();
+  const std::string name = view->name();
+  open->prefix = source.prefix;
+  open->damage = DamageLog(name);
+  open->reader = std::make_unique<Reader::Impl>(std::move(*view), bytes, name, ReaderOptions());
+  if (auto scanned = open->reader->scan(); !scanned) return scanned.errors();
+  if (!open->reader->damage_.list().empty()) return with_recover_hint(open->reader->damage_.list());
+  open->order = std::make_unique<MessageOrder>(*open->reader, open->all, open->damage);
+  return open;
+}
+
+class Merger {
+ public:
+  Merger(const std::vector<std::unique_ptr<OpenSource>>& sources, Writer& writer, const MergeOptions& options)
+      : sources_(sources), writer_(writer), options_(options) {}
+
+  Result<Merged> run();
+
+ private:
+  using Key = std::tuple<std::string, std::string, std::uint16_t, StringMap>;  // topic, encoding, schema, metadata
+
+  void define(OpenSource& source, int index);
+  Result<void> write_extras();
+  Result<void> write_messages();
+
+  const std::vector<std::unique_ptr<OpenSource>>& sources_;
+  Writer& writer_;
+  const MergeOptions& options_;
+  std::map<Key, std::uint16_t> channels_;
+  std::map<std::string, int> definitions_;  // by topic: how many channels it has
+  Merged merged_;
+};
+
+void Merger::define(OpenSource& source, int index) {
+  const ChannelGroups groups = groups_of(source.reader->bytes_);
+  std::set<std::uint16_t> own;  // channels of this source that another of it may not share
+  for (const auto& [id, channel] : source.reader->contents_.channels) {
+    const Schema* schema = source.reader->contents_.schema_of(channel);
+    const std::uint16_t schema_id =
+        schema == nullptr ? std::uint16_t{0} : writer_.add_schema(schema->name, schema->encoding, schema->data);
+    const std::string topic = source.prefix + channel.topic;
+    const Key key{topic, channel.message_encoding, schema_id, channel.metadata};
+    const auto known = options_.keep_apart ? channels_.end() : channels_.find(key);
+    if (known != channels_.end() && own.insert(known->second).second) {
+      source.ids[id] = known->second;
+      continue;
+    }
+    ChunkGroup group = groups.of(id);
+    group.id += index * groups_of_a_source;
+    source.ids[id] = writer_.add_channel(schema_id, topic, channel.message_encoding, channel.metadata, group);
+    own.insert(source.ids[id]);
+    channels_.try_emplace(key, source.ids[id]);
+    ++merged_.channels;
+    if (++definitions_[topic] == 2 && !options_.keep_apart)
+      merged_.remarks.push_back(fmt::format("{} isn't defined alike everywhere: it has several channels", in_quotes(topic)));
+  }
+}
+
+/// Attachments and metadata, a source after the other.
+Result<void> Merger::write_extras() {
+  std::map<std::string, int> names;
+  StringMap note;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const Reader::Impl& reader = *sources_[i]->reader;
+    note[fmt::format("source.{}", i)] = printable(std::filesystem::path(reader.name_).filename().string(), 200);
+    for (const Attachment& attachment : reader.attachments_) {
+      ++merged_.attachments;
+      if (++names["the attachment " + in_quotes(attachment.name)] == 2)
+        merged_.remarks.push_back(fmt::format("the attachment {} is there more than once", in_quotes(attachment.name)));
+      if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data,
+                                             attachment.log_time, attachment.create_time);
+          !done)
+        return done;
+    }
+    for (const Metadata& metadata : reader.metadata_) {
+      ++merged_.metadata;
+      if (++names["the metadata record " + in_quotes(metadata.name)] == 2)
+        merged_.remarks.push_back(fmt::format("the metadata record {} is there more than once", in_quotes(metadata.name)));
+      if (auto done = writer_.add_metadata(metadata.name, metadata.values); !done) return done;
+    }
+  }
+  return writer_.add_metadata("rehearse.merge", note);
+}
+
+Result<void> Merger::write_messages() {
+  std::uint64_t all = 0;
+  for (const auto& source : sources_)
+    if (source->reader->contents_.statistics) all += source->reader->contents_.statistics->message_count;
+  for (const auto& source : sources_) source->advance();
+  while (true) {
+    OpenSource* first = nullptr;  // few files: looking at each is quicker than a heap
+    for (const auto& source : sources_)
+      if (source->next.channel != nullptr && (first == nullptr || source->next.log_time < first->next.log_time))
+        first = source.get();
+    if (first == nullptr) return {};
+    const Message& message = first->next;
+    if (auto done = writer_.write(first->ids[message.channel->id], message.log_time, message.publish_time, message.data,
+                                  message.sequence);
+        !done)
+      return done;
+    first->advance();
+    if (++merged_.messages % progress_step == 0 && options_.progress)
+      options_.progress(merged_.messages, std::max(all, merged_.messages));
+  }
+}
+
+Result<Merged> Merger::run() {
+  for (std::size_t i = 0; i < sources_.size(); ++i) define(*sources_[i], static_cast<int>(i));
+  if (auto done = write_extras(); !done) return done.errors();
+  if (auto done = write_messages(); !done) return done.errors();
+  for (const auto& source : sources_)
+    if (!source->damage.list().empty()) return with_recover_hint(source->damage.list());
+  if (auto done = writer_.close(); !done) return done.errors();
+  return merged_;
+}
+
+}  // namespace
+
+Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
+                     const MergeOptions& options) {
+  REHEARSE_ASSERT(!sources.empty() && sources.size() < 0x4000, "something is merged, and not more than groups have room for");
+  std::vector<std::unique_ptr<OpenSource>> open;
+  std::vector<std::filesystem::path> files;
+  for (const MergeSource& source : sources) {
+    auto opened = open_source(source);
+    if (!opened) return opened.errors();
+    open.push_back(std::move(*opened));
+    files.push_back(source.file);
+  }
+  auto draft = Draft::begin(target, files);
+  if (!draft) return draft.errors();
+  WriterOptions form;
+  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
+  form.profile = open.front()->reader->contents_.profile;
+  for (const auto& source : open)
+    if (source->reader->contents_.profile != form.profile) form.profile.clear();
+  auto writer = Writer::create(draft->file(), form);
+  if (!writer) return writer.errors();
+  auto merged = Merger(open, **writer, options).run();
+  if (!merged) return merged;
+  std::error_code ignored;
+  merged->bytes = std::filesystem::file_size(draft->file(), ignored);
+  if (auto done = draft->finish(); !done) return done.errors();
+  return merged;
+}
+
+}  // namespace rehearse::mcap

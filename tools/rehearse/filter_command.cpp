@@ -1,0 +1,130 @@
+// rehearse filter: a part of a trace, or all of it in another form.
+#include <fmt/format.h>
+#include <rehearse/mcap_filter.h>
+
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+struct Settings {
+  std::string source;
+  std::string target;
+  mcap::FilterOptions options;
+  std::string from, until, ticks, compression;
+  bool no_attachments = false, no_metadata = false;
+  bool json = false;
+};
+
+std::string count_text(std::uint64_t count, std::string_view noun) {
+  return tool::count_text(static_cast<std::int64_t>(count), noun);
+}
+
+/// What stands on the command line as text, read.
+Result<void> read_selection(Settings& settings) {
+  mcap::Selection& selection = settings.options.selection;
+  if (!settings.from.empty()) {
+    const auto moment = mcap::parse_moment(settings.from);
+    if (!moment) return moment.errors();
+    selection.from = *moment;
+  }
+  if (!settings.until.empty()) {
+    const auto moment = mcap::parse_moment(settings.until);
+    if (!moment) return moment.errors();
+    selection.until = *moment;
+  }
+  if (!settings.ticks.empty()) {
+    const auto ticks = mcap::parse_tick_span(settings.ticks);
+    if (!ticks) return ticks.errors();
+    selection.ticks = *ticks;
+  }
+  if (settings.compression == "zstd") settings.options.compression = mcap::Compression::zstd;
+  if (settings.compression == "lz4") settings.options.compression = mcap::Compression::lz4;
+  if (settings.compression == "none") settings.options.compression = mcap::Compression::none;
+  settings.options.attachments = !settings.no_attachments;
+  settings.options.metadata = !settings.no_metadata;
+  return {};
+}
+
+void tell(const Settings& settings, const mcap::Filtered& filtered) {
+  fmt::print("wrote {} of {} in {}, {}, {}: {}, {}\n", filtered.messages,
+             count_text(filtered.messages + filtered.left_out, "message"), count_text(filtered.channels, "channel"),
+             count_text(filtered.attachments, "attachment"), count_text(filtered.metadata, "metadata record"),
+             settings.target, file_size_text(filtered.bytes));
+  if (filtered.messages == 0) return;
+  fmt::print("from {:g} s to {:g} s\n", static_cast<double>(filtered.first_time) / 1e9,
+             static_cast<double>(filtered.last_time) / 1e9);
+}
+
+Json filtered_json(const Settings& settings, const mcap::Filtered& filtered) {
+  return {{"file", settings.target},
+          {"messages", filtered.messages},
+          {"left_out", filtered.left_out},
+          {"channels", filtered.channels},
+          {"attachments", filtered.attachments},
+          {"metadata", filtered.metadata},
+          {"first_time", filtered.first_time},
+          {"last_time", filtered.last_time},
+          {"size", filtered.bytes}};
+}
+
+Exit run(Settings& settings) {
+  if (const auto read = read_selection(settings); !read) return refuse(read.errors());
+  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  const auto filtered = [&] {
+    Progress progress("filtering");
+    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
+      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
+    };
+    return mcap::filter(settings.source, settings.target, settings.options);
+  }();
+  if (!filtered) return refuse(filtered.errors());
+  if (settings.json)
+    print(filtered_json(settings, *filtered));
+  else
+    tell(settings, *filtered);
+  return Exit::done;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
+  options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
+  options.add_option("--topics", settings->options.selection.topics, "these only; * stands for any text")
+      ->type_name("GLOB...");
+  options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")->type_name("GLOB...");
+  options.add_option("--from", settings->from, "log time [s], or +S after the first message; included")->type_name("S");
+  options.add_option("--until", settings->until, "likewise; not included")->type_name("S");
+  options.add_option("--ticks", settings->ticks, "of a recording of ours, as 100..199; both included")
+      ->type_name("A..B");
+  options.add_flag("--no-attachments", settings->no_attachments, "leave them out");
+  options.add_flag("--no-metadata", settings->no_metadata, "leave the metadata records out");
+  options.add_option("--compression", settings->compression, "of all channels (as each was)")
+      ->check(CLI::IsMember({"zstd", "lz4", "none"}))
+      ->type_name("zstd|lz4|none");
+  add_integer(options, "--level", "of the compression", -7, 22,
+              [=](std::int64_t level) { settings->options.level = static_cast<int>(level); });
+  add_integer(options, "--chunk-size", "a chunk ends when it reaches this [bytes] (786432)", 1, std::int64_t{1} << 30,
+              [=](std::int64_t size) { settings->options.chunk_size = static_cast<std::size_t>(size); });
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb filter_verb{"filter",
+                       "  rehearse filter walk.mcap -o fall.mcap --from 3.1 --until 3.4\n"
+                       "  rehearse filter walk.mcap -o numbers.mcap --exclude '*/image' '*/depth'\n"
+                       "  rehearse filter walk.mcap -o joints.mcap --topics '/SR1/*joints' --ticks 0..99\n"
+                       "  rehearse filter bag.mcap -o small.mcap --compression zstd --level 19\n",
+                       declare};
+
+}  // namespace rehearse::tool

@@ -1,0 +1,112 @@
+// rehearse merge: several traces in one, in the order of time.
+#include <fmt/format.h>
+#include <rehearse/mcap_merge.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+constexpr std::size_t most_sources = 1000;
+
+struct Settings {
+  std::vector<std::string> sources;
+  std::vector<std::string> prefixes;  // FILE=PREFIX
+  std::string target;
+  mcap::MergeOptions options;
+  bool json = false;
+};
+
+std::string count_text(std::uint64_t count, std::string_view noun) {
+  return tool::count_text(static_cast<std::int64_t>(count), noun);
+}
+
+/// The sources with their prefixes.
+Result<std::vector<mcap::MergeSource>> sources_of(const Settings& settings) {
+  std::vector<mcap::MergeSource> sources;
+  if (settings.sources.size() > most_sources)
+    return error(fmt::format("{} files are too many: at most {} at a time", settings.sources.size(), most_sources));
+  for (const std::string& file : settings.sources) sources.push_back({file, ""});
+  for (const std::string& word : settings.prefixes) {
+    const std::size_t at = word.rfind('=');
+    const auto source = std::find_if(sources.begin(), sources.end(), [&](const mcap::MergeSource& candidate) {
+      return at != std::string::npos && candidate.file == word.substr(0, at);
+    });
+    if (source == sources.end())
+      return error(fmt::format("--prefix {} names none of the files", word), "expected FILE=PREFIX, as left.mcap=/left");
+    source->prefix = word.substr(at + 1);
+  }
+  return sources;
+}
+
+void tell(const Settings& settings, const mcap::Merged& merged) {
+  fmt::print("merged {}: {} in {}, {}, {}: {}, {}\n", count_text(settings.sources.size(), "file"),
+             count_text(merged.messages, "message"), count_text(merged.channels, "channel"),
+             count_text(merged.attachments, "attachment"), count_text(merged.metadata, "metadata record"),
+             settings.target, file_size_text(merged.bytes));
+  for (const std::string& remark : merged.remarks) fmt::print("  {}\n", remark);
+}
+
+Json merged_json(const Settings& settings, const mcap::Merged& merged) {
+  return {{"file", settings.target},
+          {"sources", settings.sources},
+          {"messages", merged.messages},
+          {"channels", merged.channels},
+          {"attachments", merged.attachments},
+          {"metadata", merged.metadata},
+          {"size", merged.bytes},
+          {"remarks", merged.remarks}};
+}
+
+Exit run(Settings& settings) {
+  const auto sources = sources_of(settings);
+  if (!sources) return refuse(sources.errors());
+  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  const auto merged = [&] {
+    Progress progress("merging");
+    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
+      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
+    };
+    return mcap::merge(*sources, settings.target, settings.options);
+  }();
+  if (!merged) return refuse(merged.errors());
+  if (settings.json)
+    print(merged_json(settings, *merged));
+  else
+    tell(settings, *merged);
+  return Exit::done;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->sources, "recordings, or any other MCAP files")->required()->type_name("");
+  options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
+  options.add_option("--prefix", settings->prefixes, "put before the topics of a file; as often as one likes")
+      ->expected(1)
+      ->take_all()
+      ->type_name("FILE=PREFIX");
+  options.add_flag("--keep-apart", settings->options.keep_apart,
+                   "channels that are defined alike in several files don't become one");
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb merge_verb{"merge",
+                      "  rehearse merge walk.mcap cameras.mcap -o all.mcap\n"
+                      "  rehearse merge left.mcap right.mcap --prefix left.mcap=/left --prefix right.mcap=/right -o both.mcap\n"
+                      "\n"
+                      "By log time, then in the order of the command line, then as in the files.\n",
+                      declare};
+
+}  // namespace rehearse::tool
