@@ -6,6 +6,12 @@ rehearse_add_test(mcap_test LABEL unit
     mcap/hostile_test.cpp
     mcap/order_test.cpp
     mcap/reader_test.cpp
+    mcap/doctor_test.cpp
+    mcap/filter_test.cpp
+    mcap/order_test.cpp
+    mcap/reader_test.cpp
+    mcap/recover_test.cpp
+    mcap/select_test.cpp
     mcap/stream_test.cpp
     mcap/writer_forms_test.cpp
     mcap/select_test.cpp

@@ -198,7 +198,7 @@ void Doctor::examine_record_index(const Record& record, const std::vector<Examin
   const auto length = in.get<std::uint64_t>();
   const ExaminedRecord* there = find_at(all, offset);
   if (there == nullptr)
-    return fail(place, fmt::format("a {} Index of byte {}, where no {} record begins", kind, offset, kind));
+    return fail(place, fmt::format("an index of byte {}, where no {} record begins", offset, kind));
   std::vector<bool>& indexed = attachments ? indexed_attachments_ : indexed_metadata_;
   const auto index = static_cast<std::size_t>(there - all.data());
   if (indexed[index]) fail(place, fmt::format("a second {} Index of byte {}", kind, offset));
@@ -229,7 +229,7 @@ void Doctor::examine_statistics(const Record& record) {
                                 id, in_quotes(channel.channel.topic)));
   }
   if (damaged_) return;  // not everything could be counted
-  Comparison comparison("the Statistics");
+  Comparison comparison("the record of statistics");
   comparison.compare<std::uint64_t>("messages", stated->message_count, messages_);
   comparison.compare<std::uint64_t>("schemas", stated->schema_count, schemas_.size());
   comparison.compare<std::uint64_t>("channels", stated->channel_count, channels_.size());

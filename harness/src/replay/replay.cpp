@@ -39,6 +39,7 @@ class Replayer {
   Diagnostics unrecorded_inputs() const;
   bool on_message(const mcap::Message& message);
   bool finish_tick();
+  bool follows_on();
   void compare_inputs();
   void compare_results();
   bool same_controllers() const;
@@ -181,6 +182,7 @@ bool Replayer::finish_tick() {
   tick_here_ = false;
   const bool last_state = tick_.controller_results.size() != host_.controllers().size();
   if (last_state || now_ >= until_) return false;  // after the last step only the state is recorded
+  if (!follows_on()) return false;
   tick_differs_ = false;
   if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
   if (output_record_) options_.on_outputs(tick_.tick, output_record_->row());
@@ -199,6 +201,22 @@ bool Replayer::finish_tick() {
   if (options_.progress && report_.ticks % std::max<std::int64_t>(1, all / 100) == 0)
     options_.progress(report_.ticks, all);
   return true;
+}
+
+/// A controller is what all ticks before made of it. So none may be missing: the trace was cut, or some of it was lost.
+bool Replayer::follows_on() {
+  const std::int64_t expected = report_.ticks;
+  if (tick_.tick == expected) return true;
+  errors_ = {in_trace(
+      trace_,
+      expected == 0
+          ? error(fmt::format("its first tick is {}: what was before isn't in it, and controllers can't begin in the middle",
+                              tick_.tick),
+                  "replay the whole recording, with --from")
+          : error(fmt::format("tick {} follows tick {}: what was between isn't in it, and controllers can't go on without",
+                              tick_.tick, expected - 1),
+                  fmt::format("replay it up to there: --until {:g}", time_of(expected, scenario_.time_step))))};
+  return false;
 }
 
 /// A controller that reads more or less than the recorded one has other hashes from the first tick on: then they tell

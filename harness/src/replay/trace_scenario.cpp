@@ -38,8 +38,11 @@ bool read_number(const mcap::StringMap& facts, const char* key, T& value) {
 
 Result<Scenario> scenario_of(const mcap::Reader& trace) {
   const mcap::StringMap* facts = nullptr;
-  for (const mcap::Metadata& metadata : trace.metadata())
-    if (metadata.name == "rehearse") facts = &metadata.values;
+  for (const mcap::Metadata& metadata : trace.metadata()) {
+    if (metadata.name != "rehearse") continue;
+    if (facts) return in_trace(trace, "it holds several recordings, merged into one", "take them one by one");
+    facts = &metadata.values;
+  }
   const mcap::Attachment* source = find_attachment(trace, "scenario.yaml");
   if (!facts || !source)
     return in_trace(trace, "it is an MCAP file, but not a recording of Rehearse: it has no provenance or no scenario");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <unistd.h>
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +22,14 @@ inline mcap::Bytes bytes_of(std::string_view text) {
 }
 
 inline std::string text_of(mcap::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// Where the text begins in the bytes; a test failure and the end if it isn't there.
+inline Buffer::iterator find_text(Buffer& bytes, std::string_view text) {
+  const auto wanted = bytes_of(text);
+  const auto found = std::search(bytes.begin(), bytes.end(), wanted.begin(), wanted.end());
+  EXPECT_NE(found, bytes.end()) << text;
+  return found;
+}
 
 /// A path of this test's own, removed with the object.
 class TempFile {
