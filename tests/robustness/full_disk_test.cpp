@@ -57,7 +57,8 @@ TEST_F(FullDisk, OfAnySizeEndsARecordingWithTheReason) {
     fs::remove(trace);
     const auto size = static_cast<rlim_t>(whole) * static_cast<rlim_t>(step) / steps;
     EXPECT_EQ(record(trace, [=] { allow_files_of(size); }), bad_input) << size;
-    EXPECT_THAT(log(), HasSubstr(trace.string() + ": error: can't write the trace: File too large"));
+    const std::string told = trace.string() + ": error: can't write the trace: File too large";
+    EXPECT_THAT(log(), HasSubstr(size == 0 ? "" : told));  // without any room there is none for the log
     EXPECT_LE(fs::file_size(trace), size);
     examine_rest(trace);
     ASSERT_FALSE(HasFailure()) << size << " of " << whole << " bytes";
@@ -112,7 +113,7 @@ TEST_F(FullDisk, LeavesNoHalfFileBehindOfARecovery) {
     EXPECT_EQ(wait_for(start({REHEARSE_COMMAND, "recover", trace.string(), "-o", saved.string()}, folder() / "log",
                              [=] { allow_files_of(size); })),
               bad_input);
-    EXPECT_THAT(log(), HasSubstr("error: can't write the trace: File too large"));
+    EXPECT_THAT(log(), HasSubstr(size == 0 ? "" : "error: can't write the trace: File too large"));
     EXPECT_TRUE(read_file(saved) == before);
     EXPECT_FALSE(fs::exists(saved.string() + ".part"));
   }

@@ -97,7 +97,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
 }
 
 Exit refuse(const Diagnostics& diagnostics) {
-  fmt::print(stderr, "{}", to_string(diagnostics));
+  std::fputs(to_string(diagnostics).c_str(), stderr);  // which may stand on a disk that is full: that is no exception
   return Exit::bad_input;
 }
 

@@ -17,6 +17,27 @@ namespace {
 
 constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
 
+/// The text with what isn't UTF-8 in it replaced, as a valid file asks for.
+std::string as_utf8(std::string_view text) {
+  if (is_utf8(text)) return std::string(text);
+  constexpr std::string_view replacement = "\xEF\xBF\xBD";
+  std::string valid;
+  while (!text.empty()) {
+    std::size_t length = 1;
+    while (length <= 4 && !is_utf8(text.substr(0, length))) ++length;
+    const bool good = length <= 4 && length <= text.size();
+    valid += good ? text.substr(0, length) : replacement;
+    text.remove_prefix(good ? length : 1);
+  }
+  return valid;
+}
+
+StringMap as_utf8(const StringMap& map) {
+  StringMap valid;
+  for (const auto& [key, value] : map) valid[as_utf8(key)] = as_utf8(value);
+  return valid;
+}
+
 /// Gets, in file order, what is saved; false: stop.
 struct OnSaved {
   std::function<bool(const Message&)> message;
@@ -130,11 +151,13 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
         recovery.remarks.push_back(fmt::format("the schema of {} is lost: its messages are kept without one",
                                                in_quotes(channel.topic)));
       else
-        schema = writer.add_schema(known->second.name, known->second.encoding, known->second.data);
+        schema = writer.add_schema(as_utf8(known->second.name), as_utf8(known->second.encoding), known->second.data);
     }
-    ids[id] = writer.add_channel(schema, channel.topic, channel.message_encoding, channel.metadata,
+    const std::string topic = as_utf8(channel.topic);
+    ids[id] = writer.add_channel(schema, topic, as_utf8(channel.message_encoding), as_utf8(channel.metadata),
                                  survey.groups.of(id));
-    recovery.channels[id].topic = channel.topic;
+    recovery.channels[id].topic = topic;
+    if (topic != channel.topic) recovery.remarks.push_back(fmt::format("the topic {} was not UTF-8", in_quotes(topic)));
   }
   return ids;
 }
@@ -181,7 +204,7 @@ Diagnostic about(const std::filesystem::path& file, std::string message) {
 Result<void> write_saved(Bytes file, const std::filesystem::path& source, const std::filesystem::path& target,
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
-  form.profile = survey.profile;
+  form.profile = as_utf8(survey.profile);
   form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
   auto writer = Writer::create(target, form);
   if (!writer) return writer.errors();
@@ -200,13 +223,13 @@ Result<void> write_saved(Bytes file, const std::filesystem::path& source, const 
   };
   saved.attachment = [&](const Attachment& attachment) {
     ++recovery.attachments;
-    written = (*writer)->add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time,
-                                        attachment.create_time);
+    written = (*writer)->add_attachment(as_utf8(attachment.name), as_utf8(attachment.media_type), attachment.data,
+                                        attachment.log_time, attachment.create_time);
     return written.ok();
   };
   saved.metadata = [&](const Metadata& metadata) {
     ++recovery.metadata;
-    written = (*writer)->add_metadata(metadata.name, metadata.values);
+    written = (*writer)->add_metadata(as_utf8(metadata.name), as_utf8(metadata.values));
     return written.ok();
   };
   SavedPass(file, survey, options, recovery, saved).run();

@@ -17,6 +17,11 @@ constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
 
 std::uint64_t end_of(const Record& record) { return record.offset + record_head + record.body.size(); }
 
+/// Fields that later versions may append aren't that.
+bool has_zeros_behind(const Record& record, const LayoutCheck& layout) {
+  return layout.extra > 0 && is_all_zero(record.body.last(layout.extra));
+}
+
 }  // namespace
 
 Survey::Survey(Bytes file, const RecoverOptions& options, Recovery& recovery)
@@ -119,6 +124,7 @@ Survey::Fault Survey::judge(const Record& record) {
   }
   const LayoutCheck layout = check_layout(record.opcode, record.body);
   if (!layout.whole) return fmt::format("a {} that is too short for what it says", name_of(record.opcode));
+  if (has_zeros_behind(record, layout)) return fmt::format("a {} with zeros behind its fields", name_of(record.opcode));
   switch (record.opcode) {
     case op::header: {
       if (!layout.problems.empty() || !profile.empty() || !library.empty()) return {};

@@ -109,7 +109,7 @@ inline void write_small_file(const std::filesystem::path& file, mcap::WriterOpti
   auto writer = std::move(*mcap::Writer::create(file, options));
   const auto schema = writer->add_schema("test/msg/Text", "ros2msg", "string text\n");
   const auto numbers = writer->add_channel(schema, "/numbers", "cdr", {{"unit", "rad"}});
-  const auto pictures = writer->add_channel(0, "/pictures", "png", {}, mcap::pictures);
+  const auto pictures = writer->add_channel(0, "/pictures", "cdr", {}, mcap::pictures);
   ASSERT_TRUE(writer->add_attachment("scenario.yaml", "application/yaml", bytes_of("rehearse: 1\n")));
   ASSERT_TRUE(writer->write(numbers, 0, 0, bytes_of("zero")));
   ASSERT_TRUE(writer->write(pictures, 0, 0, bytes_of("a picture")));

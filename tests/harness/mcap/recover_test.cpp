@@ -46,7 +46,9 @@ Saved save(const Buffer& bytes, mcap::RecoverOptions options = {}) {
   for (const auto& attachment : (*reader)->attachments()) saved.extras.push_back(attachment.name + text_of(attachment.data));
   for (const auto& metadata : (*reader)->metadata())
     if (metadata.name != "rehearse.recover") saved.extras.push_back(metadata.name);
-  for (const mcap::Finding& finding : mcap::examine(target.path())->findings.list())
+  const auto examination = mcap::examine(target.path());
+  EXPECT_TRUE(examination);
+  for (const mcap::Finding& finding : examination->findings.list())
     if (finding.severity != Severity::note) saved.findings += finding.message + "\n";
   return saved;
 }
@@ -237,4 +239,12 @@ TEST(McapRecover, IsNotLedAstrayByHostileLengths) {
   const TempFile source, target;
   source.write(file.bytes);
   EXPECT_FALSE(mcap::recover(source.path(), target.path()));
+}
+
+TEST(McapRecover, MakesTextsUtf8) {
+  Composer file;
+  file.magic().header().channel(1, "/a\xff\xc3\xa9").message(1, 5, "x");
+  const Saved saved = save(file.bytes);
+  EXPECT_EQ(saved.messages, (std::vector<Seen>{{"/a\xEF\xBF\xBD\xc3\xa9", 0, 5, "x"}}));
+  EXPECT_EQ(saved.findings, "");
 }
