@@ -3,17 +3,14 @@ rehearse_add_test(mcap_test LABEL unit
     mcap/by_summary_test.cpp
     mcap/copy_test.cpp
     mcap/damage_test.cpp
-    mcap/hostile_test.cpp
-    mcap/order_test.cpp
-    mcap/reader_test.cpp
     mcap/doctor_test.cpp
     mcap/filter_test.cpp
+    mcap/hostile_test.cpp
     mcap/order_test.cpp
     mcap/reader_test.cpp
     mcap/recover_test.cpp
     mcap/select_test.cpp
     mcap/stream_test.cpp
     mcap/writer_forms_test.cpp
-    mcap/select_test.cpp
     mcap/writer_test.cpp
   LIBRARIES Rehearse::mcap lz4 zstd)

@@ -56,7 +56,7 @@ Result<std::unique_ptr<OpenSource>> open_source(const MergeSource& source) {
   open->prefix = source.prefix;
   open->damage = DamageLog(name);
   open->reader = std::make_unique<Reader::Impl>(std::move(*view), bytes, name, ReaderOptions());
-  if (auto scanned = open->reader->scan(); !scanned) return scanned.errors();
+  if (auto opened = open->reader->open(); !opened) return opened.errors();
   if (!open->reader->damage_.list().empty()) return with_recover_hint(open->reader->damage_.list());
   open->order = std::make_unique<MessageOrder>(*open->reader, open->all, open->damage);
   return open;
