@@ -8,36 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 namespace rehearse {
 namespace {
-
-// A scenario is written by hand. The limit keeps a mistaken path (a recording, a device) from being read to its end.
-constexpr std::size_t max_file_size = 1 << 20;
-
-Result<std::string> read_file(const std::filesystem::path& path) {
-  const auto failed = [&path](std::string message, std::string hint) {
-    Diagnostic diagnostic = error(std::move(message), std::move(hint));
-    diagnostic.file = path.string();
-    return diagnostic;
-  };
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
-    return failed("there is no such file", "expected a scenario, a YAML file");
-  if (std::filesystem::is_directory(path, ignored))
-    return failed("it is a directory", "expected a scenario, a YAML file");
-  std::ifstream stream(path, std::ios::binary);
-  std::string text(max_file_size + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad() || !stream.eof()) {
-    if (stream.good()) return failed("it is larger than 1 MiB", "a scenario is a short YAML file");
-    return failed("it can't be read", "look at its permissions");
-  }
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
-}
 
 bool is_golden_name(std::string_view text) {
   const std::size_t dot = text.find('.');
@@ -190,7 +164,7 @@ bool Scenario::runs_camera(const std::string& body, const std::string& camera) c
 }
 
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
-  Result<std::string> text = read_file(file);
+  Result<std::string> text = read_yaml_file(file, "a scenario");
   if (!text) return text.errors();
   const auto beside = [folder = file.parent_path()](const std::string& model_file,
                                                     const UrdfOptions& options) -> Result<Model> {
@@ -219,7 +193,7 @@ Result<Scenario> Scenario::parse(std::string text, const std::string& file, cons
 }
 
 Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& file) {
-  Result<std::string> text = read_file(file);
+  Result<std::string> text = read_yaml_file(file, "a scenario");
   if (!text) return text.errors();
   const Result<YamlNodePtr> root = parse_yaml(std::move(*text), file.string());
   if (!root) return root.errors();

@@ -5,12 +5,16 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string_view>
 
 namespace rehearse {
 namespace {
+
+// Such files are written by hand. The limit keeps a mistaken path (a recording, a device) from being read to its end.
+constexpr std::size_t max_file_size = 1 << 20;
 
 // Far beyond any scenario; what it stops is a small file whose aliases unfold to gigabytes.
 constexpr std::size_t max_nodes = 1'000'000;
@@ -121,6 +125,28 @@ std::string_view advice(const std::string& text, int line) {
 
 }  // namespace
 
+Result<std::string> read_yaml_file(const std::filesystem::path& path, const std::string& what) {
+  const auto failed = [&path](std::string message, std::string hint) {
+    Diagnostic diagnostic = error(std::move(message), std::move(hint));
+    diagnostic.file = path.string();
+    return diagnostic;
+  };
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return failed("there is no such file", "expected " + what + ", a YAML file");
+  if (std::filesystem::is_directory(path, ignored))
+    return failed("it is a directory", "expected " + what + ", a YAML file");
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(max_file_size + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad() || !stream.eof()) {
+    if (stream.good()) return failed("it is larger than 1 MiB", what + " is a short YAML file");
+    return failed("it can't be read", "look at its permissions");
+  }
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
 Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file) {
   try {
     std::istringstream stream(text);
@@ -132,7 +158,7 @@ Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file)
   } catch (const YAML::DeepRecursion& exception) {
     return Diagnostic{Severity::error,         file,
                       exception.mark.line + 1, exception.mark.column + 1,
-                      "it nests too deep",     "a scenario needs fewer than ten levels"};
+                      "it nests too deep",     "such a file needs fewer than ten levels"};
   } catch (const YAML::Exception& exception) {
     Diagnostic diagnostic{Severity::error, file, 0, 0, "it can't be read as YAML: " + exception.msg, ""};
     if (!exception.mark.is_null()) {

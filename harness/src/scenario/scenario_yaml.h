@@ -7,6 +7,7 @@
 #include <rehearse/diagnostic.h>
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,9 @@ struct YamlNode {
   int column = 1;                  // 1-based
   std::size_t weight = 1;          // nodes below and including this one, aliases counted in full
 };
+
+/// The bytes of a file of at most 1 MiB; `what` is what it should be: "a scenario". A diagnostic has the file's name.
+Result<std::string> read_yaml_file(const std::filesystem::path& path, const std::string& what);
 
 /// Parses one YAML document; never null. `file` stands in messages. Text without a document is an empty node.
 /// Fails if it isn't YAML, holds a second document, nests too deep, or if its aliases unfold to over a million nodes.

@@ -1,0 +1,125 @@
+#include "log_map.h"
+
+#include <fmt/format.h>
+
+#include "log_map_parts.h"
+#include "scenario/scenario_parts.h"
+
+namespace rehearse {
+
+bool LogMapReader::check_version(const YamlNode& root) {
+  if (root.kind != YamlNode::Kind::map) {
+    expected(findings_, root, "the map", "a map that begins with rehearse_map: 1");
+    return false;
+  }
+  const YamlNode* version = find_key(root, "rehearse_map");
+  if (version == nullptr) {
+    const bool is_scenario = find_key(root, "rehearse") != nullptr;
+    findings_.error(root, is_scenario ? "it is a scenario, not a map" : "the map has no 'rehearse_map'",
+                    "expected rehearse_map: 1, the version of the form");
+    return !is_scenario;
+  }
+  if (version->kind == YamlNode::Kind::scalar && version->text == "1") return true;
+  expected(findings_, *version, "rehearse_map", "1, the version of the form that this program reads");
+  return false;
+}
+
+void LogMapReader::read(const YamlNode& root) {
+  if (!check_version(root)) return;
+  const Keys keys(findings_, root, "the map",
+                  {"rehearse_map", "body", "time_step", "clock", "start", "max_age", "controller", "joints", "imus",
+                   "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
+  read_body(keys);
+  read_clock(keys);
+  if (const YamlNode* node = keys.find("start")) read_start(*node);
+  read_max_age(keys);
+  if (const YamlNode* node = keys.find("controller")) read_controller(*node);
+  if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
+  if (const YamlNode* node = keys.find("imus")) each(*node, "imus", [&](const YamlNode& one) { read_imu(one); });
+  if (const YamlNode* node = keys.find("wrenches"))
+    each(*node, "wrenches", [&](const YamlNode& one) { read_wrench(one); });
+  if (const YamlNode* node = keys.find("cameras"))
+    each(*node, "cameras", [&](const YamlNode& one) { read_camera(one); });
+  if (const YamlNode* node = keys.find("ranges")) each(*node, "ranges", [&](const YamlNode& one) { read_ranges(one); });
+  if (const YamlNode* node = keys.find("joystick")) read_joystick(*node);
+  if (const YamlNode* node = keys.find("root")) read_root(*node);
+  if (const YamlNode* node = keys.find("commands")) read_commands(*node);
+  if (const YamlNode* node = keys.find("tolerances")) {
+    Scenario place;  // for the list, which has the form of a scenario's
+    place.file = map_.file;
+    read_tolerances(findings_, *node, place);
+    map_.tolerances = std::move(place.tolerances);
+    if (!keys.find("commands"))
+      findings_.error(*node, "'tolerances' without 'commands'", "they are of commands that the log has: commands: TOPIC");
+  }
+  check_something_is_mapped(root);
+}
+
+void LogMapReader::read_body(const Keys& keys) {
+  map_.body = model_.name;
+  if (const YamlNode* node = keys.find("body")) map_.body = read_name(findings_, *node, "body").value_or(map_.body);
+}
+
+void LogMapReader::read_clock(const Keys& keys) {
+  const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
+  if (const YamlNode* node = keys.require("time_step", "the controller's tick [s]"))
+    map_.time_step = read_number(findings_, *node, "time_step", steps).value_or(map_.time_step);
+  const YamlNode* clock = keys.find("clock");
+  if (clock == nullptr) return;
+  if (clock->kind == YamlNode::Kind::scalar && clock->text == "header.stamp") {
+    map_.clock = LogClock::header_stamp;
+  } else if (clock->kind != YamlNode::Kind::scalar || clock->text != "log_time") {
+    expected(findings_, *clock, "clock",
+             "log_time (when a message was written into the log) or header.stamp (when it was measured)");
+  }
+}
+
+void LogMapReader::read_start(const YamlNode& node) {
+  if (node.kind == YamlNode::Kind::scalar && node.text == "first") {
+    map_.start_with_first = true;
+  } else if (node.kind != YamlNode::Kind::scalar || node.text != "all") {
+    expected(findings_, node, "start", "all (when each input has had a message) or first (with the first message)");
+  }
+}
+
+/// Of all sources that don't state their own.
+void LogMapReader::read_max_age(const Keys& keys) {
+  keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
+}
+
+void LogMapReader::read_controller(const YamlNode& node) {
+  const Keys keys(findings_, node, "the controller", {"name", "options", "delay"});
+  if (const YamlNode* name = keys.find("name"))
+    map_.controller.name = read_name(findings_, *name, "name").value_or("");
+  keys.text("options", map_.controller.options);
+  keys.flag("delay", map_.controller.delay);
+}
+
+void LogMapReader::check_something_is_mapped(const YamlNode& root) {
+  for (const std::string_view key : {"joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root"})
+    if (find_key(root, key) != nullptr) return;
+  if (findings_.any_error()) return;  // a misspelt key, as likely as not
+  findings_.error(root, "the map names no input", "expected at least one topic, as joints: /joint_states");
+}
+
+Result<LogMap> LogMap::parse(std::string text, const std::string& file, const Model& model,
+                             const std::vector<LogTopic>& topics) {
+  const Result<YamlNodePtr> root = parse_yaml(text, file);
+  if (!root) return root.errors();
+  LogMap map;
+  map.file = file;
+  map.text = std::move(text);
+  Findings findings(file);
+  LogMapReader(findings, model, topics, map).read(**root);
+  if (findings.any_error()) return findings.errors();
+  return map;
+}
+
+Result<LogMap> LogMap::load(const std::filesystem::path& file, const Model& model,
+                            const std::vector<LogTopic>& topics) {
+  Result<std::string> text = read_yaml_file(file, "a map");
+  if (!text) return text.errors();
+  return parse(std::move(*text), file.string(), model, topics);
+}
+
+}  // namespace rehearse

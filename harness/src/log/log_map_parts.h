@@ -1,0 +1,77 @@
+// What the parts of a map are read with, each against the model and the log's topics.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "log_map.h"
+#include "scenario/scenario_values.h"
+
+namespace rehearse {
+
+/// The reader of one map file.
+class LogMapReader {
+ public:
+  LogMapReader(Findings& findings, const Model& model, const std::vector<LogTopic>& topics, LogMap& map)
+      : findings_(findings), model_(model), topics_(topics), map_(map) {}
+
+  void read(const YamlNode& root);
+
+ private:
+  /// One of several sets of fields, all of which a topic has.
+  using Needs = std::vector<std::pair<std::string, FieldContent>>;
+
+  // log_map.cpp
+  bool check_version(const YamlNode& root);
+  void read_body(const Keys& keys);
+  void read_clock(const Keys& keys);
+  void read_start(const YamlNode& node);
+  void read_max_age(const Keys& keys);
+  void read_controller(const YamlNode& node);
+  void check_something_is_mapped(const YamlNode& root);
+
+  // log_map_sources.cpp
+  /// A single source or a list of them; `read` takes each.
+  template <class Read>
+  void each(const YamlNode& node, std::string_view label, Read&& read) {
+    if (node.kind != YamlNode::Kind::list) return read(node);
+    if (node.items.empty()) expected(findings_, node, label, "at least one source, or no such key");
+    if (const auto* list = read_list(findings_, node, label, "a list of sources"))
+      for (const YamlNodePtr& item : *list) read(*item);
+  }
+  /// The topic of that name that has one of the sets of fields; null, and told, if there is none.
+  const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
+                             std::string_view what, LogSource& source);
+  void read_sampling(const Keys& keys, LogSource& source);
+  void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
+  std::optional<int> read_joint(const YamlNode& node);
+  void read_joints(const YamlNode& node);
+  void read_imu(const YamlNode& node);
+  void read_wrench(const YamlNode& node);
+  void read_camera(const YamlNode& node);
+  void read_ranges(const YamlNode& node);
+  void read_root(const YamlNode& node);
+  void read_joystick(const YamlNode& node);
+  void read_axes(const YamlNode& node, JoySource& source);
+  void read_buttons(const YamlNode& node, JoySource& source);
+  void read_commands(const YamlNode& node);
+  void read_array_commands(const Keys& keys, CommandSource& source);
+  bool fits(DeviceSource::Kind kind, const Device& device) const;
+  std::vector<int> read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what);
+  void read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what, std::vector<int>& devices);
+
+  Findings& findings_;
+  const Model& model_;
+  const std::vector<LogTopic>& topics_;
+  LogMap& map_;
+  std::optional<double> max_age_;                                   // as the map states it for all [s]
+  std::set<std::string> joint_topics_;                              // those read so far
+  std::map<std::pair<int, DeviceSource::Kind>, int> device_lines_;  // where a device was named before
+};
+
+}  // namespace rehearse

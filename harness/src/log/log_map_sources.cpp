@@ -1,0 +1,440 @@
+// The sources of a map: joints, devices, joystick, root link, and the commands to compare with.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "log_map_parts.h"
+
+namespace rehearse {
+namespace {
+
+using enum FieldContent;
+
+// What is old, if the map doesn't say it. A picture comes ten times a second, a joystick's message when it is touched.
+constexpr double max_age_of_numbers = 0.1;   // [s]
+constexpr double max_age_of_pictures = 1.0;  // [s], and of scans
+
+constexpr Range any_scale{-1e6, 1e6};
+constexpr Range any_age{0.0, Scenario::max_duration, "[s]", true};
+
+std::vector<std::string> joint_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const int link : model.joints) names.push_back(model.links[link].joint.name);
+  return names;
+}
+
+/// The topic of a source: the source itself, or the key `topic` of it.
+const YamlNode* topic_of(const YamlNode& node, const Keys* keys) {
+  return keys == nullptr ? &node : keys->require("topic", "the name of one of the log's topics");
+}
+
+}  // namespace
+
+const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
+                                         std::string_view what, LogSource& source) {
+  const auto fits = [&needs](const LogTopic& topic) {
+    return topic.problem.empty() && std::any_of(needs.begin(), needs.end(), [&topic](const Needs& all) {
+      return std::all_of(all.begin(), all.end(), [&](const auto& need) { return topic.has(need.first, need.second); });
+    });
+  };
+  const auto name = read_text(findings_, node, label, "the name of one of the log's topics");
+  if (!name) return nullptr;
+  source.topic = *name;
+  source.place = {map_.file, node.line, node.column};
+  std::vector<std::string> all, fitting;
+  const LogTopic* found = nullptr;
+  for (const LogTopic& topic : topics_) {
+    if (topic.name == *name) found = &topic;
+    all.push_back(topic.name);
+    if (fits(topic)) fitting.push_back(fmt::format("{} ({})", topic.name, topic.type));
+  }
+  const std::string there_are = fitting.empty()
+                                    ? fmt::format("the log has none with {}", what)
+                                    : fmt::format("with {} there are: {}", what, fmt::join(fitting, ", "));
+  if (found == nullptr) {
+    findings_.error(node, fmt::format("the log has no topic '{}'", shortened(*name)),
+                    near_names(*name, all).empty() ? there_are : name_hint(*name, all, "topics"));
+    return nullptr;
+  }
+  if (!found->problem.empty()) {
+    findings_.error(node, fmt::format("the messages on '{}' can't be read: {}", shortened(*name), found->problem),
+                    there_are);
+    return nullptr;
+  }
+  if (!fits(*found)) {
+    findings_.error(node, fmt::format("'{}' is of type {}, which isn't {}", shortened(*name), found->type, what),
+                    there_are);
+    return nullptr;
+  }
+  if (map_.clock == LogClock::header_stamp && !(found->has("header/stamp/sec") && found->has("header/stamp/nanosec"))) {
+    findings_.error(node, fmt::format("'{}' is of type {}, which has no header.stamp", shortened(*name), found->type),
+                    "expected clock: log_time, which every message has");
+    return nullptr;
+  }
+  return found;
+}
+
+/// Of what consists of numbers.
+void LogMapReader::read_sampling(const Keys& keys, LogSource& source) {
+  const YamlNode* node = keys.find("sampling");
+  if (node == nullptr) return;
+  if (node->kind == YamlNode::Kind::scalar && node->text == "interpolate") {
+    source.sampling = Sampling::interpolate;
+  } else if (node->kind != YamlNode::Kind::scalar || node->text != "hold") {
+    expected(findings_, *node, "sampling", "hold (the latest message) or interpolate (between two)");
+  }
+}
+
+std::optional<int> LogMapReader::read_joint(const YamlNode& node) {
+  const auto name = read_text(findings_, node, "a joint", "the name of a joint of the model");
+  if (!name) return std::nullopt;
+  for (std::size_t id = 0; id < model_.joints.size(); ++id)
+    if (model_.links[model_.joints[id]].joint.name == *name) return static_cast<int>(id);
+  const int link = model_.find_joint(*name);
+  if (link >= 0 && model_.links[link].joint.name == *name) {
+    findings_.error(node, fmt::format("the joint '{}' doesn't move", shortened(*name)),
+                    fmt::format("it is {} in the model", type_name(model_.links[link].joint.type)));
+  } else {
+    findings_.error(node, fmt::format("the model {} has no joint '{}'", model_.name, shortened(*name)),
+                    name_hint(*name, joint_names(model_), "joints"));
+  }
+  return std::nullopt;
+}
+
+void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointRename>& names) {
+  if (node.kind != YamlNode::Kind::map)
+    return expected(findings_, node, "names", "a map from the log's names to the model's: {l_knee: LLEG_KNEE}");
+  std::map<int, std::string> taken;  // by joint
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    JointRename rename;
+    std::optional<int> joint;
+    if (entry.value->kind == YamlNode::Kind::map) {
+      const Keys keys(findings_, *entry.value, "a joint", {"joint", "scale", "offset"});
+      keys.number("scale", any_scale, rename.scale);
+      if (const YamlNode* scale = keys.find("scale"); scale != nullptr && rename.scale == 0.0)
+        findings_.error(*scale, "scale is 0", "expected the model's displacement per unit of the log's, as -1");
+      if (const YamlNode* offset = keys.find("offset"))
+        rename.offset = read_angle(findings_, *offset, "offset").value_or(0.0);
+      if (const YamlNode* name = keys.require("joint", "the name of a joint of the model")) joint = read_joint(*name);
+    } else {
+      joint = read_joint(*entry.value);
+    }
+    if (!joint) continue;
+    rename.joint = *joint;
+    const auto [first, is_new] = taken.emplace(*joint, entry.name);
+    if (!is_new)
+      findings_.error(*entry.value,
+                      fmt::format("'{}' and '{}' are the same joint", shortened(first->second), shortened(entry.name)),
+                      "expected a joint of its own for each");
+    names.emplace(entry.name, rename);
+  }
+}
+
+void LogMapReader::read_joints(const YamlNode& node) {
+  std::optional<Keys> keys;
+  if (node.kind != YamlNode::Kind::scalar)
+    keys.emplace(findings_, node, "a source of joints", std::initializer_list<std::string_view>{
+                     "topic", "names", "velocity", "sampling", "max_age"});
+  if (keys && !keys->is_map()) return;
+  JointSource source;
+  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
+  if (keys) {
+    keys->number("max_age", any_age, source.max_age);
+    read_sampling(*keys, source);
+    if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
+    const YamlNode* velocity = keys->find("velocity");
+    if (velocity && velocity->kind == YamlNode::Kind::scalar && velocity->text == "differentiate") {
+      source.differentiate = true;
+    } else if (velocity && (velocity->kind != YamlNode::Kind::scalar || velocity->text != "message")) {
+      expected(findings_, *velocity, "velocity", "message (what it says) or differentiate (from two positions)");
+    }
+  }
+  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  if (topic == nullptr) return;
+  const std::vector<Needs> needs{{{"name/*", text}, {"position/*", number}},
+                                 {{"name/*", text}, {"velocity/*", number}},
+                                 {{"name/*", text}, {"effort/*", number}}};
+  const LogTopic* found = find_topic(*topic, "joints", needs, "a JointState", source);
+  if (found == nullptr) return;
+  if (source.differentiate && !found->has("position/*"))
+    findings_.error(*topic, fmt::format("'{}' has no positions to differentiate", source.topic),
+                    "expected velocity: message");
+  if (!joint_topics_.insert(source.topic).second)
+    findings_.error(*topic, fmt::format("'{}' is a source of joints twice", source.topic), "once is enough");
+  map_.joints.push_back(std::move(source));
+}
+
+bool LogMapReader::fits(DeviceSource::Kind kind, const Device& device) const {
+  switch (kind) {
+    case DeviceSource::Kind::imu:
+      return std::holds_alternative<Imu>(device.kind) || std::holds_alternative<Gyro>(device.kind) ||
+             std::holds_alternative<Accelerometer>(device.kind);
+    case DeviceSource::Kind::wrench: return std::holds_alternative<ForceSensor>(device.kind);
+    case DeviceSource::Kind::picture:
+    case DeviceSource::Kind::camera_info: return std::holds_alternative<Camera>(device.kind);
+    case DeviceSource::Kind::depth: {
+      const auto* camera = std::get_if<Camera>(&device.kind);
+      return camera != nullptr && camera->depth;
+    }
+    case DeviceSource::Kind::ranges: return std::holds_alternative<RangeSensor>(device.kind);
+  }
+  return false;
+}
+
+void LogMapReader::read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what,
+                               std::vector<int>& devices) {
+  const auto name = read_text(findings_, node, "device", "the name of a device of the model");
+  if (!name) return;
+  std::vector<std::string> fitting;
+  for (const Device& device : model_.devices)
+    if (fits(kind, device)) fitting.push_back(device.name);
+  const int index = model_.find_device(*name);
+  if (index < 0) {
+    findings_.error(node, fmt::format("the model {} has no device '{}'", model_.name, shortened(*name)),
+                    name_hint(*name, fitting, what));
+  } else if (!fits(kind, model_.devices[index])) {
+    findings_.error(node, fmt::format("'{}' is a {}", *name, type_name(model_.devices[index])),
+                    name_hint(*name, fitting, what));
+  } else if (const auto [first, is_new] = device_lines_.emplace(std::pair(index, kind), node.line); !is_new) {
+    findings_.error(node, fmt::format("the device '{}' has a second source", *name),
+                    fmt::format("the first is in line {}", first->second));
+  } else {
+    devices.push_back(index);
+  }
+}
+
+/// One device or a list of them, which all get the same.
+std::vector<int> LogMapReader::read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what) {
+  std::vector<int> devices;
+  const YamlNode* node = keys.require("device", "the name of a device of the model, or a list of names");
+  if (node == nullptr) return devices;
+  if (node->kind != YamlNode::Kind::list) {
+    read_device(*node, kind, what, devices);
+  } else if (const auto* list = read_list(findings_, *node, "device", "a list of names")) {
+    if (list->empty()) expected(findings_, *node, "device", "the name of a device of the model");
+    for (const YamlNodePtr& item : *list) read_device(*item, kind, what, devices);
+  }
+  return devices;
+}
+
+void LogMapReader::read_imu(const YamlNode& node) {
+  const Keys keys(findings_, node, "an IMU", {"topic", "device", "sampling", "max_age"});
+  if (!keys.is_map()) return;
+  DeviceSource source;
+  source.kind = DeviceSource::Kind::imu;
+  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
+  keys.number("max_age", any_age, source.max_age);
+  read_sampling(keys, source);
+  source.devices = read_devices(keys, source.kind, "gyros, accelerometers and IMUs");
+  Needs needs;
+  for (const char* vector : {"angular_velocity", "linear_acceleration"})
+    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("{}/{}", vector, axis), number);
+  const YamlNode* topic = topic_of(node, &keys);
+  if (topic != nullptr && find_topic(*topic, "topic", {needs}, "an Imu", source))
+    map_.devices.push_back(std::move(source));
+}
+
+void LogMapReader::read_wrench(const YamlNode& node) {
+  const Keys keys(findings_, node, "a wrench", {"topic", "device", "sampling", "max_age"});
+  if (!keys.is_map()) return;
+  DeviceSource source;
+  source.kind = DeviceSource::Kind::wrench;
+  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
+  keys.number("max_age", any_age, source.max_age);
+  read_sampling(keys, source);
+  source.devices = read_devices(keys, source.kind, "force sensors");
+  Needs needs;
+  for (const char* vector : {"force", "torque"})
+    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("wrench/{}/{}", vector, axis), number);
+  const YamlNode* topic = topic_of(node, &keys);
+  if (topic != nullptr && find_topic(*topic, "topic", {needs}, "a WrenchStamped", source))
+    map_.devices.push_back(std::move(source));
+}
+
+void LogMapReader::read_camera(const YamlNode& node) {
+  const Keys keys(findings_, node, "a camera", {"topic", "depth", "info", "device", "max_age"});
+  if (!keys.is_map()) return;
+  const YamlNode *picture = keys.find("topic"), *depth = keys.find("depth"), *info = keys.find("info");
+  if (!picture && !depth)
+    findings_.error(node, "a camera has neither 'topic' nor 'depth'", "expected topic: the name of one with pictures");
+  DeviceSource common;
+  common.max_age = max_age_ ? max_age_ : max_age_of_pictures;
+  keys.number("max_age", any_age, common.max_age);
+  common.devices = read_devices(keys, depth ? DeviceSource::Kind::depth : DeviceSource::Kind::picture,
+                                depth ? "cameras that measure depth" : "cameras");
+  const Needs raw{{"encoding", text}, {"width", number}, {"height", number}, {"step", number}, {"data", bytes}};
+  const Needs compressed{{"format", text}, {"data", bytes}};
+  const Needs figures{{"width", number}, {"height", number}, {"k/*", number}};
+  const auto add = [&](const YamlNode* topic, std::string_view label, DeviceSource::Kind kind,
+                       const std::vector<Needs>& needs, std::string_view what) {
+    if (topic == nullptr) return;
+    DeviceSource source = common;
+    source.kind = kind;
+    if (find_topic(*topic, label, needs, what, source)) map_.devices.push_back(std::move(source));
+  };
+  add(picture, "topic", DeviceSource::Kind::picture, {raw, compressed}, "an Image or CompressedImage");
+  add(depth, "depth", DeviceSource::Kind::depth, {raw}, "an Image");
+  common.max_age.reset();  // said once is enough
+  add(info, "info", DeviceSource::Kind::camera_info, {figures}, "a CameraInfo");
+}
+
+void LogMapReader::read_ranges(const YamlNode& node) {
+  const Keys keys(findings_, node, "a range sensor", {"topic", "device", "max_age"});
+  if (!keys.is_map()) return;
+  DeviceSource source;
+  source.kind = DeviceSource::Kind::ranges;
+  source.max_age = max_age_ ? max_age_ : max_age_of_pictures;
+  keys.number("max_age", any_age, source.max_age);
+  source.devices = read_devices(keys, source.kind, "range sensors");
+  const Needs scan{{"ranges/*", number}, {"range_min", number}, {"range_max", number}};
+  const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number},
+                    {"row_step", number},    {"width", number},           {"height", number},
+                    {"data", bytes}};
+  const YamlNode* topic = topic_of(node, &keys);
+  if (topic != nullptr && find_topic(*topic, "topic", {scan, cloud}, "a LaserScan or PointCloud2", source))
+    map_.devices.push_back(std::move(source));
+}
+
+void LogMapReader::read_root(const YamlNode& node) {
+  std::optional<Keys> keys;
+  if (node.kind != YamlNode::Kind::scalar)
+    keys.emplace(findings_, node, "the root", std::initializer_list<std::string_view>{"topic", "sampling", "max_age"});
+  if (keys && !keys->is_map()) return;
+  RootSource source;
+  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
+  if (keys) {
+    keys->number("max_age", any_age, source.max_age);
+    read_sampling(*keys, source);
+  }
+  const auto pose_at = [](const std::string& path) {
+    Needs needs;
+    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(path + "/position/" + axis, number);
+    for (const char* axis : {"x", "y", "z", "w"}) needs.emplace_back(path + "/orientation/" + axis, number);
+    return needs;
+  };
+  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  if (topic == nullptr) return;
+  const LogTopic* found =
+      find_topic(*topic, "root", {pose_at("pose"), pose_at("pose/pose")}, "a PoseStamped or Odometry", source);
+  if (found == nullptr) return;
+  source.has_twist = found->has("pose/pose/position/x") && found->has("twist/twist/linear/x");
+  map_.root = std::move(source);
+}
+
+void LogMapReader::read_axes(const YamlNode& node, JoySource& source) {
+  if (node.kind != YamlNode::Kind::map)
+    return expected(findings_, node, "axes", "a map from names to numbers in the message: {L_STICK_V: 1}");
+  source.axes.fill({});
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    const auto axis = find_control(joystick_axes, entry.name);
+    if (!axis) {
+      findings_.error(*entry.key, fmt::format("there is no axis '{}'", shortened(entry.name)),
+                      name_hint(entry.name, {joystick_axes.begin(), joystick_axes.end()}, "axes"));
+      continue;
+    }
+    const YamlNode* index = entry.value;
+    if (entry.value->kind == YamlNode::Kind::map) {
+      const Keys keys(findings_, *entry.value, "an axis", {"index", "invert"});
+      keys.flag("invert", source.axes[*axis].invert);
+      index = keys.require("index", "its number in the message");
+    }
+    if (index != nullptr)
+      source.axes[*axis].index = static_cast<int>(read_integer(findings_, *index, entry.name, 0, 255).value_or(-1));
+  }
+}
+
+void LogMapReader::read_buttons(const YamlNode& node, JoySource& source) {
+  if (node.kind != YamlNode::Kind::map)
+    return expected(findings_, node, "buttons", "a map from names to numbers in the message: {A: 0}");
+  source.buttons.fill(-1);
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    const auto button = find_control(joystick_buttons, entry.name);
+    if (button) {
+      source.buttons[*button] = static_cast<int>(read_integer(findings_, *entry.value, entry.name, 0, 255).value_or(-1));
+    } else {
+      findings_.error(*entry.key, fmt::format("there is no button '{}'", shortened(entry.name)),
+                      name_hint(entry.name, {joystick_buttons.begin(), joystick_buttons.end()}, "buttons"));
+    }
+  }
+}
+
+void LogMapReader::read_joystick(const YamlNode& node) {
+  std::optional<Keys> keys;
+  if (node.kind != YamlNode::Kind::scalar)
+    keys.emplace(findings_, node, "the joystick",
+                 std::initializer_list<std::string_view>{"topic", "axes", "buttons", "max_age"});
+  if (keys && !keys->is_map()) return;
+  JoySource source;
+  for (std::size_t i = 0; i < source.axes.size(); ++i) source.axes[i].index = static_cast<int>(i);
+  for (std::size_t i = 0; i < source.buttons.size(); ++i) source.buttons[i] = static_cast<int>(i);
+  if (keys) {
+    keys->number("max_age", any_age, source.max_age);
+    if (const YamlNode* axes = keys->find("axes")) read_axes(*axes, source);
+    if (const YamlNode* buttons = keys->find("buttons")) read_buttons(*buttons, source);
+  }
+  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  if (topic != nullptr && find_topic(*topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}}, "a Joy", source))
+    map_.joystick = std::move(source);
+}
+
+/// Of an array of numbers: which joints they are of, and which quantity they are.
+void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) {
+  const YamlNode* joints = keys.require("joints", "the joints that the numbers are of, in order; ~ for none");
+  if (joints != nullptr) {
+    if (const auto* list = read_list(findings_, *joints, "joints", "a list of joints in the order of the numbers"))
+      for (const YamlNodePtr& item : *list)
+        source.joints.push_back(item->kind == YamlNode::Kind::empty ? std::nullopt : read_joint(*item));
+  }
+  const YamlNode* quantity = keys.require("quantity", "position, velocity or effort");
+  if (quantity == nullptr) return;
+  const std::string_view word = quantity->kind == YamlNode::Kind::scalar ? std::string_view(quantity->text) : "";
+  if (word == "position") {
+    source.quantity = CommandSource::Quantity::position;
+  } else if (word == "velocity") {
+    source.quantity = CommandSource::Quantity::velocity;
+  } else if (word != "effort") {
+    expected(findings_, *quantity, "quantity", "position, velocity or effort");
+  }
+}
+
+void LogMapReader::read_commands(const YamlNode& node) {
+  std::optional<Keys> keys;
+  if (node.kind != YamlNode::Kind::scalar)
+    keys.emplace(findings_, node, "the commands",
+                 std::initializer_list<std::string_view>{"topic", "names", "joints", "quantity", "shift", "max_age"});
+  if (keys && !keys->is_map()) return;
+  CommandSource source;
+  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
+  if (keys) {
+    keys->number("max_age", any_age, source.max_age);
+    keys->integer("shift", -1000, 1000, source.shift);
+    if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
+  }
+  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  if (topic == nullptr) return;
+  const std::vector<Needs> needs{{{"name/*", text}, {"position/*", number}},
+                                 {{"name/*", text}, {"velocity/*", number}},
+                                 {{"name/*", text}, {"effort/*", number}},
+                                 {{"data/*", number}}};
+  const LogTopic* found =
+      find_topic(*topic, "commands", needs, "a JointState or an array of numbers, as Float64MultiArray", source);
+  if (found == nullptr) return;
+  source.is_array = !found->has("name/*", text);
+  if (source.is_array && !keys) {
+    findings_.error(*topic, fmt::format("'{}' is an array of numbers, of joints that it doesn't name", source.topic),
+                    "expected {topic: ..., joints: [...], quantity: effort}");
+  } else if (source.is_array) {
+    read_array_commands(*keys, source);
+    if (const YamlNode* names = keys->find("names"))
+      findings_.error(*names, "'names' of an array of numbers", "expected joints: the joints in the order of the numbers");
+  } else if (keys) {
+    for (const char* key : {"joints", "quantity"})
+      if (const YamlNode* of_arrays = keys->find(key))
+        findings_.error(*of_arrays, fmt::format("'{}' of a topic that names its joints", key),
+                        "it is for arrays of numbers; names: renames joints");
+  }
+  map_.commands = std::move(source);
+}
+
+}  // namespace rehearse

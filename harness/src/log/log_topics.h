@@ -1,0 +1,33 @@
+// LogTopic: what a log has on a topic, as far as it matters to whoever wants numbers out of it.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+/// What a field of a message holds, whatever its width.
+enum class FieldContent { number, text, bytes };
+
+struct LogTopic {
+  std::string name;  // as /joint_states
+  std::string type;  // as sensor_msgs/msg/JointState; empty if there is no schema
+  /// What its messages hold: paths with / between names, * for the elements of arrays and sequences: name/*, data,
+  /// header/stamp/sec, transforms/*/child_frame_id.
+  std::map<std::string, FieldContent> fields;
+  std::string problem;  // why its messages can't be decoded; empty: they can
+
+  bool has(std::string_view path, FieldContent content = FieldContent::number) const;
+};
+
+/// A topic with messages of that type. A schema that can't be read becomes the topic's problem.
+LogTopic log_topic(std::string name, std::string message_encoding, const mcap::Schema* schema);
+
+/// The topics of a log, sorted by name. Channels of one topic are one; if their types differ, that is its problem.
+std::vector<LogTopic> topics_of(const mcap::Reader& log);
+
+}  // namespace rehearse

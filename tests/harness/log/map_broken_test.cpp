@@ -1,0 +1,129 @@
+// One mistake a file: fixtures/broken/map_*.yaml, each with the place and the words of its message.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "log/log_map.h"
+#include "mapped_robot.h"
+
+namespace rehearse {
+namespace {
+
+const std::filesystem::path broken_files = std::filesystem::path(FIXTURES_DIR) / "broken";
+
+struct Broken {
+  const char* name;  // fixtures/broken/map_NAME.yaml
+  int line;          // of the first message
+  int column;
+  const char* message;  // an extended regular expression found in it, hint included
+};
+
+// What ctest names the test by.
+void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
+
+// clang-format off
+const Broken all_broken[] = {
+    {"a_list", 1, 1, "the map is a list.*rehearse_map: 1"},
+    {"a_scenario", 1, 1, "a scenario, not a map.*rehearse_map: 1"},
+    {"empty", 1, 1, "the map is empty.*rehearse_map: 1"},
+    {"not_yaml", 4, 1, "can't be read as YAML"},
+    {"no_version", 1, 1, "has no 'rehearse_map'.*rehearse_map: 1"},
+    {"another_version", 1, 15, "rehearse_map is 2.*expected 1"},
+    {"no_time_step", 1, 1, "has no 'time_step'.*tick"},
+    {"time_step_zero", 2, 12, "time_step is 0.*from 1e-05 to 0.1"},
+    {"time_step_of_a_rate", 2, 12, "time_step is '500 Hz'.*number"},
+    {"unknown_key", 3, 1, "unknown key 'joint' in the map.*did you mean 'joints'"},
+    {"duplicate_key", 4, 1, "'joints' is given twice.*line 3"},
+    {"nothing_mapped", 1, 1, "names no input.*joints: /joint_states"},
+    {"body_with_slash", 4, 7, "body is 'a/b'.*short name"},
+    {"clock_of_the_wall", 4, 8, "clock is 'wall'.*log_time .* or header.stamp"},
+    {"clock_without_header", 5, 19, "'/efforts' is of type std_msgs/msg/Float64MultiArray, which has no header.stamp.*clock: log_time"},
+    {"start_at_a_time", 4, 8, "start is 1.5.*all .* or first"},
+    {"max_age_zero", 4, 10, "max_age is 0.*above 0"},
+    {"controller_text", 4, 13, "the controller is 'Walker'.*map of KEY: VALUE"},
+    {"controller_library", 4, 14, "unknown key 'library' in the controller"},
+    {"controller_delay", 4, 21, "delay is 1.*true or false"},
+    {"topic_unknown", 3, 9, "no topic '/joint_state'.*did you mean '/joint_states'"},
+    {"topic_unlike_any", 3, 9, "no topic '/robot/axes'.*with a JointState there are: /joint_commands \\(sensor_msgs/msg/JointState\\), /joint_states"},
+    {"topic_of_another_type", 3, 9, "'/scan' is of type sensor_msgs/msg/LaserScan, which isn't a JointState.*there are: /joint_commands"},
+    {"topic_in_json", 3, 9, "'/json' can't be read.*encoded as 'json'"},
+    {"topic_missing", 3, 9, "a source of joints has no 'topic'.*one of the log's topics"},
+    {"topic_a_list", 3, 17, "joints is a list.*one of the log's topics"},
+    {"joints_twice", 3, 25, "'/joint_states' is a source of joints twice"},
+    {"joints_empty", 3, 9, "joints is a list.*at least one source"},
+    {"joints_unknown_key", 3, 32, "unknown key 'rename' in a source of joints"},
+    {"joint_unknown", 3, 43, "the model Bot has no joint 'ELBOV'.*did you mean 'ELBOW'"},
+    {"joint_that_is_a_link", 3, 43, "has no joint 'ARM'.*known joints: SHOULDER, ELBOW"},
+    {"joint_that_is_fixed", 3, 43, "'MOUNT' doesn't move.*fixed"},
+    {"joint_of_two_names", 3, 53, "'a' and 'b' are the same joint"},
+    {"joint_scale_zero", 3, 65, "scale is 0.*as -1"},
+    {"joint_offset_with_unit", 3, 66, "offset is '3 mm'.*an angle"},
+    {"joint_without_name", 3, 43, "a joint has no 'joint'"},
+    {"names_a_list", 3, 39, "names is a list.*from the log's names to the model's"},
+    {"velocity_unknown", 3, 42, "velocity is 'filtered'.*message .* or differentiate"},
+    {"sampling_unknown", 3, 42, "sampling is 'cubic'.*hold .* or interpolate"},
+    {"imu_without_device", 3, 7, "an IMU has no 'device'"},
+    {"imu_text", 3, 7, "an IMU is '/imu/data'.*map of KEY: VALUE"},
+    {"device_unknown", 3, 34, "the model Bot has no device 'Imuu'.*did you mean 'Imu'"},
+    {"device_of_another_kind", 3, 34, "'Wrist' is a ForceSensor.*known gyros, accelerometers and IMUs: Imu, Gyro, Accel"},
+    {"device_twice", 3, 40, "'Imu' has a second source.*line 3"},
+    {"device_of_none", 3, 38, "device is a list.*name of a device"},
+    {"wrench_of_an_imu", 3, 19, "'/imu/data' is of type sensor_msgs/msg/Imu, which isn't a WrenchStamped.*/ft_wrist"},
+    {"camera_without_pictures", 3, 10, "neither 'topic' nor 'depth'"},
+    {"camera_without_depth", 3, 45, "'Camera' is a Camera.*known cameras that measure depth: Depth|did you mean"},
+    {"camera_interpolated", 3, 53, "unknown key 'sampling' in a camera"},
+    {"camera_info_of_pictures", 3, 59, "'/camera/image_raw' is of type sensor_msgs/msg/Image, which isn't a CameraInfo.*/camera/camera_info"},
+    {"ranges_of_a_camera", 3, 32, "'Depth' is a RangeCamera.*range sensors: Laser"},
+    {"joystick_axis_unknown", 3, 32, "no axis 'L_STICK_X'.*did you mean"},
+    {"joystick_axis_number", 3, 43, "L_STICK_H is 'left'.*whole number from 0 to 255"},
+    {"joystick_button_unknown", 3, 35, "no button 'FIRE'.*known buttons: A, B"},
+    {"joystick_buttons_list", 3, 34, "buttons is a list.*from names to numbers"},
+    {"root_of_a_scan", 3, 7, "'/scan' is of type .*which isn't a PoseStamped or Odometry.*/odom .*/pose"},
+    {"commands_of_an_array_alone", 4, 11, "'/efforts' is an array of numbers.*joints: \\[...\\], quantity"},
+    {"commands_without_quantity", 4, 11, "has no 'quantity'.*position, velocity or effort"},
+    {"commands_of_another_quantity", 4, 56, "quantity is 'torque'.*position, velocity or effort"},
+    {"commands_joint_unknown", 4, 38, "has no joint 'KNEE'"},
+    {"commands_names_of_an_array", 4, 71, "'names' of an array"},
+    {"commands_joints_of_a_joint_state", 4, 44, "'joints' of a topic that names its joints.*names: renames"},
+    {"commands_shift_of_seconds", 4, 43, "shift is 0.1.*whole number from -1000 to 1000"},
+    {"tolerance_of_nothing", 5, 14, "allows nothing"},
+    {"tolerances_without_commands", 4, 13, "'tolerances' without 'commands'"},
+};
+// clang-format on
+
+std::filesystem::path file_of(const std::string& name) { return broken_files / ("map_" + name + ".yaml"); }
+
+class BrokenMap : public ::testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenMap, IsRefusedAtItsPlaceAndForNothingElse) {
+  const Broken& broken = GetParam();
+  const auto result = LogMap::load(file_of(broken.name), mapped_robot(), mapped_topics());
+  ASSERT_FALSE(result.ok());
+  ASSERT_EQ(result.errors().size(), 1u) << to_string(result.errors());
+  const Diagnostic& first = result.errors()[0];
+  EXPECT_EQ(first.severity, Severity::error);
+  EXPECT_EQ(first.file, file_of(broken.name).string());
+  EXPECT_EQ(first.line, broken.line) << to_string(first);
+  EXPECT_EQ(first.column, broken.column) << to_string(first);
+  EXPECT_THAT(to_string(first), ::testing::ContainsRegex(broken.message));
+  EXPECT_NE(first.hint, "") << "every message says what would be right";
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::ValuesIn(all_broken),
+                         [](const auto& parameter) { return std::string(parameter.param.name); });
+
+TEST(BrokenMaps, AreAllInTheTable) {
+  std::set<std::string> listed;
+  for (const Broken& broken : all_broken) listed.insert(file_of(broken.name).filename().string());
+  std::set<std::string> present;
+  for (const auto& entry : std::filesystem::directory_iterator(broken_files)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("map_", 0) == 0) present.insert(name);
+  }
+  EXPECT_EQ(present, listed);
+}
+
+}  // namespace
+}  // namespace rehearse

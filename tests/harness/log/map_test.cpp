@@ -1,0 +1,152 @@
+// What a map says, once it has no mistake.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "log/log_map.h"
+#include "mapped_robot.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::HasSubstr;
+
+LogMap parsed(const std::string& lines) {
+  auto map = LogMap::parse("rehearse_map: 1\ntime_step: 0.002\n" + lines, "map.yaml", mapped_robot(), mapped_topics());
+  EXPECT_TRUE(map.ok()) << (map ? "" : to_string(map.errors()));
+  return map ? *std::move(map) : LogMap{};
+}
+
+TEST(LogMap, NeedsFewLines) {
+  const LogMap map = parsed("joints: /joint_states\nimus: {topic: /imu/data, device: Imu}\ncommands: /joint_commands\n");
+  EXPECT_EQ(map.body, "Bot");
+  EXPECT_EQ(map.time_step, 0.002);
+  EXPECT_EQ(map.clock, LogClock::log_time);
+  EXPECT_FALSE(map.start_with_first);
+  EXPECT_TRUE(map.controller.delay);
+  ASSERT_EQ(map.joints.size(), 1u);
+  EXPECT_EQ(map.joints[0].topic, "/joint_states");
+  EXPECT_EQ(map.joints[0].sampling, Sampling::hold);
+  EXPECT_EQ(map.joints[0].max_age, 0.1);
+  EXPECT_EQ(map.joints[0].place.line, 3);
+  EXPECT_EQ(map.joints[0].place.column, 9);
+  ASSERT_EQ(map.devices.size(), 1u);
+  EXPECT_EQ(map.devices[0].kind, DeviceSource::Kind::imu);
+  EXPECT_EQ(map.devices[0].devices, std::vector<int>{mapped_robot().find_device("Imu")});
+  ASSERT_TRUE(map.commands);
+  EXPECT_FALSE(map.commands->is_array);
+  EXPECT_EQ(map.commands->shift, 0);
+}
+
+TEST(LogMap, RenamesTurnsAndMovesJoints) {
+  const LogMap map = parsed(
+      "joints:\n"
+      "  topic: /joint_states\n"
+      "  names: {a: SHOULDER, b: {joint: ELBOW, scale: -1, offset: 90 deg}}\n"
+      "  velocity: differentiate\n"
+      "  sampling: interpolate\n");
+  const JointSource& source = map.joints.at(0);
+  EXPECT_TRUE(source.differentiate);
+  EXPECT_EQ(source.sampling, Sampling::interpolate);
+  ASSERT_EQ(source.names.size(), 2u);
+  EXPECT_EQ(source.names.at("a").joint, 0);
+  EXPECT_EQ(source.names.at("a").scale, 1.0);
+  EXPECT_EQ(source.names.at("b").joint, 1);
+  EXPECT_EQ(source.names.at("b").scale, -1.0);
+  EXPECT_DOUBLE_EQ(source.names.at("b").offset, 1.5707963267948966);
+}
+
+TEST(LogMap, GivesEachKindOfSourceItsOwnAge) {
+  const LogMap map = parsed(
+      "joints: /joint_states\nranges: {topic: /scan, device: Laser}\njoystick: /joy\n"
+      "cameras: {topic: /camera/image_raw, info: /camera/camera_info, device: Camera, max_age: 3}\n");
+  EXPECT_EQ(map.joints.at(0).max_age, 0.1);
+  ASSERT_EQ(map.devices.size(), 3u);
+  EXPECT_EQ(map.devices[0].kind, DeviceSource::Kind::picture);
+  EXPECT_EQ(map.devices[0].max_age, 3.0);
+  EXPECT_EQ(map.devices[1].kind, DeviceSource::Kind::camera_info);
+  EXPECT_EQ(map.devices[1].max_age, std::nullopt);
+  EXPECT_EQ(map.devices[2].kind, DeviceSource::Kind::ranges);
+  EXPECT_EQ(map.devices[2].max_age, 1.0);
+  EXPECT_EQ(map.joystick->max_age, std::nullopt) << "it speaks when it is touched";
+}
+
+TEST(LogMap, HasOneAgeForAllIfItSaysSo) {
+  const LogMap map = parsed("max_age: 0.5\njoints: /joint_states\nimus: {topic: /imu/data, device: Imu, max_age: 2}\n");
+  EXPECT_EQ(map.joints.at(0).max_age, 0.5);
+  EXPECT_EQ(map.devices.at(0).max_age, 2.0);
+}
+
+TEST(LogMap, TakesOneMessageForSeveralDevices) {
+  const LogMap map = parsed("imus: {topic: /imu/data, device: [Gyro, Accel]}\n");
+  const Model model = mapped_robot();
+  EXPECT_EQ(map.devices.at(0).devices, (std::vector<int>{model.find_device("Gyro"), model.find_device("Accel")}));
+}
+
+TEST(LogMap, TakesTheJoystickAsItIsOrByNumber) {
+  const LogMap as_it_is = parsed("joystick: /joy\n");
+  EXPECT_EQ(as_it_is.joystick->axes[3].index, 3);
+  EXPECT_EQ(as_it_is.joystick->buttons[10], 10);
+  const LogMap by_number =
+      parsed("joystick: {topic: /joy, axes: {L_STICK_V: {index: 4, invert: true}}, buttons: {START: 7}}\n");
+  EXPECT_EQ(by_number.joystick->axes[1].index, 4);
+  EXPECT_TRUE(by_number.joystick->axes[1].invert);
+  EXPECT_EQ(by_number.joystick->axes[0].index, -1) << "what isn't named rests";
+  EXPECT_EQ(by_number.joystick->buttons[7], 7);
+  EXPECT_EQ(by_number.joystick->buttons[0], -1);
+}
+
+TEST(LogMap, KnowsOdometryByItsFields) {
+  EXPECT_TRUE(parsed("root: /odom\n").root->has_twist);
+  EXPECT_FALSE(parsed("root: /pose\n").root->has_twist);
+}
+
+TEST(LogMap, NamesTheJointsOfAnArray) {
+  const LogMap map =
+      parsed("joints: /joint_states\ncommands: {topic: /efforts, joints: [ELBOW, ~, SHOULDER], quantity: velocity}\n");
+  EXPECT_TRUE(map.commands->is_array);
+  EXPECT_EQ(map.commands->quantity, CommandSource::Quantity::velocity);
+  EXPECT_EQ(map.commands->joints, (std::vector<std::optional<int>>{1, std::nullopt, 0}));
+}
+
+TEST(LogMap, TellsAllMistakesInTheFilesOrder) {
+  const auto map = LogMap::parse(
+      "rehearse_map: 1\ntime_step: 0\njoints: /nobody\nimus: {topic: /scan, device: Wrist}\nstart: now\n", "map.yaml",
+      mapped_robot(), mapped_topics());
+  ASSERT_FALSE(map.ok());
+  std::vector<int> lines;
+  for (const Diagnostic& mistake : map.errors()) lines.push_back(mistake.line);
+  EXPECT_EQ(lines, (std::vector<int>{2, 3, 4, 4, 5})) << to_string(map.errors());
+}
+
+TEST(LogMap, IsReadFromAFile) {
+  const auto none = LogMap::load("/nowhere/map.yaml", mapped_robot(), mapped_topics());
+  ASSERT_FALSE(none.ok());
+  EXPECT_THAT(to_string(none.errors()), HasSubstr("there is no such file (expected a map, a YAML file)"));
+  const auto folder = LogMap::load("/", mapped_robot(), mapped_topics());
+  ASSERT_FALSE(folder.ok());
+  EXPECT_THAT(to_string(folder.errors()), HasSubstr("it is a directory"));
+}
+
+TEST(LogTopics, KnowTheFieldsOfTheirMessages) {
+  const LogTopic topic = topic_with<msg::JointState>("/joint_states");
+  EXPECT_EQ(topic.type, "sensor_msgs/msg/JointState");
+  EXPECT_TRUE(topic.has("header/stamp/sec"));
+  EXPECT_TRUE(topic.has("name/*", FieldContent::text));
+  EXPECT_TRUE(topic.has("position/*"));
+  EXPECT_FALSE(topic.has("position"));
+  EXPECT_TRUE(topic_with<msg::Image>("/image").has("data", FieldContent::bytes));
+  EXPECT_TRUE(topic_with<msg::PointCloud2>("/cloud").has("fields/*/name", FieldContent::text));
+}
+
+TEST(LogTopics, SayWhyTheyCannotBeRead) {
+  EXPECT_THAT(topic_with("/t", "a/msg/B", "float64").problem, HasSubstr("its schema can't be read"));
+  const mcap::Schema idl{1, "a/msg/B", "ros2idl", ""};
+  EXPECT_THAT(log_topic("/t", "cdr", &idl).problem, HasSubstr("'ros2idl', not in ros2msg"));
+  EXPECT_THAT(log_topic("/t", "cdr", nullptr).problem, HasSubstr("no schema"));
+}
+
+}  // namespace
+}  // namespace rehearse
