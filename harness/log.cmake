@@ -2,9 +2,19 @@
 find_package(JPEG REQUIRED)
 
 rehearse_add_library(log
+  src/log/device_feeds.cpp
+  src/log/joint_feed.cpp
+  src/log/log_commands.cpp
   src/log/log_map.cpp
   src/log/log_map_sources.cpp
-  src/log/log_topics.cpp)
+  src/log/log_replay.cpp
+  src/log/log_requirements.cpp
+  src/log/log_scenario.cpp
+  src/log/log_survey.cpp
+  src/log/log_topics.cpp
+  src/log/picture_codecs.cpp
+  src/log/range_codecs.cpp
+  src/log/topic_watch.cpp)
 target_link_libraries(rehearse_log
   PUBLIC Rehearse::harness
-  PRIVATE Rehearse::png JPEG::JPEG fmt::fmt)
+  PRIVATE Rehearse::cnoid Rehearse::png JPEG::JPEG yaml-cpp fmt::fmt)

@@ -74,17 +74,18 @@ struct JoySource : LogSource {
 
 /// PoseStamped, or Odometry whose twist is in the root link's frame, as ROS has it.
 struct RootSource : LogSource {
+  bool has_covariance = false;  // as Odometry's pose has
   bool has_twist = false;
 };
 
-/// Commands that the robot's own controller gave.
+/// Commands that the robot's own controller gave. Those of tick k are what the log has from then on until the next tick.
 struct CommandSource : LogSource {
   enum class Quantity { position, velocity, effort };
   std::map<std::string, JointRename> names;    // JointState: by the log's name
   std::vector<std::optional<int>> joints;      // an array of numbers: joint id by element; nullopt: of none
   Quantity quantity = Quantity::effort;        // an array of numbers: what they are
   bool is_array = false;                       // the messages are arrays of numbers, not JointStates
-  int shift = 0;                               // what was commanded at tick k is that of the log at tick k + shift
+  int shift = 0;  // those of tick k are what the log has at tick k + shift
 };
 
 struct MappedController {

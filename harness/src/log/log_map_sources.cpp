@@ -318,7 +318,8 @@ void LogMapReader::read_root(const YamlNode& node) {
   const LogTopic* found =
       find_topic(*topic, "root", {pose_at("pose"), pose_at("pose/pose")}, "a PoseStamped or Odometry", source);
   if (found == nullptr) return;
-  source.has_twist = found->has("pose/pose/position/x") && found->has("twist/twist/linear/x");
+  source.has_covariance = found->has("pose/pose/position/x");
+  source.has_twist = source.has_covariance && found->has("twist/twist/linear/x");
   map_.root = std::move(source);
 }
 
@@ -401,13 +402,11 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
 void LogMapReader::read_commands(const YamlNode& node) {
   std::optional<Keys> keys;
   if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(findings_, node, "the commands",
-                 std::initializer_list<std::string_view>{"topic", "names", "joints", "quantity", "shift", "max_age"});
+    keys.emplace(findings_, node, "a source of commands",
+                 std::initializer_list<std::string_view>{"topic", "names", "joints", "quantity", "shift"});
   if (keys && !keys->is_map()) return;
   CommandSource source;
-  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
   if (keys) {
-    keys->number("max_age", any_age, source.max_age);
     keys->integer("shift", -1000, 1000, source.shift);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
   }

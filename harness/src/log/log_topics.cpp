@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 #include <rehearse/ros2msg.h>
 
-#include <algorithm>
-#include <set>
-
 namespace rehearse {
 namespace {
 
@@ -56,7 +53,10 @@ LogTopic log_topic(std::string name, std::string message_encoding, const mcap::S
   } else if (!schema) {
     topic.problem = "it has no schema";
   }
-  if (schema) topic.type = schema->name;
+  if (schema) {
+    topic.type = schema->name;
+    topic.schema = schema->data;
+  }
   if (!topic.problem.empty()) return topic;
   if (schema->encoding != "ros2msg") {
     topic.problem = fmt::format("its schema is written in '{}', not in ros2msg", schema->encoding);
@@ -76,8 +76,11 @@ std::vector<LogTopic> topics_of(const mcap::Reader& log) {
   for (const auto& [id, channel] : log.channels()) {
     LogTopic topic = log_topic(channel.topic, channel.message_encoding, log.schema_of(channel));
     const auto [known, is_new] = by_name.emplace(channel.topic, topic);
-    if (is_new || (known->second.type == topic.type && known->second.fields == topic.fields)) continue;
-    known->second.problem = fmt::format("it has messages of two types, {} and {}", known->second.type, topic.type);
+    if (is_new || (known->second.type == topic.type && known->second.schema == topic.schema)) continue;
+    known->second.problem =
+        known->second.type == topic.type
+            ? fmt::format("it has messages of two versions of {}", topic.type)
+            : fmt::format("it has messages of two types, {} and {}", known->second.type, topic.type);
   }
   std::vector<LogTopic> topics;
   for (auto& [name, topic] : by_name) topics.push_back(std::move(topic));

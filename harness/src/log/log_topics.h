@@ -19,6 +19,7 @@ struct LogTopic {
   /// What its messages hold: paths with / between names, * for the elements of arrays and sequences: name/*, data,
   /// header/stamp/sec, transforms/*/child_frame_id.
   std::map<std::string, FieldContent> fields;
+  std::string schema;   // its text
   std::string problem;  // why its messages can't be decoded; empty: they can
 
   bool has(std::string_view path, FieldContent content = FieldContent::number) const;

@@ -199,6 +199,14 @@ Result<void> Recorder::Impl::attach_sources() {
   return {};
 }
 
+Result<void> Recorder::attach(const std::string& name, const std::string& media_type, const std::string& text) {
+  return impl_->writer->add_attachment(name, media_type, bytes_of(text));
+}
+
+Result<void> Recorder::add_metadata(const std::string& name, const mcap::StringMap& values) {
+  return impl_->writer->add_metadata(name, values);
+}
+
 void Recorder::declare(const ControllerHost* host) {
   Impl& impl = *impl_;
   for (const ScenarioBody& body : impl.scenario.bodies) impl.declare_body(body);

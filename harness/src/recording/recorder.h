@@ -41,6 +41,9 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
+  /// More of what the run was made of, before the channels are made.
+  Result<void> attach(const std::string& name, const std::string& media_type, const std::string& text);
+  Result<void> add_metadata(const std::string& name, const mcap::StringMap& values);
   /// Makes the channels; the controllers' tables are fixed by now. Null: there are none.
   void declare(const ControllerHost* host);
   /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick. `read`: the same as

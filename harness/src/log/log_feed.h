@@ -1,0 +1,69 @@
+// LogFeed: the messages of one source of a map, turned into what a controller sees at each tick.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/io.h>
+#include <rehearse/mcap.h>
+#include <rehearse/ros2msg.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "log_map.h"
+
+namespace rehearse {
+
+/// A moment at which feeds are looked at.
+struct LogMoment {
+  std::int64_t time = 0;  // of the log [ns]
+  std::int64_t tick = 0;
+  double seconds = 0.0;  // of the tick [s]
+};
+
+class LogFeed {
+ public:
+  virtual ~LogFeed() = default;
+
+  /// The next message, which isn't earlier than the one before it. False: it isn't what its schema says, and is left
+  /// out.
+  virtual bool take(std::int64_t time, mcap::Bytes payload) = 0;
+  /// What is known at that moment goes into the observation of the robot; what isn't stays as it is there. Fails if a
+  /// source isn't what the map says.
+  virtual Result<void> look(const LogMoment& moment, Observation& seen) = 0;
+  /// Messages that turned out not to be readable when a tick was to see them.
+  virtual std::int64_t unreadable() const { return 0; }
+  /// What is odd about the messages, once.
+  virtual Diagnostics take_remarks() { return {}; }
+};
+
+/// `schema`: of the source's topic. All but the schema must outlive the feed.
+std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema);
+std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg::Schema& schema);
+std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
+/// Of a numeric device, a camera or a range sensor; `tick` [s] is the time from one tick to the next.
+std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, double tick,
+                                          std::int64_t start, const LogTopic& topic, const ros2msg::Schema& schema);
+
+/// The joints that a JointState names, as ids of the model; -1: it isn't one of the model's.
+class JointNames {
+ public:
+  JointNames(const std::map<std::string, JointRename>& renamed, const Model& model)
+      : renamed_(renamed), model_(model) {}
+
+  /// Parallel to the names; the same names again cost a comparison.
+  const std::vector<JointRename>& find(const std::vector<std::string>& names);
+
+ private:
+  const std::map<std::string, JointRename>& renamed_;
+  const Model& model_;
+  std::vector<std::string> names_;
+  std::vector<JointRename> joints_;
+};
+
+/// A message in the map's place.
+Diagnostic at(const Place& place, Diagnostic diagnostic);
+
+}  // namespace rehearse

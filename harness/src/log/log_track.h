@@ -1,0 +1,52 @@
+// LogTrack: the values that a topic gave, as far as a tick may still ask for them.
+//
+// Times are nanoseconds of the log's clock. What is added later has a later time, or the same one; ticks go forward.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+namespace rehearse {
+
+template <std::size_t N>
+class LogTrack {
+ public:
+  struct Sample {
+    std::int64_t time = 0;  // [ns]
+    std::array<double, N> values{};
+  };
+  /// Between two samples, or at one of them.
+  struct Span {
+    const Sample* before = nullptr;  // at or before the tick; never null
+    const Sample* after = nullptr;   // behind it; null: hold
+    double fraction = 0.0;           // of the way from before to after, 0 <= fraction < 1
+  };
+
+  void add(std::int64_t time, const std::array<double, N>& values) { samples_.push_back({time, values}); }
+
+  /// The latest sample that was added; null: none.
+  const Sample* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
+
+  /// Forgets what no later tick asks for. Nullopt: the first sample comes after the tick.
+  std::optional<Span> at(std::int64_t time, bool interpolate) {
+    while (samples_.size() > 1 && samples_[1].time <= time) samples_.pop_front();
+    if (samples_.empty() || samples_.front().time > time) return std::nullopt;
+    Span span{&samples_.front()};
+    if (!interpolate || samples_.size() < 2 || samples_.front().time == time) return span;
+    span.after = &samples_[1];
+    span.fraction = static_cast<double>(time - span.before->time) /
+                    static_cast<double>(span.after->time - span.before->time);
+    return span;
+  }
+
+ private:
+  std::deque<Sample> samples_;
+};
+
+/// A number on its way from one value to another. At 0 it is the first one's bits.
+inline double mix(double from, double to, double fraction) { return from + (to - from) * fraction; }
+
+}  // namespace rehearse

@@ -1,0 +1,118 @@
+// MessageReader: payloads of whatever schema into a message struct, field by field, by their names.
+//
+// A log's own schema says how its payloads are laid out; a type of another version or vendor may have more fields, in
+// another order. What our struct has and the schema hasn't stays as a new struct has it.
+#pragma once
+
+#include <rehearse/mcap.h>
+#include <rehearse/message_codec.h>
+#include <rehearse/ros2msg.h>
+
+#include <charconv>
+#include <cstring>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace rehearse {
+namespace detail {
+
+template <class T>
+T number_of(const ros2msg::Value& value) {
+  switch (value.kind) {
+    case ros2msg::Value::Kind::floating: {
+      // what doesn't fit into an integer is none of ours
+      if constexpr (std::is_floating_point_v<T>) return static_cast<T>(value.number);
+      return T{};
+    }
+    case ros2msg::Value::Kind::signed_integer: return static_cast<T>(value.integer);
+    default: return static_cast<T>(value.unsigned_integer);
+  }
+}
+
+/// The path's first segment; the path goes on behind it.
+inline std::string_view take_segment(std::string_view& path) {
+  const std::size_t slash = path.find('/');
+  const std::string_view segment = path.substr(0, slash);
+  path = slash == std::string_view::npos ? std::string_view() : path.substr(slash + 1);
+  return segment;
+}
+
+template <class T>
+void put_value(T& into, std::string_view path, const ros2msg::Value& value);
+
+template <class T>
+T* element_at(std::vector<T>& sequence, std::size_t index) {
+  if (index == sequence.size()) sequence.emplace_back();  // they come in order
+  return index < sequence.size() ? &sequence[index] : nullptr;
+}
+template <class T, std::size_t N>
+T* element_at(std::array<T, N>& array, std::size_t index) {
+  return index < N ? &array[index] : nullptr;
+}
+
+template <class Many>
+void put_element(Many& many, std::string_view path, const ros2msg::Value& value) {
+  const std::string_view digits = take_segment(path);
+  std::size_t index = 0;
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), index).ec != std::errc()) return;
+  if (auto* element = element_at(many, index)) put_value(*element, path, value);
+}
+
+inline void put_value(std::vector<std::uint8_t>& into, const ros2msg::Value& value) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(value.blob.data());
+  into.assign(bytes, bytes + value.blob.size());
+}
+
+template <class T>
+void put_value(T& into, std::string_view path, const ros2msg::Value& value) {
+  if constexpr (msg::MessageStruct<T>) {
+    const std::string_view name = take_segment(path);
+    T::for_each_field(into, [&](std::string_view field, auto& member) {
+      if (field == name) put_value(member, path, value);
+    });
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    if (value.is_number()) into = number_of<T>(value);
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    if (value.kind == ros2msg::Value::Kind::text) into.assign(value.text);
+  } else if constexpr (std::is_same_v<T, std::vector<std::uint8_t>>) {
+    if (value.kind == ros2msg::Value::Kind::blob) put_value(into, value);
+  } else {
+    put_element(into, path, value);
+  }
+}
+
+/// Ready for the next message: no sequence has an element. The memory stays.
+template <class T>
+void clear_sequences(T& message) {
+  T::for_each_field(message, [](std::string_view, auto& member) {
+    using Member = std::remove_reference_t<decltype(member)>;
+    if constexpr (msg::MessageStruct<Member>) {
+      clear_sequences(member);
+    } else if constexpr (requires { member.emplace_back(); }) {
+      member.clear();
+    }
+  });
+}
+
+}  // namespace detail
+
+template <msg::MessageStruct T>
+class MessageReader {
+ public:
+  explicit MessageReader(const ros2msg::Schema& schema) : decoder_(schema) {}
+
+  /// Null if the payload isn't what the schema says. Valid until the next call.
+  const T* read(mcap::Bytes payload) {
+    detail::clear_sequences(message_);
+    const bool fits = decoder_.decode(
+        payload, [this](const ros2msg::Value& value) { detail::put_value(message_, value.path, value); });
+    return fits ? &message_ : nullptr;
+  }
+
+ private:
+  ros2msg::Decoder decoder_;
+  T message_;
+};
+
+}  // namespace rehearse

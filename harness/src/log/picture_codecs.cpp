@@ -1,0 +1,159 @@
+#include "picture_codecs.h"
+
+#include <fmt/format.h>
+#include <rehearse/png.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include <jpeglib.h>
+
+namespace rehearse {
+namespace {
+
+constexpr std::uint32_t max_side = 8192;  // [pixels], as for a camera of a model
+
+/// Where the colours of a pixel stand.
+struct ColorLayout {
+  const char* encoding;
+  std::size_t bytes;  // a pixel
+  std::array<std::size_t, 3> rgb;
+};
+constexpr ColorLayout color_layouts[] = {{"rgb8", 3, {0, 1, 2}},
+                                         {"bgr8", 3, {2, 1, 0}},
+                                         {"rgba8", 4, {0, 1, 2}},
+                                         {"bgra8", 4, {2, 1, 0}},
+                                         {"mono8", 1, {0, 0, 0}}};
+
+/// That so many rows of so many bytes are there.
+Result<void> check_size(const msg::Image& message, std::size_t pixel) {
+  if (message.width == 0 || message.height == 0 || message.width > max_side || message.height > max_side)
+    return error(fmt::format("a picture of {} x {} pixels", message.width, message.height),
+                 fmt::format("expected 1 to {} a side", max_side));
+  if (message.step < message.width * pixel || message.data.size() / message.step < message.height)
+    return error(fmt::format("a picture of {} x {} pixels in {} has {} bytes, {} a row", message.width, message.height,
+                             message.encoding, message.data.size(), message.step));
+  return {};
+}
+
+/// What libjpeg says goes here, and its errors jump out of it.
+struct JpegErrors {
+  jpeg_error_mgr manager;
+  std::jmp_buf out;
+  char message[JMSG_LENGTH_MAX];
+};
+
+void leave(j_common_ptr jpeg) {
+  auto* errors = reinterpret_cast<JpegErrors*>(jpeg->err);
+  jpeg->err->format_message(jpeg, errors->message);
+  std::longjmp(errors->out, 1);
+}
+
+/// A warning is a damaged picture: part of it would be invented.
+void take_warning(j_common_ptr jpeg, int level) {
+  if (level < 0) leave(jpeg);
+}
+
+/// Nothing in here has a destructor: an error jumps over it. False: errors.message says why.
+bool read_jpeg(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::span<const std::uint8_t> bytes, Image& image) {
+  if (setjmp(errors.out) != 0) return false;
+  jpeg_create_decompress(&jpeg);
+  jpeg_mem_src(&jpeg, bytes.data(), static_cast<unsigned long>(bytes.size()));
+  jpeg_read_header(&jpeg, TRUE);
+  if (jpeg.image_width > max_side || jpeg.image_height > max_side) {
+    std::snprintf(errors.message, sizeof errors.message, "it is larger than %u pixels a side", max_side);
+    return false;
+  }
+  jpeg.out_color_space = JCS_RGB;
+  jpeg.dct_method = JDCT_ISLOW;
+  jpeg_start_decompress(&jpeg);
+  image.width = static_cast<int>(jpeg.output_width);
+  image.height = static_cast<int>(jpeg.output_height);
+  image.pixels.resize(std::size_t{jpeg.output_width} * jpeg.output_height * 3);
+  while (jpeg.output_scanline < jpeg.output_height) {
+    JSAMPROW row = image.pixels.data() + std::size_t{jpeg.output_scanline} * jpeg.output_width * 3;
+    jpeg_read_scanlines(&jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&jpeg);
+  return true;
+}
+
+template <class Number>
+Number number_at(const std::uint8_t* place, bool swap) {
+  std::array<std::uint8_t, sizeof(Number)> bytes;
+  std::memcpy(bytes.data(), place, sizeof(Number));
+  if (swap) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<Number>(bytes);
+}
+
+template <class Number>
+Result<DepthImage> distances(const msg::Image& message, float meters) {
+  if (auto fits = check_size(message, sizeof(Number)); !fits) return fits.errors();
+  const bool swap = (message.is_bigendian != 0) != (std::endian::native == std::endian::big);
+  DepthImage depth{static_cast<int>(message.width), static_cast<int>(message.height), {}};
+  depth.meters.reserve(std::size_t{message.width} * message.height);
+  for (std::size_t y = 0; y < message.height; ++y) {
+    for (std::size_t x = 0; x < message.width; ++x) {
+      const Number raw = number_at<Number>(&message.data[y * message.step + x * sizeof(Number)], swap);
+      const float distance = static_cast<float>(raw) * meters;
+      depth.meters.push_back(distance > 0.0f ? distance : std::numeric_limits<float>::infinity());
+    }
+  }
+  return depth;
+}
+
+}  // namespace
+
+Result<Image> decode_jpeg(std::span<const std::uint8_t> bytes) {
+  jpeg_decompress_struct jpeg{};
+  JpegErrors errors{};
+  jpeg.err = jpeg_std_error(&errors.manager);
+  errors.manager.error_exit = leave;
+  errors.manager.emit_message = take_warning;
+  Image image;
+  const bool read = read_jpeg(jpeg, errors, bytes, image);
+  jpeg_destroy_decompress(&jpeg);
+  if (!read) return error(fmt::format("not a complete JPEG: {}", errors.message));
+  return image;
+}
+
+Result<Image> color_of(const msg::Image& message) {
+  for (const ColorLayout& layout : color_layouts) {
+    if (message.encoding != layout.encoding) continue;
+    if (auto fits = check_size(message, layout.bytes); !fits) return fits.errors();
+    Image image{static_cast<int>(message.width), static_cast<int>(message.height), {}};
+    image.pixels.reserve(std::size_t{message.width} * message.height * 3);
+    for (std::size_t y = 0; y < message.height; ++y) {
+      const std::uint8_t* pixel = &message.data[y * message.step];
+      for (std::size_t x = 0; x < message.width; ++x, pixel += layout.bytes)
+        for (const std::size_t at : layout.rgb) image.pixels.push_back(pixel[at]);
+    }
+    return image;
+  }
+  return error(fmt::format("a picture in '{}'", message.encoding), "read are rgb8, bgr8, rgba8, bgra8 and mono8");
+}
+
+Result<Image> color_of(const msg::CompressedImage& message) {
+  constexpr std::array<std::uint8_t, 4> png{0x89, 'P', 'N', 'G'};
+  constexpr std::array<std::uint8_t, 2> jpeg{0xff, 0xd8};
+  const auto begins_with = [&message](std::span<const std::uint8_t> magic) {
+    return message.data.size() >= magic.size() && std::equal(magic.begin(), magic.end(), message.data.begin());
+  };
+  if (begins_with(png)) return decode_png(message.data);
+  if (begins_with(jpeg)) return decode_jpeg(message.data);
+  return error(fmt::format("a picture in '{}', which is neither JPEG nor PNG", message.format), "read are JPEG and PNG");
+}
+
+Result<DepthImage> depth_of(const msg::Image& message) {
+  if (message.encoding == "32FC1") return distances<float>(message, 1.0f);
+  if (message.encoding == "16UC1" || message.encoding == "mono16") return distances<std::uint16_t>(message, 0.001f);
+  return error(fmt::format("a depth picture in '{}'", message.encoding), "read are 32FC1 [m] and 16UC1 [mm]");
+}
+
+}  // namespace rehearse

@@ -1,0 +1,25 @@
+// Pictures as ROS sends them, as pictures of ours.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/image.h>
+#include <rehearse/messages.h>
+
+#include <cstdint>
+#include <span>
+
+namespace rehearse {
+
+/// Of encodings rgb8, bgr8, rgba8, bgra8 (alpha is dropped) and mono8. Fails on others, and on data that is too short.
+Result<Image> color_of(const msg::Image& message);
+
+/// JPEG or PNG, told by its first bytes. Fails on what is neither, or damaged.
+Result<Image> color_of(const msg::CompressedImage& message);
+
+/// Of encodings 32FC1 [m] and 16UC1 [mm]; 0 and NaN are no distance and become +inf.
+Result<DepthImage> depth_of(const msg::Image& message);
+
+/// A complete JPEG of at most 8192 pixels a side as RGB; grey ones too.
+Result<Image> decode_jpeg(std::span<const std::uint8_t> bytes);
+
+}  // namespace rehearse
