@@ -1,6 +1,13 @@
+find_package(JPEG REQUIRED)
+
 rehearse_add_test(log_test LABEL unit
   SOURCES
+    log/feeds_test.cpp
     log/map_broken_test.cpp
     log/map_test.cpp
-  LIBRARIES Rehearse::log)
+    log/pictures_test.cpp
+    log/replay_log_test.cpp
+    log/watch_test.cpp
+  LIBRARIES Rehearse::log Rehearse::png JPEG::JPEG)
 target_include_directories(log_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)
+add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)

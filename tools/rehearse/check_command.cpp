@@ -17,6 +17,7 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "replay/trace_scenario.h"
 #include "scenario_text.h"
 
 namespace rehearse::tool {
@@ -62,11 +63,23 @@ Result<std::vector<Scenario>> usual() {
   return scenarios;
 }
 
+/// What was replayed of a log has no scenario but the one in its recording.
+Result<Scenario> scenario_of_a_log(const std::string& file) {
+  const auto trace = mcap::Reader::open(file);
+  if (!trace) return trace.errors();
+  for (const mcap::Metadata& metadata : (*trace)->metadata())
+    if (metadata.name == "rehearse" && metadata.values.count("source") && metadata.values.at("source") == "log")
+      return scenario_of(**trace);
+  Diagnostic finding = error("it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
+  finding.file = file;
+  return finding;
+}
+
 Result<std::vector<Scenario>> load(const Settings& settings) {
   if (settings.scenarios.empty()) return usual();
   std::vector<Scenario> scenarios;
   for (const std::string& file : settings.scenarios) {
-    Result<Scenario> scenario = Scenario::load(file);
+    Result<Scenario> scenario = file.ends_with(".mcap") ? scenario_of_a_log(file) : Scenario::load(file);
     if (!scenario) return scenario.errors();
     scenarios.push_back(*std::move(scenario));
   }
@@ -95,6 +108,7 @@ Result<void> check_owner(const Scenario& scenario) {
 /// What the scenario will be compared with; empty: nothing, or not known yet.
 fs::path golden_of(const Settings& settings, const Scenario& scenario) {
   if (!settings.golden.empty()) return settings.golden;
+  if (const fs::path trace = fs::path(scenario.file).parent_path(); trace.extension() == ".mcap") return trace;
   const auto folder = find_golden_folder(scenario.file);
   if (scenario.golden.empty() || !folder) return {};
   const GoldenStore store(*folder);
@@ -124,8 +138,10 @@ Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
-  if (!settings.golden.empty())
-    return check_scenario(scenario, settings.golden, pending_folder() / (scenario.name + ".mcap"), options,
+  const fs::path recorded = fs::path(scenario.file).parent_path();  // the scenario is in its recording: scenario_of()
+  const fs::path golden = settings.golden.empty() && recorded.extension() == ".mcap" ? recorded : settings.golden;
+  if (!golden.empty())
+    return check_scenario(scenario, golden, pending_folder() / (scenario.name + ".mcap"), options,
                           {record, run_plant});
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
@@ -238,7 +254,9 @@ std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
   options
       .add_option("SCENARIO", settings->scenarios,
-                  fmt::format("YAML files (all below {} that name a golden, or expect something)", usual_scenarios))
+                  fmt::format("YAML files (all below {} that name a golden, or expect something); or recordings of "
+                              "robots' logs",
+                              usual_scenarios))
       ->type_name("");
   options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
       ->type_name("TRACE");

@@ -60,13 +60,21 @@ void add_integer(CLI::App& options, const std::string& option, const std::string
   options.add_option_function<std::string>(option, read, help)->type_name("NUMBER");
 }
 
-void add_host_options(CLI::App& options, HostOptions& host) {
-  const auto take_all = [&host](const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) take_controller(host, text);
+void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) {
+  const auto take_all = [&host, alone](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      if (!alone || text.find('=') != std::string::npos) {
+        take_controller(host, text);
+      } else if (alone->empty() && !text.empty()) {
+        *alone = text;
+      } else {
+        throw CLI::ValidationError("--controller", "a library without a name of its own is given twice, or is empty");
+      }
+    }
   };
-  options
-      .add_option_function<std::vector<std::string>>(
-          "--controller", take_all, "another library (a name or a path) for the controller NAME or BODY/NAME")
+  const char* help = "another library (a name or a path) for the controller NAME or BODY/NAME";
+  const char* help_of_logs = "another library (a name or a path) for the controller NAME or BODY/NAME; of a log: LIB alone";
+  options.add_option_function<std::vector<std::string>>("--controller", take_all, alone ? help_of_logs : help)
       ->type_name("NAME=LIB")
       ->allow_extra_args(false);
   add_number(options, "--call-limit", "a controller's call that takes longer has hung [s of wall time] (10)", 0.01,

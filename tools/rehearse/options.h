@@ -23,8 +23,9 @@ void add_number(CLI::App& options, const std::string& option, const std::string&
 void add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
                  std::int64_t highest, std::function<void(std::int64_t)> take);
 
-/// --controller NAME=LIB, as often as one likes, and --call-limit S.
-void add_host_options(CLI::App& options, HostOptions& host);
+/// --controller NAME=LIB, as often as one likes, and --call-limit S. `alone`: takes a --controller LIB without a name;
+/// null: that is a mistake.
+void add_host_options(CLI::App& options, HostOptions& host, std::string* alone = nullptr);
 
 /// --package NAME=DIR, as often as one likes, and --allow-missing-meshes.
 void add_mesh_options(CLI::App& options, UrdfOptions& urdf);

@@ -1,4 +1,5 @@
-// rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit.
+// rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs of
+// a real robot's log: replay_log.h.
 #include <fmt/format.h>
 #include <rehearse/replay.h>
 
@@ -6,12 +7,14 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "audit/virtualised.h"
 #include "command.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "replay_log.h"
 
 namespace rehearse::tool {
 namespace {
@@ -22,6 +25,10 @@ struct Settings {
   std::string trace;
   bool json = false;
   ReplayOptions replay;
+  // of a log
+  std::string controller, model, map, output;
+
+  bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
 
 std::string verdict(const ReplayReport& report) {
@@ -63,7 +70,40 @@ void tell_remarks(const ReplayReport& report) {
       fmt::print(stderr, "{}\n", to_string(remark));
 }
 
+/// What a log needs and a recording doesn't, or the other way around.
+Result<void> check_usage(const Settings& settings) {
+  if (!settings.is_of_a_log()) {
+    if (!settings.controller.empty())
+      return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
+                   "a library alone is for a robot's log, with --model and --map");
+    if (!settings.output.empty())
+      return error("-o without --map: the replay of a recording writes nothing", "a robot's log has --model and --map");
+    return {};
+  }
+  if (settings.map.empty()) return error("--model without --map", "--map FILE says which topic is which input");
+  if (settings.model.empty()) return error("--map without --model", "--model ROBOT.urdf is the robot of the log");
+  if (settings.controller.empty() || !settings.replay.libraries.empty())
+    return error("a robot's log names no controllers", "expected --controller LIB, a name or a path, once");
+  return {};
+}
+
+Exit run_log(const Settings& settings) {
+  LogSettings log;
+  log.log = settings.trace;
+  log.trace = settings.output;
+  log.json = settings.json;
+  static_cast<HostOptions&>(log.replay) = settings.replay;
+  log.replay.controller = settings.controller;
+  log.replay.model = settings.model;
+  log.replay.map = settings.map;
+  log.replay.from = settings.replay.from;
+  log.replay.until = settings.replay.until;
+  return replay_log_of(std::move(log));
+}
+
 Exit run(Settings& settings) {
+  if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
+  if (settings.is_of_a_log()) return run_log(settings);
   if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
@@ -87,12 +127,19 @@ Exit run(Settings& settings) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("TRACE", settings->trace, "the recording")->required()->type_name("");
+  options.add_option("TRACE", settings->trace, "the recording; or, with --model and --map, a robot's log (MCAP)")
+      ->required()
+      ->type_name("");
   add_number(options, "--from", "compare from this time on [s]; it starts at the beginning anyway", 0.0, longest_time,
              [=](double from) { settings->replay.from = from; });
   add_number(options, "--until", "end there [s]", 0.0, longest_time,
              [=](double until) { settings->replay.until = until; });
-  add_host_options(options, settings->replay);
+  add_host_options(options, settings->replay, &settings->controller);
+  options.add_option("--model", settings->model, "of a log: the robot")->type_name("URDF");
+  options.add_option("--map", settings->map, "of a log: the YAML file that says which topic is which input")
+      ->type_name("FILE");
+  options.add_option("-o,--output", settings->output, "of a log: the trace to write (LOG.replay.mcap in this folder)")
+      ->type_name("TRACE");
   add_json_flag(options, settings->json);
   return [settings] { return run(*settings); };
 }
@@ -101,7 +148,8 @@ std::function<Exit()> declare(CLI::App& options) {
 
 const Verb replay_verb{"replay",
                        "  rehearse replay sr1.mcap\n"
-                       "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n",
+                       "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n"
+                       "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
                        declare};
 
 }  // namespace rehearse::tool

@@ -81,8 +81,8 @@ struct CheckReport {
 };
 
 /// Compares a scenario's behaviour now with a golden recording. The fresh trace is written to `actual`, that of the
-/// plant level to `plant/` beside it; each is removed if it is within. Fails if the golden can't be read or the run
-/// can't begin.
+/// plant level to `plant/` beside it; each is removed if it is within. Of a golden that was recorded from a log
+/// (log_replay.h) the controller level is all there is. Fails if the golden can't be read or the run can't begin.
 Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesystem::path& golden,
                                    const std::filesystem::path& actual, const CheckOptions& options,
                                    const Simulation& simulation);

@@ -215,11 +215,16 @@ void Check::judge_tolerances() {
   std::vector<const Comparison*> comparisons;
   if (report.plant_comparison) comparisons.push_back(&*report.plant_comparison);
   if (report.comparison) comparisons.push_back(&*report.comparison);
-  report.remarks = noise_remarks(*noise, golden, comparisons);
+  for (std::string& remark : noise_remarks(*noise, golden, comparisons)) report.remarks.push_back(std::move(remark));
   if (scenario.horizon && noise->horizon() && *scenario.horizon >= *noise->horizon())
     report.remarks.push_back(fmt::format("the scenario's horizon, {:g} s, is not before {:g} s, when a perturbed run left the "
                                          "tolerances",
                                          *scenario.horizon, *noise->horizon()));
+}
+
+bool is_of_a_log(const Trace& trace) {
+  const mcap::StringMap* facts = trace.find_metadata("rehearse");
+  return facts && facts->count("source") && facts->at("source") == "log";
 }
 
 }  // namespace
@@ -247,10 +252,16 @@ bool CheckReport::within() const {
 }
 
 Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& golden, const fs::path& actual,
-                                   const CheckOptions& options, const Simulation& simulation) {
+                                   const CheckOptions& asked, const Simulation& simulation) {
   const auto expected = Trace::load(golden);
   if (!expected) return expected.errors();
+  CheckOptions options = asked;
   Check check{scenario, *expected, actual, options, simulation, {}};
+  if (is_of_a_log(*expected)) {
+    options.plant = options.closed = false;
+    check.report.remarks.push_back("the golden was recorded from a log: there is no physics to repeat, so the levels "
+                                   "plant and closed are skipped");
+  }
   check.find_noise();
   if (options.closed) {
     auto run = make_run(scenario, actual, options, simulation);

@@ -88,8 +88,8 @@ class NumberFeed : public DeviceFeed {
 /// Messages that are large: kept as they came, and unpacked only if a tick sees them.
 class BulkFeed : public DeviceFeed {
  public:
-  BulkFeed(const DeviceSource& source, const Model& model, double tick, std::int64_t start)
-      : DeviceFeed(source, model), tick_(tick), start_(start) {}
+  BulkFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline)
+      : DeviceFeed(source, model), timeline_(timeline) {}
 
   bool take(std::int64_t time, mcap::Bytes payload) override {
     waiting_.push_back({time, {payload.begin(), payload.end()}});
@@ -101,9 +101,7 @@ class BulkFeed : public DeviceFeed {
     for (; !waiting_.empty() && waiting_.front().time <= moment.time; waiting_.pop_front())
       newest = std::move(waiting_.front());
     if (!newest) return {};
-    // the tick that is nearest to the measurement: exactly the number that a replay of the recording will have
-    const double seconds = std::max(0.0, static_cast<double>(newest->time - start_) * 1e-9);
-    measured_at_ = time_of(std::llround(seconds / tick_), tick_);
+    arrived_ = newest->time;
     const auto shown = show(newest->payload, seen);
     if (shown) {
       any_shown_ = true;
@@ -126,6 +124,15 @@ class BulkFeed : public DeviceFeed {
     reading.measured_at = measured_at_;
     return reading;
   }
+  /// When it was measured, as its header says, if its clock and the log's agree; else when it arrived.
+  void measured(const msg::Header& header) {
+    constexpr std::int64_t longest = 1'000'000'000;  // [ns]: what takes longer to arrive has another clock
+    std::int64_t age = arrived_ - static_cast<std::int64_t>(header.stamp.to_ns());
+    if (timeline_.clock == LogClock::header_stamp || age < 0 || age > longest) age = 0;
+    // the tick that is nearest: exactly the number that a replay of the recording will have
+    const double seconds = std::max(0.0, static_cast<double>(arrived_ - age - timeline_.start) * 1e-9);
+    measured_at_ = time_of(std::llround(seconds / timeline_.time_step), timeline_.time_step);
+  }
   static Diagnostic not_of_its_type() { return error("a message that isn't what its schema says"); }
 
  private:
@@ -134,9 +141,9 @@ class BulkFeed : public DeviceFeed {
     std::vector<std::byte> payload;
   };
 
-  double tick_;         // [s]
-  std::int64_t start_;  // [ns]
-  double measured_at_ = 0.0;
+  LogTimeline timeline_;
+  std::int64_t arrived_ = 0;  // the message at hand [ns]
+  double measured_at_ = 0.0;  // [s]
   bool any_shown_ = false;
   std::int64_t unreadable_ = 0;
   std::deque<Waiting> waiting_;
@@ -144,9 +151,9 @@ class BulkFeed : public DeviceFeed {
 
 class PictureFeed : public BulkFeed {
  public:
-  PictureFeed(const DeviceSource& source, const Model& model, double tick, std::int64_t start, const LogTopic& topic,
+  PictureFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline, const LogTopic& topic,
               const ros2msg::Schema& schema)
-      : BulkFeed(source, model, tick, start),
+      : BulkFeed(source, model, timeline),
         is_raw_(topic.has("encoding", FieldContent::text)),
         raw_(schema),
         compressed_(schema) {}
@@ -168,6 +175,7 @@ class PictureFeed : public BulkFeed {
     const msg::Image* raw = is_raw_ ? raw_.read(payload) : nullptr;
     const msg::CompressedImage* compressed = is_raw_ ? nullptr : compressed_.read(payload);
     if (!raw && !compressed) return not_of_its_type();
+    measured(raw ? raw->header : compressed->header);
     if (is_depth) {
       auto depth = depth_of(*raw);
       if (!depth) return depth.errors();
@@ -191,9 +199,9 @@ class PictureFeed : public BulkFeed {
 
 class RangeFeed : public BulkFeed {
  public:
-  RangeFeed(const DeviceSource& source, const Model& model, double tick, std::int64_t start, const LogTopic& topic,
+  RangeFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline, const LogTopic& topic,
             const ros2msg::Schema& schema)
-      : BulkFeed(source, model, tick, start), is_scan_(topic.has("ranges/*")), scan_(schema), cloud_(schema) {}
+      : BulkFeed(source, model, timeline), is_scan_(topic.has("ranges/*")), scan_(schema), cloud_(schema) {}
 
   Diagnostics take_remarks() override { return std::exchange(remarks_, {}); }
 
@@ -202,6 +210,7 @@ class RangeFeed : public BulkFeed {
     const msg::LaserScan* scan = is_scan_ ? scan_.read(payload) : nullptr;
     const msg::PointCloud2* cloud = is_scan_ ? nullptr : cloud_.read(payload);
     if (!scan && !cloud) return not_of_its_type();
+    measured(scan ? scan->header : cloud->header);
     for (const int index : source().devices) {
       const auto& sensor = std::get<RangeSensor>(device(index).kind);
       if (scan) compare_angles(*scan, sensor, device(index).name);
@@ -287,15 +296,15 @@ Diagnostic at(const Place& place, Diagnostic diagnostic) {
   return diagnostic;
 }
 
-std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, double tick,
-                                          std::int64_t start, const LogTopic& topic, const ros2msg::Schema& schema) {
+std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTimeline& timeline,
+                                          const LogTopic& topic, const ros2msg::Schema& schema) {
   switch (source.kind) {
     case DeviceSource::Kind::imu:
     case DeviceSource::Kind::wrench: return std::make_unique<NumberFeed>(source, model, schema);
     case DeviceSource::Kind::picture:
     case DeviceSource::Kind::depth:
-      return std::make_unique<PictureFeed>(source, model, tick, start, topic, schema);
-    case DeviceSource::Kind::ranges: return std::make_unique<RangeFeed>(source, model, tick, start, topic, schema);
+      return std::make_unique<PictureFeed>(source, model, timeline, topic, schema);
+    case DeviceSource::Kind::ranges: return std::make_unique<RangeFeed>(source, model, timeline, topic, schema);
     case DeviceSource::Kind::camera_info: return std::make_unique<CameraInfoFeed>(source, model, schema);
   }
   return nullptr;

@@ -43,9 +43,16 @@ class LogFeed {
 std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
-/// Of a numeric device, a camera or a range sensor; `tick` [s] is the time from one tick to the next.
-std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, double tick,
-                                          std::int64_t start, const LogTopic& topic, const ros2msg::Schema& schema);
+/// What the times of a log are to those of a recording.
+struct LogTimeline {
+  std::int64_t start = 0;   // time of tick 0 [ns]
+  double time_step = 0.0;   // [s]
+  LogClock clock = LogClock::log_time;
+};
+
+/// Of a numeric device, a camera or a range sensor.
+std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTimeline& timeline,
+                                          const LogTopic& topic, const ros2msg::Schema& schema);
 
 /// The joints that a JointState names, as ids of the model; -1: it isn't one of the model's.
 class JointNames {

@@ -29,7 +29,7 @@ void LogMapReader::read(const YamlNode& root) {
   const Keys keys(findings_, root, "the map",
                   {"rehearse_map", "body", "time_step", "clock", "start", "max_age", "controller", "joints", "imus",
                    "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
-  read_body(keys);
+  read_body(keys, root);
   read_clock(keys);
   if (const YamlNode* node = keys.find("start")) read_start(*node);
   read_max_age(keys);
@@ -55,9 +55,19 @@ void LogMapReader::read(const YamlNode& root) {
   check_something_is_mapped(root);
 }
 
-void LogMapReader::read_body(const Keys& keys) {
+void LogMapReader::read_body(const Keys& keys, const YamlNode& root) {
   map_.body = model_.name;
-  if (const YamlNode* node = keys.find("body")) map_.body = read_name(findings_, *node, "body").value_or(map_.body);
+  if (const YamlNode* node = keys.find("body")) {
+    map_.body = read_name(findings_, *node, "body").value_or(map_.body);
+    return;
+  }
+  YamlNode of_the_model;
+  of_the_model.kind = YamlNode::Kind::scalar;
+  of_the_model.text = model_.name;
+  Findings unsaid(map_.file);
+  if (!read_name(unsaid, of_the_model, "body"))
+    findings_.error(root, fmt::format("channels can't be named after the model, '{}'", shortened(model_.name)),
+                    "expected body: a short name without blanks and none of / * ? [ ]");
 }
 
 void LogMapReader::read_clock(const Keys& keys) {

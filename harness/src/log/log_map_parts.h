@@ -28,7 +28,7 @@ class LogMapReader {
 
   // log_map.cpp
   bool check_version(const YamlNode& root);
-  void read_body(const Keys& keys);
+  void read_body(const Keys& keys, const YamlNode& root);
   void read_clock(const Keys& keys);
   void read_start(const YamlNode& node);
   void read_max_age(const Keys& keys);
@@ -40,7 +40,8 @@ class LogMapReader {
   template <class Read>
   void each(const YamlNode& node, std::string_view label, Read&& read) {
     if (node.kind != YamlNode::Kind::list) return read(node);
-    if (node.items.empty()) expected(findings_, node, label, "at least one source, or no such key");
+    if (node.items.empty())
+      findings_.error(node, std::string(label) + " is an empty list", "expected at least one source, or no such key");
     if (const auto* list = read_list(findings_, node, label, "a list of sources"))
       for (const YamlNodePtr& item : *list) read(*item);
   }

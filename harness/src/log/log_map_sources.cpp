@@ -212,7 +212,7 @@ std::vector<int> LogMapReader::read_devices(const Keys& keys, DeviceSource::Kind
   if (node->kind != YamlNode::Kind::list) {
     read_device(*node, kind, what, devices);
   } else if (const auto* list = read_list(findings_, *node, "device", "a list of names")) {
-    if (list->empty()) expected(findings_, *node, "device", "the name of a device of the model");
+    if (list->empty()) findings_.error(*node, "device is an empty list", "expected the name of a device of the model");
     for (const YamlNodePtr& item : *list) read_device(*item, kind, what, devices);
   }
   return devices;

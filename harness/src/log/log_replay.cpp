@@ -173,7 +173,7 @@ Result<void> LogReplayer::make_feeds(const std::vector<LogTopic>& topics) {
     if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
     if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
     if (mapped.devices)
-      fed.feed = make_device_feed(*mapped.devices, *model_, map_.time_step, report_.start, *topic, *schema);
+      fed.feed = make_device_feed(*mapped.devices, *model_, {report_.start, map_.time_step, map_.clock}, *topic, *schema);
     if (mapped.commands) {
       commands_ = std::make_unique<LogCommands>(map_, *model_, *schema);
       lookahead_ = std::max(lookahead_, nanoseconds(map_.time_step * (std::max(0, map_.commands->shift) + 1)));
@@ -302,9 +302,13 @@ Result<void> LogReplayer::begin() {
     if (std::isnan(body.joints[id].q)) body.joints[id].q = scenario_->bodies[0].joints[id];
   place_links(seen_);
 
-  HostOptions hosting = options_;
-  auto host = ControllerHost::create(*scenario_, hosting);
-  if (!host) return host.errors();
+  auto host = ControllerHost::create(*scenario_, options_);
+  if (!host) {
+    Diagnostics errors = host.errors();
+    for (Diagnostic& finding : errors)  // nobody wrote the scenario that they are told of
+      if (finding.file == scenario_->file) finding = error(finding.message, finding.hint);
+    return errors;
+  }
   host_ = std::move(*host);
   command_ = host_->initialize(initial_observation(*scenario_));
   if (Diagnostics missing = inputs_not_given(*host_, *model_, map_, sources_, survey_); !missing.empty())

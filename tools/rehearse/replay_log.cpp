@@ -1,0 +1,146 @@
+#include "replay_log.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "audit/virtualised.h"
+#include "output.h"
+#include "progress.h"
+
+namespace rehearse::tool {
+namespace {
+
+std::string verdict(const LogReplayReport& report) {
+  if (report.failure) return "failed: " + report.failure->message;
+  if (!report.has_commands) return "nothing to compare with: the map names no commands";
+  if (report.values == 0) return "nothing was compared: the log has no commands in these ticks";
+  if (report.beyond) return "differs from the log's commands at " + to_string(*report.beyond);
+  const std::string amount =
+      fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
+  if (report.first) return "within tolerance of the log's commands: " + amount;
+  return "the log's commands, bit for bit: " + amount;
+}
+
+Json topic_json(const LogTopicReport& topic) {
+  return {{"topic", topic.topic},
+          {"type", topic.type},
+          {"use", topic.use},
+          {"messages", topic.messages},
+          {"used", topic.used},
+          {"skipped", topic.skipped},
+          {"out_of_order", topic.out_of_order},
+          {"same_stamp", topic.same_stamp},
+          {"backwards", topic.backwards},
+          {"unreadable", topic.unreadable},
+          {"rate", topic.rate},
+          {"longest_gap", {{"seconds", topic.longest_gap}, {"at", topic.longest_gap_at}}},
+          {"worst_age", {{"seconds", topic.worst_age}, {"at", topic.worst_age_at}}},
+          {"gaps", topic.gaps},
+          {"ticks_in_gaps", topic.ticks_in_gaps},
+          {"ticks_without", topic.ticks_without}};
+}
+
+Json report_json(const LogReplayReport& report, const std::string& trace) {
+  Json topics = Json::array();
+  for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
+  return {{"verdict", verdict(report)},
+          {"equal", report.equal()},
+          {"within", report.within()},
+          {"first", json_of(report.first)},
+          {"worst", json_of(report.worst)},
+          {"beyond", json_of(report.beyond)},
+          {"trace", trace},
+          {"log_hash", report.log_hash},
+          {"start", report.start},
+          {"ticks", report.ticks},
+          {"duration", report.duration},
+          {"ticks_compared", report.ticks_compared},
+          {"ticks_different", report.ticks_different},
+          {"values", report.values},
+          {"values_different", report.values_different},
+          {"topics", topics},
+          {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
+          {"controller_refused", report.controller_refused},
+          {"remarks", json_of(report.remarks)}};
+}
+
+/// What is wrong with a topic, in a few words; empty: nothing.
+std::string troubles(const LogTopicReport& topic) {
+  std::vector<std::string> words;
+  if (topic.gaps > 0)
+    words.push_back(fmt::format("{}, {} on an old value", count_text(topic.gaps, "gap"),
+                                count_text(topic.ticks_in_gaps, "tick")));
+  if (topic.ticks_without > 0) words.push_back(fmt::format("not yet there in {}", count_text(topic.ticks_without, "tick")));
+  if (topic.out_of_order > 0) words.push_back(fmt::format("{} out of order", topic.out_of_order));
+  if (topic.backwards > 0) words.push_back(fmt::format("{} back in time, not used", topic.backwards));
+  if (topic.same_stamp > 0) words.push_back(fmt::format("{} with the time of the one before", topic.same_stamp));
+  if (topic.unreadable > 0) words.push_back(fmt::format("{} unreadable", topic.unreadable));
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : "; ") + word;
+  return text;
+}
+
+void tell_topics(const LogReplayReport& report) {
+  std::vector<TableRow> rows{{"topic", "for", "messages", "Hz", "used", "longest gap", "oldest at a tick", ""}};
+  for (const LogTopicReport& topic : report.topics) {
+    const bool is_input = topic.use != "commands";  // those are compared, not looked at
+    rows.push_back({topic.topic, topic.use, fmt::format("{}", topic.messages),
+                    topic.rate > 0.0 ? fmt::format("{:.4g}", topic.rate) : "",
+                    is_input ? fmt::format("{}", topic.used) : "",
+                    topic.messages > 1 ? fmt::format("{:.4g} s at {:.3f} s", topic.longest_gap, topic.longest_gap_at) : "",
+                    is_input && topic.used > 0 ? fmt::format("{:.4g} s at {:.3f} s", topic.worst_age, topic.worst_age_at) : "",
+                    troubles(topic)});
+  }
+  print_table(rows);
+}
+
+void tell(const LogSettings& settings, const LogReplayReport& report, double seconds) {
+  fmt::print("replayed the log {}: {}, {:g} s, in {:.3f} s\n", settings.log, count_text(report.ticks, "tick"),
+             report.duration, seconds);
+  tell_topics(report);
+  fmt::print("{}, {}, {} in {}\n", count_text(report.channels, "channel"), count_text(report.frames, "camera frame"),
+             file_size_text(report.bytes), settings.trace);
+  fmt::print("{}\n", verdict(report));
+  if (!report.first) return;
+  fmt::print("first: {}\nworst: {}\n", to_string(*report.first), to_string(*report.worst));
+  fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks_compared, "tick"),
+             report.values_different, count_text(report.values, "commanded number"));
+}
+
+void tell_remarks(const LogReplayReport& report) {
+  for (const Diagnostic& remark : report.remarks)
+    if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
+}
+
+}  // namespace
+
+Exit replay_log_of(LogSettings settings) {
+  if (settings.trace.empty())
+    settings.trace = std::filesystem::path(settings.log).stem().string() + ".replay.mcap";
+  if (const auto allowed = check_output(settings.trace, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
+  InterposerWatch watch;
+  if (is_interposed()) settings.replay.watch = &watch;
+  const Stopwatch stopwatch;
+  const Result<LogReplayReport> report = [&] {
+    Progress progress("replaying");
+    settings.replay.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    return replay_log(settings.log, settings.trace, settings.replay);
+  }();
+  if (!report) return refuse(report.errors());
+  if (settings.json) {
+    print(report_json(*report, settings.trace));
+  } else {
+    tell(settings, *report, stopwatch.seconds());
+    std::fflush(stdout);  // before what stderr says of it
+    tell_remarks(*report);
+  }
+  if (report->failure || report->controller_refused) return Exit::controller_failed;
+  return report->within() ? Exit::done : Exit::differs;
+}
+
+}  // namespace rehearse::tool

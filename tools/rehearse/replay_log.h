@@ -1,0 +1,21 @@
+// What `rehearse replay LOG --controller LIB --model ROBOT --map FILE` does: the log of a robot into a controller.
+#pragma once
+
+#include <rehearse/log_replay.h>
+
+#include <string>
+
+#include "command.h"
+
+namespace rehearse::tool {
+
+struct LogSettings {
+  std::string log;
+  std::string trace;  // to be written; empty: named like the log, in the working directory
+  bool json = false;
+  LogReplayOptions replay;
+};
+
+Exit replay_log_of(LogSettings settings);
+
+}  // namespace rehearse::tool
