@@ -130,6 +130,33 @@ TEST(LogMap, IsReadFromAFile) {
   EXPECT_THAT(to_string(folder.errors()), HasSubstr("it is a directory"));
 }
 
+// Each sample of a map is one that a robot could have.
+TEST(SampleMaps, AreWithoutMistakes) {
+  UrdfOptions without_meshes;
+  without_meshes.meshes = UrdfOptions::Meshes::skip;
+  const std::filesystem::path fixtures = FIXTURES_DIR;
+  const auto walker = load_urdf(fixtures / "models/sr1.urdf", without_meshes);
+  const auto tank = load_urdf(fixtures / "models/tank.urdf", without_meshes);
+  ASSERT_TRUE(walker.ok() && tank.ok());
+  std::vector<LogTopic> topics = mapped_topics();
+  for (const char* name : {"/legs/joint_states", "/arms/joint_states", "/Tank/joints", "/Tank/Driver/output/joints"})
+    topics.push_back(topic_with<msg::JointState>(name));
+  for (const char* name : {"/ft/left", "/ft/right"}) topics.push_back(topic_with<msg::WrenchStamped>(name));
+  topics.push_back(topic_with<msg::CompressedImage>("/head/left/image_raw/compressed"));
+  topics.push_back(topic_with<msg::Image>("/head/left/depth"));
+  topics.push_back(topic_with<msg::CameraInfo>("/head/left/camera_info"));
+  const std::map<std::string, const Model*> models{{"tank.map.yaml", &*tank}, {"walker.map.yaml", &*walker}};
+  int maps = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(fixtures / "logs")) {
+    const auto model = models.find(entry.path().filename().string());
+    ASSERT_NE(model, models.end()) << entry.path() << " has no robot here";
+    const auto map = LogMap::load(entry.path(), *model->second, topics);
+    EXPECT_TRUE(map.ok()) << (map ? "" : to_string(map.errors()));
+    ++maps;
+  }
+  EXPECT_EQ(maps, 2);
+}
+
 TEST(LogTopics, KnowTheFieldsOfTheirMessages) {
   const LogTopic topic = topic_with<msg::JointState>("/joint_states");
   EXPECT_EQ(topic.type, "sensor_msgs/msg/JointState");

@@ -1,0 +1,125 @@
+// rehearse replay of a robot's log: the log is a golden, which is a ROS 2 bag like any other.
+#include "command.h"
+
+#include <gmock/gmock.h>
+#include <rehearse/trace.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class ReplayLog : public Command {
+ protected:
+  ReplayLog() {
+    fs::copy_file(fixtures / "logs/tank.map.yaml", folder() / "tank.map.yaml");
+    fs::copy_file(fixtures / "../golden/Tank.IsDrivenByJoystick.mcap", folder() / "tank_log.mcap");
+  }
+
+  std::vector<std::string> tank(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"replay",  "tank_log.mcap", "--controller",
+                                       "TankController", "--model", (fixtures / "models/tank.urdf").string(),
+                                       "--map",   "tank.map.yaml"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+TEST_F(ReplayLog, TellsWhatTheTopicsGaveAndWhetherTheCommandsAreTheSame) {
+  const Outcome outcome = done(tank());
+  EXPECT_THAT(outcome.out, StartsWith("replayed the log tank_log.mcap: 1001 ticks, 5.005 s, in "));
+  EXPECT_THAT(outcome.out, ContainsRegex("/Tank/joints +joints +1001 +200 +1001 "));
+  EXPECT_THAT(outcome.out, HasSubstr(" in tank_log.replay.mcap\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe log's commands, bit for bit: 1000 ticks, 4000 commanded numbers\n"));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(ReplayLog, WritesARecordingThatIsReplayedLikeAnyOther) {
+  done(tank({"-o", "run.mcap"}));
+  fs::remove(folder() / "tank_log.mcap");
+  fs::remove(folder() / "tank.map.yaml");
+  EXPECT_THAT(done({"replay", "run.mcap"}).out, HasSubstr("\nequal bit for bit: 1001 ticks, "));
+  EXPECT_THAT(done({"info", "run.mcap"}).out, HasSubstr("tank_log.mcap"));
+}
+
+TEST_F(ReplayLog, AnswersInJson) {
+  const nlohmann::json report = done(tank({"--json"})).json();
+  EXPECT_EQ(report["verdict"], "the log's commands, bit for bit: 1000 ticks, 4000 commanded numbers");
+  EXPECT_EQ(report["equal"], true);
+  EXPECT_EQ(report["within"], true);
+  EXPECT_EQ(report["first"], nullptr);
+  EXPECT_EQ(report["ticks"], 1001);
+  EXPECT_EQ(report["values"], 4000);
+  EXPECT_EQ(report["trace"], "tank_log.replay.mcap");
+  ASSERT_EQ(report["topics"].size(), 3u);
+  EXPECT_EQ(report["topics"][0]["topic"], "/Tank/joints");
+  EXPECT_EQ(report["topics"][0]["messages"], 1001);
+  EXPECT_EQ(report["topics"][0]["gaps"], 0);
+}
+
+TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
+  // half a second late, the joystick says something else
+  std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"
+                                               "joystick: /joy\n"
+                                               "commands: {topic: /Tank/Driver/output/joints, shift: 100}\n";
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("differs from the log's commands at tick "), HasSubstr("\nworst: ")));
+}
+
+TEST_F(ReplayLog, BecomesAGoldenThatCheckKnows) {
+  fs::create_directory(folder() / "golden");
+  done(tank({"-o", "run.mcap"}));
+  fs::create_directory(folder() / "pending");
+  fs::rename(folder() / "run.mcap", folder() / "pending/Tank.DrivesAsInTheLog.mcap");
+  const std::string environment = "REHEARSE_PENDING=pending";
+  const Outcome accepted = run(command, {"golden", "accept", "Tank.DrivesAsInTheLog"}, environment);
+  EXPECT_EQ(accepted.status, 0) << accepted.err;
+  EXPECT_TRUE(fs::exists(folder() / "golden/Tank.DrivesAsInTheLog.txt"));
+  const Outcome checked = run(command, {"check", "golden/Tank.DrivesAsInTheLog.mcap"}, environment);
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr("controller on recorded inputs: equal; world under recorded commands: skipped; "
+                                     "closed loop: skipped"));
+  EXPECT_THAT(checked.out, HasSubstr("recorded from a log: there is no physics to repeat"));
+  const Outcome replayed = done({"replay", "golden/Tank.DrivesAsInTheLog.mcap"});
+  EXPECT_THAT(replayed.out, HasSubstr("\nequal bit for bit: "));
+}
+
+TEST_F(ReplayLog, CheckRefusesOtherRecordings) {
+  const Outcome outcome = rehearse({"check", "tank_log.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("tank_log.mcap: error: it isn't a recording of a robot's log"));
+}
+
+TEST_F(ReplayLog, NeedsALibraryAModelAndAMap) {
+  const auto refused = [this](const std::vector<std::string>& arguments) {
+    const Outcome outcome = rehearse(arguments);
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    return outcome.err;
+  };
+  EXPECT_THAT(refused({"replay", "tank_log.mcap", "--controller", "TankController"}),
+              HasSubstr("'TankController' is not NAME=LIB"));
+  EXPECT_THAT(refused({"replay", "tank_log.mcap", "--model", "tank.urdf"}), HasSubstr("--model without --map"));
+  EXPECT_THAT(refused({"replay", "tank_log.mcap", "--map", "tank.map.yaml"}), HasSubstr("--map without --model"));
+  EXPECT_THAT(refused({"replay", "tank_log.mcap", "--map", "tank.map.yaml", "--model", "tank.urdf"}),
+              HasSubstr("expected --controller LIB"));
+  EXPECT_THAT(refused({"replay", "tank_log.mcap", "-o", "run.mcap"}), HasSubstr("-o without --map"));
+  EXPECT_THAT(refused(tank({"-o", "tank.map.yaml"})), HasSubstr("tank.map.yaml"));
+}
+
+TEST_F(ReplayLog, TellsTheMistakesOfAMapWithTheirPlaces) {
+  std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\njoints: /Tank/joint\n"
+                                               "cameras: {topic: /joy, device: Eye}\n";
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("tank.map.yaml:3:9: error: the log has no topic '/Tank/joint' (did you mean "
+                                     "'/Tank/joints'?)\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("tank.map.yaml:4:18: error: '/joy' is of type sensor_msgs/msg/Joy, which isn't an "
+                                     "Image or CompressedImage"));
+}
+
+}  // namespace
+}  // namespace rehearse::test
