@@ -10,6 +10,7 @@ rehearse_add_library(mcap
   src/mcap/bytes.cpp
   src/mcap/channel_groups.cpp
   src/mcap/chunk_opener.cpp
+  src/mcap/chunk_indexes.cpp
   src/mcap/codec.cpp
   src/mcap/contents.cpp
   src/mcap/copy.cpp

@@ -143,6 +143,9 @@ struct WriterOptions {
   int zstd_level = 1;  // level 3 took three times as long on joint states and made them no smaller (measured)
   /// Finished chunks that may wait for the writer thread; then write() waits too. Bounds the memory.
   std::size_t queue_length = 4;
+  /// The index of the chunks is held in memory up to this size [bytes]; if it grows larger, it is made in the end from
+  /// what stands in the file. A pipe can't be read again: there all of it is held.
+  std::size_t index_size = std::size_t{1} << 20;
   FileForm form;
 };
 

@@ -118,9 +118,12 @@ Result<void> copy_with_metadata(const std::filesystem::path& source, const std::
     put_metadata_index(index, cut.kept_end + begin, records.size() - begin, metadata.name);
   }
   const Bytes kept = bytes.first(cut.kept_end);
-  SummaryComposer summary(kept.size() + records.size(), crc32(records, crc32(kept)));
+  std::vector<std::byte> end;
+  SummaryComposer summary(kept.size() + records.size(), crc32(records, crc32(kept)), {},
+                          [&](Bytes more) { end.insert(end.end(), more.begin(), more.end()); });
   for (const Group& group : groups) summary.add_group(group.opcode, group.records);
-  return write(target, {kept, records, summary.finish()});
+  summary.finish();
+  return write(target, {kept, records, end});
 }
 
 }  // namespace rehearse::mcap

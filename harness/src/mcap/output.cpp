@@ -31,6 +31,7 @@ Output::Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions
       name_(std::move(name)),
       queue_length_(std::max<std::size_t>(1, options.queue_length)),
       compressor_(options.zstd_level, options.lz4_level),
+      chunk_indexes_(*sink_, options.index_size),
       thread_(start_quiet_thread([this] { run(); })) {}
 
 Output::~Output() {
@@ -175,39 +176,30 @@ void Output::process_chunk(const ChunkData& chunk) {
   out.put(static_cast<std::uint64_t>(compressed->size()));
   out.put_bytes(*compressed);
   out.end_record();
-  const std::uint64_t chunk_length = out.size();
-  std::vector<std::byte> offsets;
-  ByteWriter offset_map(offsets);
-  if (form_.message_indexes) put_message_indexes(chunk, out, offset_, offset_map);
-
+  ChunkIndexEntry entry;
+  entry.start_time = chunk.start_time;
+  entry.end_time = chunk.end_time;
+  entry.offset = offset_;
+  entry.length = out.size();
+  entry.compression = compression;
+  entry.compressed_size = compressed->size();
+  entry.uncompressed_size = chunk.records.size();
+  if (form_.message_indexes) put_message_indexes(chunk, out, entry);
+  entry.message_index_length = out.size() - entry.length;
   ++counts_.chunk_count;
-  ByteWriter summary(chunk_indexes_);
-  summary.begin_record(op::chunk_index);
-  summary.put(chunk.start_time);
-  summary.put(chunk.end_time);
-  summary.put(offset_);
-  summary.put(chunk_length);
-  summary.put(static_cast<std::uint32_t>(offsets.size()));
-  summary.put_bytes(offsets);
-  summary.put(static_cast<std::uint64_t>(out.size() - chunk_length));
-  summary.put_string(compression);
-  summary.put(static_cast<std::uint64_t>(compressed->size()));
-  summary.put(static_cast<std::uint64_t>(chunk.records.size()));
-  summary.end_record();
+  chunk_indexes_.add(entry);
 
   write_data(scratch_);
 }
 
-/// One MessageIndex record per channel, by ascending channel; `offsets` gets channel and file offset of each.
-void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, std::uint64_t record_start,
-                                 ByteWriter& offsets) const {
+/// One MessageIndex record per channel, by ascending channel; `entry` gets channel and file offset of each.
+void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ChunkIndexEntry& entry) const {
   std::vector<IndexEntry> entries = chunk.index;
   std::stable_sort(entries.begin(), entries.end(),
                    [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
   for (auto first = entries.begin(); first != entries.end();) {
     const auto last = std::find_if(first, entries.end(), [&](const auto& e) { return e.channel != first->channel; });
-    offsets.put(first->channel);
-    offsets.put(record_start + out.size());
+    entry.message_indexes.emplace_back(first->channel, entry.offset + out.size());
     out.begin_record(op::message_index);
     out.put(first->channel);
     out.put(static_cast<std::uint32_t>((last - first) * 16));
@@ -230,7 +222,8 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
   statistics.metadata_count = counts_.metadata_count;
   statistics.chunk_count = counts_.chunk_count;
 
-  SummaryComposer summary(offset_, form_.data_crc ? data_crc_ : 0, form_);
+  const std::uint64_t data_size = offset_;
+  SummaryComposer summary(data_size, form_.data_crc ? data_crc_ : 0, form_, [this](Bytes bytes) { write_file(bytes); });
   const auto add_group = [&](bool wanted, std::uint8_t opcode, auto&& put_records) {
     if (!wanted || !form_.summary) return;
     std::vector<std::byte> records;
@@ -245,11 +238,15 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
     for (const auto& channel : channels) put_channel(out, channel);
   });
   add_group(form_.statistics, op::statistics, [&](ByteWriter& out) { put_statistics(out, statistics); });
-  add_group(form_.chunk_indexes, op::chunk_index, [&](ByteWriter& out) { out.put_bytes(chunk_indexes_); });
+  if (form_.chunk_indexes && form_.summary) {
+    summary.add_group(op::chunk_index, [&](const SummaryComposer::Write& write) {
+      if (const auto all = chunk_indexes_.write(*sink_, data_size, write); !all) fail(all.errors().front());
+    });
+  }
   add_group(form_.attachment_indexes, op::attachment_index,
             [&](ByteWriter& out) { out.put_bytes(attachment_indexes_); });
   add_group(form_.metadata_indexes, op::metadata_index, [&](ByteWriter& out) { out.put_bytes(metadata_indexes_); });
-  write_file(summary.finish());
+  summary.finish();
   close_file();
   return status();
 }

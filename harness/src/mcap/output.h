@@ -3,6 +3,7 @@
 
 #include <rehearse/mcap.h>
 
+#include "chunk_indexes.h"
 #include "codec.h"
 #include "records.h"
 #include "sink.h"
@@ -99,8 +100,7 @@ class Output {
   void process_raw(const RawJob& job);
   void compose(ChunkData& chunk);
   void process_chunk(const ChunkData& chunk);
-  void put_message_indexes(const ChunkData& chunk, ByteWriter& out, std::uint64_t record_start,
-                           ByteWriter& offsets) const;
+  void put_message_indexes(const ChunkData& chunk, ByteWriter& out, ChunkIndexEntry& entry) const;
   void write_data(Bytes bytes);  // of the data section: counted into its CRC
   void write_file(Bytes bytes);
   void close_file();
@@ -125,8 +125,8 @@ class Output {
   std::uint64_t offset_ = 0;
   std::uint32_t data_crc_ = 0;
   Statistics counts_;
-  std::vector<std::byte> chunk_indexes_;  // whole records of the summary, as are the next two
-  std::vector<std::byte> attachment_indexes_;
+  ChunkIndexes chunk_indexes_;
+  std::vector<std::byte> attachment_indexes_;  // whole records of the summary, as are the next
   std::vector<std::byte> metadata_indexes_;
   std::vector<std::byte> scratch_;
   std::vector<std::byte> composed_;

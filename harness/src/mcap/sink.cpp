@@ -21,15 +21,23 @@ std::pair<std::uint64_t, std::uint64_t> identity_of(int file) {
   return {status.st_dev, status.st_ino};
 }
 
+/// Whether its bytes can be read again: an ordinary file, open for that too.
+bool can_be_read(int file) {
+  struct stat status {};
+  return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && (::fcntl(file, F_GETFL) & O_ACCMODE) == O_RDWR;
+}
+
 class FileSink : public Sink {
  public:
-  explicit FileSink(int file) : file_(file), identity_(identity_of(file)) {}
+  explicit FileSink(int file) : file_(file), readable_(can_be_read(file)), identity_(identity_of(file)) {}
   ~FileSink() override { static_cast<void>(close()); }
   FileSink(const FileSink&) = delete;
   FileSink& operator=(const FileSink&) = delete;
 
   Result<void> write(Bytes bytes) override;
   Result<void> close() override;
+  bool readable() const override { return readable_; }
+  Result<void> read_back(std::uint64_t offset, std::span<std::byte> target) override;
   int descriptor() const override { return file_; }
 
  private:
@@ -37,6 +45,7 @@ class FileSink : public Sink {
   bool is_our_file() const { return identity_of(file_) == identity_; }
 
   int file_;
+  const bool readable_;
   std::pair<std::uint64_t, std::uint64_t> identity_;
 };
 
@@ -49,6 +58,18 @@ Result<void> FileSink::write(Bytes bytes) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return error(fmt::format("can't write the trace: {}", std::strerror(errno)));
     bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> FileSink::read_back(std::uint64_t offset, std::span<std::byte> target) {
+  while (!target.empty()) {
+    const ssize_t got = is_our_file() ? ::pread(file_, target.data(), target.size(), static_cast<off_t>(offset)) : 0;
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return error(fmt::format("can't read what was written of the trace: {}", std::strerror(errno)));
+    if (got == 0) return error("can't read what was written of the trace: it is no longer there");
+    offset += static_cast<std::uint64_t>(got);
+    target = target.subspan(static_cast<std::size_t>(got));
   }
   return {};
 }
@@ -91,13 +112,26 @@ int replace(const std::filesystem::path& file) {
   return -1;
 }
 
+/// Creates or empties it. An ordinary file is opened for reading too, if that is allowed.
+int create(const std::filesystem::path& file) {
+  constexpr int flags = O_CREAT | O_TRUNC | O_CLOEXEC;
+  struct stat there {};
+  const bool ordinary = ::stat(file.c_str(), &there) != 0 || S_ISREG(there.st_mode);
+  const int opened = ordinary ? ::open(file.c_str(), O_RDWR | flags, 0666) : -1;
+  return opened >= 0 ? opened : ::open(file.c_str(), O_WRONLY | flags, 0666);
+}
+
 }  // namespace
+
+Result<void> Sink::read_back(std::uint64_t, std::span<std::byte>) {
+  REHEARSE_ASSERT(false, "only a sink that is readable() is read");
+}
 
 Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) {
   std::error_code none;
   std::filesystem::path place = std::filesystem::canonical(file, none);  // behind links
   int opened = none ? -1 : replace(place);
-  if (opened < 0) opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (opened < 0) opened = create(file);
   if (opened < 0) {
     Diagnostic failure = error(fmt::format("can't create the trace: {}", std::strerror(errno)));
     failure.file = file.string();

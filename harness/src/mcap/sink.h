@@ -17,6 +17,10 @@ class Sink {
   virtual Result<void> write(Bytes bytes) = 0;
   /// Nothing is written after it; a second call does nothing.
   virtual Result<void> close() = 0;
+  /// Whether what was written can be had again before close().
+  virtual bool readable() const { return false; }
+  /// Fills `target` with what was written from that offset on. Fails if there isn't so much.
+  virtual Result<void> read_back(std::uint64_t offset, std::span<std::byte> target);
   /// Of an open file; -1 if there is none.
   virtual int descriptor() const { return -1; }
 };

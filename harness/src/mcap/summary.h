@@ -1,6 +1,8 @@
 // What stands behind the data section of a file: DataEnd, the summary, the Footer. Internal.
 #pragma once
 
+#include <functional>
+
 #include "records.h"
 
 namespace rehearse::mcap {
@@ -8,20 +10,27 @@ namespace rehearse::mcap {
 /// Composes it front to back: groups of the summary's records in the order in which they are added.
 class SummaryComposer {
  public:
+  using Write = std::function<void(Bytes)>;
+
   /// `data_size`: of everything before DataEnd [bytes]; `data_crc`: of the same, or 0. `form` says whether there are
-  /// offsets and a CRC.
-  SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form = {});
+  /// offsets and a CRC. `write` gets the bytes as they come.
+  SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form, Write write);
   /// Whole records of one opcode; nothing if there are none.
   void add_group(std::uint8_t opcode, Bytes records);
+  /// The same piece by piece: `put_all` hands them to what it is given.
+  void add_group(std::uint8_t opcode, const std::function<void(const Write&)>& put_all);
   /// Ends the summary. Nothing is added after it.
-  Bytes finish();
+  void finish();
 
  private:
-  std::uint64_t data_size_;
-  FileForm form_;
-  std::vector<std::byte> bytes_;
+  void put(Bytes bytes);
+
+  const FileForm form_;
+  const Write write_;
+  std::uint64_t start_ = 0;         // of the summary in the file
+  std::uint64_t offset_;            // of what comes next
+  std::uint32_t crc_ = 0;           // of the summary so far
   std::vector<std::byte> offsets_;  // whole records
-  std::size_t summary_at_ = 0;      // in bytes_
 };
 
 /// Appends a whole MetadataIndex record: `length` of the record at `offset`, its head included.

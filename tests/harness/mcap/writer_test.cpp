@@ -166,6 +166,38 @@ TEST(McapWriter, FlushPutsOpenChunksIntoTheFile) {
   ASSERT_TRUE(writer->close());
 }
 
+TEST(McapWriter, WritesTheSameBytesHoweverLittleOfTheIndexItHolds) {
+  const auto bytes_with = [](std::size_t index_size, const std::filesystem::path& path, bool message_indexes) {
+    mcap::WriterOptions options;
+    options.index_size = index_size;
+    options.form.message_indexes = message_indexes;
+    write_small_file(path, options);
+    std::ifstream in(path, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(in)), {});
+  };
+  const TempFile held, read_back;
+  for (const bool message_indexes : {true, false}) {
+    EXPECT_EQ(bytes_with(0, read_back.path(), message_indexes), bytes_with(1 << 20, held.path(), message_indexes));
+    EXPECT_EQ(bytes_with(100, read_back.path(), message_indexes), bytes_with(1 << 20, held.path(), message_indexes));
+  }
+}
+
+TEST(McapWriter, HoldsTheIndexOfAFileThatItMayNotRead) {
+  const TempFile file;
+  file.write({});
+  std::filesystem::permissions(file.path(), std::filesystem::perms::owner_write);
+  const TempFile link;  // written through, not replaced
+  std::filesystem::create_symlink(file.path(), link.path());
+  mcap::WriterOptions options;
+  options.index_size = 0;
+  write_small_file(link.path(), options);
+  std::filesystem::permissions(file.path(), std::filesystem::perms::owner_all);
+  const auto reader = mcap::Reader::open(file.path());
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  EXPECT_TRUE((*reader)->damage().empty());
+  EXPECT_EQ((*reader)->statistics()->chunk_count, 3u);
+}
+
 TEST(McapWriter, CountsSequencesPerChannel) {
   const TempFile file;
   write_small_file(file.path());
