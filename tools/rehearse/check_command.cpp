@@ -105,10 +105,16 @@ Result<void> check_owner(const Scenario& scenario) {
   return finding;
 }
 
+/// What the user named to compare with: --golden, or the recording of a log that the scenario was read from; empty: none.
+fs::path named_golden(const Settings& settings, const Scenario& scenario) {
+  if (!settings.golden.empty()) return settings.golden;
+  const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() calls it RECORDING/scenario.yaml
+  return within.extension() == ".mcap" ? within : fs::path();
+}
+
 /// What the scenario will be compared with; empty: nothing, or not known yet.
 fs::path golden_of(const Settings& settings, const Scenario& scenario) {
-  if (!settings.golden.empty()) return settings.golden;
-  if (const fs::path trace = fs::path(scenario.file).parent_path(); trace.extension() == ".mcap") return trace;
+  if (fs::path named = named_golden(settings, scenario); !named.empty()) return named;
   const auto folder = find_golden_folder(scenario.file);
   if (scenario.golden.empty() || !folder) return {};
   const GoldenStore store(*folder);
@@ -138,9 +144,7 @@ Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
-  const fs::path recorded = fs::path(scenario.file).parent_path();  // the scenario is in its recording: scenario_of()
-  const fs::path golden = settings.golden.empty() && recorded.extension() == ".mcap" ? recorded : settings.golden;
-  if (!golden.empty())
+  if (const fs::path golden = named_golden(settings, scenario); !golden.empty())
     return check_scenario(scenario, golden, pending_folder() / (scenario.name + ".mcap"), options,
                           {record, run_plant});
   const auto mode = golden_mode();
