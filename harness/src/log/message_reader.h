@@ -4,15 +4,19 @@
 // another order. What our struct has and the schema hasn't stays as a new struct has it.
 #pragma once
 
+#include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
 #include <rehearse/message_codec.h>
 #include <rehearse/ros2msg.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
-#include <cstring>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace rehearse {
 namespace detail {
@@ -97,13 +101,31 @@ void clear_sequences(T& message) {
 
 }  // namespace detail
 
+/// Whether payloads of two definitions are laid out alike, their fields named alike. Bounds don't matter.
+inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2msg::Schema& b, std::size_t of_b) {
+  const auto& ours = a.definitions[of_a].fields;
+  const auto& theirs = b.definitions[of_b].fields;
+  return std::equal(ours.begin(), ours.end(), theirs.begin(), theirs.end(), [&](const auto& x, const auto& y) {
+    if (x.name != y.name || x.type.is_message != y.type.is_message || x.type.shape != y.type.shape) return false;
+    if (x.type.shape == ros2msg::FieldType::Shape::array && x.type.count != y.type.count) return false;
+    return x.type.is_message ? same_layout(a, x.type.message, b, y.type.message) : x.type.primitive == y.type.primitive;
+  });
+}
+
 template <msg::MessageStruct T>
 class MessageReader {
  public:
-  explicit MessageReader(const ros2msg::Schema& schema) : decoder_(schema) {}
+  explicit MessageReader(const ros2msg::Schema& schema) : decoder_(schema) {
+    const auto own = ros2msg::Schema::parse(T::type_name, msg::schema_text<T>());
+    is_own_ = own && same_layout(*own, 0, schema, 0);
+  }
 
   /// Null if the payload isn't what the schema says. Valid until the next call.
   const T* read(mcap::Bytes payload) {
+    if (is_own_) {  // the usual case, at a tenth of the time
+      CdrReader reader(payload);
+      return msg::decode(reader, message_) ? &message_ : nullptr;
+    }
     detail::clear_sequences(message_);
     const bool fits = decoder_.decode(
         payload, [this](const ros2msg::Value& value) { detail::put_value(message_, value.path, value); });
@@ -112,6 +134,7 @@ class MessageReader {
 
  private:
   ros2msg::Decoder decoder_;
+  bool is_own_ = false;  // the schema is that of T
   T message_;
 };
 
