@@ -1,5 +1,5 @@
-// Whatever the bytes: the reader of maps gives a map, or says what is wrong and where, and never crashes or hangs. A map
-// that it gives names nothing that the model and the log don't have.
+// Whatever the bytes: the reader of maps gives a map, or says what is wrong and where, and never crashes or hangs. A
+// map that it gives names nothing that the model and the log don't have.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -20,9 +20,9 @@ class ReplayLog : public Command {
   }
 
   std::vector<std::string> tank(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"replay",  "tank_log.mcap", "--controller",
-                                       "TankController", "--model", (fixtures / "models/tank.urdf").string(),
-                                       "--map",   "tank.map.yaml"};
+    std::vector<std::string> arguments{"replay",         "tank_log.mcap", "--controller",
+                                       "TankController", "--model",       (fixtures / "models/tank.urdf").string(),
+                                       "--map",          "tank.map.yaml"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

@@ -71,9 +71,10 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
 std::string troubles(const LogTopicReport& topic) {
   std::vector<std::string> words;
   if (topic.gaps > 0)
-    words.push_back(fmt::format("{}, {} on an old value", count_text(topic.gaps, "gap"),
-                                count_text(topic.ticks_in_gaps, "tick")));
-  if (topic.ticks_without > 0) words.push_back(fmt::format("not yet there in {}", count_text(topic.ticks_without, "tick")));
+    words.push_back(
+        fmt::format("{}, {} on an old value", count_text(topic.gaps, "gap"), count_text(topic.ticks_in_gaps, "tick")));
+  if (topic.ticks_without > 0)
+    words.push_back(fmt::format("not yet there in {}", count_text(topic.ticks_without, "tick")));
   if (topic.out_of_order > 0) words.push_back(fmt::format("{} out of order", topic.out_of_order));
   if (topic.backwards > 0) words.push_back(fmt::format("{} back in time, not used", topic.backwards));
   if (topic.same_stamp > 0) words.push_back(fmt::format("{} with the time of the one before", topic.same_stamp));
@@ -87,12 +88,12 @@ void tell_topics(const LogReplayReport& report) {
   std::vector<TableRow> rows{{"topic", "for", "messages", "Hz", "used", "longest gap", "oldest at a tick", ""}};
   for (const LogTopicReport& topic : report.topics) {
     const bool is_input = topic.use != "commands";  // those are compared, not looked at
-    rows.push_back({topic.topic, topic.use, fmt::format("{}", topic.messages),
-                    topic.rate > 0.0 ? fmt::format("{:.4g}", topic.rate) : "",
-                    is_input ? fmt::format("{}", topic.used) : "",
-                    topic.messages > 1 ? fmt::format("{:.4g} s at {:.3f} s", topic.longest_gap, topic.longest_gap_at) : "",
-                    is_input && topic.used > 0 ? fmt::format("{:.4g} s at {:.3f} s", topic.worst_age, topic.worst_age_at) : "",
-                    troubles(topic)});
+    rows.push_back(
+        {topic.topic, topic.use, fmt::format("{}", topic.messages),
+         topic.rate > 0.0 ? fmt::format("{:.4g}", topic.rate) : "", is_input ? fmt::format("{}", topic.used) : "",
+         topic.messages > 1 ? fmt::format("{:.4g} s at {:.3f} s", topic.longest_gap, topic.longest_gap_at) : "",
+         is_input && topic.used > 0 ? fmt::format("{:.4g} s at {:.3f} s", topic.worst_age, topic.worst_age_at) : "",
+         troubles(topic)});
   }
   print_table(rows);
 }
@@ -119,10 +120,8 @@ void tell_remarks(const LogReplayReport& report) {
 }  // namespace
 
 Exit replay_log_of(LogSettings settings) {
-  if (settings.trace.empty())
-    settings.trace = std::filesystem::path(settings.log).stem().string() + ".replay.mcap";
-  if (const auto allowed = check_output(settings.trace, mcap_magic, "trace"); !allowed)
-    return refuse(allowed.errors());
+  if (settings.trace.empty()) settings.trace = std::filesystem::path(settings.log).stem().string() + ".replay.mcap";
+  if (const auto allowed = check_output(settings.trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
   const Stopwatch stopwatch;

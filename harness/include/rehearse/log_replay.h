@@ -34,11 +34,12 @@ struct LogReplayOptions : HostOptions {
 /// How a topic of the log served the replay. Times are seconds from the first tick on; what came before is negative.
 struct LogTopicReport {
   std::string topic;
-  std::string type;                // sensor_msgs/msg/Imu
-  std::string use;                 // "joints", "WaistIMU", "commands"
-  std::int64_t messages = 0;       // in the log
-  std::int64_t used = 0;           // that some tick saw
-  std::int64_t skipped = 0;        // that came and were replaced between two ticks, or came before the first or after the last
+  std::string type;           // sensor_msgs/msg/Imu
+  std::string use;            // "joints", "WaistIMU", "commands"
+  std::int64_t messages = 0;  // in the log
+  std::int64_t used = 0;      // that some tick saw
+  std::int64_t skipped =
+      0;  // that came and were replaced between two ticks, or came before the first or after the last
   std::int64_t out_of_order = 0;   // that stand in the file behind messages of a later log time
   std::int64_t same_stamp = 0;     // with the time of the one before them
   std::int64_t backwards = 0;      // with an earlier time than the one before them; they are not used
@@ -55,24 +56,24 @@ struct LogTopicReport {
 
 struct LogReplayReport {
   std::int64_t ticks = 0;
-  double duration = 0.0;         // [s]
-  std::int64_t start = 0;        // the log's time of the first tick [ns]
-  std::string log_hash;          // of the log's bytes, 16 hexadecimal digits
+  double duration = 0.0;   // [s]
+  std::int64_t start = 0;  // the log's time of the first tick [ns]
+  std::string log_hash;    // of the log's bytes, 16 hexadecimal digits
   std::vector<LogTopicReport> topics;
-  bool has_commands = false;     // the map names commands to compare with
-  std::int64_t values = 0;       // commanded numbers compared with the log's
+  bool has_commands = false;  // the map names commands to compare with
+  std::int64_t values = 0;    // commanded numbers compared with the log's
   std::int64_t values_different = 0;
   std::int64_t ticks_compared = 0;
   std::int64_t ticks_different = 0;
   std::optional<Divergence> first;    // in the order of ticks
   std::optional<Divergence> worst;    // by absolute difference
   std::optional<Divergence> beyond;   // the first beyond its tolerance
-  int channels = 0;              // of the trace
-  std::int64_t frames = 0;       // colour pictures in it
-  std::uintmax_t bytes = 0;      // of it
+  int channels = 0;                   // of the trace
+  std::int64_t frames = 0;            // colour pictures in it
+  std::uintmax_t bytes = 0;           // of it
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   bool controller_refused = false;    // it returned false from configure, initialize or start
-  Diagnostics remarks;           // what controllers did that they should not have, and what is wrong with the log
+  Diagnostics remarks;                // what controllers did that they should not have, and what is wrong with the log
 
   bool equal() const { return !first && !failure; }
   bool within() const { return !beyond && !failure; }

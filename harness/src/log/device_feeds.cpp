@@ -226,8 +226,7 @@ class RangeFeed : public BulkFeed {
     const double lower = static_cast<double>(scan.angle_min), step = static_cast<double>(scan.angle_increment);
     const double allowed = std::max(sensor.yaw.step() / 2, 1e-3);
     const double upper = lower + step * (sensor.yaw.samples - 1);
-    const bool alike =
-        std::abs(lower - sensor.yaw.lower) <= allowed && std::abs(upper - sensor.yaw.upper) <= allowed;
+    const bool alike = std::abs(lower - sensor.yaw.lower) <= allowed && std::abs(upper - sensor.yaw.upper) <= allowed;
     if (std::exchange(compared_, true) || alike) return;
     Diagnostic& remark = remarks_.emplace_back(at(
         source().place, error(fmt::format("the scans on '{}' go from {:.4g} to {:.4g} rad, and the model's '{}' from "
@@ -272,13 +271,13 @@ class CameraInfoFeed : public DeviceFeed {
     const bool same_size = info.width == static_cast<std::uint32_t>(camera.width) &&
                            info.height == static_cast<std::uint32_t>(camera.height);
     if (same_size && std::abs(measured - focal_length) <= allowed * focal_length) return;
-    Diagnostic& remark = remarks_.emplace_back(
-        at(source().place,
-           error(fmt::format("the camera of '{}' has {} x {} pixels and a focal length of {:.5g} pixels, and the model's "
-                             "'{}' {} x {} and {:.5g}",
-                             source().topic, info.width, info.height, measured, name, camera.width, camera.height,
-                             focal_length),
-                 "a controller is told of the model's")));
+    Diagnostic& remark = remarks_.emplace_back(at(
+        source().place,
+        error(fmt::format("the camera of '{}' has {} x {} pixels and a focal length of {:.5g} pixels, and the model's "
+                          "'{}' {} x {} and {:.5g}",
+                          source().topic, info.width, info.height, measured, name, camera.width, camera.height,
+                          focal_length),
+              "a controller is told of the model's")));
     remark.severity = Severity::warning;
   }
 
@@ -302,8 +301,7 @@ std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Mode
     case DeviceSource::Kind::imu:
     case DeviceSource::Kind::wrench: return std::make_unique<NumberFeed>(source, model, schema);
     case DeviceSource::Kind::picture:
-    case DeviceSource::Kind::depth:
-      return std::make_unique<PictureFeed>(source, model, timeline, topic, schema);
+    case DeviceSource::Kind::depth: return std::make_unique<PictureFeed>(source, model, timeline, topic, schema);
     case DeviceSource::Kind::ranges: return std::make_unique<RangeFeed>(source, model, timeline, topic, schema);
     case DeviceSource::Kind::camera_info: return std::make_unique<CameraInfoFeed>(source, model, schema);
   }

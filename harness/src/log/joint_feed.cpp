@@ -78,7 +78,9 @@ class JointFeed : public LogFeed {
     }
     if (!state.effort.empty()) values[2] = state.effort[index] / joint.scale;
     if (source_.differentiate) {
-      values[1] = before && before->time < time ? slope(joint.joint, *before, time, values[0]) : before ? values[1] : 0.0;
+      values[1] = before && before->time < time ? slope(joint.joint, *before, time, values[0])
+                  : before                      ? values[1]
+                                                : 0.0;
     } else if (!state.velocity.empty()) {
       values[1] = state.velocity[index] * joint.scale;
     }
@@ -173,7 +175,8 @@ class RootFeed : public LogFeed {
     std::array<double, 13> values = span->before->values;
     Eigen::Quaterniond rotation = rotation_of(values);
     if (span->after) {
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = mix(values[i], span->after->values[i], span->fraction);
+      for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = mix(values[i], span->after->values[i], span->fraction);
       rotation = rotation.slerp(span->fraction, rotation_of(span->after->values));
     }
     LinkReading& root = seen.bodies[0].links[0];
@@ -259,8 +262,7 @@ const std::vector<JointRename>& JointNames::find(const std::vector<std::string>&
   return joints_;
 }
 
-std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model,
-                                         const ros2msg::Schema& schema) {
+std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema) {
   return std::make_unique<JointFeed>(source, model, schema);
 }
 

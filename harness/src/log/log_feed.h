@@ -45,8 +45,8 @@ std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg:
 std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
 /// What the times of a log are to those of a recording.
 struct LogTimeline {
-  std::int64_t start = 0;   // time of tick 0 [ns]
-  double time_step = 0.0;   // [s]
+  std::int64_t start = 0;  // time of tick 0 [ns]
+  double time_step = 0.0;  // [s]
   LogClock clock = LogClock::log_time;
 };
 

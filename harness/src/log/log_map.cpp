@@ -50,7 +50,8 @@ void LogMapReader::read(const YamlNode& root) {
     read_tolerances(findings_, *node, place);
     map_.tolerances = std::move(place.tolerances);
     if (!keys.find("commands"))
-      findings_.error(*node, "'tolerances' without 'commands'", "they are of commands that the log has: commands: TOPIC");
+      findings_.error(*node, "'tolerances' without 'commands'",
+                      "they are of commands that the log has: commands: TOPIC");
   }
   check_something_is_mapped(root);
 }
@@ -99,8 +100,7 @@ void LogMapReader::read_max_age(const Keys& keys) {
 
 void LogMapReader::read_controller(const YamlNode& node) {
   const Keys keys(findings_, node, "the controller", {"name", "options", "delay"});
-  if (const YamlNode* name = keys.find("name"))
-    map_.controller.name = read_name(findings_, *name, "name").value_or("");
+  if (const YamlNode* name = keys.find("name")) map_.controller.name = read_name(findings_, *name, "name").value_or("");
   keys.text("options", map_.controller.options);
   keys.flag("delay", map_.controller.delay);
 }

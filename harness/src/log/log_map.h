@@ -1,8 +1,8 @@
 // LogMap: which topic of a robot's log is which input of a controller, as a YAML file states it. fixtures/README.md
 // describes the file's form.
 //
-// A map is read against the model and the log's topics, so every mistake (a joint, a device or a topic that isn't there,
-// a type that doesn't fit) has its place in the file, and all of them are told in one go.
+// A map is read against the model and the log's topics, so every mistake (a joint, a device or a topic that isn't
+// there, a type that doesn't fit) has its place in the file, and all of them are told in one go.
 #pragma once
 
 #include <rehearse/joystick.h>
@@ -48,11 +48,11 @@ struct JointRename {
   double offset = 0.0;  // [rad] or [m]
 };
 
-/// JointState: joints that aren't renamed stand for those of the same name; names that the model doesn't have are passed
-/// over.
+/// JointState: joints that aren't renamed stand for those of the same name; names that the model doesn't have are
+/// passed over.
 struct JointSource : LogSource {
   std::map<std::string, JointRename> names;  // by the log's name
-  bool differentiate = false;  // dq comes from the last two positions, not from the message
+  bool differentiate = false;                // dq comes from the last two positions, not from the message
 };
 
 struct DeviceSource : LogSource {
@@ -68,8 +68,8 @@ struct JoyAxis {
 };
 
 struct JoySource : LogSource {
-  std::array<JoyAxis, joystick_axes.size()> axes;           // by joystick_axes
-  std::array<int, joystick_buttons.size()> buttons{};       // by joystick_buttons; -1: never pressed
+  std::array<JoyAxis, joystick_axes.size()> axes;      // by joystick_axes
+  std::array<int, joystick_buttons.size()> buttons{};  // by joystick_buttons; -1: never pressed
 };
 
 /// PoseStamped, or Odometry whose twist is in the root link's frame, as ROS has it.
@@ -78,26 +78,27 @@ struct RootSource : LogSource {
   bool has_twist = false;
 };
 
-/// Commands that the robot's own controller gave. Those of tick k are what the log has from then on until the next tick.
+/// Commands that the robot's own controller gave. Those of tick k are what the log has from then on until the next
+/// tick.
 struct CommandSource : LogSource {
   enum class Quantity { position, velocity, effort };
-  std::map<std::string, JointRename> names;    // JointState: by the log's name
-  std::vector<std::optional<int>> joints;      // an array of numbers: joint id by element; nullopt: of none
-  Quantity quantity = Quantity::effort;        // an array of numbers: what they are
-  bool is_array = false;                       // the messages are arrays of numbers, not JointStates
-  int shift = 0;  // those of tick k are what the log has at tick k + shift
+  std::map<std::string, JointRename> names;  // JointState: by the log's name
+  std::vector<std::optional<int>> joints;    // an array of numbers: joint id by element; nullopt: of none
+  Quantity quantity = Quantity::effort;      // an array of numbers: what they are
+  bool is_array = false;                     // the messages are arrays of numbers, not JointStates
+  int shift = 0;                             // those of tick k are what the log has at tick k + shift
 };
 
 struct MappedController {
-  std::string name;       // empty: the library's
-  std::string options;    // its own option string
+  std::string name;     // empty: the library's
+  std::string options;  // its own option string
   bool delay = true;
 };
 
 struct LogMap {
-  std::string file;  // as the user named it
-  std::string text;  // the file's bytes
-  std::string body;  // names the channels; the model's name if the map gives none
+  std::string file;          // as the user named it
+  std::string text;          // the file's bytes
+  std::string body;          // names the channels; the model's name if the map gives none
   double time_step = 0.001;  // of the controller [s]
   LogClock clock = LogClock::log_time;
   bool start_with_first = false;  // the first tick is at the first message; else when all that is mapped has arrived

@@ -35,8 +35,9 @@ const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view 
                                          std::string_view what, LogSource& source) {
   const auto fits = [&needs](const LogTopic& topic) {
     return topic.problem.empty() && std::any_of(needs.begin(), needs.end(), [&topic](const Needs& all) {
-      return std::all_of(all.begin(), all.end(), [&](const auto& need) { return topic.has(need.first, need.second); });
-    });
+             return std::all_of(all.begin(), all.end(),
+                                [&](const auto& need) { return topic.has(need.first, need.second); });
+           });
   };
   const auto name = read_text(findings_, node, label, "the name of one of the log's topics");
   if (!name) return nullptr;
@@ -49,9 +50,8 @@ const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view 
     all.push_back(topic.name);
     if (fits(topic)) fitting.push_back(fmt::format("{} ({})", topic.name, topic.type));
   }
-  const std::string there_are = fitting.empty()
-                                    ? fmt::format("the log has none with {}", what)
-                                    : fmt::format("with {} there are: {}", what, fmt::join(fitting, ", "));
+  const std::string there_are = fitting.empty() ? fmt::format("the log has none with {}", what)
+                                                : fmt::format("with {} there are: {}", what, fmt::join(fitting, ", "));
   if (found == nullptr) {
     findings_.error(node, fmt::format("the log has no topic '{}'", shortened(*name)),
                     near_names(*name, all).empty() ? there_are : name_hint(*name, all, "topics"));
@@ -134,8 +134,8 @@ void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointR
 void LogMapReader::read_joints(const YamlNode& node) {
   std::optional<Keys> keys;
   if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(findings_, node, "a source of joints", std::initializer_list<std::string_view>{
-                     "topic", "names", "velocity", "sampling", "max_age"});
+    keys.emplace(findings_, node, "a source of joints",
+                 std::initializer_list<std::string_view>{"topic", "names", "velocity", "sampling", "max_age"});
   if (keys && !keys->is_map()) return;
   JointSource source;
   source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
@@ -288,9 +288,8 @@ void LogMapReader::read_ranges(const YamlNode& node) {
   keys.number("max_age", any_age, source.max_age);
   source.devices = read_devices(keys, source.kind, "range sensors");
   const Needs scan{{"ranges/*", number}, {"range_min", number}, {"range_max", number}};
-  const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number},
-                    {"row_step", number},    {"width", number},           {"height", number},
-                    {"data", bytes}};
+  const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number}, {"row_step", number},
+                    {"width", number},       {"height", number},          {"data", bytes}};
   const YamlNode* topic = topic_of(node, &keys);
   if (topic != nullptr && find_topic(*topic, "topic", {scan, cloud}, "a LaserScan or PointCloud2", source))
     map_.devices.push_back(std::move(source));
@@ -352,7 +351,8 @@ void LogMapReader::read_buttons(const YamlNode& node, JoySource& source) {
   for (const NamedEntry& entry : read_entries(findings_, node)) {
     const auto button = find_control(joystick_buttons, entry.name);
     if (button) {
-      source.buttons[*button] = static_cast<int>(read_integer(findings_, *entry.value, entry.name, 0, 255).value_or(-1));
+      source.buttons[*button] =
+          static_cast<int>(read_integer(findings_, *entry.value, entry.name, 0, 255).value_or(-1));
     } else {
       findings_.error(*entry.key, fmt::format("there is no button '{}'", shortened(entry.name)),
                       name_hint(entry.name, {joystick_buttons.begin(), joystick_buttons.end()}, "buttons"));
@@ -375,7 +375,8 @@ void LogMapReader::read_joystick(const YamlNode& node) {
     if (const YamlNode* buttons = keys->find("buttons")) read_buttons(*buttons, source);
   }
   const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
-  if (topic != nullptr && find_topic(*topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}}, "a Joy", source))
+  if (topic != nullptr &&
+      find_topic(*topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}}, "a Joy", source))
     map_.joystick = std::move(source);
 }
 
@@ -426,7 +427,8 @@ void LogMapReader::read_commands(const YamlNode& node) {
   } else if (source.is_array) {
     read_array_commands(*keys, source);
     if (const YamlNode* names = keys->find("names"))
-      findings_.error(*names, "'names' of an array of numbers", "expected joints: the joints in the order of the numbers");
+      findings_.error(*names, "'names' of an array of numbers",
+                      "expected joints: the joints in the order of the numbers");
   } else if (keys) {
     for (const char* key : {"joints", "quantity"})
       if (const YamlNode* of_arrays = keys->find(key))

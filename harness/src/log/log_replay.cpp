@@ -66,7 +66,6 @@ struct Fed {
   TopicWatch watch;
   std::int64_t unreadable = 0;
   std::int64_t gap_events = 0;
-  bool any = false;  // a message came
 };
 
 class LogReplayer {
@@ -173,7 +172,8 @@ Result<void> LogReplayer::make_feeds(const std::vector<LogTopic>& topics) {
     if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
     if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
     if (mapped.devices)
-      fed.feed = make_device_feed(*mapped.devices, *model_, {report_.start, map_.time_step, map_.clock}, *topic, *schema);
+      fed.feed =
+          make_device_feed(*mapped.devices, *model_, {report_.start, map_.time_step, map_.clock}, *topic, *schema);
     if (mapped.commands) {
       commands_ = std::make_unique<LogCommands>(map_, *model_, *schema);
       lookahead_ = std::max(lookahead_, nanoseconds(map_.time_step * (std::max(0, map_.commands->shift) + 1)));
@@ -192,7 +192,8 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   warn(report_.remarks, survey_.damage);
   if (auto found = find_span(); !found) return found.errors();
   if (auto made = make_feeds(topics); !made) return made.errors();
-  read_in_order(log_, channels_of(log_, sources_), [this](const mcap::Message& message) { return on_message(message); });
+  read_in_order(log_, channels_of(log_, sources_),
+                [this](const mcap::Message& message) { return on_message(message); });
   if (errors_.empty())
     if (auto done = run_ticks_before(std::numeric_limits<std::int64_t>::max()); !done) errors_ = done.errors();
   if (!errors_.empty()) return errors_;
@@ -210,7 +211,6 @@ bool LogReplayer::on_message(const mcap::Message& message) {
   for (Fed& fed : fed_) {
     if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(*time)) continue;
     const bool fits = fed.feed ? fed.feed->take(*time, message.data) : commands_->take(*time, message.data);
-    fed.any |= fits;
     fed.unreadable += fits ? 0 : 1;
   }
   return tick_ < ticks_;
@@ -325,9 +325,12 @@ Result<void> LogReplayer::begin() {
 
 Result<Scenario> LogReplayer::make_scenario() {
   const fs::path model_file = fs::path(model_->source_file).filename();
-  const std::string text = log_scenario_text({map_, *model_, model_file.string(), fs::path(log_.name()).filename().string(),
-                                              options_.controller, ticks_, seen_.bodies[0]});
-  const Scenario::ModelSource model = [this](const std::string&, const UrdfOptions&) -> Result<Model> { return *model_; };
+  const std::string text =
+      log_scenario_text({map_, *model_, model_file.string(), fs::path(log_.name()).filename().string(),
+                         options_.controller, ticks_, seen_.bodies[0]});
+  const Scenario::ModelSource model = [this](const std::string&, const UrdfOptions&) -> Result<Model> {
+    return *model_;
+  };
   auto scenario = Scenario::parse(text, trace_.string() + "/scenario.yaml", model);
   if (scenario && scenario->ticks() != ticks_)
     return error(fmt::format("{} ticks of {} s are no duration", ticks_, map_.time_step), "expected another time_step");
@@ -340,15 +343,16 @@ mcap::StringMap LogReplayer::facts() const {
   facts["source"] = "log";
   facts["log"] = fs::path(log_.name()).filename().string() + " " + report_.log_hash;
   facts["log.start"] = std::to_string(report_.start);
-  facts["map"] = fs::path(map_.file).filename().string() + " " +
-                 hash_text(hash_bytes(map_.text.data(), map_.text.size()));
+  facts["map"] =
+      fs::path(map_.file).filename().string() + " " + hash_text(hash_bytes(map_.text.data(), map_.text.size()));
   return facts;
 }
 
 Result<void> LogReplayer::record_tick() {
   if (auto done = recorder_->record_state(tick_, seen_, seen_); !done) return done;
   // there is no simulation whose state could have a hash
-  if (auto done = recorder_->record_tick(tick_, host_.get(), {0, host_->input_hash(seen_), host_->output_hash()}); !done)
+  if (auto done = recorder_->record_tick(tick_, host_.get(), {0, host_->input_hash(seen_), host_->output_hash()});
+      !done)
     return done;
   if (auto done = record_events(std::exchange(gap_events_, {})); !done) return done;
   return record_events(host_->take_events());
@@ -396,13 +400,15 @@ Result<void> LogReplayer::finish() {
     topic.use = sources_[i].use;
     for (const auto& [id, channel] : log_.channels())
       if (channel.topic == topic.topic && log_.schema_of(channel)) topic.type = log_.schema_of(channel)->name;
-    topic.unreadable = fed_[i].unreadable + (fed_[i].feed ? fed_[i].feed->unreadable() : 0);
-    topic.out_of_order = survey_.sources[i].out_of_order;
+    const SourceSurvey& whole = survey_.sources[i];
+    topic.unreadable = fed_[i].unreadable + (fed_[i].feed ? fed_[i].feed->unreadable() : 0) + whole.without_time;
+    topic.skipped += whole.messages - whole.without_time - topic.messages;  // behind the last tick
+    topic.messages = whole.messages;
+    topic.out_of_order = whole.out_of_order;
   }
   const RecordingSize& size = recorder_->size();
-  mcap::StringMap outcome{{"ticks", std::to_string(size.ticks)},
-                          {"complete", report_.failure ? "false" : "true"},
-                          {"checkpoints", "none"}};
+  mcap::StringMap outcome{
+      {"ticks", std::to_string(size.ticks)}, {"complete", report_.failure ? "false" : "true"}, {"checkpoints", "none"}};
   if (report_.failure) outcome["failure"] = report_.failure->message;
   for (const LogTopicReport& topic : report_.topics) {
     auto done = recorder_->add_metadata("rehearse.log " + topic.topic, metadata_of(topic));

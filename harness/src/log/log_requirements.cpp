@@ -13,8 +13,7 @@ namespace {
 
 class Requirements {
  public:
-  Requirements(const Model& model, const LogMap& map, const std::vector<MappedSource>& sources,
-               const LogSurvey& survey)
+  Requirements(const Model& model, const LogMap& map, const std::vector<MappedSource>& sources, const LogSurvey& survey)
       : model_(model), map_(map) {
     for (std::size_t i = 0; i < sources.size(); ++i) {
       for (const auto& [joint, given] : survey.sources[i].joints) {
@@ -58,8 +57,9 @@ class Requirements {
         return;
       case Quantity::twist:
         if (field.link != 0 || !map_.root || !map_.root->has_twist)
-          miss(fmt::format("v, w of link '{}'", link.name),
-               field.link == 0 ? "root: the topic of an Odometry would give it" : "a log gives it of the root link alone");
+          miss(fmt::format("v, w of link '{}'", link.name), field.link == 0
+                                                                ? "root: the topic of an Odometry would give it"
+                                                                : "a log gives it of the root link alone");
         return;
       case Quantity::acceleration:
         return miss(fmt::format("dv, dw of link '{}'", link.name), "no message of a log has it");
@@ -69,9 +69,7 @@ class Requirements {
 
   void check_joint(const IoField& field, const Link& link) {
     const GivenJoint given = joints_.count(field.joint) ? joints_.at(field.joint) : GivenJoint();
-    const bool is_given = field.quantity == Quantity::q    ? given.q
-                          : field.quantity == Quantity::dq ? given.dq
-                                                           : given.u;
+    const bool is_given = field.quantity == Quantity::q ? given.q : field.quantity == Quantity::dq ? given.dq : given.u;
     if (is_given) return;
     const std::string what = fmt::format("{} of joint '{}'", name_of(field.quantity), link.joint.name);
     if (map_.joints.empty()) return miss(what, "joints: the topic of a JointState would give it");

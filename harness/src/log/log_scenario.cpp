@@ -103,7 +103,8 @@ std::string log_scenario_text(const LogScenarioParts& parts) {
   yaml << YAML::Key << "bodies" << YAML::Value << YAML::BeginSeq;
   emit_body(yaml, parts);
   yaml << YAML::EndSeq;
-  if (parts.map.joystick) yaml << YAML::Key << "joystick" << YAML::Value << YAML::Flow << YAML::BeginSeq << YAML::EndSeq;
+  if (parts.map.joystick)
+    yaml << YAML::Key << "joystick" << YAML::Value << YAML::Flow << YAML::BeginSeq << YAML::EndSeq;
   emit_cameras(yaml, parts);
   if (!parts.map.tolerances.empty()) emit_tolerances(yaml, parts.map.tolerances);
   yaml << YAML::EndMap;

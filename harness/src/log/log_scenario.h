@@ -16,9 +16,9 @@ namespace rehearse {
 struct LogScenarioParts {
   const LogMap& map;
   const Model& model;
-  std::string model_file;      // its name, without folders
-  std::string log;             // its name, without folders
-  std::string library;         // of the controller, as it was given
+  std::string model_file;  // its name, without folders
+  std::string log;         // its name, without folders
+  std::string library;     // of the controller, as it was given
   std::int64_t ticks = 0;
   const BodyObservation& seen;  // at the first tick; NaN for joints that nothing gives
 };

@@ -58,13 +58,13 @@ struct GivenJoint {
 
 struct SourceSurvey {
   std::int64_t messages = 0;
-  std::int64_t out_of_order = 0;        // in the file behind one of a later log time
-  std::int64_t without_time = 0;        // not counted among the messages that are used
-  std::optional<std::int64_t> first;    // [ns]
-  std::optional<std::int64_t> complete; // of joints: when each had a message [ns]; else first
-  std::int64_t last = 0;                // [ns]
-  std::map<int, GivenJoint> joints;     // by id
-  std::set<std::string> strangers;      // names of joints that aren't the model's
+  std::int64_t out_of_order = 0;         // in the file behind one of a later log time
+  std::int64_t without_time = 0;         // not counted among the messages that are used
+  std::optional<std::int64_t> first;     // [ns]
+  std::optional<std::int64_t> complete;  // of joints: when each had a message [ns]; else first
+  std::int64_t last = 0;                 // [ns]
+  std::map<int, GivenJoint> joints;      // by id
+  std::set<std::string> strangers;       // names of joints that aren't the model's
 };
 
 struct LogSurvey {
@@ -76,8 +76,8 @@ struct LogSurvey {
 /// Channels of the log by the topics of the sources.
 std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vector<MappedSource>& sources);
 
-/// Messages of whatever topic in order of log time, those of `channels` only. A log that isn't whole is read as far as it
-/// goes; what isn't whole comes back.
+/// Messages of whatever topic in order of log time, those of `channels` only. A log that isn't whole is read as far as
+/// it goes; what isn't whole comes back.
 Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
                           const std::function<bool(const mcap::Message&)>& callback);
 

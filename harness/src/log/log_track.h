@@ -37,8 +37,8 @@ class LogTrack {
     Span span{&samples_.front()};
     if (!interpolate || samples_.size() < 2 || samples_.front().time == time) return span;
     span.after = &samples_[1];
-    span.fraction = static_cast<double>(time - span.before->time) /
-                    static_cast<double>(span.after->time - span.before->time);
+    span.fraction =
+        static_cast<double>(time - span.before->time) / static_cast<double>(span.after->time - span.before->time);
     return span;
   }
 

@@ -147,7 +147,8 @@ Result<Image> color_of(const msg::CompressedImage& message) {
   };
   if (begins_with(png)) return decode_png(message.data);
   if (begins_with(jpeg)) return decode_jpeg(message.data);
-  return error(fmt::format("a picture in '{}', which is neither JPEG nor PNG", message.format), "read are JPEG and PNG");
+  return error(fmt::format("a picture in '{}', which is neither JPEG nor PNG", message.format),
+               "read are JPEG and PNG");
 }
 
 Result<DepthImage> depth_of(const msg::Image& message) {

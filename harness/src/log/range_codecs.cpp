@@ -63,8 +63,7 @@ class PointValues {
 bool is_whole(const msg::PointCloud2& cloud) {
   if (cloud.width == 0 || cloud.height == 0 || cloud.point_step == 0) return false;
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
-  return cloud.row_step >= row &&
-         cloud.data.size() >= std::uint64_t{cloud.height - 1} * cloud.row_step + row;
+  return cloud.row_step >= row && cloud.data.size() >= std::uint64_t{cloud.height - 1} * cloud.row_step + row;
 }
 
 }  // namespace

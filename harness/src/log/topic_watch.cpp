@@ -76,8 +76,7 @@ void TopicWatch::report(LogTopicReport& report, std::int64_t start) const {
   report.longest_gap = seconds_of(longest_gap_);
   report.longest_gap_at = longest_gap_ > 0 ? seconds_of(longest_gap_at_ - start) : 0.0;
   const std::int64_t counted = report.messages - report.backwards;
-  if (counted > 1 && *last_ > *first_)
-    report.rate = static_cast<double>(counted - 1) / seconds_of(*last_ - *first_);
+  if (counted > 1 && *last_ > *first_) report.rate = static_cast<double>(counted - 1) / seconds_of(*last_ - *first_);
 }
 
 }  // namespace rehearse

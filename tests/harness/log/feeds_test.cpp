@@ -258,9 +258,10 @@ TEST_F(FeedTest, RefusesPicturesOfAnotherCamera) {
   take(0, image);
   const auto looked = feed_->look({0, 0, 0.0}, seen_);
   ASSERT_FALSE(looked.ok());
-  EXPECT_THAT(to_string(looked.errors()),
-              HasSubstr("map.yaml:3:18: error: '/camera/image_raw' has pictures of 6 x 6 pixels, and the model's camera "
-                        "'Camera' has 8 x 6"));
+  EXPECT_THAT(
+      to_string(looked.errors()),
+      HasSubstr("map.yaml:3:18: error: '/camera/image_raw' has pictures of 6 x 6 pixels, and the model's camera "
+                "'Camera' has 8 x 6"));
 }
 
 TEST_F(FeedTest, LeavesOutABrokenPictureAmongGoodOnes) {
@@ -307,7 +308,8 @@ TEST_F(FeedTest, RemarksOnScansThatPointElsewhere) {
   look(0);
   EXPECT_THAT(to_string(feed_->take_remarks()), HasSubstr("go from -2 to 2 rad, and the model's 'Laser' from -1 to 1"));
   scan.ranges.resize(4);
-  std::unique_ptr<LogFeed> another = make_device_feed(map_.devices[0], model_, {0, 0.01, map_.clock}, topic("/scan"), schema("/scan"));
+  std::unique_ptr<LogFeed> another =
+      make_device_feed(map_.devices[0], model_, {0, 0.01, map_.clock}, topic("/scan"), schema("/scan"));
   another->take(0, cdr_of(scan));
   const auto looked = another->look({0, 0, 0.0}, seen_);
   ASSERT_FALSE(looked.ok());
@@ -352,8 +354,8 @@ TEST_F(FeedTest, ReadsAVendorsMessagesByTheNamesOfTheirFields) {
 TEST_F(FeedTest, ReadsBothByteOrders) {
   topics_ = {topic_with("/arm", "vendor_msgs/msg/ArmState", "string[<=4] name\nfloat64[] position\n")};
   map("joints: /arm\n");
-  const std::uint8_t big_endian[] = {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 6, 'E', 'L', 'B', 'O', 'W', 0, 0, 0,
-                                     0, 0, 0, 1, 0, 0, 0, 0, 0x40, 0, 0, 0, 0, 0, 0, 0};
+  const std::uint8_t big_endian[] = {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,    6, 'E', 'L', 'B', 'O', 'W', 0,
+                                     0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0x40, 0, 0,   0,   0,   0,   0,   0};
   const auto bytes = std::as_bytes(std::span(big_endian));
   ASSERT_TRUE(feed_->take(0, bytes));
   look(0);

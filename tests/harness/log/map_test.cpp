@@ -20,7 +20,8 @@ LogMap parsed(const std::string& lines) {
 }
 
 TEST(LogMap, NeedsFewLines) {
-  const LogMap map = parsed("joints: /joint_states\nimus: {topic: /imu/data, device: Imu}\ncommands: /joint_commands\n");
+  const LogMap map =
+      parsed("joints: /joint_states\nimus: {topic: /imu/data, device: Imu}\ncommands: /joint_commands\n");
   EXPECT_EQ(map.body, "Bot");
   EXPECT_EQ(map.time_step, 0.002);
   EXPECT_EQ(map.clock, LogClock::log_time);
@@ -112,9 +113,9 @@ TEST(LogMap, NamesTheJointsOfAnArray) {
 }
 
 TEST(LogMap, TellsAllMistakesInTheFilesOrder) {
-  const auto map = LogMap::parse(
-      "rehearse_map: 1\ntime_step: 0\njoints: /nobody\nimus: {topic: /scan, device: Wrist}\nstart: now\n", "map.yaml",
-      mapped_robot(), mapped_topics());
+  const auto map =
+      LogMap::parse("rehearse_map: 1\ntime_step: 0\njoints: /nobody\nimus: {topic: /scan, device: Wrist}\nstart: now\n",
+                    "map.yaml", mapped_robot(), mapped_topics());
   ASSERT_FALSE(map.ok());
   std::vector<int> lines;
   for (const Diagnostic& mistake : map.errors()) lines.push_back(mistake.line);

@@ -4,10 +4,13 @@
 #include <rehearse/log_replay.h>
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
+#include <rehearse/test_support.h>
 #include <rehearse/trace.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <optional>
 
 #include "robot_log.h"
 
@@ -45,7 +48,9 @@ class LogReplay : public ::testing::Test {
     std::ofstream(path("map.yaml"), std::ios::binary) << "rehearse_map: 1\n" << lines;
   }
 
-  void log(const std::string& golden, const RobotLog& robot) const { write_log(goldens / golden, path("log.mcap"), robot); }
+  void log(const std::string& golden, const RobotLog& robot) const {
+    write_log(goldens / golden, path("log.mcap"), robot);
+  }
 
   Result<LogReplayReport> replay_it(const std::string& controller, const std::string& model) {
     options_.controller = controller;
@@ -76,9 +81,8 @@ class LogReplay : public ::testing::Test {
   // The log of a tank that is driven by joystick: the simplest that moves.
   RobotLog tank() const {
     RobotLog robot;
-    robot.topics = {{"/Tank/joints", "/joint_states"},
-                    {"/joy", "/joy"},
-                    {"/Tank/Driver/output/joints", "/joint_commands"}};
+    robot.topics = {
+        {"/Tank/joints", "/joint_states"}, {"/joy", "/joy"}, {"/Tank/Driver/output/joints", "/joint_commands"}};
     return robot;
   }
   static constexpr const char* tank_map =
@@ -321,6 +325,50 @@ TEST_F(LogReplay, SaysThatALibraryIsNotThere) {
   map(tank_map);
   EXPECT_THAT(refused("NobodysController", "tank.urdf"),
               ::testing::StartsWith("error: controller library 'NobodysController' not found (looked for "));
+}
+
+/// Sets a variable for as long as it lives; null: removes it.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    value ? setenv(name, value, 1) : unsetenv(name);
+  }
+  ~Variable() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST_F(LogReplay, BecomesAGoldenOfATest) {
+  const Variable folder("REHEARSE_GOLDEN_DIR", path("golden").c_str()),
+      pending("REHEARSE_PENDING", path("pending").c_str());
+  const Variable no_ci("CI", nullptr);
+  fs::create_directory(path("golden"));
+  log("Tank.IsDrivenByJoystick.mcap", tank());
+  map(tank_map);
+  options_.until = 1.0;
+  replayed("TankController", "tank.urdf");
+  {
+    const Variable mode("REHEARSE_GOLDEN", "new");
+    const internal::TestVerdict written = internal::match_golden(run(), "Tank.AsInTheLog");
+    EXPECT_TRUE(written.passed) << written.message;
+  }
+  const Variable mode("REHEARSE_GOLDEN", "check");
+  const internal::TestVerdict repeated = internal::replay_golden("Tank.AsInTheLog");
+  EXPECT_TRUE(repeated.passed) << repeated.message;
+  replayed("TankController", "tank.urdf");
+  const internal::TestVerdict again = internal::match_golden(run(), "Tank.AsInTheLog");
+  EXPECT_TRUE(again.passed) << again.message;
+  RobotLog robot = tank();
+  robot.keep = [](const std::string& topic, std::int64_t time) { return topic != "/joy" || time >= 900'000'000; };
+  log("Tank.IsDrivenByJoystick.mcap", robot);
+  replayed("TankController", "tank.urdf");
+  const internal::TestVerdict other = internal::match_golden(run(), "Tank.AsInTheLog");
+  EXPECT_FALSE(other.passed) << "the joystick came later";
 }
 
 TEST_F(LogReplay, LeavesTheLogAlone) {

@@ -1,5 +1,5 @@
-// A log as a robot would have written it, made of a recording of ours: other names of topics, a wall clock, messages that
-// are late, out of order or missing.
+// A log as a robot would have written it, made of a recording of ours: other names of topics, a wall clock, messages
+// that are late, out of order or missing.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@
 namespace rehearse {
 
 struct RobotLog {
-  std::map<std::string, std::string> topics;         // those that it has: names in the recording, then in the log
-  std::int64_t start = 1'763'640'000'123'456'789;    // of the recording, by the log's clock [ns]
+  std::map<std::string, std::string> topics;       // those that it has: names in the recording, then in the log
+  std::int64_t start = 1'763'640'000'123'456'789;  // of the recording, by the log's clock [ns]
   /// Of a topic of the log at a time of the recording [ns]; null: keeps all, and nothing is late.
   std::function<bool(const std::string& topic, std::int64_t time)> keep;
   std::function<std::int64_t(const std::string& topic, std::int64_t time)> lateness;  // [ns]
