@@ -276,6 +276,18 @@ void tell_channels(const mcap::Reader& reader, const Contents& contents) {
   print_table(rows);
 }
 
+/// Text that may have several lines: those after the first stand further in.
+std::string plain_lines(std::string_view text) {
+  std::string lines;
+  while (true) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines += plain_text(text.substr(0, end));
+    if (end == text.size()) return lines;
+    lines += "\n    ";
+    text.remove_prefix(end + 1);
+  }
+}
+
 void tell_records(const mcap::Reader& reader) {
   if (!reader.attachments().empty()) fmt::print("\nattachments\n");
   for (const mcap::Attachment& attachment : reader.attachments())
@@ -283,7 +295,7 @@ void tell_records(const mcap::Reader& reader) {
                file_size_text(attachment.data.size()));
   for (const mcap::Metadata& record : reader.metadata()) {
     fmt::print("\nmetadata '{}'\n", plain_text(record.name));
-    for (const auto& [key, value] : record.values) fmt::print("  {}: {}\n", plain_text(key), plain_text(value));
+    for (const auto& [key, value] : record.values) fmt::print("  {}: {}\n", plain_text(key), plain_lines(value));
   }
 }
 
@@ -293,7 +305,7 @@ void tell_events(const Contents& contents) {
   for (std::size_t i = 0; i < std::min(contents.events.size(), events_shown); ++i) {
     const msg::Event& event = contents.events[i];
     fmt::print("  tick {}, {} s: {}: {}: {}\n", event.tick, static_cast<double>(event.stamp.to_ns()) / 1e9,
-               event.severity, plain_text(event.source), plain_text(event.text));
+               event.severity, plain_text(event.source), plain_lines(event.text));
   }
   if (contents.events.size() > events_shown)
     fmt::print("  and {} more; --json lists them all\n", contents.events.size() - events_shown);
