@@ -107,6 +107,11 @@ TEST_F(InfoOfAnyFile, MakesNoPassOverALargeFile) {
   EXPECT_THAT(outcome.out, HasSubstr("messages     " + std::to_string(large.messages()) + " in 30 channels\n"));
   EXPECT_THAT(outcome.out, HasSubstr("as the file's summary says it; --full reads all of it"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("payload ")));
+  const nlohmann::json info = done({"info", "large.mcap", "--json"}).json();
+  EXPECT_EQ(info["read"], "summary");
+  EXPECT_EQ(info["messages"], large.messages());
+  EXPECT_EQ(info["channels"][29]["messages"], large.messages() / 30);
+  EXPECT_TRUE(info["channels"][29]["bytes"].is_null() && info["events"].is_null());
 #if !defined(__SANITIZE_ADDRESS__)
   EXPECT_LT(memory_of({"info", "large.mcap"}), 20'000) << "kB; pages of the file count";
 #endif

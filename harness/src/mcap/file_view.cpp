@@ -29,8 +29,13 @@ Diagnostic failure(const std::string& name, std::string_view what, int problem) 
 class TemporaryFile {
  public:
   TemporaryFile() {
-    std::error_code ignored;
-    folder_ = std::filesystem::temp_directory_path(ignored).string();
+    std::error_code none;
+    folder_ = std::filesystem::temp_directory_path(none).string();
+    if (none) {
+      folder_ = "the folder for temporary files";
+      errno = none.value();
+      return;
+    }
     descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return;
     std::string name = folder_ + "/rehearse.XXXXXX";  // not every file system has nameless ones

@@ -168,6 +168,97 @@ TEST(McapReader, SkipsRecordsAndFieldsThatItDoesNotKnow) {
   EXPECT_EQ(pass.messages, (std::vector<Seen>{{"/a", 0, 1, "x"}}));
 }
 
+TEST(McapReader, SkipsFieldsThatItDoesNotKnowInEveryRecord) {
+  constexpr std::string_view more = "new fields";
+  const auto definitions =
+      Composer()
+          .record(0x03, Composer().put(std::uint16_t{1}).text("T").text("e").text("d").raw(bytes_of(more)))
+          .record(0x04, Composer()
+                            .put(std::uint16_t{1})
+                            .put(std::uint16_t{1})
+                            .text("/a")
+                            .text("text")
+                            .put(std::uint32_t{0})
+                            .raw(bytes_of(more)));
+  Composer file;
+  file.magic().record(0x01, Composer().text("p").text("l").raw(bytes_of(more))).raw(definitions.bytes);
+  const std::uint64_t chunk = file.bytes.size();
+  const Composer records = Composer().message(1, 5, "x");
+  Composer body;
+  body.put(std::uint64_t{5}).put(std::uint64_t{5}).put(std::uint64_t{records.bytes.size()}).put(std::uint32_t{0});
+  body.text("").put(std::uint64_t{records.bytes.size()}).raw(records.bytes).raw(bytes_of(more));
+  file.record(0x06, body);
+  const std::uint64_t chunk_length = file.bytes.size() - chunk;
+  file.record(0x07, Composer().put(std::uint16_t{1}).put(std::uint32_t{0}).raw(bytes_of(more)));
+  const std::uint64_t index_length = file.bytes.size() - chunk - chunk_length;
+  const std::uint64_t attachment = file.bytes.size();
+  Composer attached = Composer().put(std::uint64_t{1}).put(std::uint64_t{2}).text("n").text("t");
+  attached.put(std::uint64_t{3}).raw(bytes_of("abc")).put(std::uint32_t{0}).raw(bytes_of(more));
+  file.record(0x09, attached);
+  const std::uint64_t metadata = file.bytes.size();
+  file.record(0x0c, Composer().text("m").put(std::uint32_t{0}).raw(bytes_of(more)));
+  const std::uint64_t end = file.bytes.size();
+  file.record(0x0f, Composer().put(std::uint32_t{0}));
+  const std::uint64_t summary = file.bytes.size();
+  file.raw(definitions.bytes);
+  file.record(0x0b, Composer()
+                        .put(std::uint64_t{1})
+                        .put(std::uint16_t{1})
+                        .put(std::uint32_t{1})
+                        .put(std::uint32_t{1})
+                        .put(std::uint32_t{1})
+                        .put(std::uint32_t{1})
+                        .put(std::uint64_t{5})
+                        .put(std::uint64_t{5})
+                        .put(std::uint32_t{10})
+                        .put(std::uint16_t{1})
+                        .put(std::uint64_t{1})
+                        .raw(bytes_of(more)));
+  file.record(0x08, Composer()
+                        .put(std::uint64_t{5})
+                        .put(std::uint64_t{5})
+                        .put(chunk)
+                        .put(chunk_length)
+                        .put(std::uint32_t{0})
+                        .put(index_length)
+                        .text("")
+                        .put(std::uint64_t{records.bytes.size()})
+                        .put(std::uint64_t{records.bytes.size()})
+                        .raw(bytes_of(more)));
+  file.record(0x0a, Composer()
+                        .put(attachment)
+                        .put(metadata - attachment)
+                        .put(std::uint64_t{1})
+                        .put(std::uint64_t{2})
+                        .put(std::uint64_t{3})
+                        .text("n")
+                        .text("t")
+                        .raw(bytes_of(more)));
+  file.record(0x0d, Composer().put(metadata).put(end - metadata).text("m").raw(bytes_of(more)));
+  file.record(0x0e, Composer().put(std::uint8_t{3}).put(summary).put(std::uint64_t{1}).raw(bytes_of(more)));
+  file.record(0x7f, Composer().text("a record of a later version"));
+  file.record(0x02, Composer().put(summary).put(std::uint64_t{0}).put(std::uint32_t{0})).magic();
+
+  for (const auto opening : {mcap::Opening::walk, mcap::Opening::by_summary}) {
+    const auto reader = open_composed(file, {.opening = opening});
+    EXPECT_EQ(reader->opened_by_summary(), opening == mcap::Opening::by_summary);
+    EXPECT_TRUE(reader->damage().empty()) << to_string(reader->damage());
+    EXPECT_EQ(reader->profile() + reader->library(), "pl");
+    EXPECT_EQ(reader->schemas().at(1), (mcap::Schema{1, "T", "e", "d"}));
+    EXPECT_EQ(reader->channels().at(1), (mcap::Channel{1, 1, "/a", "text", {}}));
+    ASSERT_EQ(reader->chunks().size(), 1u);
+    EXPECT_EQ(reader->chunks()[0].size, records.bytes.size());
+    ASSERT_EQ(reader->attachments().size(), 1u);
+    EXPECT_EQ(text_of(reader->attachments()[0].data), "abc");
+    ASSERT_EQ(reader->metadata().size(), 1u);
+    EXPECT_EQ(reader->metadata()[0].name, "m");
+    EXPECT_EQ(reader->statistics().value().channel_message_counts.at(1), 1u);
+    const Pass pass = pass_over(*reader);
+    EXPECT_TRUE(pass.end) << to_string(pass.end.errors());
+    EXPECT_EQ(pass.messages, (std::vector<Seen>{{"/a", 0, 5, "x"}}));
+  }
+}
+
 TEST(McapReader, ReadsTheSmallestFile) {
   Composer file;
   file.magic().header().footer();  // a DataEnd may be missing then

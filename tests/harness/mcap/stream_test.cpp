@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <algorithm>
+#include <cstdlib>
 #include <thread>
 #include <utility>
 
@@ -293,6 +294,18 @@ TEST(McapInput, APipeThatHasNoNameCanBeOpenedAgain) {
     EXPECT_EQ(pass_over(*std::move(*mcap::Reader::open(pipe.path()))).messages.size(), 5u);
     EXPECT_EQ(pass_over(*std::move(*mcap::Reader::open(other.path()))).messages.size(), 0u);
   }
+}
+
+TEST(McapInput, APipeForWhichThereIsNoRoomIsRefused) {
+  const char* const before = std::getenv("TMPDIR");
+  const std::string restored = before ? before : "";
+  ::setenv("TMPDIR", "/nonexistent", 1);
+  Pipe pipe;
+  const auto reader = mcap::Reader::open(pipe.path());
+  before ? ::setenv("TMPDIR", restored.c_str(), 1) : ::unsetenv("TMPDIR");
+  ASSERT_FALSE(reader);
+  EXPECT_THAT(to_string(reader.errors()),
+              HasSubstr(": error: can't keep what comes in the folder for temporary files: "));
 }
 
 TEST(McapInput, AFileThatIsMadeUpAsItIsReadIsReadAsAFile) {
