@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "file_view.h"
-#include "reader_impl.h"
+#include "frame.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {
@@ -23,8 +22,8 @@ void Findings::add(Severity severity, Place place, std::string message) {
   if (count++ < limit_) list_.push_back({severity, place, std::move(message)});
 }
 
-Doctor::Doctor(Bytes file, const DoctorOptions& options, Examination& into)
-    : file_(file), options_(options), into_(into), findings_(into.findings), resync_(file, options.max_chunk_size) {}
+Doctor::Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into)
+    : file_(file), passed_(view, file), options_(options), into_(into), findings_(into.findings), resync_(file, options.max_chunk_size) {}
 
 void Doctor::examine() {
   crc_end_ = magic.size();
@@ -84,10 +83,9 @@ bool Doctor::skip_damage(std::uint64_t begin) {
     return true;
   }
   const Bytes rest = file_.subspan(begin);
-  const bool zeros = std::all_of(rest.begin(), rest.end(), [](std::byte b) { return b == std::byte{0}; });
   if (rest.empty())
     fail({begin, {}}, "truncated: the file ends there, without Data End and Footer");
-  else if (zeros)
+  else if (is_all_zero(rest))
     fail({begin, {}}, fmt::format("truncated: from there to the end at byte {} are zeros only", file_.size()));
   else
     fail({begin, {}}, fmt::format("truncated: the record that begins there isn't whole, and none comes behind it up to "
@@ -286,28 +284,36 @@ void Doctor::tell_channels() {
 }
 
 void Doctor::tell_progress(std::uint64_t offset) {
+  passed_.pass(offset);
   if (!options_.progress || offset < next_progress_) return;
   options_.progress(offset, file_.size());
   next_progress_ = offset + progress_step;
 }
 
-Result<Examination> examine(const std::filesystem::path& file, const DoctorOptions& options) {
-  const auto view = FileView::open(file);
-  if (!view) return view.errors();
-  return examine_bytes(view->bytes(), file.string(), options);
-}
+namespace {
 
-Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const DoctorOptions& options) {
-  const bool begins = bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-  if (!begins) {
-    const auto refused = Reader::open_bytes(bytes, name);  // says why
-    REHEARSE_ASSERT(!refused, "without its first bytes nobody reads a file");
-    return refused.errors();
+Result<Examination> examine(const FileView& view, Bytes bytes, const std::string& name, const DoctorOptions& options) {
+  if (!begins_with_magic(bytes)) {
+    Diagnostic refused = error(describe_start(bytes));
+    refused.file = name;
+    return refused;
   }
   Examination examination;
   examination.size = bytes.size();
-  Doctor(bytes, options, examination).examine();
+  Doctor(view, bytes, options, examination).examine();
   return examination;
+}
+
+}  // namespace
+
+Result<Examination> examine(const std::filesystem::path& file, const DoctorOptions& options) {
+  const auto view = FileView::open(file);
+  if (!view) return view.errors();
+  return examine(*view, view->bytes(), view->name(), options);
+}
+
+Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const DoctorOptions& options) {
+  return examine(FileView(), bytes, name, options);
 }
 
 }  // namespace rehearse::mcap

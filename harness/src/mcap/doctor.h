@@ -7,6 +7,7 @@
 #include <map>
 
 #include "codec.h"
+#include "file_view.h"
 #include "output.h"
 #include "records.h"
 #include "resync.h"
@@ -51,7 +52,8 @@ struct ExaminedRecord {
 
 class Doctor {
  public:
-  Doctor(Bytes file, const DoctorOptions& options, Examination& into);
+  /// `view`: where the file's bytes come from; an empty one if they were given.
+  Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into);
   void examine();
 
  private:
@@ -97,6 +99,7 @@ class Doctor {
   void tell_what_summary_lacks(std::uint64_t begin);
 
   const Bytes file_;
+  PassedBytes passed_;
   const DoctorOptions& options_;
   Examination& into_;
   Findings& findings_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "doctor.h"
-#include "reader_impl.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

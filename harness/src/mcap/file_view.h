@@ -30,4 +30,23 @@ class FileView {
   std::string name_;
 };
 
+/// Lets go of what a pass from front to back has left behind, so that a large file takes no more memory than a small one.
+class PassedBytes {
+ public:
+  /// Of the view's own bytes; of others nothing is let go.
+  PassedBytes(const FileView& view, Bytes bytes) : view_(view), bytes_(bytes) {}
+  /// All before that offset is passed.
+  void pass(std::uint64_t offset) {
+    constexpr std::uint64_t step = std::uint64_t{16} << 20;
+    if (offset < forgotten_ + step) return;
+    view_.forget(bytes_.subspan(forgotten_, offset - forgotten_));
+    forgotten_ = offset;
+  }
+
+ private:
+  const FileView& view_;
+  Bytes bytes_;
+  std::uint64_t forgotten_ = 0;
+};
+
 }  // namespace rehearse::mcap

@@ -24,8 +24,9 @@ std::string join(const std::vector<std::string>& words) {
 /// One filtering.
 class Filter {
  public:
-  Filter(Reader& reader, Writer& writer, Selector& selector, const ChannelGroups& groups, const FilterOptions& options)
-      : reader_(reader), writer_(writer), selector_(selector), groups_(groups), options_(options) {}
+  Filter(const FileView& file, Reader& reader, Writer& writer, Selector& selector, const ChannelGroups& groups,
+         const FilterOptions& options)
+      : passed_(file, file.bytes()), reader_(reader), writer_(writer), selector_(selector), groups_(groups), options_(options) {}
 
   Result<Filtered> run();
 
@@ -36,6 +37,7 @@ class Filter {
   Result<void> write_note();
   Result<void> write(const Message& message);
 
+  PassedBytes passed_;
   Reader& reader_;
   Writer& writer_;
   Selector& selector_;
@@ -115,6 +117,7 @@ Result<Filtered> Filter::run() {
   Result<void> written;
   const auto read = reader_.for_each_message([&](const Message& message) {
     const std::uint64_t offset = message.location.record;
+    passed_.pass(offset);
     if (options_.progress && offset >= next_progress_) {
       options_.progress(offset, reader_.size());
       next_progress_ = offset + progress_step;
@@ -159,7 +162,7 @@ Result<Filtered> filter(const std::filesystem::path& source, const std::filesyst
   const ChannelGroups groups = groups_of(view->bytes());
   auto writer = Writer::create(draft->file(), form_of(**reader, options));
   if (!writer) return writer.errors();
-  auto filtered = Filter(**reader, **writer, *selector, groups, options).run();
+  auto filtered = Filter(*view, **reader, **writer, *selector, groups, options).run();
   if (!filtered) return filtered;
   std::error_code ignored;
   filtered->bytes = std::filesystem::file_size(draft->file(), ignored);

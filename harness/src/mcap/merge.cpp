@@ -86,6 +86,7 @@ class Merger {
 
 void Merger::define(OpenSource& source, int index) {
   const ChannelGroups groups = groups_of(source.reader->bytes_);
+  source.reader->file_.forget(source.reader->bytes_);
   std::set<std::uint16_t> own;  // channels of this source that another of it may not share
   for (const auto& [id, channel] : source.reader->contents_.channels) {
     const Schema* schema = source.reader->contents_.schema_of(channel);

@@ -42,6 +42,7 @@ void MessageOrder::open_next_chunk() {
     damage_.add(records.errors().front().message);
     return;
   }
+  if (!head->compression.empty()) reader_.file_.forget(record.body);  // all of it is in the buffer
   run->records = *records;
   RecordWalker inside(run->records);
   collect(*run, inside, &place);

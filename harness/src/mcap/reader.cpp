@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rehearse::mcap {
 
 Diagnostic Reader::Impl::damaged(std::string message) const {
@@ -12,7 +14,16 @@ Diagnostic Reader::Impl::damaged(std::string message) const {
 
 void Reader::Impl::check_data_crc(DamageLog& damage) {
   if (!options_.check_crcs || !data_crc_) return;
-  if (!data_crc_matches_) data_crc_matches_ = crc32(bytes_.first(data_end_)) == *data_crc_;
+  if (!data_crc_matches_) {
+    constexpr std::uint64_t step = std::uint64_t{1} << 20;
+    PassedBytes passed(file_, bytes_);
+    std::uint32_t crc = 0;
+    for (std::uint64_t offset = 0; offset < data_end_; offset += step) {
+      crc = crc32(bytes_.subspan(offset, std::min(step, data_end_ - offset)), crc);
+      passed.pass(offset);
+    }
+    data_crc_matches_ = crc == *data_crc_;
+  }
   if (!*data_crc_matches_) damage.add("damaged: the CRC of the data section doesn't match");
 }
 
@@ -60,8 +71,10 @@ Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const Cha
   walk_if_not_yet();
   DamageLog damage(name_);
   RecordWalker walker(bytes_.first(data_end_), magic.size());
+  PassedBytes passed(file_, bytes_);
   Record record;
   while (walker.next(record)) {
+    passed.pass(record.offset);
     bool more = true;
     if (record.opcode == op::message) more = deliver(record, callback, channels, damage);
     if (record.opcode == op::chunk) more = pass_over_chunk(record, callback, channels, damage);

@@ -48,8 +48,9 @@ struct OnSaved {
 /// The second pass: delivers what the first one saved.
 class SavedPass {
  public:
-  SavedPass(Bytes file, const Survey& survey, const RecoverOptions& options, Recovery& recovery, const OnSaved& saved)
-      : file_(file), survey_(survey), options_(options), recovery_(recovery), saved_(saved) {}
+  SavedPass(const FileView& file, const Survey& survey, const RecoverOptions& options, Recovery& recovery,
+            const OnSaved& saved)
+      : file_(file.bytes()), passed_(file, file_), survey_(survey), options_(options), recovery_(recovery), saved_(saved) {}
 
   void run() {
     for (const SavedRun& run : survey_.runs) {
@@ -67,6 +68,7 @@ class SavedPass {
  private:
   /// False: stop.
   bool pass(const Record& record, bool trusted) {
+    passed_.pass(record.offset);
     if (options_.progress && record.offset >= next_progress_) {
       options_.progress(file_.size() / 2 + record.offset / 2, file_.size());
       next_progress_ = record.offset + progress_step;
@@ -130,6 +132,7 @@ class SavedPass {
   }
 
   const Bytes file_;
+  PassedBytes passed_;
   const Survey& survey_;
   const RecoverOptions& options_;
   Recovery& recovery_;
@@ -201,7 +204,7 @@ Diagnostic about(const std::filesystem::path& file, std::string message) {
 }
 
 /// Writes all that the survey saved.
-Result<void> write_saved(Bytes file, const std::filesystem::path& source, const std::filesystem::path& target,
+Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const std::filesystem::path& target,
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
   form.profile = as_utf8(survey.profile);
@@ -269,9 +272,9 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   auto draft = Draft::begin(target, std::span(&source, 1));
   if (!draft) return draft.errors();
   Recovery recovery;
-  const Survey survey(view->bytes(), options, recovery);
+  const Survey survey(*view, options, recovery);
   if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
-  if (auto done = write_saved(view->bytes(), source, draft->file(), survey, options, recovery); !done)
+  if (auto done = write_saved(*view, source, draft->file(), survey, options, recovery); !done)
     return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
   if (auto done = draft->finish(); !done) return done.errors();

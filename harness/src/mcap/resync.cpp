@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "reader_impl.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

@@ -25,9 +25,11 @@ void Reader::Impl::walk_if_not_yet() {
 void Reader::Impl::scan() {
   RecordWalker walker(bytes_, magic.size());
   Record record;
+  PassedBytes passed(file_, bytes_);
   bool first = true;
   while (true) {
     data_end_ = walker.offset();
+    passed.pass(data_end_);
     if (!walker.next(record)) {
       report_cut(walker);
       break;

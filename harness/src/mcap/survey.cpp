@@ -24,8 +24,12 @@ bool has_zeros_behind(const Record& record, const LayoutCheck& layout) {
 
 }  // namespace
 
-Survey::Survey(Bytes file, const RecoverOptions& options, Recovery& recovery)
-    : file_(file), options_(options), recovery_(recovery), resync_(file, options.max_chunk_size) {
+Survey::Survey(const FileView& file, const RecoverOptions& options, Recovery& recovery)
+    : file_(file.bytes()),
+      passed_(file, file_),
+      options_(options),
+      recovery_(recovery),
+      resync_(file_, options.max_chunk_size) {
   recovery_.size = file_.size();
   read_summary();
   walk();
@@ -63,6 +67,7 @@ void Survey::walk() {
     lose(0, offset, "what stands there is no beginning of an MCAP file");
   }
   while (offset < file_.size()) {
+    passed_.pass(offset);
     if (options_.progress && offset >= next_progress_) {
       options_.progress(offset / 2, file_.size());
       next_progress_ = offset + progress_step;

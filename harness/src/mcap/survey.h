@@ -5,6 +5,7 @@
 
 #include "channel_groups.h"
 #include "codec.h"
+#include "file_view.h"
 #include "records.h"
 #include "resync.h"
 
@@ -20,7 +21,7 @@ struct SavedRun {
 class Survey {
  public:
   /// `recovery` gets the losses.
-  Survey(Bytes file, const RecoverOptions& options, Recovery& recovery);
+  Survey(const FileView& file, const RecoverOptions& options, Recovery& recovery);
 
   std::string profile;
   std::string library;
@@ -49,6 +50,7 @@ class Survey {
   void finish_data(const Record& data_end);
 
   const Bytes file_;
+  PassedBytes passed_;
   const RecoverOptions& options_;
   Recovery& recovery_;
   Resync resync_;
