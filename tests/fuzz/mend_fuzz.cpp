@@ -1,0 +1,78 @@
+// Whatever the bytes: the doctor examines them and finds at least what the Reader finds, and what recover() makes of
+// them, if it makes anything, is a whole file.
+#include <rehearse/mcap_recover.h>
+#include <rehearse/trace_doctor.h>
+
+#include <unistd.h>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+using namespace rehearse;
+
+namespace {
+
+constexpr std::uint64_t max_chunk_size = 1 << 20;  // [bytes]
+
+bool reader_complains(mcap::Bytes bytes) {
+  mcap::ReaderOptions options;
+  options.max_chunk_size = max_chunk_size;
+  const auto reader = mcap::Reader::open_bytes(bytes, "fuzz.mcap", options);
+  if (!reader || !(*reader)->damage().empty()) return true;
+  return !(*reader)->for_each_message([](const mcap::Message&) { return true; });
+}
+
+void examine(mcap::Bytes bytes) {
+  TraceCheck content;
+  mcap::DoctorOptions options;
+  options.max_chunk_size = max_chunk_size;
+  options.content = &content;
+  const auto examination = mcap::examine_bytes(bytes, "fuzz.mcap", options);
+  if (examination && !examination->findings.has_error() && reader_complains(bytes)) std::abort();
+}
+
+/// In memory where there is a file system for that.
+std::filesystem::path scratch(const char* name) {
+  std::error_code none;
+  const std::filesystem::path shared = "/dev/shm";
+  const bool there = std::filesystem::is_directory(shared, none);
+  return (there ? shared : std::filesystem::temp_directory_path()) /
+         ("rehearse_mend_fuzz_" + std::to_string(getpid()) + name);
+}
+
+struct Removed {
+  ~Removed() {
+    std::error_code none;
+    std::filesystem::remove(file, none);
+  }
+  std::filesystem::path file;
+};
+
+void recover(const std::uint8_t* data, std::size_t size) {
+  const Removed source{scratch(".mcap")}, target{scratch("_saved.mcap")}, again{scratch("_again.mcap")};
+  std::ofstream(source.file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  mcap::RecoverOptions options;
+  options.max_chunk_size = max_chunk_size;
+  for (const bool trust : {false, true}) {
+    options.trust_damaged = trust;
+    const auto saved = mcap::recover(source.file, target.file, options);
+    if (!saved) {
+      if (to_string(saved.errors()).find("nothing can be saved") == std::string::npos) std::abort();
+      continue;
+    }
+    const auto twice = mcap::recover(target.file, again.file, options);
+    if (!twice || !twice->is_whole() || twice->messages != saved->messages) std::abort();
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  examine({reinterpret_cast<const std::byte*>(data), size});
+  recover(data, size);
+  return 0;
+}
