@@ -39,6 +39,15 @@ TEST_F(Mending, DoctorFindsNothingWrongWithARecording) {
   EXPECT_TRUE(json["findings"].empty());
 }
 
+TEST_F(Mending, DoctorFindsNothingWrongWithRunsThatFailed) {
+  for (const std::string deed : {"crash 12", "throw 12", "exit 20", "refuse", "crash 0"}) {
+    const Outcome recorded = rehearse({"record", pendulum(MISBEHAVING, deed).string(), "-o", "failed.mcap"});
+    EXPECT_EQ(recorded.status, 3) << deed;
+    const Outcome outcome = rehearse({"doctor", "failed.mcap"});
+    EXPECT_EQ(outcome.status, 0) << deed << ": " << outcome.out;
+  }
+}
+
 TEST_F(Mending, DoctorSaysWhatIsWrongAndEndsAccordingly) {
   cut("cut.mcap", -100);
   const Outcome cut_file = rehearse({"doctor", "cut.mcap"});

@@ -2,6 +2,8 @@
 
 #include "codec.h"
 
+#include <algorithm>
+
 namespace rehearse::mcap {
 
 bool RecordWalker::next(Record& record) {
@@ -49,16 +51,35 @@ std::optional<MessageHead> parse_message_head(Bytes body) {
   return head;
 }
 
-std::optional<ChunkHead> parse_chunk(Bytes body) {
-  ByteReader in(body);
+namespace {
+
+/// The head; `in` stands before the length of the records then.
+ChunkHead take_chunk_head(ByteReader& in) {
   ChunkHead head;
   head.start_time = in.get<std::uint64_t>();
   head.end_time = in.get<std::uint64_t>();
   head.uncompressed_size = in.get<std::uint64_t>();
   head.uncompressed_crc = in.get<std::uint32_t>();
   head.compression = as_text(in.get_bytes(in.get<std::uint32_t>()));
+  return head;
+}
+
+}  // namespace
+
+std::optional<ChunkHead> parse_chunk(Bytes body) {
+  ByteReader in(body);
+  ChunkHead head = take_chunk_head(in);
   head.records = in.get_bytes(in.get<std::uint64_t>());
   return in.ok() ? std::optional(head) : std::nullopt;
+}
+
+std::optional<ChunkHead> parse_cut_chunk(Bytes body) {
+  ByteReader in(body);
+  ChunkHead head = take_chunk_head(in);
+  const auto length = in.get<std::uint64_t>();
+  if (!in.ok()) return std::nullopt;
+  head.records = in.rest().first(std::min<std::uint64_t>(length, in.left()));
+  return head;
 }
 
 std::optional<AttachmentRecord> parse_attachment(Bytes body) {

@@ -89,6 +89,7 @@ std::optional<Schema> parse_schema(Bytes body);
 std::optional<Channel> parse_channel(Bytes body);
 std::optional<MessageHead> parse_message_head(Bytes body);
 std::optional<ChunkHead> parse_chunk(Bytes body);
+std::optional<ChunkHead> parse_cut_chunk(Bytes body);  // its records end with the body, whatever it says
 std::optional<AttachmentRecord> parse_attachment(Bytes body);
 std::optional<Metadata> parse_metadata(Bytes body);
 std::optional<Statistics> parse_statistics(Bytes body);

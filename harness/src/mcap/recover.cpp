@@ -54,10 +54,14 @@ class SavedPass {
 
   void run() {
     for (const SavedRun& run : survey_.runs) {
+      if (!run.trusted) {
+        if (!pass_damaged_chunk(run)) return;
+        continue;
+      }
       RecordWalker walker(file_.first(run.end), run.begin);
       Record record;
       while (walker.next(record)) {
-        if (!pass(record, run.trusted)) return;
+        if (!pass(record)) return;
       }
     }
     if (orphans_ > 0)
@@ -67,7 +71,7 @@ class SavedPass {
 
  private:
   /// False: stop.
-  bool pass(const Record& record, bool trusted) {
+  bool pass(const Record& record) {
     passed_.pass(record.offset);
     if (options_.progress && record.offset >= next_progress_) {
       options_.progress(file_.size() / 2 + record.offset / 2, file_.size());
@@ -75,7 +79,7 @@ class SavedPass {
     }
     switch (record.opcode) {
       case op::message: return deliver(record);
-      case op::chunk: return pass_chunk(record, trusted);
+      case op::chunk: return pass_chunk(record);
       case op::attachment: {
         auto attachment = parse_attachment(record.body);
         REHEARSE_ASSERT(attachment, "the first pass parsed it");
@@ -91,21 +95,26 @@ class SavedPass {
     }
   }
 
-  bool pass_chunk(const Record& record, bool trusted) {
+  bool pass_chunk(const Record& record) {
     const auto head = parse_chunk(record.body);
     REHEARSE_ASSERT(head, "the first pass parsed it");
-    Bytes records;
-    if (trusted) {
-      const auto whole = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
-      REHEARSE_ASSERT(whole, "the first pass decompressed it");
-      records = *whole;
-    } else {
-      const auto size = std::min(head->uncompressed_size, options_.max_chunk_size);
-      records = decompressor_.decompress_front(head->compression, head->records, size, buffer_);
-    }
+    const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
+    REHEARSE_ASSERT(records, "the first pass decompressed it");
+    return deliver_records(*records, record.offset);
+  }
+
+  /// What seems whole in it.
+  bool pass_damaged_chunk(const SavedRun& run) {
+    const auto head = parse_cut_chunk(file_.subspan(run.begin + record_head, run.end - run.begin - record_head));
+    REHEARSE_ASSERT(head, "the first pass parsed it");
+    const auto size = std::min(head->uncompressed_size, options_.max_chunk_size);
+    return deliver_records(decompressor_.decompress_front(head->compression, head->records, size, buffer_), run.begin);
+  }
+
+  bool deliver_records(Bytes records, std::uint64_t chunk) {
     RecordWalker inside(records);
     Record inner;
-    inner.chunk = record.offset;
+    inner.chunk = chunk;
     while (inside.next(inner)) {
       if (is_known(inner.opcode) && !check_layout(inner.opcode, inner.body).whole) break;
       if (inner.opcode == op::message && !deliver(inner)) return false;

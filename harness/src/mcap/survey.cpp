@@ -96,11 +96,20 @@ void Survey::walk() {
       if (!runs.empty() && !runs.back().trusted && runs.back().begin == record.offset) runs.pop_back();
     }
     const std::uint64_t next = resync_.find(offset + 1).value_or(file_.size());
+    if (options_.trust_damaged && next == file_.size() && is_cut_chunk(offset)) save(offset, next, false);
     lose(offset, next, next == file_.size() ? "no record that is whole, up to the end" : "no record");
     offset = next;
     chunk_was_lost_ = false;
   }
   recovery_.remarks.push_back("the file had no end, and so no summary");
+}
+
+/// The file ends in the middle of a chunk that begins there.
+bool Survey::is_cut_chunk(std::uint64_t offset) const {
+  const Bytes left = file_.subspan(offset);
+  if (left.size() <= record_head || left[0] != std::byte{op::chunk}) return false;
+  const auto head = parse_cut_chunk(left.subspan(record_head));
+  return head && head->start_time <= head->end_time && is_utf8(head->compression);
 }
 
 /// False if it isn't saved; then that is told.

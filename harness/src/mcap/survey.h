@@ -15,7 +15,7 @@ namespace rehearse::mcap {
 struct SavedRun {
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  bool trusted = true;  // false: one damaged chunk, out of which comes what seems whole
+  bool trusted = true;  // false: one damaged or cut chunk, out of which comes what seems whole
 };
 
 class Survey {
@@ -38,6 +38,7 @@ class Survey {
   void read_summary();
   void walk();
   bool pass_record(const Record& record);
+  bool is_cut_chunk(std::uint64_t offset) const;
   Fault judge(const Record& record);
   Fault judge_chunk(const Record& record);
   Fault judge_attachment(const Record& record) const;

@@ -248,3 +248,15 @@ TEST(McapRecover, MakesTextsUtf8) {
   EXPECT_EQ(saved.messages, (std::vector<Seen>{{"/a\xEF\xBF\xBD\xc3\xa9", 0, 5, "x"}}));
   EXPECT_EQ(saved.findings, "");
 }
+
+/// The part of a chunk that a cut left.
+TEST(McapRecover, TrustsTheBeginningOfAChunkThatIsCutOnlyIfItIsTold) {
+  const Composer records = Composer().message(1, 5, "one").message(1, 6, "two");
+  Composer file;
+  file.magic().header().channel(1, "/a").message(1, 1, "loose").chunk(5, 6, records, "", {}, 0x12345678);
+  file.bytes.resize(file.bytes.size() - 2);
+  EXPECT_EQ(save(file.bytes).messages.size(), 1u);
+  mcap::RecoverOptions trusting;
+  trusting.trust_damaged = true;
+  EXPECT_EQ(save(file.bytes, trusting).messages, (std::vector<Seen>{{"/a", 0, 1, "loose"}, {"/a", 0, 5, "one"}}));
+}
