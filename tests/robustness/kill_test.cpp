@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double time_step = 0.001;            // [s]
+constexpr double time_step = 0.001;           // [s]
 constexpr std::int64_t most_lost = 1000 + 1;  // ticks: a second of simulation, and the tick that was under way
 
 int kills() {
@@ -27,9 +27,9 @@ int kills() {
 /// What became of all the recordings.
 struct Figures {
   int kills = 0;
-  int finished = 0;     // it was over before
-  int nothing = 0;      // no tick is saved: the kill came before the first chunk was due
-  int traces_lost = 0;  // what is left can't be read, or more than a second is lost
+  int finished = 0;               // it was over before
+  int nothing = 0;                // no tick is saved: the kill came before the first chunk was due
+  int traces_lost = 0;            // what is left can't be read, or more than a second is lost
   std::int64_t lost_at_most = 0;  // ticks
 };
 
@@ -46,8 +46,9 @@ class Kill : public ::testing::Test {
     text << "rehearse: 1\nduration: " << duration << "\ntime_step: " << time_step << "\n";
     if (!golden.empty()) text << "golden: " << golden << "\n";
     text << "bodies:\n  - name: Pendulum\n    model: " << (fs::path(FIXTURES_DIR) / "models/pendulum.urdf").string()
-         << "\n    joints: {hinge: " << start << " deg}\n    controllers:\n      - name: Ticking\n        library: " << TICKING
-         << "\n        options: \"" << (folder() / "calls").string() << " " << computing << "\"\n";
+         << "\n    joints: {hinge: " << start
+         << " deg}\n    controllers:\n      - name: Ticking\n        library: " << TICKING << "\n        options: \""
+         << (folder() / "calls").string() << " " << computing << "\"\n";
     return file;
   }
 
@@ -83,10 +84,11 @@ class Kill : public ::testing::Test {
   }
 
   static void tell(const char* what, const Figures& figures) {
-    std::printf("%s: %d kills, %d after the end, %d before anything was due, %d traces lost, at most %.3f s of simulation "
-                "lost\n",
-                what, figures.kills, figures.finished, figures.nothing, figures.traces_lost,
-                static_cast<double>(figures.lost_at_most) * time_step);
+    std::printf(
+        "%s: %d kills, %d after the end, %d before anything was due, %d traces lost, at most %.3f s of simulation "
+        "lost\n",
+        what, figures.kills, figures.finished, figures.nothing, figures.traces_lost,
+        static_cast<double>(figures.lost_at_most) * time_step);
   }
 
   Scratch scratch_;
@@ -105,8 +107,8 @@ TEST_F(Kill, OfARecordingLosesAtMostASecondOfSimulation) {
   for (const int computing : {0, 50, 1000}) {  // far faster than time, some 15 times as fast, about as fast
     const double duration = computing == 1000 ? 1.2 : computing == 50 ? 4.0 : 8.0;  // [s] simulated
     const fs::path trace = folder() / "run.mcap";
-    const std::vector<std::string> words{REHEARSE_COMMAND, "record", scenario("", duration, computing, 20.0).string(), "-o",
-                                         trace.string()};
+    const std::vector<std::string> words{REHEARSE_COMMAND, "record", scenario("", duration, computing, 20.0).string(),
+                                         "-o", trace.string()};
     const auto whole = whole_run(words);
     for (int i = 0; i < (kills() + 2) / 3 && !HasFailure(); ++i) {
       fs::remove(trace);
@@ -120,7 +122,8 @@ TEST_F(Kill, OfARecordingLosesAtMostASecondOfSimulation) {
 /// A check that differs from its golden records a run that is to wait, and may not touch the golden.
 TEST_F(Kill, OfACheckNeverTouchesTheGolden) {
   const fs::path golden = folder() / "golden.mcap";
-  wait_for(start({REHEARSE_COMMAND, "record", scenario("", 4.0, 0, 20.0).string(), "-o", golden.string()}, folder() / "log"));
+  wait_for(start({REHEARSE_COMMAND, "record", scenario("", 4.0, 0, 20.0).string(), "-o", golden.string()},
+                 folder() / "log"));
   const std::string before = read_file(golden);
   ASSERT_FALSE(before.empty()) << read_file(folder() / "log");
   const fs::path changed = scenario("", 4.0, 0, 21.0);

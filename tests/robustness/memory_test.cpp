@@ -24,8 +24,8 @@ TEST(Memory, OfARecordingDoesNotGrowWithItsLength) {
   const fs::path scenario = scratch.path() / "pendulum.yaml", trace = scratch.path() / "run.mcap";
   std::ofstream(scenario) << "rehearse: 1\nduration: 60\nbodies:\n  - name: Pendulum\n    model: "
                           << (fs::path(FIXTURES_DIR) / "models/pendulum.urdf").string()
-                          << "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Ticking\n        library: " << TICKING
-                          << "\n        options: \"" << (scratch.path() / "calls").string() << " 0\"\n";
+                          << "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Ticking\n        library: "
+                          << TICKING << "\n        options: \"" << (scratch.path() / "calls").string() << " 0\"\n";
   const auto record = [&](const std::string& seconds) {
     return peak_memory({REHEARSE_COMMAND, "record", scenario.string(), "-o", trace.string(), "--duration", seconds},
                        scratch.path() / "log");
@@ -38,8 +38,9 @@ TEST(Memory, OfARecordingDoesNotGrowWithItsLength) {
   constexpr long most = 100 * 1024;  // [kB]
   EXPECT_LT(lengthy, most);
 
-  const long whole = peak_memory({REHEARSE_COMMAND, "recover", trace.string(), "-o", (scratch.path() / "saved.mcap").string()},
-                                 scratch.path() / "log");
+  const long whole =
+      peak_memory({REHEARSE_COMMAND, "recover", trace.string(), "-o", (scratch.path() / "saved.mcap").string()},
+                  scratch.path() / "log");
   EXPECT_GT(whole, 0);
   EXPECT_LT(whole, most);
 }

@@ -75,16 +75,19 @@ void tell(const Visit& visit) {
   const mcap::Examination& examination = visit.examination;
   for (const mcap::Finding& finding : examination.findings.list())
     fmt::print("{}: {}: {}: {}\n", visit.file, place_text(finding.place), to_string(finding.severity), finding.message);
-  fmt::print("{}: {}; {}, {} in {}\n", visit.file, amount_text(examination.findings),
-             file_size_text(examination.size), count_text(static_cast<std::int64_t>(examination.messages), "message"),
+  fmt::print("{}: {}; {}, {} in {}\n", visit.file, amount_text(examination.findings), file_size_text(examination.size),
+             count_text(static_cast<std::int64_t>(examination.messages), "message"),
              count_text(static_cast<std::int64_t>(examination.chunks), "chunk"));
 }
 
 Json findings_json(const Visit& visit) {
   Json list = Json::array();
   for (const Diagnostic& diagnostic : visit.unreadable)
-    list.push_back({{"file", visit.file}, {"offset", nullptr}, {"inside", nullptr},
-                    {"severity", to_string(diagnostic.severity)}, {"message", diagnostic.message}});
+    list.push_back({{"file", visit.file},
+                    {"offset", nullptr},
+                    {"inside", nullptr},
+                    {"severity", to_string(diagnostic.severity)},
+                    {"message", diagnostic.message}});
   for (const mcap::Finding& finding : visit.examination.findings.list())
     list.push_back({{"file", visit.file},
                     {"offset", finding.place.offset},

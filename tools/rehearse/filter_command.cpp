@@ -65,20 +65,15 @@ void tell(const Settings& settings, const mcap::Filtered& filtered) {
 }
 
 Json filtered_json(const Settings& settings, const mcap::Filtered& filtered) {
-  return {{"file", settings.target},
-          {"messages", filtered.messages},
-          {"left_out", filtered.left_out},
-          {"channels", filtered.channels},
-          {"attachments", filtered.attachments},
-          {"metadata", filtered.metadata},
-          {"first_time", filtered.first_time},
-          {"last_time", filtered.last_time},
-          {"size", filtered.bytes}};
+  return {{"file", settings.target},           {"messages", filtered.messages},       {"left_out", filtered.left_out},
+          {"channels", filtered.channels},     {"attachments", filtered.attachments}, {"metadata", filtered.metadata},
+          {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes}};
 }
 
 Exit run(Settings& settings) {
   if (const auto read = read_selection(settings); !read) return refuse(read.errors());
-  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
   const auto filtered = [&] {
     Progress progress("filtering");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
@@ -100,7 +95,8 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
   options.add_option("--topics", settings->options.selection.topics, "these only; * stands for any text")
       ->type_name("GLOB...");
-  options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")->type_name("GLOB...");
+  options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")
+      ->type_name("GLOB...");
   options.add_option("--from", settings->from, "log time [s], or +S after the first message; included")->type_name("S");
   options.add_option("--until", settings->until, "likewise; not included")->type_name("S");
   options.add_option("--ticks", settings->ticks, "of a recording of ours, as 100..199; both included")

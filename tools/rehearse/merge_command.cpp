@@ -42,7 +42,8 @@ Result<std::vector<mcap::MergeSource>> sources_of(const Settings& settings) {
       return at != std::string::npos && candidate.file == word.substr(0, at);
     });
     if (source == sources.end())
-      return error(fmt::format("--prefix {} names none of the files", word), "expected FILE=PREFIX, as left.mcap=/left");
+      return error(fmt::format("--prefix {} names none of the files", word),
+                   "expected FILE=PREFIX, as left.mcap=/left");
     source->prefix = word.substr(at + 1);
   }
   return sources;
@@ -57,20 +58,16 @@ void tell(const Settings& settings, const mcap::Merged& merged) {
 }
 
 Json merged_json(const Settings& settings, const mcap::Merged& merged) {
-  return {{"file", settings.target},
-          {"sources", settings.sources},
-          {"messages", merged.messages},
-          {"channels", merged.channels},
-          {"attachments", merged.attachments},
-          {"metadata", merged.metadata},
-          {"size", merged.bytes},
-          {"remarks", merged.remarks}};
+  return {{"file", settings.target},     {"sources", settings.sources},       {"messages", merged.messages},
+          {"channels", merged.channels}, {"attachments", merged.attachments}, {"metadata", merged.metadata},
+          {"size", merged.bytes},        {"remarks", merged.remarks}};
 }
 
 Exit run(Settings& settings) {
   const auto sources = sources_of(settings);
   if (!sources) return refuse(sources.errors());
-  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
   const auto merged = [&] {
     Progress progress("merging");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
@@ -102,11 +99,12 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb merge_verb{"merge",
-                      "  rehearse merge walk.mcap cameras.mcap -o all.mcap\n"
-                      "  rehearse merge left.mcap right.mcap --prefix left.mcap=/left --prefix right.mcap=/right -o both.mcap\n"
-                      "\n"
-                      "By log time, then in the order of the command line, then as in the files.\n",
-                      declare};
+const Verb merge_verb{
+    "merge",
+    "  rehearse merge walk.mcap cameras.mcap -o all.mcap\n"
+    "  rehearse merge left.mcap right.mcap --prefix left.mcap=/left --prefix right.mcap=/right -o both.mcap\n"
+    "\n"
+    "By log time, then in the order of the command line, then as in the files.\n",
+    declare};
 
 }  // namespace rehearse::tool

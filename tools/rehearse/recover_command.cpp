@@ -92,7 +92,8 @@ Json recovery_json(const Settings& settings, const mcap::Recovery& recovery) {
 }
 
 Exit run(Settings& settings) {
-  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
   const auto recovery = [&] {
     Progress progress("recovering");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
@@ -120,12 +121,13 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb recover_verb{"recover",
-                        "  rehearse recover killed.mcap -o saved.mcap\n"
-                        "  rehearse recover damaged.mcap -o saved.mcap --json\n"
-                        "\n"
-                        "Exit status: 0 FILE is written, and is a valid file (it was opened again and examined), even if\n"
-                        "something is lost: what, is told. 2 there was nothing to be saved; nothing was written.\n",
-                        declare};
+const Verb recover_verb{
+    "recover",
+    "  rehearse recover killed.mcap -o saved.mcap\n"
+    "  rehearse recover damaged.mcap -o saved.mcap --json\n"
+    "\n"
+    "Exit status: 0 FILE is written, and is a valid file (it was opened again and examined), even if\n"
+    "something is lost: what, is told. 2 there was nothing to be saved; nothing was written.\n",
+    declare};
 
 }  // namespace rehearse::tool

@@ -20,8 +20,8 @@ struct FilterOptions {
   bool metadata = true;              // likewise
   /// For all channels; nullopt: as each was compressed.
   std::optional<Compression> compression;
-  std::optional<int> level;                // of the compression; nullopt: the Writer's
-  std::optional<std::size_t> chunk_size;   // [bytes]; nullopt: the Writer's
+  std::optional<int> level;               // of the compression; nullopt: the Writer's
+  std::optional<std::size_t> chunk_size;  // [bytes]; nullopt: the Writer's
   /// Called now and then with the bytes passed and all; null: not.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 
@@ -39,11 +39,11 @@ struct Filtered {
   std::uint64_t bytes = 0;
 };
 
-/// Writes `target`, under another name until it is whole. Messages keep their bytes, their numbers, both times and their
-/// order; chosen channels are kept even without messages. If something is left out, the metadata record
-/// `rehearse.filter` says what the file was cut from, and how. Private records aren't kept. Fails, with nothing written,
-/// if the source is damaged (recover() comes first then), if the selection has something that the file hasn't, or if
-/// `target` can't be written.
+/// Writes `target`, under another name until it is whole. Messages keep their bytes, their numbers, both times and
+/// their order; chosen channels are kept even without messages. If something is left out, the metadata record
+/// `rehearse.filter` says what the file was cut from, and how. Private records aren't kept. Fails, with nothing
+/// written, if the source is damaged (recover() comes first then), if the selection has something that the file hasn't,
+/// or if `target` can't be written.
 Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
                         const FilterOptions& options);
 

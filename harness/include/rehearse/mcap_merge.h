@@ -33,10 +33,10 @@ struct Merged {
 
 /// Writes `target`, under another name until it is whole: all messages by log time, then in the order of the sources,
 /// then as in their files, with their bytes, numbers and both times; attachments and metadata of all. Channels with the
-/// same topic, encoding, schema and metadata become one; others of one topic stay apart, and are told of. The profile is
-/// what all sources have, else empty. A metadata record `rehearse.merge` names the sources. Private records aren't kept.
-/// Holds the chunks that overlap in time. Fails, with nothing written, if a source is damaged, or if `target` can't be
-/// written.
+/// same topic, encoding, schema and metadata become one; others of one topic stay apart, and are told of. The profile
+/// is what all sources have, else empty. A metadata record `rehearse.merge` names the sources. Private records aren't
+/// kept. Holds the chunks that overlap in time. Fails, with nothing written, if a source is damaged, or if `target`
+/// can't be written.
 Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
                      const MergeOptions& options = {});
 

@@ -1,9 +1,11 @@
 // Recovery: a whole file of what can be saved from one that is cut, damaged or partly zeros.
 //
 // What is believed:
-// - a chunk or an attachment whose CRC matches; without a CRC, one that can be decompressed and whose records are whole.
+// - a chunk or an attachment whose CRC matches; without a CRC, one that can be decompressed and whose records are
+// whole.
 //   Of a chunk whose CRC doesn't match nothing is believed, unless `trust_damaged` asks for it.
-// - definitions and metadata whose fields come to their lengths. If the file still has its summary and the summary's CRC
+// - definitions and metadata whose fields come to their lengths. If the file still has its summary and the summary's
+// CRC
 //   matches, that decides where definitions differ.
 // - behind damage, records that can be told for some (see harness/TRACE_FORMAT.md).
 //
@@ -47,7 +49,7 @@ struct RecoveredChannel {
 };
 
 struct Recovery {
-  std::uint64_t size = 0;  // of the source [bytes]
+  std::uint64_t size = 0;                                     // of the source [bytes]
   std::uint64_t messages = 0, attachments = 0, metadata = 0;  // saved
   std::uint64_t lost_bytes = 0;
   std::vector<LostBytes> lost;                         // in order; the first thousand
@@ -56,15 +58,15 @@ struct Recovery {
   std::uint64_t lost_messages = 0;                     // as far as can be told; 0: none, or it can't be
   bool loss_is_known = false;                          // the source's statistics are left, so that number is exact
   std::uint64_t first_time = 0, last_time = 0;         // log times of what was saved [ns]
-  std::optional<std::uint64_t> source_last_time;       // of the last message that there was, if statistics are left [ns]
+  std::optional<std::uint64_t> source_last_time;  // of the last message that there was, if statistics are left [ns]
 
   /// Nothing is missing: the file was whole already.
   bool is_whole() const { return lost.empty() && remarks.empty(); }
 };
 
 /// Writes `target` (under another name until it is whole), opens it again and examines it. Unless the source was whole,
-/// `target` has a metadata record `rehearse.recover` that says what is missing. Fails, with nothing written, if there is
-/// nothing to be saved: no message, no attachment, no metadata; or if `target` can't be written.
+/// `target` has a metadata record `rehearse.recover` that says what is missing. Fails, with nothing written, if there
+/// is nothing to be saved: no message, no attachment, no metadata; or if `target` can't be written.
 Result<Recovery> recover(const std::filesystem::path& source, const std::filesystem::path& target,
                          const RecoverOptions& options = {});
 

@@ -19,7 +19,7 @@ class ChannelGroups {
 
  private:
   std::uint16_t root_of(std::uint16_t channel) const;
-  std::map<std::uint16_t, std::uint16_t> parent_;    // of each channel; a root's is itself
+  std::map<std::uint16_t, std::uint16_t> parent_;     // of each channel; a root's is itself
   std::map<std::uint16_t, Compression> compression_;  // by root
   Compression otherwise_ = Compression::zstd;
 };

@@ -23,7 +23,12 @@ void Findings::add(Severity severity, Place place, std::string message) {
 }
 
 Doctor::Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into)
-    : file_(file), passed_(view, file), options_(options), into_(into), findings_(into.findings), resync_(file, options.max_chunk_size) {}
+    : file_(file),
+      passed_(view, file),
+      options_(options),
+      into_(into),
+      findings_(into.findings),
+      resync_(file, options.max_chunk_size) {}
 
 void Doctor::examine() {
   crc_end_ = magic.size();
@@ -129,7 +134,8 @@ bool Doctor::check_fields(const Record& record, Place place) {
     damaged_ = true;
     return false;
   }
-  for (const std::string& problem : check.problems) fail(place, fmt::format("the {}: {}", name_of(record.opcode), problem));
+  for (const std::string& problem : check.problems)
+    fail(place, fmt::format("the {}: {}", name_of(record.opcode), problem));
   const bool fixed = record.opcode == op::data_end || record.opcode == op::footer;
   if (check.extra > 0)
     add(fixed ? Severity::error : Severity::note, place,
@@ -199,11 +205,13 @@ void Doctor::examine_channel_profile(const Channel& channel, Place place) {
   };
   if (into_.profile == "ros2") {
     if (channel.message_encoding != "cdr")
-      warn(fmt::format("has messages of the encoding {}; the profile ros2 has cdr", in_quotes(channel.message_encoding)));
+      warn(fmt::format("has messages of the encoding {}; the profile ros2 has cdr",
+                       in_quotes(channel.message_encoding)));
     if (!channel.metadata.contains("offered_qos_profiles"))
       warn("has no offered_qos_profiles in its metadata, which the profile ros2 asks for");
   } else if (into_.profile == "ros1" && channel.message_encoding != "ros1") {
-    warn(fmt::format("has messages of the encoding {}; the profile ros1 has ros1", in_quotes(channel.message_encoding)));
+    warn(
+        fmt::format("has messages of the encoding {}; the profile ros1 has ros1", in_quotes(channel.message_encoding)));
   }
 }
 
@@ -254,8 +262,9 @@ void Doctor::examine_message(const Record& record, Place place) {
   channel.last_sequence = head->sequence;
   if (options_.content == nullptr) return;
   const Location location{place.offset, place.inside.value_or(0), place.inside.has_value()};
-  const Message message{&channel.channel,    head->sequence, head->log_time, head->publish_time,
-                        record.body.subspan(message_head), location};
+  const Message message{
+      &channel.channel, head->sequence, head->log_time, head->publish_time, record.body.subspan(message_head),
+      location};
   const auto schema = schemas_.find(channel.channel.schema_id);
   options_.content->message(message, schema == schemas_.end() ? nullptr : &schema->second.first, place, findings_);
 }
@@ -277,9 +286,10 @@ void Doctor::tell_channels() {
                       channel.back_in_time, channel.messages, channel.back_by));
     if (channel.jumps > 0)
       add(Severity::note, channel.jump_at,
-          fmt::format("{}: the sequence numbers have {} {}, the first one here: messages are missing, or the numbers are "
-                      "no counts",
-                      name, channel.jumps, channel.jumps == 1 ? "gap" : "gaps"));
+          fmt::format(
+              "{}: the sequence numbers have {} {}, the first one here: messages are missing, or the numbers are "
+              "no counts",
+              name, channel.jumps, channel.jumps == 1 ? "gap" : "gaps"));
   }
 }
 

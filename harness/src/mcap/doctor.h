@@ -1,5 +1,5 @@
-// What an examination consists of. Internal; doctor.cpp walks the file, doctor_chunks.cpp looks into chunks and at their
-// indexes, doctor_summary.cpp compares what the summary says with what was there.
+// What an examination consists of. Internal; doctor.cpp walks the file, doctor_chunks.cpp looks into chunks and at
+// their indexes, doctor_summary.cpp compares what the summary says with what was there.
 #pragma once
 
 #include <rehearse/mcap_doctor.h>
@@ -22,9 +22,9 @@ struct ExaminedChunk {
   std::uint64_t end_time = 0;
   std::uint64_t stored_size = 0;
   std::uint64_t raw_size = 0;
-  std::string_view compression;                                    // in the file
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;    // channels and offsets of its message indexes
-  std::uint64_t indexes_length = 0;                                // of all of them
+  std::string_view compression;                                  // in the file
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;  // channels and offsets of its message indexes
+  std::uint64_t indexes_length = 0;                              // of all of them
 };
 
 /// A channel, and what its messages were so far.
@@ -74,9 +74,7 @@ class Doctor {
   void tell_progress(std::uint64_t offset);
   /// False if the fields of the record aren't all there. Tells that, and what is wrong with its texts.
   bool check_fields(const Record& record, Place place);
-  void add(Severity severity, Place place, std::string message) {
-    findings_.add(severity, place, std::move(message));
-  }
+  void add(Severity severity, Place place, std::string message) { findings_.add(severity, place, std::move(message)); }
   void fail(Place place, std::string message) { add(Severity::error, place, std::move(message)); }
 
   // doctor_chunks.cpp
@@ -108,13 +106,13 @@ class Doctor {
   RawBuffer buffer_;
 
   // What was met so far.
-  std::uint32_t crc_ = 0;         // of the data section up to crc_end_
+  std::uint32_t crc_ = 0;  // of the data section up to crc_end_
   std::uint64_t crc_end_ = 0;
   bool headed_ = false;
-  bool damaged_ = false;          // some record couldn't be looked into: counts can't be compared
+  bool damaged_ = false;  // some record couldn't be looked into: counts can't be compared
   std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with their offsets
   std::map<std::uint16_t, ExaminedChannel> channels_;
-  std::vector<ExaminedChunk> chunks_;       // in file order
+  std::vector<ExaminedChunk> chunks_;  // in file order
   std::vector<ExaminedRecord> attachments_;
   std::vector<ExaminedRecord> metadata_;
   std::uint64_t loose_messages_ = 0;
@@ -126,13 +124,13 @@ class Doctor {
 
   // Of the chunk that message indexes belong to now; at_chunk_ false: there is none.
   bool at_chunk_ = false;
-  bool chunk_is_open_ = false;            // its messages are known
+  bool chunk_is_open_ = false;             // its messages are known
   std::vector<IndexEntry> chunk_entries_;  // by channel, then offset
 
   // Of the summary.
   std::vector<std::pair<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>>> groups_;  // opcode, begin, end
-  std::map<std::uint16_t, std::uint64_t> repeated_schemas_, repeated_channels_;  // with their offsets
-  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;    // like chunks_ and so on
+  std::map<std::uint16_t, std::uint64_t> repeated_schemas_, repeated_channels_;           // with their offsets
+  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;             // like chunks_ and so on
   std::optional<std::uint64_t> statistics_at_;
   bool offsets_begun_ = false;
 };

@@ -120,8 +120,8 @@ void Doctor::examine_message_index(const Record& record) {
 /// Are the entries those messages of the chunk?
 void Doctor::compare_index(const Record& record, std::uint16_t channel, Bytes entries) {
   const Place place{record.offset, {}};
-  const std::string name = fmt::format("the Message Index of channel {} for the Chunk at byte {}", channel,
-                                       chunks_.back().offset);
+  const std::string name =
+      fmt::format("the Message Index of channel {} for the Chunk at byte {}", channel, chunks_.back().offset);
   const auto there = entries_of(chunk_entries_, channel);
   if (there.empty() && entries.empty()) {
     if (!channels_.contains(channel)) return fail(place, fmt::format("{}: the channel isn't defined", name));
@@ -164,7 +164,8 @@ void Doctor::leave_chunk() {
     const bool indexed = std::any_of(chunk.indexes.begin(), chunk.indexes.end(),
                                      [&](const auto& known) { return known.first == channel; });
     if (!indexed)
-      fail({chunk.offset, {}}, fmt::format("the Chunk has messages of channel {}, but no Message Index for it", channel));
+      fail({chunk.offset, {}},
+           fmt::format("the Chunk has messages of channel {}, but no Message Index for it", channel));
   }
 }
 

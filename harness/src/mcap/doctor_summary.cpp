@@ -80,7 +80,8 @@ void Doctor::examine_footer(const Record& record, std::uint64_t summary_begin) {
                             footer->summary_offset_start, offsets_begin));
   if (footer->summary_crc == 0) return;
   const Bytes covered = file_.subspan(summary_begin, record.offset + record_head + 16 - summary_begin);
-  if (footer->summary_crc != crc32(covered)) fail(place, "the CRC of the summary, which the Footer states, doesn't match");
+  if (footer->summary_crc != crc32(covered))
+    fail(place, "the CRC of the summary, which the Footer states, doesn't match");
 }
 
 void Doctor::examine_summary_record(const Record& record) {
@@ -161,8 +162,7 @@ void Doctor::examine_chunk_index(const Record& record) {
   const auto stored_size = in.get<std::uint64_t>();
   const auto raw_size = in.get<std::uint64_t>();
   const ExaminedChunk* chunk = find_at(chunks_, offset);
-  if (chunk == nullptr)
-    return fail(place, fmt::format("a Chunk Index of byte {}, where no Chunk begins", offset));
+  if (chunk == nullptr) return fail(place, fmt::format("a Chunk Index of byte {}, where no Chunk begins", offset));
   const auto index = static_cast<std::size_t>(chunk - chunks_.data());
   if (indexed_chunks_[index]) fail(place, fmt::format("a second Chunk Index of the Chunk at byte {}", offset));
   indexed_chunks_[index] = true;
@@ -196,8 +196,7 @@ void Doctor::examine_record_index(const Record& record, const std::vector<Examin
   const auto offset = in.get<std::uint64_t>();
   const auto length = in.get<std::uint64_t>();
   const ExaminedRecord* there = find_at(all, offset);
-  if (there == nullptr)
-    return fail(place, fmt::format("an index of byte {}, where no {} record begins", offset, kind));
+  if (there == nullptr) return fail(place, fmt::format("an index of byte {}, where no {} record begins", offset, kind));
   std::vector<bool>& indexed = attachments ? indexed_attachments_ : indexed_metadata_;
   const auto index = static_cast<std::size_t>(there - all.data());
   if (indexed[index]) fail(place, fmt::format("a second {} Index of byte {}", kind, offset));
@@ -223,9 +222,10 @@ void Doctor::examine_statistics(const Record& record) {
   if (!stated->channel_message_counts.empty()) {
     for (const auto& [id, channel] : channels_)
       if (!repeated_channels_.contains(id))
-        fail(place, fmt::format("the Statistics count messages by channel, but no Channel {} {} stands before them in the "
-                                "summary",
-                                id, in_quotes(channel.channel.topic)));
+        fail(place,
+             fmt::format("the Statistics count messages by channel, but no Channel {} {} stands before them in the "
+                         "summary",
+                         id, in_quotes(channel.channel.topic)));
   }
   if (damaged_) return;  // not everything could be counted
   Comparison comparison("the record of statistics");
@@ -260,12 +260,14 @@ void Doctor::examine_summary_offset(const Record& record) {
   const auto group =
       std::find_if(groups_.begin(), groups_.end(), [&](const auto& candidate) { return candidate.first == opcode; });
   if (group == groups_.end() || opcode == op::summary_offset)
-    return fail(place, fmt::format("a Summary Offset of a group of {} records, which the summary hasn't", name_of(opcode)));
+    return fail(place,
+                fmt::format("a Summary Offset of a group of {} records, which the summary hasn't", name_of(opcode)));
   const auto [there, end] = group->second;
   if (begin != there || length != end - there)
-    fail(place, fmt::format("the Summary Offset of the group of {} records says {} bytes at byte {}; they are {} bytes at "
-                            "byte {}",
-                            name_of(opcode), length, begin, end - there, there));
+    fail(place,
+         fmt::format("the Summary Offset of the group of {} records says {} bytes at byte {}; they are {} bytes at "
+                     "byte {}",
+                     name_of(opcode), length, begin, end - there, there));
 }
 
 /// Indexes are there for all or for none; and what they point to can be read from the summary alone.
@@ -274,8 +276,8 @@ void Doctor::tell_what_summary_lacks(std::uint64_t begin) {
     const auto missing = static_cast<std::size_t>(std::count(indexed.begin(), indexed.end(), false));
     if (missing == 0 || missing == indexed.size()) return;
     const auto first = static_cast<std::size_t>(std::find(indexed.begin(), indexed.end(), false) - indexed.begin());
-    fail({begin, {}}, fmt::format("the summary has no {} Index for {} of {} records, the first of them at byte {}", kind,
-                                  missing, indexed.size(), all[first].offset));
+    fail({begin, {}}, fmt::format("the summary has no {} Index for {} of {} records, the first of them at byte {}",
+                                  kind, missing, indexed.size(), all[first].offset));
   };
   lacking(indexed_chunks_, "Chunk", chunks_);
   lacking(indexed_attachments_, "Attachment", attachments_);
@@ -284,14 +286,16 @@ void Doctor::tell_what_summary_lacks(std::uint64_t begin) {
   if (!has_index) return;
   if (loose_messages_ > 0)
     add(Severity::warning, {loose_at_, {}},
-        fmt::format("{} messages stand outside of Chunks, from here on, although the file has a Chunk Index: readers that "
-                    "go by it won't find them",
-                    loose_messages_));
+        fmt::format(
+            "{} messages stand outside of Chunks, from here on, although the file has a Chunk Index: readers that "
+            "go by it won't find them",
+            loose_messages_));
   for (const auto& [id, channel] : channels_) {
     if (!channel.in_chunks) continue;
     if (!repeated_channels_.contains(id))
-      fail({begin, {}}, fmt::format("the summary has a Chunk Index, but not Channel {} {}, which has messages in chunks",
-                                    id, in_quotes(channel.channel.topic)));
+      fail({begin, {}},
+           fmt::format("the summary has a Chunk Index, but not Channel {} {}, which has messages in chunks", id,
+                       in_quotes(channel.channel.topic)));
     const std::uint16_t schema = channel.channel.schema_id;
     if (schema != 0 && schemas_.contains(schema) && !repeated_schemas_.contains(schema))
       fail({begin, {}}, fmt::format("the summary has a Chunk Index, but not Schema {} of Channel {} {}", schema, id,

@@ -10,8 +10,8 @@ namespace rehearse::mcap {
 
 class Draft {
  public:
-  /// For `target`, written beside it under another name. Fails if that is a directory, a pipe or a device, or one of the
-  /// `sources` that it is made from.
+  /// For `target`, written beside it under another name. Fails if that is a directory, a pipe or a device, or one of
+  /// the `sources` that it is made from.
   static Result<Draft> begin(const std::filesystem::path& target, std::span<const std::filesystem::path> sources);
   /// Removes what wasn't finished.
   ~Draft();

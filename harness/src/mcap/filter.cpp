@@ -17,16 +17,19 @@ namespace {
 
 constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
 
-std::string join(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, " "));
-}
+std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 /// One filtering.
 class Filter {
  public:
   Filter(const FileView& file, Reader& reader, Writer& writer, Selector& selector, const ChannelGroups& groups,
          const FilterOptions& options)
-      : passed_(file, file.bytes()), reader_(reader), writer_(writer), selector_(selector), groups_(groups), options_(options) {}
+      : passed_(file, file.bytes()),
+        reader_(reader),
+        writer_(writer),
+        selector_(selector),
+        groups_(groups),
+        options_(options) {}
 
   Result<Filtered> run();
 
@@ -61,8 +64,8 @@ void Filter::define() {
     const Schema* schema = reader_.schema_of(channel);
     const std::uint16_t schema_id =
         schema == nullptr ? std::uint16_t{0} : writer_.add_schema(schema->name, schema->encoding, schema->data);
-    ids_[id] = writer_.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata,
-                                   groups_.of(id));
+    ids_[id] =
+        writer_.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata, groups_.of(id));
     ++filtered_.channels;
   }
 }
@@ -74,8 +77,8 @@ Result<void> Filter::write_extras_before(std::uint64_t offset) {
     const Attachment& attachment = attachments[next_attachment_];
     if (!options_.attachments) continue;
     ++filtered_.attachments;
-    if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data,
-                                           attachment.log_time, attachment.create_time);
+    if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time,
+                                           attachment.create_time);
         !done)
       return done;
   }

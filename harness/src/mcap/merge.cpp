@@ -29,7 +29,7 @@ struct OpenSource {
   DamageLog damage{""};
   std::unique_ptr<MessageOrder> order;
   std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // in the target, by those of the source
-  Message next;  // its channel null: there is none left
+  Message next;                                                          // its channel null: there is none left
   bool started = false;
 
   /// Goes on to the next message.
@@ -106,7 +106,8 @@ void Merger::define(OpenSource& source, int index) {
     channels_.try_emplace(key, source.ids[id]);
     ++merged_.channels;
     if (++definitions_[topic] == 2 && !options_.keep_apart)
-      merged_.remarks.push_back(fmt::format("{} isn't defined alike everywhere: it has several channels", in_quotes(topic)));
+      merged_.remarks.push_back(
+          fmt::format("{} isn't defined alike everywhere: it has several channels", in_quotes(topic)));
   }
 }
 
@@ -129,7 +130,8 @@ Result<void> Merger::write_extras() {
     for (const Metadata& metadata : reader.metadata_) {
       ++merged_.metadata;
       if (++names["the metadata record " + in_quotes(metadata.name)] == 2)
-        merged_.remarks.push_back(fmt::format("the metadata record {} is there more than once", in_quotes(metadata.name)));
+        merged_.remarks.push_back(
+            fmt::format("the metadata record {} is there more than once", in_quotes(metadata.name)));
       if (auto done = writer_.add_metadata(metadata.name, metadata.values); !done) return done;
     }
   }
@@ -172,7 +174,8 @@ Result<Merged> Merger::run() {
 
 Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
                      const MergeOptions& options) {
-  REHEARSE_ASSERT(!sources.empty() && sources.size() < 0x4000, "something is merged, and not more than groups have room for");
+  REHEARSE_ASSERT(!sources.empty() && sources.size() < 0x4000,
+                  "something is merged, and not more than groups have room for");
   std::vector<std::unique_ptr<OpenSource>> open;
   std::vector<std::filesystem::path> files;
   for (const MergeSource& source : sources) {

@@ -50,7 +50,12 @@ class SavedPass {
  public:
   SavedPass(const FileView& file, const Survey& survey, const RecoverOptions& options, Recovery& recovery,
             const OnSaved& saved)
-      : file_(file.bytes()), passed_(file, file_), survey_(survey), options_(options), recovery_(recovery), saved_(saved) {}
+      : file_(file.bytes()),
+        passed_(file, file_),
+        survey_(survey),
+        options_(options),
+        recovery_(recovery),
+        saved_(saved) {}
 
   void run() {
     for (const SavedRun& run : survey_.runs) {
@@ -131,13 +136,13 @@ class SavedPass {
       ++recovery_.channels[head->channel].lost;
       return true;
     }
-    return saved_.message({&channel->second,
-                           head->sequence,
-                           head->log_time,
-                           head->publish_time,
-                           record.body.subspan(message_head),
-                           {record.chunk.value_or(record.offset), record.chunk ? record.offset : 0,
-                            record.chunk.has_value()}});
+    return saved_.message(
+        {&channel->second,
+         head->sequence,
+         head->log_time,
+         head->publish_time,
+         record.body.subspan(message_head),
+         {record.chunk.value_or(record.offset), record.chunk ? record.offset : 0, record.chunk.has_value()}});
   }
 
   const Bytes file_;
@@ -160,8 +165,8 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
     if (channel.schema_id != 0) {
       const auto known = survey.schemas.find(channel.schema_id);
       if (known == survey.schemas.end())
-        recovery.remarks.push_back(fmt::format("the schema of {} is lost: its messages are kept without one",
-                                               in_quotes(channel.topic)));
+        recovery.remarks.push_back(
+            fmt::format("the schema of {} is lost: its messages are kept without one", in_quotes(channel.topic)));
       else
         schema = writer.add_schema(as_utf8(known->second.name), as_utf8(known->second.encoding), known->second.data);
     }
@@ -179,7 +184,8 @@ void count_losses(const Survey& survey, Recovery& recovery) {
   if (survey.statistics) {
     recovery.loss_is_known = true;
     recovery.source_last_time = survey.statistics->message_end_time;
-    recovery.lost_messages = survey.statistics->message_count - std::min(survey.statistics->message_count, recovery.messages);
+    recovery.lost_messages =
+        survey.statistics->message_count - std::min(survey.statistics->message_count, recovery.messages);
     for (const auto& [id, count] : survey.statistics->channel_message_counts) {
       RecoveredChannel& channel = recovery.channels[id];
       channel.lost = count - std::min(count, channel.saved);
@@ -283,8 +289,7 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   Recovery recovery;
   const Survey survey(*view, options, recovery);
   if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
-  if (auto done = write_saved(*view, source, draft->file(), survey, options, recovery); !done)
-    return done.errors();
+  if (auto done = write_saved(*view, source, draft->file(), survey, options, recovery); !done) return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
   if (auto done = draft->finish(); !done) return done.errors();
   return recovery;

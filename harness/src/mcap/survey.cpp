@@ -172,7 +172,8 @@ Survey::Fault Survey::learn_schema(const Record& record) {
   if (schema->id == 0) return "a Schema with the id 0";
   const auto [known, added] = schemas.try_emplace(schema->id, *schema);
   if (known->second == *schema) return {};
-  return fmt::format("a Schema {} that is defined otherwise {}", schema->id, summary_decides_ ? "in the summary" : "before");
+  return fmt::format("a Schema {} that is defined otherwise {}", schema->id,
+                     summary_decides_ ? "in the summary" : "before");
 }
 
 Survey::Fault Survey::learn_channel(const Record& record) {
@@ -180,7 +181,8 @@ Survey::Fault Survey::learn_channel(const Record& record) {
   if (!channel) return "a Channel that is too short for what it says";
   const auto [known, added] = channels.try_emplace(channel->id, *channel);
   if (known->second == *channel) return {};
-  return fmt::format("a Channel {} that is defined otherwise {}", channel->id, summary_decides_ ? "in the summary" : "before");
+  return fmt::format("a Channel {} that is defined otherwise {}", channel->id,
+                     summary_decides_ ? "in the summary" : "before");
 }
 
 Survey::Fault Survey::judge_attachment(const Record& record) const {
@@ -197,7 +199,8 @@ Survey::Fault Survey::judge_chunk(const Record& record) {
     return fmt::format("a Chunk that says it holds {} bytes decompressed", head->uncompressed_size);
   const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
   if (!records) return "a Chunk that can't be decompressed: " + records.errors().front().message;
-  if (head->uncompressed_crc != 0 && head->uncompressed_crc != crc32(*records)) return "a Chunk whose CRC doesn't match";
+  if (head->uncompressed_crc != 0 && head->uncompressed_crc != crc32(*records))
+    return "a Chunk whose CRC doesn't match";
   RecordWalker inside(*records);
   Record inner;
   while (inside.next(inner)) {

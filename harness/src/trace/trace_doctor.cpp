@@ -39,8 +39,7 @@ TraceCheck::ChannelState& TraceCheck::state_of(const mcap::Message& message, con
   return state;
 }
 
-void TraceCheck::message(const mcap::Message& message, const mcap::Schema* schema, mcap::Place place,
-                         mcap::Findings&) {
+void TraceCheck::message(const mcap::Message& message, const mcap::Schema* schema, mcap::Place place, mcap::Findings&) {
   ChannelState& state = state_of(message, schema);
   if (!state.decoder) return;
   if (!state.decoder->decode(message.data, [](const ros2msg::Value&) {})) {
@@ -85,8 +84,8 @@ void TraceCheck::end(std::uint64_t, mcap::Findings& findings) {
 /// The file is a recording of ours, or made of some. What was cut out or lost, and says so, is only noted.
 void TraceCheck::examine_recording(mcap::Findings& findings) const {
   const mcap::Metadata& provenance = metadata_.at("rehearse");
-  const bool cut = std::any_of(std::begin(cut_by), std::end(cut_by),
-                               [this](const char* name) { return metadata_.contains(name); });
+  const bool cut =
+      std::any_of(std::begin(cut_by), std::end(cut_by), [this](const char* name) { return metadata_.contains(name); });
   const Severity severity = cut ? Severity::note : Severity::error;
   if (provenances_ > 1)
     findings.add(severity, {provenance.offset, {}},
@@ -121,8 +120,9 @@ void TraceCheck::examine_outcome(mcap::Findings& findings) const {
   // after the last tick of a run that came to its end the state follows once more, as a tick of its own
   const std::int64_t there = ticks_ - (ticks_ > 0 && fact("complete") == "true" ? 1 : 0);
   if (fact("ticks") != std::to_string(there))
-    findings.add(Severity::error, {outcome->second.offset, {}},
-                 fmt::format("the outcome says that the run had {} ticks, and there are {}", in_quotes(fact("ticks")), there));
+    findings.add(
+        Severity::error, {outcome->second.offset, {}},
+        fmt::format("the outcome says that the run had {} ticks, and there are {}", in_quotes(fact("ticks")), there));
 }
 
 }  // namespace rehearse

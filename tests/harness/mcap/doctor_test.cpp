@@ -38,7 +38,8 @@ std::string errors_of(const Composer& file) {
   EXPECT_TRUE(examination);
   std::string text;
   for (const mcap::Finding& finding : examination->findings.list())
-    if (finding.severity == Severity::error) text += std::to_string(finding.place.offset) + ": " + finding.message + "\n";
+    if (finding.severity == Severity::error)
+      text += std::to_string(finding.place.offset) + ": " + finding.message + "\n";
   return text;
 }
 
@@ -141,14 +142,16 @@ TEST(McapDoctor, NamesWhatIsWrongWithDefinitions) {
   EXPECT_THAT(errors_of(begin().record(3, schema_body(0, "T")).end()), HasSubstr("the Schema 'T' has the id 0"));
   EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "T")).record(3, schema_body(1, "U")).end()),
               HasSubstr("Schema 1 is defined otherwise than at byte"));
-  EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "T", "", "data")).end()), HasSubstr("has data but no encoding"));
+  EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "T", "", "data")).end()),
+              HasSubstr("has data but no encoding"));
   EXPECT_THAT(findings_of(begin().record(3, schema_body(1, "")).end()), HasSubstr("warning: Schema 1 has no name"));
   EXPECT_THAT(errors_of(begin().channel(1, "/a").channel(1, "/b").end()),
               HasSubstr("Channel 1 is defined otherwise than at byte"));
   const Composer of_schema_7 = Composer().put(std::uint16_t{1}).put(std::uint16_t{7}).text("/a").text("cdr").put(0u);
   EXPECT_THAT(errors_of(begin().record(4, of_schema_7).end()),
               HasSubstr("Channel 1 '/a' is of Schema 7, which isn't defined before it"));
-  EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "\xff")).end()), HasSubstr("the Schema: its name '?' is not UTF-8"));
+  EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "\xff")).end()),
+              HasSubstr("the Schema: its name '?' is not UTF-8"));
   const Composer map = Composer().text("k").text("1").text("k").text("2");
   const Composer keys = Composer().text("m").put(static_cast<std::uint32_t>(map.bytes.size())).raw(map.bytes);
   EXPECT_THAT(errors_of(begin().record(0x0c, keys).end()), HasSubstr("has the key 'k' more than once"));
@@ -160,7 +163,9 @@ TEST(McapDoctor, NamesWhatIsWrongWithMessages) {
   EXPECT_THAT(errors_of(begin().message(9, 1, "x").channel(9, "/late").end()),
               HasSubstr("a Message of channel 9, which isn't defined before it"));
   const std::string back = findings_of(begin().channel(1, "/a").message(1, 5, "x").message(1, 3, "y").end());
-  EXPECT_THAT(back, HasSubstr("warning: Channel 1 '/a': the log time goes back from here on, in 1 of 2 messages, by up to 2 ns"));
+  EXPECT_THAT(
+      back,
+      HasSubstr("warning: Channel 1 '/a': the log time goes back from here on, in 1 of 2 messages, by up to 2 ns"));
   EXPECT_THAT(findings_of(begin().record(0x42, Composer().text("x")).end()),
               HasSubstr("note: a record of opcode 0x42, which version 0 doesn't know"));
   EXPECT_THAT(findings_of(begin().record(0x93, Composer().text("x")).end()), Not(HasSubstr("0x93")));
@@ -168,17 +173,20 @@ TEST(McapDoctor, NamesWhatIsWrongWithMessages) {
 
 TEST(McapDoctor, NamesWhatIsWrongWithChunks) {
   const Composer message = Composer().message(1, 5, "x");
-  const auto of = [&](std::uint64_t start, std::uint64_t end, const Composer& records, std::string_view compression = "",
-                      std::optional<std::uint64_t> size = {}, std::uint32_t crc = 0) {
+  const auto of = [&](std::uint64_t start, std::uint64_t end, const Composer& records,
+                      std::string_view compression = "", std::optional<std::uint64_t> size = {},
+                      std::uint32_t crc = 0) {
     return errors_of(begin().channel(1, "/a").chunk(start, end, records, compression, size, crc).end());
   };
   EXPECT_EQ(of(5, 5, message), "");
-  EXPECT_THAT(of(5, 6, message), HasSubstr("says that its messages are from 5 ns to 6 ns, and they are from 5 ns to 5 ns"));
+  EXPECT_THAT(of(5, 6, message),
+              HasSubstr("says that its messages are from 5 ns to 6 ns, and they are from 5 ns to 5 ns"));
   EXPECT_THAT(of(5, 5, message, "", {}, 1), HasSubstr("the CRC of the Chunk doesn't match"));
   EXPECT_THAT(of(5, 5, message, "brotli"), HasSubstr("its compression \"brotli\""));
   EXPECT_THAT(of(5, 5, message, "", 7), HasSubstr("can't be decompressed"));
   EXPECT_THAT(of(5, 5, message, "zstd", std::uint64_t{1} << 40), HasSubstr("is the limit"));
-  EXPECT_THAT(of(0, 0, Composer().record(0x0c, Composer().text("m").put(0u))), HasSubstr("a Metadata may not stand in a Chunk"));
+  EXPECT_THAT(of(0, 0, Composer().record(0x0c, Composer().text("m").put(0u))),
+              HasSubstr("a Metadata may not stand in a Chunk"));
   EXPECT_THAT(of(0, 0, Composer().chunk(0, 0, Composer())), HasSubstr("a Chunk may not stand in a Chunk"));
   EXPECT_THAT(of(5, 5, Composer().message(1, 5, "x").put(std::uint8_t{5})), HasSubstr("aren't whole from there on"));
 }
@@ -193,11 +201,15 @@ TEST(McapDoctor, ComparesMessageIndexesWithTheirChunk) {
   EXPECT_EQ(of(Composer().record(7, index_body(1, {{5, 0}, {6, second}}))), "");
   EXPECT_EQ(of(Composer().record(7, index_body(1, {{6, second}, {5, 0}}))), "");  // in any order
   EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}}))), HasSubstr("lacks the message at byte"));
-  EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {7, second}}))), HasSubstr("is of 7 ns, and it is of 6 ns"));
-  EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {6, 3}}))), HasSubstr("where no message of that channel is"));
-  EXPECT_THAT(of(Composer().record(7, index_body(2, {}))), HasSubstr("has messages of channel 1, but no Message Index"));
-  EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {6, second}})).record(7, index_body(1, {{5, 0}, {6, second}}))),
-              HasSubstr("a second Message Index of channel 1"));
+  EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {7, second}}))),
+              HasSubstr("is of 7 ns, and it is of 6 ns"));
+  EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {6, 3}}))),
+              HasSubstr("where no message of that channel is"));
+  EXPECT_THAT(of(Composer().record(7, index_body(2, {}))),
+              HasSubstr("has messages of channel 1, but no Message Index"));
+  EXPECT_THAT(
+      of(Composer().record(7, index_body(1, {{5, 0}, {6, second}})).record(7, index_body(1, {{5, 0}, {6, second}}))),
+      HasSubstr("a second Message Index of channel 1"));
   EXPECT_THAT(errors_of(begin().channel(1, "/a").record(7, index_body(1, {})).end()),
               HasSubstr("a Message Index that doesn't follow a Chunk"));
 }
@@ -209,20 +221,39 @@ TEST(McapDoctor, ComparesTheSummaryWithTheData) {
     return errors_of(end_with(file, summary));
   };
   const auto statistics = [](std::uint64_t messages, std::uint64_t count) {
-    return Composer().record(0x0b, Composer().put(messages).put(std::uint16_t{0}).put(1u).put(0u).put(0u).put(0u)
-                                       .put(std::uint64_t{5}).put(std::uint64_t{5}).put(10u).put(std::uint16_t{1}).put(count));
+    return Composer().record(0x0b, Composer()
+                                       .put(messages)
+                                       .put(std::uint16_t{0})
+                                       .put(1u)
+                                       .put(0u)
+                                       .put(0u)
+                                       .put(0u)
+                                       .put(std::uint64_t{5})
+                                       .put(std::uint64_t{5})
+                                       .put(10u)
+                                       .put(std::uint16_t{1})
+                                       .put(count));
   };
   const Composer channel = Composer().channel(1, "/a");
   EXPECT_EQ(of(Composer().raw(channel.bytes).raw(statistics(1, 1).bytes)), "");
-  EXPECT_THAT(of(Composer().raw(channel.bytes).raw(statistics(2, 1).bytes)), HasSubstr("the record of statistics says: messages 2, which is 1"));
-  EXPECT_THAT(of(Composer().raw(channel.bytes).raw(statistics(1, 3).bytes)), HasSubstr("messages of channel 1 3, which is 1"));
+  EXPECT_THAT(of(Composer().raw(channel.bytes).raw(statistics(2, 1).bytes)),
+              HasSubstr("the record of statistics says: messages 2, which is 1"));
+  EXPECT_THAT(of(Composer().raw(channel.bytes).raw(statistics(1, 3).bytes)),
+              HasSubstr("messages of channel 1 3, which is 1"));
   EXPECT_THAT(of(statistics(1, 1)), HasSubstr("no Channel 1 '/a' stands before them"));
   EXPECT_THAT(of(Composer().channel(1, "/b")), HasSubstr("Channel 1 is defined otherwise than at byte"));
-  EXPECT_THAT(of(Composer().channel(2, "/b")), HasSubstr("the summary has Channel 2 '/b', and the data section hasn't"));
+  EXPECT_THAT(of(Composer().channel(2, "/b")),
+              HasSubstr("the summary has Channel 2 '/b', and the data section hasn't"));
   EXPECT_THAT(of(Composer().message(1, 5, "x")), HasSubstr("a Message may not stand in the summary"));
   EXPECT_THAT(of(Composer().channel(1, "/a").raw(statistics(1, 1).bytes).channel(1, "/a")), HasSubstr("isn't grouped"));
-  const Composer nowhere = Composer().record(0x0a, Composer().put(std::uint64_t{3}).put(std::uint64_t{4}).put(std::uint64_t{0})
-                                                       .put(std::uint64_t{0}).put(std::uint64_t{0}).text("").text(""));
+  const Composer nowhere = Composer().record(0x0a, Composer()
+                                                       .put(std::uint64_t{3})
+                                                       .put(std::uint64_t{4})
+                                                       .put(std::uint64_t{0})
+                                                       .put(std::uint64_t{0})
+                                                       .put(std::uint64_t{0})
+                                                       .text("")
+                                                       .text(""));
   EXPECT_THAT(of(nowhere), HasSubstr("an index of byte 3, where no Attachment record begins"));
 }
 

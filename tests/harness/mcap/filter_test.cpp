@@ -140,7 +140,8 @@ namespace {
 
 /// Messages at these times on one topic, each saying `word`.
 void write_file(const std::filesystem::path& file, std::string_view topic, std::string_view word,
-                const std::vector<std::uint64_t>& times, const std::string& profile = "ros2", std::string_view encoding = "cdr") {
+                const std::vector<std::uint64_t>& times, const std::string& profile = "ros2",
+                std::string_view encoding = "cdr") {
   mcap::WriterOptions options;
   options.profile = profile;
   auto writer = std::move(*mcap::Writer::create(file, options));

@@ -43,7 +43,8 @@ Saved save(const Buffer& bytes, mcap::RecoverOptions options = {}) {
   const Pass pass = pass_over(**reader);
   EXPECT_TRUE(pass.end) << to_string(pass.end.errors());
   saved.messages = pass.messages;
-  for (const auto& attachment : (*reader)->attachments()) saved.extras.push_back(attachment.name + text_of(attachment.data));
+  for (const auto& attachment : (*reader)->attachments())
+    saved.extras.push_back(attachment.name + text_of(attachment.data));
   for (const auto& metadata : (*reader)->metadata())
     if (metadata.name != "rehearse.recover") saved.extras.push_back(metadata.name);
   const auto examination = mcap::examine(target.path());
@@ -179,7 +180,8 @@ TEST(McapRecover, FindsTheBeginningAgain) {
 TEST(McapRecover, KeepsNumbersAndBothTimes) {
   Composer file;
   file.magic().header().channel(3, "/a");
-  file.record(5, Composer().put(std::uint16_t{3}).put(77u).put(std::uint64_t{5}).put(std::uint64_t{4}).raw(bytes_of("x")));
+  file.record(5,
+              Composer().put(std::uint16_t{3}).put(77u).put(std::uint64_t{5}).put(std::uint64_t{4}).raw(bytes_of("x")));
   const TempFile source, target;
   source.write(file.bytes);
   ASSERT_TRUE(mcap::recover(source.path(), target.path()));
