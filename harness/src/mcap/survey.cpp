@@ -17,9 +17,20 @@ constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
 
 std::uint64_t end_of(const Record& record) { return record.offset + record_head + record.body.size(); }
 
-/// Fields that later versions may append aren't that.
-bool has_zeros_behind(const Record& record, const LayoutCheck& layout) {
-  return layout.extra > 0 && is_all_zero(record.body.last(layout.extra));
+/// Definitions and attachments have names, or at least a length for an empty one.
+bool is_nameless(const Record& record) {
+  const std::size_t name_at = record.opcode == op::schema       ? 2
+                              : record.opcode == op::channel    ? 4
+                              : record.opcode == op::attachment ? 16
+                              : record.opcode == op::metadata   ? 0
+                                                                : record.body.size();
+  if (name_at >= record.body.size()) return false;
+  return ByteReader(record.body.subspan(name_at)).get<std::uint32_t>() == 0;
+}
+
+/// What is left over isn't fields that a later version may have appended, but fields that have lost their lengths.
+bool is_overwritten(const Record& record, const LayoutCheck& layout) {
+  return layout.extra > 0 && (is_nameless(record) || is_all_zero(record.body.last(layout.extra)));
 }
 
 }  // namespace
@@ -138,7 +149,7 @@ Survey::Fault Survey::judge(const Record& record) {
   }
   const LayoutCheck layout = check_layout(record.opcode, record.body);
   if (!layout.whole) return fmt::format("a {} that is too short for what it says", name_of(record.opcode));
-  if (has_zeros_behind(record, layout)) return fmt::format("a {} with zeros behind its fields", name_of(record.opcode));
+  if (is_overwritten(record, layout)) return fmt::format("a {} that is partly overwritten", name_of(record.opcode));
   switch (record.opcode) {
     case op::header: {
       if (!layout.problems.empty() || !profile.empty() || !library.empty()) return {};

@@ -115,7 +115,7 @@ TEST(McapRecover, SavesWhatIsBehindZeros) {
   const Buffer whole_bytes = small_file();
   const Saved whole = save(whole_bytes);
   for (const std::size_t length : {1u, 7u, 40u, 200u}) {
-    for (std::size_t begin = 0; begin + length <= whole_bytes.size(); begin += 5) {
+    for (std::size_t begin = 0; begin + length <= whole_bytes.size(); begin += 7) {
       Buffer bytes = whole_bytes;
       std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(begin), length, std::byte{0});
       const Saved saved = save(bytes);
