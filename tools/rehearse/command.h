@@ -37,8 +37,8 @@ extern const Verb audit_verb;
 extern const Verb cat_verb;
 extern const Verb check_verb;
 extern const Verb diff_verb;
-extern const Verb export_verb;
 extern const Verb doctor_verb;
+extern const Verb export_verb;
 extern const Verb filter_verb;
 extern const Verb golden_verb;
 extern const Verb info_verb;
@@ -53,11 +53,15 @@ extern const Verb replay_verb;
 /// The programs that verbs live in.
 enum class Program { rehearse, simulate, audit };
 
+/// Whether a verb has to compute as every other processor does (pin.h). To pin a process is to start it twice: 20 ms.
+enum class Rounding { matters, is_none };
+
 /// A verb as the list of all of them shows it.
 struct VerbSummary {
   std::string_view name;
   std::string_view summary;
   Program program;
+  Rounding rounding = Rounding::matters;
 };
 
 /// All verbs, in the order in which one meets them.

@@ -18,21 +18,14 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb, &cat_verb,
-                                     &export_verb, &inspect_verb, &new_verb};
-constexpr const Verb* own_verbs[] = {&replay_verb,
-                                     &diff_verb,
-                                     &info_verb,
-                                     &filter_verb,
-                                     &merge_verb,
-                                     &recover_verb,
-                                     &doctor_verb,
-                                     &inspect_verb,
-                                     &new_verb};
+constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb,  &cat_verb,
+                                     &export_verb, &filter_verb,  &merge_verb, &recover_verb,
+                                     &doctor_verb, &inspect_verb, &new_verb};
 
 /// Goes on as another of our programs, which stand at a fixed place beside this one. Comes back only if it can't.
 Exit become(const char* program, char** argv) {
-  const std::filesystem::path other = (own_program().parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
+  const std::filesystem::path other =
+      (own_program().parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
   if (!is_pinning_off()) set_pinned_environment();
   execv(other.c_str(), argv);
   return refuse(error(fmt::format("can't start {}: {}", other.string(), std::strerror(errno)),
@@ -73,7 +66,7 @@ Exit run(int argc, char** argv) {
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
   if (known->program == Program::simulate) return become("rehearse-simulate", argv);
   if (known->program == Program::audit) return become("rehearse-audit", argv);
-  pin_process(argv);
+  if (known->rounding == Rounding::matters) pin_process(argv);
   const auto verb = std::find_if(std::begin(own_verbs), std::end(own_verbs),
                                  [&](const Verb* candidate) { return candidate->name == word; });
   REHEARSE_ASSERT(verb != std::end(own_verbs), "a verb that is listed is in one of the programs");
