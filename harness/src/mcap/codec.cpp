@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <lz4frame.h>
+#include <rehearse/text.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -112,7 +113,7 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
   }
   if (compression == "zstd") return decompress_zstd(state_->zstd.get(), compressed, size, out);
   if (compression == "lz4") return decompress_lz4(state_->lz4.get(), compressed, size, out);
-  return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", compression));
+  return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", printable(compression)));
 }
 
 namespace {

@@ -262,3 +262,11 @@ TEST(McapRecover, TrustsTheBeginningOfAChunkThatIsCutOnlyIfItIsTold) {
   trusting.trust_damaged = true;
   EXPECT_EQ(save(file.bytes, trusting).messages, (std::vector<Seen>{{"/a", 0, 1, "loose"}, {"/a", 0, 5, "one"}}));
 }
+
+TEST(McapRecover, SaysWhatIsLostInValidTextWhateverStandsThere) {
+  Composer file;
+  file.magic().header().channel(1, "/a").message(1, 1, "x").chunk(1, 1, Composer().message(1, 1, "y"), "z\xff").end();
+  const Saved saved = save(file.bytes);
+  EXPECT_EQ(saved.messages.size(), 1u);
+  EXPECT_EQ(saved.findings, "");
+}
