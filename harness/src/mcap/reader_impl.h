@@ -3,6 +3,8 @@
 
 #include <rehearse/mcap.h>
 
+#include <set>
+
 #include "chunk_opener.h"
 #include "contents.h"
 #include "file_view.h"
@@ -66,7 +68,11 @@ class Reader::Impl {
   std::uint64_t data_end_ = 0;             // offset of DataEnd, or of the first byte that is no whole record
   std::optional<std::uint32_t> data_crc_;  // as DataEnd has it, if it has one
   std::vector<Chunk> chunks_;              // in file order
-  bool loose_messages_ = false;            // some messages are in no chunk
+  /// What the message indexes behind a chunk say of its channels.
+  enum class ChunkChannels : std::uint8_t { not_said, known, unknown };
+  std::vector<ChunkChannels> chunk_channels_;  // like chunks_
+  std::set<std::uint16_t> unknown_channels_;   // when their message indexes were met
+  bool loose_messages_ = false;                // some messages are in no chunk
 
  private:
   // by_summary.cpp
@@ -80,7 +86,9 @@ class Reader::Impl {
   void scan_end(RecordWalker& walker, const Record& data_end);
   void scan_summary_up_to(const Record& footer, std::uint64_t start);
   bool knows_all_definitions() const;
+  void scan_message_index(const Record& record);
   void learn_from_chunks();
+  void learn_from_chunk(const Chunk& place);
   void report_cut(const RecordWalker& walker);
 
   // reader.cpp

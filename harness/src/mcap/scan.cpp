@@ -19,6 +19,7 @@ void Reader::Impl::walk_if_not_yet() {
   attachments_.clear();
   metadata_.clear();
   chunks_.clear();
+  chunk_channels_.clear();
   scan();
 }
 
@@ -58,6 +59,7 @@ void Reader::Impl::scan_data_record(const Record& record) {
     case op::channel: contents_.learn(record, damage_); break;
     case op::message: loose_messages_ = true; break;
     case op::chunk: scan_chunk_head(record); break;
+    case op::message_index: scan_message_index(record); break;
     case op::attachment:
       if (auto attachment = read_attachment(record, options_.check_crcs, damage_))
         attachments_.push_back(std::move(*attachment));
@@ -65,7 +67,7 @@ void Reader::Impl::scan_data_record(const Record& record) {
     case op::metadata:
       if (auto metadata = read_metadata(record, damage_)) metadata_.push_back(std::move(*metadata));
       break;
-    default: break;  // indexes, and records that later versions of the format may bring
+    default: break;  // records that later versions of the format may bring
   }
 }
 
@@ -73,6 +75,7 @@ void Reader::Impl::scan_chunk_head(const Record& record) {
   if (const auto head = parse_chunk(record.body)) {
     chunks_.push_back({record.offset, head->start_time, head->end_time, std::string(head->compression),
                        head->records.size(), head->uncompressed_size});
+    chunk_channels_.push_back(ChunkChannels::not_said);
   } else {
     damage_.add(fmt::format("damaged: the chunk at byte {} is too short for what it says", record.offset));
   }
@@ -123,21 +126,51 @@ bool Reader::Impl::knows_all_definitions() const {
          std::all_of(contents_.channels.begin(), contents_.channels.end(), is_known);
 }
 
-/// Files without a summary tell their channels only inside of their chunks.
+/// Files without a summary may tell their channels only inside of their chunks. A chunk whose messages are all of known
+/// channels, as its index says, need not be opened for that.
 void Reader::Impl::learn_from_chunks() {
-  DamageLog ignored(name_);  // a pass over the messages says it
-  for (const Chunk& place : chunks_) {
-    RecordWalker at(bytes_, place.offset);
-    Record record;
-    if (!at.next(record)) continue;
-    const auto head = parse_chunk(record.body);
-    if (!head) continue;
-    const auto records = chunk_opener_.open(*head, place.offset, pass_buffer_);
-    if (!records) continue;
-    RecordWalker inside(*records);
-    while (inside.next(record)) {
-      contents_.learn(record, ignored);
+  PassedBytes passed(file_, bytes_);
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < chunks_.size(); ++i) {
+    passed.pass(chunks_[i].offset);
+    if (chunk_channels_[i] == ChunkChannels::known) {
+      others.push_back(i);
+    } else {
+      learn_from_chunk(chunks_[i]);
     }
+  }
+  const auto is_known = [this](std::uint16_t channel) { return contents_.channels.contains(channel); };
+  if (std::all_of(unknown_channels_.begin(), unknown_channels_.end(), is_known)) return;
+  for (const std::size_t i : others) learn_from_chunk(chunks_[i]);
+}
+
+void Reader::Impl::learn_from_chunk(const Chunk& place) {
+  DamageLog ignored(name_);  // a pass over the messages says it
+  RecordWalker at(bytes_, place.offset);
+  Record record;
+  if (!at.next(record)) return;
+  const auto head = parse_chunk(record.body);
+  if (!head) return;
+  const auto records = chunk_opener_.open(*head, place.offset, pass_buffer_);
+  if (!records) return;
+  RecordWalker inside(*records);
+  while (inside.next(record)) contents_.learn(record, ignored);
+}
+
+/// Of the chunk before it.
+void Reader::Impl::scan_message_index(const Record& record) {
+  ByteReader in(record.body);
+  const auto channel = in.get<std::uint16_t>();
+  if (chunk_channels_.empty() || !in.ok()) return;
+  ChunkChannels& before = chunk_channels_.back();
+  const auto known = contents_.channels.find(channel);
+  if (known == contents_.channels.end()) {
+    before = ChunkChannels::unknown;
+    unknown_channels_.insert(channel);
+  } else if (known->second.schema_id != 0 && contents_.schema_of(known->second) == nullptr) {
+    before = ChunkChannels::unknown;
+  } else if (before == ChunkChannels::not_said) {
+    before = ChunkChannels::known;
   }
 }
 
