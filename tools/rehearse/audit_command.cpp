@@ -10,6 +10,7 @@
 #include <string>
 
 #include "command.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -121,7 +122,7 @@ Exit run(Settings& settings) {
   if (!settings.output.empty() && kind != ".yaml" && kind != ".yml")
     return refuse(error("-o is a new recording, and that takes a scenario; " + settings.subject + " is one already"));
   if (!settings.output.empty())
-    if (const auto allowed = check_output(settings.output, mcap_magic, "trace"); !allowed)
+    if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
   const ScratchFolder scratch(new_temporary_folder());
   if (scratch.path().empty())

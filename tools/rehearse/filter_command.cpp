@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -72,7 +73,7 @@ Json filtered_json(const Settings& settings, const mcap::Filtered& filtered) {
 
 Exit run(Settings& settings) {
   if (const auto read = read_selection(settings); !read) return refuse(read.errors());
-  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed)
+  if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto filtered = [&] {
     Progress progress("filtering");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -66,7 +67,7 @@ Json merged_json(const Settings& settings, const mcap::Merged& merged) {
 Exit run(Settings& settings) {
   const auto sources = sources_of(settings);
   if (!sources) return refuse(sources.errors());
-  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed)
+  if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto merged = [&] {
     Progress progress("merging");

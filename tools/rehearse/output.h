@@ -37,11 +37,4 @@ using TableRow = std::vector<std::string>;
 /// Cells in columns as wide as their widest cell; the first row is the heading.
 void print_table(const std::vector<TableRow>& rows);
 
-/// That a file of ours may be written there: it doesn't exist, or is one of its kind, that is, begins with `magic`.
-/// So that a slip of the hand replaces no scenario by a picture.
-Result<void> check_output(const std::filesystem::path& file, std::string_view magic, std::string_view kind);
-
-inline constexpr std::string_view mcap_magic = "\x89MCAP0\r\n";
-inline constexpr std::string_view png_magic = "\x89PNG\r\n\x1a\n";
-
 }  // namespace rehearse::tool

@@ -16,6 +16,7 @@
 
 #include "audit/interposer.h"
 #include "command.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -92,7 +93,7 @@ Exit run(Settings& settings) {
   tell_warnings(*scenario);
   const std::string trace =
       settings.trace.empty() ? std::filesystem::path(settings.scenario).stem().string() + ".mcap" : settings.trace;
-  if (const auto allowed = check_output(trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  if (const auto allowed = check_replaceable(trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
 
   InterposerWatch watch;
   if (is_interposed()) settings.record.watch = &watch;

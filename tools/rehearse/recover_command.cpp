@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -92,7 +93,7 @@ Json recovery_json(const Settings& settings, const mcap::Recovery& recovery) {
 }
 
 Exit run(Settings& settings) {
-  if (const auto allowed = check_output(settings.target, mcap_magic, "trace"); !allowed)
+  if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto recovery = [&] {
     Progress progress("recovering");

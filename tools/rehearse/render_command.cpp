@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "command.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "scenario_text.h"
@@ -118,7 +119,7 @@ Exit run(Settings& settings) {
   const auto scene = load_scene(settings.input, settings.urdf);
   if (!scene) return refuse(scene.errors());
   if (const auto few = check_lights(scene->models); !few) return refuse(few.errors());
-  if (const auto allowed = check_output(settings.picture, png_magic, "PNG picture"); !allowed)
+  if (const auto allowed = check_replaceable(settings.picture, png_magic, "PNG picture"); !allowed)
     return refuse(allowed.errors());
   const Viewpoint view = default_viewpoint(scene->models, settings.camera, settings.eye, settings.target);
   const double distance = (view.target - view.eye).norm();

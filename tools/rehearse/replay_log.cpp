@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "audit/virtualised.h"
+#include "export/replaceable.h"
 #include "output.h"
 #include "progress.h"
 
@@ -121,7 +122,8 @@ void tell_remarks(const LogReplayReport& report) {
 
 Exit replay_log_of(LogSettings settings) {
   if (settings.trace.empty()) settings.trace = std::filesystem::path(settings.log).stem().string() + ".replay.mcap";
-  if (const auto allowed = check_output(settings.trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  if (const auto allowed = check_replaceable(settings.trace, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
   const Stopwatch stopwatch;

@@ -26,9 +26,6 @@ class TopicNames {
 /// How a table of ours begins; nothing else does.
 inline constexpr std::string_view table_magic = "time [s]";
 
-/// That a file may be written there: it doesn't exist, is empty, or begins as its kind does. `kind`: "PNG".
-Result<void> check_replaceable(const std::filesystem::path& file, std::string_view magic, std::string_view kind);
-
 /// Makes the folder if it isn't there.
 Result<void> make_folder(const std::filesystem::path& folder);
 

@@ -8,6 +8,7 @@
 
 #include "export/channel_table.h"
 #include "export/export_files.h"
+#include "export/replaceable.h"
 #include "export/export_source.h"
 #include "export/picture_file.h"
 #include "export/video_encoder.h"
@@ -15,7 +16,6 @@
 namespace rehearse {
 namespace {
 
-constexpr std::string_view png_magic = "\x89PNG\r\n\x1a\n";
 constexpr std::string_view jpeg_magic = "\xff\xd8\xff";
 
 /// Chosen channels with pictures; the others are told of as skipped.

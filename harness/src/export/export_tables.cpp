@@ -9,6 +9,7 @@
 
 #include "export/channel_table.h"
 #include "export/export_files.h"
+#include "export/replaceable.h"
 #include "export/export_source.h"
 
 namespace rehearse {

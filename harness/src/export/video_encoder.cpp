@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "export/export_files.h"
+#include "export/replaceable.h"
 
 extern char** environ;
 

@@ -157,6 +157,9 @@ class SavedPass {
   std::uint64_t next_progress_ = 0;
 };
 
+/// The format has no data without an encoding: nobody could tell what it means.
+bool is_damaged(const Schema& schema) { return schema.encoding.empty() && !schema.data.empty(); }
+
 /// Defines the channels in the new file. Returns their ids there by those of the source.
 std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery& recovery) {
   std::vector<std::uint16_t> ids(0x10000);
@@ -164,9 +167,10 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
     std::uint16_t schema = 0;
     if (channel.schema_id != 0) {
       const auto known = survey.schemas.find(channel.schema_id);
-      if (known == survey.schemas.end())
-        recovery.remarks.push_back(
-            fmt::format("the schema of {} is lost: its messages are kept without one", in_quotes(channel.topic)));
+      const bool lost = known == survey.schemas.end();
+      if (lost || is_damaged(known->second))
+        recovery.remarks.push_back(fmt::format("the schema of {} is {}: its messages are kept without one",
+                                               in_quotes(channel.topic), lost ? "lost" : "damaged"));
       else
         schema = writer.add_schema(as_utf8(known->second.name), as_utf8(known->second.encoding), known->second.data);
     }

@@ -251,6 +251,20 @@ TEST(McapRecover, MakesTextsUtf8) {
   EXPECT_EQ(saved.findings, "");
 }
 
+TEST(McapRecover, KeepsTheMessagesOfASchemaThatTheFormatForbids) {
+  Composer file;
+  file.magic().header().record(0x03,
+                               Composer().put(std::uint16_t{1}).text("test/msg/Text").text("").text("string text"));
+  file.record(0x04,
+              Composer().put(std::uint16_t{1}).put(std::uint16_t{1}).text("/a").text("cdr").put(std::uint32_t{0}));
+  const Saved saved = save(file.message(1, 5, "x").bytes);
+  EXPECT_EQ(saved.messages, (std::vector<Seen>{{"/a", 0, 5, "x"}})) << saved.refusal;
+  EXPECT_EQ(saved.findings, "");
+  ASSERT_TRUE(saved.recovery);
+  EXPECT_THAT(saved.recovery->remarks,
+              testing::Contains("the schema of '/a' is damaged: its messages are kept without one"));
+}
+
 /// The part of a chunk that a cut left.
 TEST(McapRecover, TrustsTheBeginningOfAChunkThatIsCutOnlyIfItIsTold) {
   const Composer records = Composer().message(1, 5, "one").message(1, 6, "two");
