@@ -8,12 +8,6 @@ using testing::HasSubstr;
 
 namespace {
 
-Buffer small_file() {
-  const TempFile file;
-  write_small_file(file.path());
-  return file.read();
-}
-
 /// What there is to be had of these bytes: messages, attachments, metadata; and whether anything was complained of.
 struct Yield {
   std::vector<Seen> messages;

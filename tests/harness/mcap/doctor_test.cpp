@@ -43,12 +43,6 @@ std::string errors_of(const Composer& file) {
   return text;
 }
 
-Buffer small_file(mcap::WriterOptions options = {}) {
-  const TempFile file;
-  write_small_file(file.path(), options);
-  return file.read();
-}
-
 Composer begin() {
   Composer file;
   file.magic().header();

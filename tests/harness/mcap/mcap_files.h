@@ -120,6 +120,13 @@ inline void write_small_file(const std::filesystem::path& file, mcap::WriterOpti
   ASSERT_TRUE(writer->close());
 }
 
+/// The bytes of such a file.
+inline Buffer small_file(mcap::WriterOptions options = {}) {
+  const TempFile file;
+  write_small_file(file.path(), std::move(options));
+  return file.read();
+}
+
 /// Puts records together by hand.
 class Composer {
  public:

@@ -12,12 +12,6 @@ using testing::HasSubstr;
 
 namespace {
 
-Buffer small_file() {
-  const TempFile file;
-  write_small_file(file.path());
-  return file.read();
-}
-
 /// What recover() makes of bytes.
 struct Saved {
   std::optional<mcap::Recovery> recovery;

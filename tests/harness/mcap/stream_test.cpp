@@ -18,12 +18,6 @@ using testing::HasSubstr;
 
 namespace {
 
-Buffer small_file(mcap::WriterOptions options = {}) {
-  const TempFile file;
-  write_small_file(file.path(), std::move(options));
-  return file.read();
-}
-
 /// Gives bytes in pieces of this size.
 mcap::ReadBytes in_pieces(Buffer bytes, std::size_t piece) {
   return [bytes = std::move(bytes), piece, at = std::size_t{0}](std::span<std::byte> target) mutable {
