@@ -13,6 +13,7 @@
 #include "audit/virtualised.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
+#include "mcap/whole_input.h"
 #include "output_record.h"
 #include "recording/provenance.h"
 #include "recorded_inputs.h"
@@ -306,7 +307,7 @@ Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOpti
   const StandardFloatMode float_mode;
   auto reader = mcap::Reader::open(trace);
   if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return (*reader)->damage();
+  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
   auto host = ControllerHost::create(*scenario, options);
