@@ -11,6 +11,7 @@ rehearse_add_library(harness
   src/host/usable_outputs.cpp
   src/host/info_text.cpp
   src/host/controller_library.cpp
+  src/host/debug_hook.cpp
   src/recording/device_recorder.cpp
   src/compare/divergence.cpp
   src/host/float_mode.cpp

@@ -9,6 +9,7 @@
 
 #include "cnoid_body.h"
 #include "controller_watch.h"
+#include "debug_hook.h"
 #include "recording/hashing.h"
 #include "info_text.h"
 #include "usable_outputs.h"
@@ -184,10 +185,12 @@ void ControllerHost::tell_trespasses(HostedController& hosted, const char* funct
 bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code,
                           HowOften how_often) {
   const PluggedIn plugged_in(hosted.joystick.get());
+  const double now = time_of(tick_, scenario_->time_step);
+  const DebuggedCall debugged({run_, tick_, now, hosted.label.c_str(), function, hosted.controller.get(), hosted.io.get(),
+                               hosted.io_body ? &hosted.io_body->body() : nullptr});
   ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
   const CallOutcome outcome = [&] {
-    const Watched watched(
-        options_.watch, {hosted.label, hosted.library->file(), function, tick_, time_of(tick_, scenario_->time_step)});
+    const Watched watched(options_.watch, {hosted.label, hosted.library->file(), function, tick_, now});
     return guarded_call(code, options_.call_limit);
   }();
   tell_trespasses(hosted, function, outcome);
@@ -255,6 +258,7 @@ void ControllerHost::initialize(HostedController& hosted, const Observation& ini
 }
 
 Command ControllerHost::initialize(const Observation& initial) {
+  run_ = begin_debugged_run();
   show_joystick(initial);
   for (HostedController& hosted : controllers_)
     if (!failure_) configure(hosted);
@@ -338,9 +342,11 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   }
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;
-    if (!call(
-            hosted, "control", [&] { hosted.result = hosted.controller->control(); }, HowOften::in_ticks))
-      return false;
+    const auto control = [&] {
+      stop_for_debugger();
+      hosted.result = hosted.controller->control();
+    };
+    if (!call(hosted, "control", control, HowOften::in_ticks)) return false;
     hosted.io->output();
     hosted.has_output = true;
   }

@@ -120,6 +120,7 @@ class ControllerHost {
   bool refused_ = false;
   bool other_options_ = false;
   bool stopped_ = false;
+  long run_ = 0;  // the how manieth of this process, for debuggers
   std::int64_t tick_ = 0;
 };
 

@@ -54,14 +54,6 @@ std::string readable(std::string message) {
   return "it needs the symbol '" + symbol + "', which nothing here defines";
 }
 
-std::string hash_of_file(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
-  stream.seekg(0);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return hash_text(hash_bytes(bytes.data(), bytes.size()));
-}
-
 /// What the library did while it was loaded. One that is in memory already does nothing any more; then it is what it
 /// did the first time, so that a run in a process says the same whatever ran before it.
 std::vector<std::string> remarks_on_loading(const std::string& name, const std::string& content_hash,
@@ -109,11 +101,19 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
                "looked for " + looked + (is_path(name) ? "" : "; REHEARSE_CONTROLLER_PATH names further folders"));
 }
 
+std::string content_hash_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
+  stream.seekg(0);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return hash_text(hash_bytes(bytes.data(), bytes.size()));
+}
+
 Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, double call_limit) {
   std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
   library->file_ = file;
   library->call_limit_ = call_limit;
-  library->content_hash_ = hash_of_file(file);
+  library->content_hash_ = content_hash_of(file);
   const fs::path absolute = fs::absolute(file);  // not in the call, which may end anywhere
   std::string problem;
   // its static objects are constructed in here: code of the library's author

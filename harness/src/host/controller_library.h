@@ -22,6 +22,9 @@ namespace rehearse {
 /// Fails saying where it looked.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
+/// What provenance says of a library's file: 16 hexadecimal digits (XXH3) of its bytes.
+std::string content_hash_of(const std::filesystem::path& file);
+
 /// The folder that holds our own shared libraries; empty if it can't be told.
 std::filesystem::path own_library_folder();
 
@@ -38,7 +41,7 @@ class ControllerLibrary {
   cnoid::SimpleController* create() const { return factory_(); }
 
   const std::filesystem::path& file() const { return file_; }
-  /// 16 hexadecimal digits (XXH3) of the file's bytes.
+  /// content_hash_of() its file.
   const std::string& content_hash() const { return content_hash_; }
   /// What it did to the process while it was loaded, and what was done about that.
   const std::vector<std::string>& remarks() const { return remarks_; }

@@ -1,0 +1,28 @@
+#include "debug_hook.h"
+
+// What tools/gdb/rehearse_debug/place.py takes apart.
+static_assert(sizeof(rehearse::DebugPlace) == 64 && sizeof(long) == 8 && sizeof(void*) == 8);
+
+extern "C" {
+
+[[gnu::visibility("default")]] rehearse::DebugPlace rehearse_now;
+[[gnu::visibility("default")]] volatile long rehearse_stop_run = 0;
+[[gnu::visibility("default")]] volatile long rehearse_stop_tick = 0;
+
+[[gnu::noinline, gnu::used, gnu::visibility("default")]] void rehearse_at_tick(long tick, const char* controller,
+                                                                              cnoid::SimpleController* object) {
+  asm volatile("" : : "r"(tick), "r"(controller), "r"(object));  // so that a debugger finds them
+}
+
+}  // extern "C"
+
+namespace rehearse {
+namespace {
+
+long runs = 0;
+
+}  // namespace
+
+long begin_debugged_run() { return ++runs; }
+
+}  // namespace rehearse
