@@ -1,0 +1,24 @@
+"""Commands and printers for controllers that run in Rehearse: `source` this in gdb.
+
+`rehearse replay TRACE --gdb` does it by itself. In the gdb of a test program, or of anything else that runs controllers:
+
+    (gdb) source share/rehearse/gdb/rehearse_gdb.py
+    (gdb) rehearse-tick 120
+
+`help rehearse` lists what there is. Python 3.9 and gdb 12 or later.
+"""
+
+import os
+import sys
+
+_folder = os.path.dirname(os.path.abspath(__file__))
+_writes_bytecode = sys.dont_write_bytecode
+sys.dont_write_bytecode = True  # this folder may be the system's
+sys.path.insert(0, _folder)
+try:
+    import rehearse_debug
+
+    rehearse_debug.register()
+finally:
+    sys.path.remove(_folder)
+    sys.dont_write_bytecode = _writes_bytecode
