@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 
 #include "audit/virtualised.h"
 #include "command.h"
+#include "debugger.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -32,6 +34,9 @@ struct Settings {
   std::string golden;  // a trace to compare with; empty: the one that each scenario names
   bool json = false;
   CheckOptions check;
+  bool has_levels = false;  // that the user named
+  DebuggerOptions debugger;
+  std::int64_t tick = 0;  // in gdb
 };
 
 /// Of one scenario.
@@ -218,9 +223,24 @@ Json json_of_checks(const std::vector<Checked>& all) {
           {"scenarios", scenarios}};
 }
 
-Exit run(const Settings& settings) {
+/// Of the levels the closed loop alone, unless others are asked for: else it would be a matter of chance whose tick it is.
+Exit run_in_gdb(const Settings& settings, const std::vector<Scenario>& scenarios, const CLI::App& options) {
+  if (scenarios.size() != 1) return refuse(error("--gdb stops in one scenario", "name that scenario"));
+  if (const auto able = check_debugger(settings.debugger, scenarios[0]); !able) return refuse(able.errors());
+  if (const auto there = check_tick(settings.tick, scenarios[0].ticks(), scenarios[0].time_step); !there)
+    return refuse(there.errors());
+  std::vector<std::string> words = words_without_debugger("check", options);
+  if (!settings.has_levels) {
+    words.insert(words.begin() + 1, "--level=closed");
+    fmt::print("stopping in the closed loop; the other levels are not compared\n");
+  }
+  return become_gdb(settings.debugger, words, settings.tick);
+}
+
+Exit run(const Settings& settings, const CLI::App& options) {
   const auto scenarios = load(settings);
   if (!scenarios) return refuse(scenarios.errors());
+  if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenarios, options);
   if (!settings.golden.empty() && scenarios->size() != 1)
     return refuse(error("--golden compares one scenario", "name that scenario"));
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
@@ -266,7 +286,11 @@ std::function<Exit()> declare(CLI::App& options) {
       ->type_name("TRACE");
   options
       .add_option_function<std::vector<std::string>>(
-          "--level", [=](const std::vector<std::string>& levels) { take_levels(levels, settings->check); },
+          "--level",
+          [=](const std::vector<std::string>& levels) {
+            take_levels(levels, settings->check);
+            settings->has_levels = true;
+          },
           "what to compare: controller (recorded inputs, no physics), plant (recorded commands, no controller), closed "
           "(the whole loop); all three if not given")
       ->delimiter(',')
@@ -274,7 +298,10 @@ std::function<Exit()> declare(CLI::App& options) {
       ->type_name("LEVEL");
   add_host_options(options, settings->check.run);
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  add_debugger_options(options, settings->debugger);
+  add_integer(options, "--tick", "with --gdb: where to stop in the closed loop (0)", 0,
+              std::numeric_limits<std::uint32_t>::max(), [=](std::int64_t tick) { settings->tick = tick; });
+  return [settings, &options] { return run(*settings, options); };
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "debugger.h"
+
 namespace rehearse::tool {
 namespace {
 
@@ -84,6 +86,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
   try {
     const std::function<Exit()> run = verb.declare(options);
     std::vector<std::string> arguments(argv + 2, argv + argc);
+    spell_out_gdb_arguments(arguments);
     std::reverse(arguments.begin(), arguments.end());  // the order in which CLI11 takes them
     options.parse(arguments);
     return run();

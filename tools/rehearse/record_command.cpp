@@ -16,6 +16,7 @@
 
 #include "audit/interposer.h"
 #include "command.h"
+#include "debugger.h"
 #include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
@@ -33,6 +34,8 @@ struct Settings {
   bool no_frames = false;
   bool verify = false;
   RecordOptions record;
+  DebuggerOptions debugger;
+  std::int64_t tick = 0;  // in gdb
 };
 
 /// Another duration. What is expected of a time that doesn't come then is expected no longer, and neither is what was
@@ -87,9 +90,17 @@ Result<Reproduction> verify(const Settings& settings, const Scenario& scenario, 
   return reproduce(scenario, *recording, trace + ".again", trying, {rehearse::record, run_plant});
 }
 
-Exit run(Settings& settings) {
+Exit run_in_gdb(const Settings& settings, const Scenario& scenario, const CLI::App& options) {
+  if (const auto able = check_debugger(settings.debugger, scenario); !able) return refuse(able.errors());
+  if (const auto there = check_tick(settings.tick, scenario.ticks(), scenario.time_step); !there)
+    return refuse(there.errors());
+  return become_gdb(settings.debugger, words_without_debugger("record", options), settings.tick);
+}
+
+Exit run(Settings& settings, const CLI::App& options) {
   const Result<Scenario> scenario = load(settings);
   if (!scenario) return refuse(scenario.errors());
+  if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
   tell_warnings(*scenario);
   const std::string trace =
       settings.trace.empty() ? std::filesystem::path(settings.scenario).stem().string() + ".mcap" : settings.trace;
@@ -137,7 +148,10 @@ std::function<Exit()> declare(CLI::App& options) {
                    "then run a sample of it again, from its checkpoints, and all its commands: does it repeat itself?");
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   add_host_options(options, settings->record);
-  return [settings] { return run(*settings); };
+  add_debugger_options(options, settings->debugger);
+  add_integer(options, "--tick", "with --gdb: where to stop (0)", 0, std::numeric_limits<std::uint32_t>::max(),
+              [=](std::int64_t tick) { settings->tick = tick; });
+  return [settings, &options] { return run(*settings, options); };
 }
 
 }  // namespace

@@ -6,11 +6,14 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "audit/virtualised.h"
 #include "command.h"
+#include "debugger.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -19,7 +22,8 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr double longest_time = 1e9;  // [s]
+constexpr double longest_time = 1e9;                       // [s]
+constexpr std::int64_t longest_run = 1'000'000'000'000;  // [ticks]
 
 struct Settings {
   std::string trace;
@@ -27,6 +31,10 @@ struct Settings {
   ReplayOptions replay;
   // of a log
   std::string controller, model, map, output;
+
+  // in gdb
+  DebuggerOptions debugger;
+  std::optional<std::int64_t> tick;
 
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
@@ -70,8 +78,16 @@ void tell_remarks(const ReplayReport& report) {
       fmt::print(stderr, "{}\n", to_string(remark));
 }
 
+/// Goes on in gdb with the verb as it was given.
+Exit run_in_gdb(const Settings& settings, const CLI::App& options) {
+  const std::vector<std::string> words = words_without_debugger("replay", options);
+  if (settings.is_of_a_log()) return replay_log_in_gdb(settings.debugger, words, settings.tick);
+  return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.tick);
+}
+
 /// What a log needs and a recording doesn't, or the other way around.
 Result<void> check_usage(const Settings& settings) {
+  if (settings.tick && !settings.debugger.is_wanted()) return error("--tick without --gdb", "--gdb stops at that tick");
   if (!settings.is_of_a_log()) {
     if (!settings.controller.empty())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
@@ -101,8 +117,9 @@ Exit run_log(const Settings& settings) {
   return replay_log_of(std::move(log));
 }
 
-Exit run(Settings& settings) {
+Exit run(Settings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
+  if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
   if (settings.is_of_a_log()) return run_log(settings);
   if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   InterposerWatch watch;
@@ -141,7 +158,10 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_option("-o,--output", settings->output, "of a log: the trace to write (LOG.replay.mcap in this folder)")
       ->type_name("TRACE");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  add_debugger_options(options, settings->debugger);
+  add_integer(options, "--tick", "with --gdb: where to stop (where it fails, or differs first; else 0)", 0, longest_run,
+              [=](std::int64_t tick) { settings->tick = tick; });
+  return [settings, &options] { return run(*settings, options); };
 }
 
 }  // namespace
@@ -149,6 +169,7 @@ std::function<Exit()> declare(CLI::App& options) {
 const Verb replay_verb{"replay",
                        "  rehearse replay sr1.mcap\n"
                        "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n"
+                       "  rehearse replay failed.mcap --gdb --tick 3204\n"
                        "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
                        declare};
 

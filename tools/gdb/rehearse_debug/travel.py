@@ -190,7 +190,7 @@ def _tell_another_end(target: Target, told: str) -> None:
     gdb.write(told)
     now = place.here()
     if not place.is_running():
-        who = f" in which {target.controller} is called" if target.controller else ""
-        gdb.write(f"the program ended before a tick {target.tick}{who}\n")
+        whose = f" of {target.controller}" if target.controller else ""
+        gdb.write(f"the program ended before control(){whose} at tick {target.tick}\n")
     elif now is not None:
         gdb.write(f"stopped on the way to tick {target.tick}: {now}\n")

@@ -1,0 +1,280 @@
+#include "debugger.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/pin.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <sstream>
+
+#include "host/controller_library.h"
+#include "mcap/whole_input.h"
+#include "output.h"
+#include "replay/trace_scenario.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The program of that name that a shell would find; empty: none.
+fs::path find_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const fs::path file = fs::path(folder.empty() ? "." : folder) / name;
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0) return file;
+  }
+  return {};
+}
+
+Diagnostic no_gdb() { return error("--gdb needs gdb, and there is none on the PATH", "apt-get install gdb"); }
+
+/// Our commands for gdb, in the build folder and installed: share/ stands beside bin/ and libexec/.
+Result<fs::path> find_script() {
+  const fs::path own = own_program().parent_path();
+  const fs::path script = fs::path("share/rehearse/gdb/rehearse_gdb.py");
+  for (const char* above : {"..", "../.."}) {
+    const fs::path candidate = (own / above / script).lexically_normal();
+    std::error_code ignored;
+    if (fs::is_regular_file(candidate, ignored)) return candidate;
+  }
+  return error(fmt::format("{} isn't there", (own / ".." / script).lexically_normal().string()),
+               "it is built and installed together with rehearse");
+}
+
+struct NamedController {
+  std::string label;  // BODY/NAME
+  const ScenarioController* controller;
+
+  bool is_called(const std::string& name) const { return name == label || name == controller->name; }
+};
+
+/// In the order of their calls.
+std::vector<NamedController> controllers_of(const Scenario& scenario) {
+  std::vector<NamedController> all;
+  for (const ScenarioBody& body : scenario.bodies)
+    for (const ScenarioController& controller : body.controllers) {
+      all.push_back({body.name + "/" + controller.name, &controller});
+      for (const ScenarioController& child : controller.children)
+        all.push_back({body.name + "/" + child.name, &child});
+    }
+  return all;
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// What this program prints on stdout when it is started with these words; empty if it can't be started.
+std::string output_of(std::vector<std::string> words) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return {};
+  words.insert(words.begin(), own_program().string());
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, words[0].c_str(), &files, nullptr, pointers_to(words).data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  close(ends[1]);
+  std::string text;
+  char part[4096];
+  for (ssize_t size; failed == 0 && ((size = read(ends[0], part, sizeof part)) > 0 || (size < 0 && errno == EINTR));)
+    if (size > 0) text.append(part, static_cast<std::size_t>(size));
+  close(ends[0]);
+  if (failed == 0)
+    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  return text;
+}
+
+/// Where somebody would want to look, and in which controller.
+struct Interesting {
+  std::int64_t tick = 0;
+  std::string controller;
+};
+
+/// Replays in another process, which may crash, and tells what came of it.
+Interesting find_interesting(const Scenario& scenario, std::vector<std::string> words) {
+  words.push_back("--json");
+  const Json report = Json::parse(output_of(std::move(words)), nullptr, false);
+  if (!report.is_object()) return {};  // what is wrong will be told by the run in gdb
+  if (const auto failure = report.find("failure"); failure != report.end() && failure->is_string()) {
+    fmt::print("{}: stopping at the beginning of that tick\n", failure->get<std::string>());
+    return {report.value("ticks", std::int64_t{0}), {}};
+  }
+  const auto first = report.find("first");
+  if (first == report.end() || !first->is_object()) {
+    fmt::print("its commands are the recorded ones: stopping at tick 0 (--tick N: at another)\n");
+    return {};
+  }
+  Interesting found;
+  found.tick = first->value("tick", std::int64_t{0});
+  const std::string channel = first->value("channel", "");
+  for (const NamedController& known : controllers_of(scenario))
+    if (channel.starts_with("/" + known.label + "/")) found.controller = known.label;
+  fmt::print("differs first from the recording at tick {} ({:g} s), in {} of {}: stopping there\n", found.tick,
+             time_of(found.tick, scenario.time_step), first->value("element", ""), channel);
+  return found;
+}
+
+/// How many ticks of it have controllers been called in?
+Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
+  std::vector<std::uint16_t> channels;
+  for (const auto& [id, channel] : trace.channels())
+    if (channel.topic == "/tick") channels.push_back(id);
+  if (channels.empty()) return error("it has no ticks: nothing of the run was recorded");
+  std::int64_t ticks = 0;
+  const auto count = [&](const mcap::Message& message) {
+    CdrReader reader(message.data);
+    msg::Tick tick;
+    if (msg::decode(reader, tick) && tick.controller_results.size() == controllers) ++ticks;
+    return true;
+  };
+  if (auto read = trace.for_each_message(count, channels); !read) return read.errors();
+  return ticks;
+}
+
+/// A line for each controller whose library isn't the recorded one.
+Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& scenario, const HostOptions& host) {
+  const mcap::StringMap* facts = nullptr;
+  for (const mcap::Metadata& metadata : trace.metadata())
+    if (metadata.name == "rehearse") facts = &metadata.values;
+  for (const NamedController& known : controllers_of(scenario)) {
+    std::string library = known.controller->library;
+    fs::path folder = fs::path(scenario.file).parent_path();
+    for (const auto& [name, other] : host.libraries)
+      if (known.is_called(name)) {
+        library = other;
+        folder = fs::current_path();
+      }
+    const auto file = find_controller_library(library, folder);
+    if (!file) return file.errors();
+    const auto recorded = facts ? facts->find("controller." + known.label) : mcap::StringMap::const_iterator();
+    if (facts && recorded != facts->end() && !recorded->second.ends_with(" " + content_hash_of(*file)))
+      fmt::print("{} is not the library that {} was recorded with\n", file->string(), known.label);
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {
+  options.add_flag("--gdb", debugger.gdb,
+                   "in gdb, stopped in control() at --tick; --gdb=NAME: of that controller (NAME or BODY/NAME)");
+  options.add_option("--gdb-arg", debugger.gdb_arguments, "a word for gdb, as --gdb-arg=-batch; or all of them behind --")
+      ->type_name("WORD")
+      ->allow_extra_args(false);
+}
+
+void spell_out_gdb_arguments(std::vector<std::string>& arguments) {
+  const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
+  const bool is_for_gdb = std::any_of(arguments.begin(), dashes, [](const std::string& word) {
+    return word == "--gdb" || word.starts_with("--gdb=");
+  });
+  if (!is_for_gdb || dashes == arguments.end()) return;
+  for (auto word = dashes + 1; word != arguments.end(); ++word) word->insert(0, "--gdb-arg=");
+  arguments.erase(dashes);
+}
+
+std::vector<std::string> words_without_debugger(std::string_view verb, const CLI::App& options) {
+  std::vector<std::string> words{std::string(verb)}, positionals;
+  for (const CLI::Option* option : options.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || name == "--gdb" || name == "--gdb-arg" || name == "--tick") continue;
+    for (const std::string& result : option->results()) {
+      if (option->get_positional())
+        positionals.push_back(result);
+      else
+        words.push_back(option->get_items_expected_max() == 0 ? name : name + "=" + result);
+    }
+  }
+  words.insert(words.end(), positionals.begin(), positionals.end());
+  return words;
+}
+
+Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& scenario) {
+  if (find_program("gdb").empty()) return no_gdb();
+  const std::vector<NamedController> known = controllers_of(scenario);
+  if (known.empty()) return error(fmt::format("--gdb stops in a controller, and {} has none", scenario.name));
+  const std::string wanted = debugger.controller();
+  const auto is_it = [&](const NamedController& controller) { return controller.is_called(wanted); };
+  if (wanted.empty() || std::any_of(known.begin(), known.end(), is_it)) return {};
+  std::vector<std::string> names;
+  for (const NamedController& controller : known) names.push_back(controller.label);
+  return error(fmt::format("--gdb={}: there is no such controller in {}", wanted, scenario.name),
+               fmt::format("there is: {}", fmt::join(names, ", ")));
+}
+
+Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step) {
+  if (tick < ticks) return {};
+  return error(fmt::format("--tick {} is beyond the end: the run has {}, {:g} s", tick, count_text(ticks, "tick"),
+                           time_of(ticks, time_step)),
+               ticks > 0 ? fmt::format("expected 0 to {}", ticks - 1) : std::string());
+}
+
+Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick) {
+  const fs::path gdb = find_program("gdb");
+  const auto script = find_script();
+  if (!script) return refuse(script.errors());
+  std::vector<std::string> line{"gdb", "-q", "-x", script->string(), "-ex",
+                                fmt::format("rehearse-start {} {}", tick, debugger.controller())};
+  line.insert(line.end(), debugger.gdb_arguments.begin(), debugger.gdb_arguments.end());
+  line.insert(line.end(), {"--args", own_program().string()});
+  line.insert(line.end(), words.begin(), words.end());
+  std::fflush(stdout);
+  execv(gdb.c_str(), pointers_to(line).data());
+  return refuse(error(fmt::format("can't start {}: {}", gdb.string(), std::strerror(errno))));
+}
+
+Exit replay_in_gdb(DebuggerOptions debugger, const fs::path& trace, const HostOptions& host,
+                   std::vector<std::string> words, std::optional<std::int64_t> tick) {
+  std::error_code ignored;
+  if (fs::exists(trace, ignored) && !fs::is_regular_file(trace, ignored))
+    return refuse(error(fmt::format("{} can be read only once, and gdb starts the replay anew", trace.string()),
+                        "write it into a file"));
+  const auto reader = mcap::Reader::open(trace);
+  if (!reader) return refuse(reader.errors());
+  if (!(*reader)->damage().empty()) return refuse(mcap::with_recover_hint((*reader)->damage()));
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return refuse(scenario.errors());
+  if (const auto able = check_debugger(debugger, *scenario); !able) return refuse(able.errors());
+  const auto ticks = count_ticks(**reader, controllers_of(*scenario).size());
+  if (!ticks) return refuse(ticks.errors());
+  if (tick)
+    if (const auto there = check_tick(*tick, *ticks, scenario->time_step); !there) return refuse(there.errors());
+  if (const auto told = tell_other_libraries(**reader, *scenario, host); !told) return refuse(told.errors());
+  if (!tick) {
+    const Interesting found = find_interesting(*scenario, words);
+    tick = found.tick;
+    if (debugger.controller().empty() && !found.controller.empty()) debugger.gdb = found.controller;
+  }
+  return become_gdb(debugger, words, *tick);
+}
+
+Exit replay_log_in_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words,
+                       std::optional<std::int64_t> tick) {
+  if (find_program("gdb").empty()) return refuse(no_gdb());
+  return become_gdb(debugger, words, tick.value_or(0));
+}
+
+}  // namespace rehearse::tool
