@@ -25,10 +25,13 @@ rehearse_add_library(harness
   src/host/pin.cpp
   src/host/process_guard.cpp
   src/host/process_tripwires.cpp
+  src/host/variables.cpp
   src/recording/provenance.cpp
   src/replay/recorded_inputs.cpp
   src/replay/recorded_outputs.cpp
   src/recording/recorder.cpp
+  src/recording/variable_recorder.cpp
+  src/replay/recorded_words.cpp
   src/replay/replay.cpp
   src/replay/trace_scenario.cpp)
 target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})

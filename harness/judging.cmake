@@ -14,6 +14,7 @@ target_sources(rehearse_harness PRIVATE
   src/compare/compare_provenance.cpp
   src/compare/compare_report.cpp
   src/compare/compare_structure.cpp
+  src/compare/compare_variables.cpp
   src/compare/digest.cpp
   src/compare/event_sequences.cpp
   src/compare/expectation.cpp

@@ -30,13 +30,15 @@ rehearse_add_test(session_tests LABEL sim
     session/reproduction_test.cpp
     session/self_collision_test.cpp
     session/traps_test.cpp
+    session/words_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::world Rehearse::cnoid Rehearse::png)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/harness/src)
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp
-  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/trespasses.cpp)
+  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/trespasses.cpp
+  controllers/words.cpp)
 find_package(Threads REQUIRED)
 target_link_libraries(Behaviours PRIVATE Threads::Threads)
 target_link_libraries(Behaviours PRIVATE rehearse_flags)

@@ -107,6 +107,9 @@ class ControllerBench {
   double time() const;
   std::int64_t ticks() const;  // that have passed
 
+  /// The value that the controller last gave a variable (rehearse_variable.h). std::out_of_range if it never set it.
+  double variable(std::string_view name) const;
+
   /// What the controller wrote to its stream, and what was remarked on it, since the beginning.
   const std::vector<std::string>& messages() const;
 

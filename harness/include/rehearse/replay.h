@@ -20,6 +20,10 @@
 
 namespace rehearse {
 
+namespace msg {
+struct Event;
+}
+
 /// One word of what the controllers give in a tick.
 struct OutputField {
   enum class Kind {
@@ -44,8 +48,23 @@ struct ReplayOptions : HostOptions {
   std::function<void(const std::vector<OutputField>&)> on_started;
   /// Called after each tick with a word for each of those fields; null: not.
   std::function<void(std::int64_t tick, const std::vector<std::uint64_t>&)> on_outputs;
+  /// Called with each variable that a controller set in a tick (rehearse_variable.h), after on_outputs; null: not.
+  /// `series` as in a recording: SR1/Walker/variable/phase.
+  std::function<void(std::int64_t tick, const std::string& series, double value)> on_variable;
+  /// Called with each event of the replay as it happens, the controllers' lines among them (severity note, the source is
+  /// the controller); null: not. Those of initialize() and start() have tick 0.
+  std::function<void(const msg::Event&)> on_event;
   /// Called about every hundredth of the recording with the ticks done and all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
+};
+
+/// What the controllers said beside their commands: lines to os(), and variables. It makes no verdict, but for variables
+/// that a tolerance rule of the recording's scenario asks for: these are compared like commands.
+struct ReplayedWords {
+  std::int64_t lines = 0;      // compared
+  std::int64_t variables = 0;  // numbers compared
+  std::int64_t different = 0;  // ticks with another line, and variables that aren't the same bits
+  std::optional<Divergence> first;
 };
 
 struct ReplayReport {
@@ -57,6 +76,7 @@ struct ReplayReport {
   std::optional<Divergence> worst;    // by absolute difference
   std::optional<Divergence> beyond;   // the first beyond ReplayOptions::tolerances; without them, the first
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
+  ReplayedWords words;
   bool controller_refused = false;
   bool same_controllers = false;  // every controller's file is, byte by byte, the one that was recorded; so are options
   Diagnostics remarks;

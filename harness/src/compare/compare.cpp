@@ -11,6 +11,7 @@
 
 #include "compare_parts.h"
 #include "counterpart.h"
+#include "recording/variable_topics.h"
 #include "replay/trace_scenario.h"
 
 namespace rehearse {
@@ -110,6 +111,7 @@ Stage stage_of(std::string_view topic, std::string_view element) {
   if (topic == "/tf" && element.find("/scan/") != std::string_view::npos) return Stage::sensors;
   if (topic.find("/input/") != std::string_view::npos || topic == "/joy") return Stage::inputs;
   if (topic.find("/output/") != std::string_view::npos || topic == "/events") return Stage::controller;
+  if (!variable_of_topic(topic).empty()) return Stage::controller;
   if (kind == "image" || kind == "depth" || kind == "camera_info") return Stage::renderer;
   if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "measured_joints" ||
       kind == "contact")
@@ -335,7 +337,9 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     result.stage = stage_of(topic);
     return result;
   };
-  const auto taken = [&](const TraceChannel& channel) { return takes(options, channel); };
+  const auto taken = [&](const TraceChannel& channel) {
+    return takes(options, channel) && !is_unasked_variable(channel, rules);
+  };
   compare_ticks(traces, add("/tick"));
   std::vector<ChannelComparison> of_events;  // after the values: of two findings of a tick, a value tells more
   compare_events(
@@ -358,6 +362,8 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     const bool by_hash = channel.type == msg::Checkpoint::type_name;  // nobody looked into it: it isn't equal either
     if (by_hash && !result.first_bit) channels.pop_back();
   }
+  if (options.takes(Stage::controller))
+    if (std::string remark = remark_on_variables(traces); !remark.empty()) comparison.remarks.push_back(std::move(remark));
   channels.insert(channels.end(), of_events.begin(), of_events.end());
   comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));

@@ -176,7 +176,7 @@ class LoneChannels {
     const std::string owner = topic.substr(0, slashes[2] + 1);
     if (!lacks(owner)) return {topic, ""};
     const std::string rest = topic.substr(slashes[2] + 1);
-    const bool controls = rest.starts_with("input/") || rest.starts_with("output/");
+    const bool controls = rest.starts_with("input/") || rest.starts_with("output/") || rest.starts_with("variable/");
     const bool moves = rest == "pose" || rest == "twist" || rest == "accel";
     return {owner, fmt::format("{} '{}'", controls ? "controller" : moves ? "link" : "device", name(2))};
   }

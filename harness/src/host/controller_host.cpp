@@ -165,8 +165,16 @@ void ControllerHost::event(Severity severity, const std::string& source, std::st
 
 std::vector<msg::Event> ControllerHost::take_events() { return std::exchange(events_, {}); }
 
-void ControllerHost::collect_messages(HostedController& hosted) {
-  for (std::string& line : hosted.io->take_messages()) event(Severity::note, hosted.label, std::move(line));
+/// What a call said, however it ended. Where its code was interrupted, the stream may be in any state.
+void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
+  std::vector<std::string> lines;
+  const auto collect = [&] { lines = hosted.io->take_messages(); };
+  if (end == CallEnd::returned || end == CallEnd::threw)
+    collect();
+  else
+    guarded_call(collect, options_.call_limit);
+  for (std::string& line : lines) event(Severity::note, hosted.label, std::move(line));
+  for (const std::string& finding : hosted.variables.take_findings()) event(Severity::warning, hosted.label, finding);
 }
 
 /// What a call did to the process, each kind once for each controller.
@@ -191,13 +199,13 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
   const CallOutcome outcome = [&] {
     const Watched watched(options_.watch, {hosted.label, hosted.library->file(), function, tick_, now});
+    // what is set after the last tick has none to be recorded with
+    const ControllerVariables::Open variables(stopped_ ? nullptr : &hosted.variables);
     return guarded_call(code, options_.call_limit);
   }();
   tell_trespasses(hosted, function, outcome);
-  if (outcome.end == CallEnd::returned) {
-    collect_messages(hosted);
-    return true;
-  }
+  collect_messages(hosted, outcome.end);
+  if (outcome.end == CallEnd::returned) return true;
   std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", hosted.label, outcome.what, function,
                                  tick_, time_of(tick_, scenario_->time_step));
   event(Severity::error, hosted.label, text);
@@ -327,7 +335,9 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   for (HostedController& hosted : controllers_) {
     hosted.result = hosted.has_input = hosted.has_output = false;
     hosted.device_outputs.clear();
+    if (controlled_) hosted.variables.begin_tick();
   }
+  controlled_ = true;
   for (HostedController& hosted : controllers_) {
     const BodyObservation& body = seen.bodies[hosted.body];
     const double delivered_at = time_of(tick - 1, scenario_->time_step);
@@ -453,6 +463,10 @@ void ControllerHost::stop() {
   for (HostedController& hosted : controllers_)
     if (hosted.controller) call(hosted, "~SimpleController", [&] { hosted.controller.reset(); });
   keep_libraries_of_threads();
+  if (ControllerVariables::take_strays())
+    event(Severity::warning, "rehearse_variable",
+          "was called where no controller is called in a tick (while a library is loaded, in stop() or after it, by another "
+          "thread): what it set there isn't recorded");
 }
 
 /// The code of a thread that still runs may not be unloaded.

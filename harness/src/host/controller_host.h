@@ -24,6 +24,7 @@
 #include "guarded_call.h"
 #include "host_joystick.h"
 #include "process_guard.h"
+#include "variables.h"
 
 namespace rehearse {
 
@@ -45,6 +46,7 @@ struct HostedController {
   bool result = false;                       // what control() returned
   std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
+  ControllerVariables variables;             // as it set them in this tick
   std::set<Trespass::Kind> trespasses;       // of which one was told
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };
@@ -100,7 +102,7 @@ class ControllerHost {
   void refuse(HostedController& hosted, const char* function);
   void show_joystick(const Observation& seen);
   void event(Severity severity, const std::string& source, std::string text);
-  void collect_messages(HostedController& hosted);
+  void collect_messages(HostedController& hosted, CallEnd end);
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);
   void set_drives(std::size_t index, Command& command);
@@ -120,7 +122,8 @@ class ControllerHost {
   bool refused_ = false;
   bool other_options_ = false;
   bool stopped_ = false;
-  long run_ = 0;  // the how manieth of this process, for debuggers
+  long run_ = 0;  // counted in this process, for debuggers
+  bool controlled_ = false;  // there was a tick
   std::int64_t tick_ = 0;
 };
 

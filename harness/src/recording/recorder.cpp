@@ -15,6 +15,7 @@
 #include "topic_segment.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
+#include "variable_recorder.h"
 
 namespace rehearse {
 namespace {
@@ -91,6 +92,7 @@ struct ControllerChannels {
   SideChannels input, output;
   std::vector<std::uint16_t> contacts;  // by the controller's contact links
   std::vector<std::uint16_t> devices;   // by device index; 0: none
+  VariableRecorder variables;
 };
 
 struct BodyChannels {
@@ -431,6 +433,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       state.values = output.values;
       if (auto done = impl.write(channel, tick, state); !done) return done;
     }
+    if (auto done = channels.variables.write(impl, tick, hosted.label, hosted.variables); !done) return done;
   }
   if (host) ++impl.size.ticks;
   message.stamp = impl.stamp(tick);

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "audit/virtualised.h"
+#include "compare/asked_variables.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
 #include "mcap/whole_input.h"
@@ -18,6 +19,8 @@
 #include "recording/provenance.h"
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
+#include "recorded_words.h"
+#include "recording/variable_topics.h"
 #include "trace_scenario.h"
 
 namespace rehearse {
@@ -31,7 +34,7 @@ Diagnostic in_trace(const mcap::Reader& trace, Diagnostic diagnostic) {
 class Replayer {
  public:
   Replayer(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& trace, ControllerHost& host)
-      : options_(options), scenario_(scenario), trace_(trace), host_(host), inputs_(scenario, trace) {}
+      : options_(options), scenario_(scenario), trace_(trace), host_(host), inputs_(scenario, trace), words_(host, trace) {}
 
   Result<ReplayReport> run();
 
@@ -43,6 +46,9 @@ class Replayer {
   bool follows_on();
   void compare_inputs();
   void compare_results();
+  void compare_variables();
+  void say_differs(Divergence&& found);
+  void tell_variables() const;
   bool same_controllers() const;
   double tolerance_for(const Divergence& found) const;
   void differs(Divergence&& found);
@@ -53,10 +59,12 @@ class Replayer {
   mcap::Reader& trace_;
   ControllerHost& host_;
   RecordedInputs inputs_;
+  RecordedWords words_;
   std::vector<RecordedOutputs> outputs_;       // by controller
   std::optional<OutputRecord> output_record_;  // if somebody wants it
   std::vector<RecordedOutputs*> output_of_;    // by channel id; null: none
   std::vector<bool> is_input_;                 // by channel id
+  std::vector<bool> is_word_;                  // by channel id
   std::uint16_t tick_channel_ = 0;
   std::vector<std::uint16_t> channels_;
   msg::Tick tick_;
@@ -64,6 +72,7 @@ class Replayer {
   std::uint64_t now_ = 0;  // log time of the tick being gathered [ns]
   std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
   bool tick_differs_ = false;
+  bool cut_short_ = false;  // the recording goes on
   std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
   Diagnostics errors_;
   ReplayReport report_;
@@ -79,10 +88,15 @@ Result<void> Replayer::begin() {
 
   const std::size_t ids = std::size_t{trace_.channels().rbegin()->first} + 1;
   is_input_.assign(ids, false);
+  is_word_.assign(ids, false);
   output_of_.assign(ids, nullptr);
   channels_ = inputs_.channels_read_by(host_);
   for (const std::uint16_t id : channels_) is_input_[id] = true;
   channels_.push_back(tick_channel_);
+  for (const std::uint16_t id : words_.channels()) {
+    is_word_[id] = true;
+    channels_.push_back(id);
+  }
   outputs_.reserve(host_.controllers().size());
   for (const HostedController& hosted : host_.controllers()) {
     RecordedOutputs& outputs = outputs_.emplace_back(hosted, scenario_, trace_);
@@ -153,8 +167,12 @@ Result<ReplayReport> Replayer::run() {
   if (going_on) finish_tick();
   if (!errors_.empty()) return errors_;
   if (!read) return read.errors();
+  const auto differs = [this](Divergence&& found) { say_differs(std::move(found)); };
+  if (cut_short_) words_.end(differs);  // the recorded controllers were not stopped there
   host_.stop();
   take_events();
+  if (!cut_short_) words_.end(differs);
+  report_.words.lines = words_.lines();
   report_.failure = host_.failure();
   report_.controller_refused = host_.any_refused();
   report_.same_controllers = same_controllers();
@@ -170,6 +188,8 @@ bool Replayer::on_message(const mcap::Message& message) {
     if (!tick_here_) accepted = error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time));
   } else if (is_input_[id]) {
     accepted = inputs_.accept(message);
+  } else if (is_word_[id]) {
+    accepted = words_.accept(message);
   } else {
     accepted = output_of_[id]->accept(message);
   }
@@ -182,16 +202,20 @@ bool Replayer::finish_tick() {
   if (!tick_here_) return true;  // before the first tick, or a tick that wasn't closed
   tick_here_ = false;
   const bool last_state = tick_.controller_results.size() != host_.controllers().size();
-  if (last_state || now_ >= until_) return false;  // after the last step only the state is recorded
+  if (last_state) return false;  // after the last step only the state is recorded
+  if (now_ >= until_) return cut_short_ = true, false;
   if (!follows_on()) return false;
   tick_differs_ = false;
+  words_.begin_tick([this](Divergence&& found) { say_differs(std::move(found)); });
   if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
   if (output_record_) options_.on_outputs(tick_.tick, output_record_->row());
+  if (options_.on_variable) tell_variables();
   compare_inputs();
   if (now_ >= from_) {
     for (const RecordedOutputs& outputs : outputs_)
       report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
     compare_results();
+    compare_variables();
     report_.ticks_different += tick_differs_ ? 1 : 0;
   }
   ++report_.ticks;
@@ -286,7 +310,39 @@ void Replayer::differs(Divergence&& found) {
   if (!report_.first) report_.first = std::move(found);
 }
 
-void Replayer::take_events() { append_remarks(host_.take_events(), report_.remarks); }
+void Replayer::take_events() {
+  const std::vector<msg::Event> events = host_.take_events();
+  append_remarks(events, report_.remarks);
+  words_.say(events);
+  if (options_.on_event)
+    for (const msg::Event& event : events) options_.on_event(event);
+}
+
+void Replayer::tell_variables() const {
+  for (const HostedController& hosted : host_.controllers())
+    for (const ControllerVariables::Variable& variable : hosted.variables.all())
+      if (variable.is_set)
+        options_.on_variable(tick_.tick, variable_topic(hosted.label, variable.name).substr(1), variable.value);
+}
+
+/// Those that a rule asks for are compared like commands.
+void Replayer::compare_variables() {
+  report_.words.variables += words_.compare_variables([this](Divergence&& found) {
+    if (!asks_for_variable(found.channel.substr(1), scenario_.tolerances)) return say_differs(std::move(found));
+    ++report_.values;
+    differs(std::move(found));
+  });
+}
+
+/// A line is found when the next tick begins, or the replay ends.
+void Replayer::say_differs(Divergence&& found) {
+  const bool is_line = found.channel == "/events";
+  found.tick = is_line && !host_.failure() ? std::max<std::int64_t>(0, report_.ticks - 1) : tick_.tick;
+  found.time = time_of(found.tick, scenario_.time_step);
+  if (found.time < options_.from) return;
+  ++report_.words.different;
+  if (!report_.words.first || found.tick < report_.words.first->tick) report_.words.first = std::move(found);
+}
 
 /// What may have made the last bits differ, if it isn't the controllers.
 void tell_other_arithmetic(const mcap::Reader& trace, const Scenario& scenario, Diagnostics& remarks) {

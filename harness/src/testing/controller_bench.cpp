@@ -227,6 +227,14 @@ BenchDevice& ControllerBench::device(std::string_view name) {
   unknown("model", "device", name, names);
 }
 
+double ControllerBench::variable(std::string_view name) const {
+  const ControllerVariables& variables = impl_->host->controllers()[0].variables;
+  if (const ControllerVariables::Variable* found = variables.find(name)) return found->value;
+  std::vector<std::string> names;
+  for (const ControllerVariables::Variable& other : variables.all()) names.push_back(other.name);
+  unknown("controller", "variable", name, names);
+}
+
 double& ControllerBench::axis(std::string_view name) {
   impl_->require_joystick("axis");
   if (const auto axis = find_control(joystick_axes, name)) return impl_->axes[*axis];

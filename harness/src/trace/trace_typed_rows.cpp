@@ -1,5 +1,8 @@
 #include "range_messages.h"
+#include "recording/variable_topics.h"
 #include "trace_rows.h"
+
+#include <rehearse/float64_message.h>
 
 #include <algorithm>
 #include <charconv>
@@ -263,6 +266,25 @@ void put_row(const msg::TFMessage& m, RowWriter& row) {
   }
 }
 
+/// The rows of a controller's variable: its name is the last segment of the topic, and so the element's.
+class VariableReader : public RowReader {
+ public:
+  explicit VariableReader(TraceChannel& channel) : row_(channel), name_(variable_of_topic(channel.topic)) {}
+
+  bool read(Bytes payload) override {
+    CdrReader reader(payload);
+    row_.begin_row();
+    if (!msg::decode(reader, message_)) return false;
+    row_.put(name_, message_.data);
+    return true;
+  }
+
+ private:
+  RowWriter row_;
+  const std::string name_;
+  msg::Float64 message_;
+};
+
 /// The rows of a type of messages.h with a put_row() above.
 template <class Message>
 class TypedRowReader : public RowReader {
@@ -305,6 +327,8 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
     return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/ddq"});
   }
   if (channel.type == msg::Joy::type_name) return std::make_unique<JoyReader>(channel);
+  if (channel.type == msg::Float64::type_name && !variable_of_topic(channel.topic).empty())
+    return std::make_unique<VariableReader>(channel);
   return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu,
                     msg::LaserScan, msg::PointCloud2, msg::Contacts, msg::ContactForce, msg::Tick, msg::TFMessage>(
       channel);

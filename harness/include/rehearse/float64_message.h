@@ -1,0 +1,20 @@
+// A number as a message: std_msgs/msg/Float64. A controller's variables are recorded so.
+#pragma once
+
+#include <rehearse/message_codec.h>
+
+#include <string_view>
+
+namespace rehearse::msg {
+
+struct Float64 {
+  static constexpr std::string_view type_name = "std_msgs/msg/Float64";
+  double data = 0.0;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("data", self.data);
+  }
+};
+
+}  // namespace rehearse::msg

@@ -1,0 +1,21 @@
+// Which of the controllers' variables are compared. They are a controller's inside, and nobody's promise: only those that
+// a tolerance rule names as what they are, by a pattern with "/variable/" in it, decide anything.
+#pragma once
+
+#include <rehearse/glob.h>
+#include <rehearse/scenario.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+/// `series`: "SR1/Walker/variable/phase".
+inline bool asks_for_variable(std::string_view series, const std::vector<ToleranceRule>& rules) {
+  return std::any_of(rules.begin(), rules.end(), [&](const ToleranceRule& rule) {
+    return rule.channel.find("/variable/") != std::string::npos && matches(rule.channel, series);
+  });
+}
+
+}  // namespace rehearse

@@ -1,0 +1,24 @@
+// VariableRecorder: what controllers set by rehearse_variable(), as messages of a trace.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/variables.h"
+#include "trace_output.h"
+
+namespace rehearse {
+
+/// Of one controller.
+class VariableRecorder {
+ public:
+  /// A message for each that was set in this tick. Its channel appears with the first.
+  Result<void> write(TraceOutput& output, std::int64_t tick, const std::string& controller_label,
+                     const ControllerVariables& variables);
+
+ private:
+  std::vector<std::uint16_t> channels_;  // by variable; 0: none yet
+};
+
+}  // namespace rehearse

@@ -1,0 +1,103 @@
+#include "recorded_words.h"
+
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/float64_message.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "recording/variable_topics.h"
+
+namespace rehearse {
+
+RecordedWords::RecordedWords(const ControllerHost& host, const mcap::Reader& trace) : host_(host) {
+  for (const auto& [id, channel] : trace.channels()) {
+    const mcap::Schema* schema = trace.schema_of(channel);
+    if (!schema) continue;
+    if (channel.topic == "/events" && schema->name == msg::Event::type_name)
+      events_channel_ = id;
+    else if (schema->name == msg::Float64::type_name && !variable_of_topic(channel.topic).empty())
+      variables_[id].topic = channel.topic;
+    else
+      continue;
+    channels_.push_back(id);
+  }
+}
+
+bool RecordedWords::is_line(const msg::Event& event) const {
+  return event.severity == to_string(Severity::note) &&
+         std::any_of(host_.controllers().begin(), host_.controllers().end(),
+                     [&](const HostedController& hosted) { return hosted.label == event.source; });
+}
+
+Result<void> RecordedWords::accept(const mcap::Message& message) {
+  CdrReader reader(message.data);
+  bool fits = true;
+  if (message.channel->id == events_channel_) {
+    msg::Event event;
+    fits = msg::decode(reader, event);
+    if (fits && is_line(event)) coming_.push_back(event.source + ": " + event.text);
+  } else {
+    msg::Float64 number;
+    fits = msg::decode(reader, number);
+    variables_.at(message.channel->id).value = number.data;
+  }
+  if (fits) return {};
+  return error(fmt::format("a message on {} at {} ns is not of its type", message.channel->topic, message.log_time));
+}
+
+void RecordedWords::say(const std::vector<msg::Event>& events) {
+  for (const msg::Event& event : events)
+    if (is_line(event)) said_.push_back(event.source + ": " + event.text);
+}
+
+void RecordedWords::begin_tick(const OnDifference& differs) {
+  if (std::exchange(begun_, true)) end(differs);  // what is said before the first tick is its own
+  recorded_ = std::exchange(coming_, {});
+  for (auto& [id, variable] : variables_) variable.this_tick = std::exchange(variable.value, std::nullopt);
+}
+
+void RecordedWords::end(const OnDifference& differs) {
+  const Lines recorded = std::exchange(recorded_, {}), said = std::exchange(said_, {});
+  lines_ += static_cast<std::int64_t>(std::max(recorded.size(), said.size()));
+  const auto [then, now] = std::mismatch(recorded.begin(), recorded.end(), said.begin(), said.end());
+  if (then == recorded.end() && now == said.end()) return;
+  Divergence found;
+  found.channel = "/events";
+  found.stage = Stage::controller;
+  found.note = now == said.end()         ? fmt::format("this line is missing: \"{}\"", *then)
+               : then == recorded.end() ? fmt::format("this line is extra: \"{}\"", *now)
+                                        : fmt::format("the line is \"{}\", recorded \"{}\"", *now, *then);
+  differs(std::move(found));
+}
+
+std::int64_t RecordedWords::compare_variables(const OnDifference& differs) const {
+  std::map<std::string, std::pair<std::optional<double>, std::optional<double>>> pairs;  // recorded, now; by topic
+  for (const auto& [id, variable] : variables_)
+    if (variable.this_tick) pairs[variable.topic].first = variable.this_tick;
+  for (const HostedController& hosted : host_.controllers())
+    for (const ControllerVariables::Variable& variable : hosted.variables.all())
+      if (variable.is_set) pairs[variable_topic(hosted.label, variable.name)].second = variable.value;
+  for (const auto& [topic, values] : pairs) {
+    const auto& [recorded, now] = values;
+    if (recorded && now && identical(*recorded, *now)) continue;
+    Divergence found;
+    found.channel = topic;
+    found.element = variable_of_topic(topic);
+    found.stage = Stage::controller;
+    if (recorded && now) {
+      found.expected = *recorded;
+      found.actual = *now;
+      found.difference = std::abs(*now - *recorded);
+      found.ulps = ulps_between(*recorded, *now);
+    } else {
+      found.note = now ? "is set now, and wasn't in the recording" : "was set in the recording, and isn't now";
+    }
+    differs(std::move(found));
+  }
+  return static_cast<std::int64_t>(pairs.size());
+}
+
+}  // namespace rehearse
