@@ -106,6 +106,20 @@ TEST_F(TouchedBench, GivesTheContactsThatATestSetsUntilItTakesThemAway) {
   EXPECT_THAT(bench->messages(), Contains("tick 1: 1 points, free"));
 }
 
+using SpeakingBench = rehearse::RunTest;
+
+TEST_F(SpeakingBench, TellsWhatTheControllerSaysOfItsInside) {
+  rehearse::BenchOptions options;
+  options.options = "variables 0.25";
+  ControllerBench bench("Behaviours", path("rig.urdf").string(), options);
+  EXPECT_EQ(bench.variable("gain"), 2.5);
+  EXPECT_THAT(thrown_by([&] { bench.variable("phase"); }), HasSubstr("no variable \"phase\"; it has gain"));
+  bench.tick();
+  bench.tick();
+  EXPECT_EQ(bench.variable("phase"), 0.25);
+  EXPECT_EQ(bench.variable("even"), 0.0) << "as it was last set";
+}
+
 class SteeredBench : public rehearse::RunTest {
  protected:
   /// A controller that commands SHOULDER the position of L_STICK_V, 10 for button A, 100 times that of R_TRIGGER.

@@ -1,5 +1,6 @@
 // Pushes a pendulum to and fro.
 #include <cnoid/SimpleController>
+#include <rehearse_variable.h>
 
 #include <cmath>
 
@@ -17,6 +18,7 @@ class Swing : public cnoid::SimpleController {
   }
 
   bool control() override {
+    rehearse_variable("angle seen", hinge->q());  // [rad]
     hinge->u() = 0.5 * std::sin(3.0 * io->currentTime()) - 0.1 * hinge->q();
     return true;
   }
