@@ -121,6 +121,15 @@ struct Comparison {
   Diagnostics warnings;
 };
 
+/// Numbers or a picture of the same time that haven't the same bits.
+struct DifferingValue {
+  const TraceChannel& channel;           // of the golden
+  std::size_t message = 0;               // of that channel
+  std::vector<std::size_t> columns = {};  // one, or the four of an orientation; none: a picture
+  bool beyond = false;                   // its tolerance
+  std::int64_t pixels = 0;               // of a picture: that differ by more than is allowed to each
+};
+
 /// What of two traces is compared.
 struct CompareOptions {
   /// Values that these parts of the loop make; the channels of the others are left out altogether. Empty: all.
@@ -131,6 +140,8 @@ struct CompareOptions {
   /// Noise floors by series, in its unit, of an orientation's element its angle [rad]: what the run differs by under
   /// perturbations that mean nothing. A difference up to it is counted as noise; what passes or fails is not changed.
   std::map<std::string, double, std::less<>> noise_floors;
+  /// Told of each value that differs, hashes apart; null: nobody wants to know. A value may come twice.
+  std::function<void(const DifferingValue&)> on_difference;
 
   bool takes(Stage stage) const;
 };

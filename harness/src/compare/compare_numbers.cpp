@@ -41,6 +41,12 @@ struct Orientation {
   std::array<Column, 4> columns;
 };
 
+std::vector<std::size_t> columns_of(const Orientation& orientation) {
+  std::vector<std::size_t> columns;
+  for (const Column& column : orientation.columns) columns.push_back(column.golden);
+  return columns;
+}
+
 bool is_hash(const TraceChannel& channel, std::string_view element) {
   return channel.type == msg::Tick::type_name && element.ends_with("_hash");
 }
@@ -72,6 +78,7 @@ class NumberJudge {
   void compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
                      const Quaternion& actual);
   bool count(const Column& column, std::size_t golden_row, double difference, bool& beyond);
+  void tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const;
   void sum_up() const;
   Divergence place(const Column& column, std::size_t golden_row) const;
 
@@ -295,6 +302,11 @@ void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
   findings_.mark(divergence);
 }
 
+/// To whoever wants to know of each.
+void NumberJudge::tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const {
+  traces_.options.on_difference({channel_.golden, golden_row, std::move(columns), beyond, 0});
+}
+
 /// How far a number is from all that the golden is within lead and lag.
 double NumberJudge::beside(Column& column, std::size_t golden_row, double actual) const {
   if (!column.envelope)
@@ -325,7 +337,9 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
       if (!beyond) difference = from_envelope;  // what is judged is what is told
     }
   }
-  if (!count(column, golden_row, difference, beyond)) return;
+  const bool to_describe = count(column, golden_row, difference, beyond);
+  if (traces_.options.on_difference) tell(golden_row, {column.golden}, beyond);
+  if (!to_describe) return;
   Divergence divergence = place(column, golden_row);
   divergence.expected = expected;
   divergence.actual = actual;
@@ -367,7 +381,9 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
     beyond = !(from_path <= column.tolerance);
     if (!beyond) angle = from_path;
   }
-  if (count(column, golden_row, angle, beyond)) {
+  const bool to_describe = count(column, golden_row, angle, beyond);
+  if (traces_.options.on_difference) tell(golden_row, columns_of(orientation), beyond);
+  if (to_describe) {
     Divergence divergence = place(column, golden_row);
     divergence.expected = expected[most];
     divergence.actual = actual[most];
@@ -389,7 +405,9 @@ void NumberJudge::compare_norms(const Orientation& orientation, std::size_t gold
   const double difference = std::abs(norm - wanted);
   if (difference <= column.tolerance || std::isnan(difference)) return;
   bool beyond = true;
-  if (!count(column, golden_row, difference, beyond)) return;
+  const bool to_describe = count(column, golden_row, difference, beyond);
+  if (traces_.options.on_difference) tell(golden_row, columns_of(orientation), beyond);
+  if (!to_describe) return;
   Divergence divergence = place(column, golden_row);
   divergence.element.back() = 'n';
   divergence.element += "orm";

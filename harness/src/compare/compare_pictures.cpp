@@ -58,7 +58,10 @@ class PictureJudge {
     const bool by_window = too_dense && !too_many;
     const double difference = by_window ? found.densest : found.share();
     const double allowed = by_window ? tolerance_.pixel_window : tolerance_.pixel_share;
-    if (!findings_.count(difference, allowed, too_many || too_dense)) return;
+    const bool beyond = too_many || too_dense;
+    const bool to_describe = findings_.count(difference, allowed, beyond);
+    tell(golden_index, beyond, found.beyond);
+    if (!to_describe) return;
     Divergence divergence = place(golden_index);
     divergence.difference = difference;
     divergence.tolerance = allowed;
@@ -72,7 +75,13 @@ class PictureJudge {
           fmt::format("; {:.3g} % of the {} x {} pixels at ({}, {}) by more than is allowed, and {:.3g} % may",
                       100.0 * found.densest, PixelDifferences::window, PixelDifferences::window, found.densest_x,
                       found.densest_y, 100.0 * tolerance_.pixel_window);
-    findings_.describe(divergence, too_many || too_dense);
+    findings_.describe(divergence, beyond);
+  }
+
+  /// To whoever wants to know of each.
+  void tell(std::size_t golden_index, bool beyond, std::size_t pixels) const {
+    if (traces_.options.on_difference)
+      traces_.options.on_difference({channel_.golden, golden_index, {}, beyond, static_cast<std::int64_t>(pixels)});
   }
 
   Divergence place(std::size_t golden_index) const {
@@ -82,6 +91,7 @@ class PictureJudge {
   }
 
   void fail(std::size_t golden_index, std::string note) {
+    tell(golden_index, true, 0);
     if (!findings_.count(std::numeric_limits<double>::infinity(), 0.0, true)) return;
     Divergence divergence = place(golden_index);
     divergence.difference = std::numeric_limits<double>::infinity();
