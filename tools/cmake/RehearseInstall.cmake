@@ -5,7 +5,7 @@
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Rehearse)
-set(libraries cnoid model world png renderer mcap trace scenario harness log audit simulation testing gtest)
+set(libraries cnoid model world png renderer mcap trace scenario harness report log audit simulation testing gtest)
 list(TRANSFORM libraries PREPEND rehearse_)
 
 install(TARGETS ${libraries} EXPORT RehearseTargets

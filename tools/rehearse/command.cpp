@@ -21,6 +21,8 @@ constexpr VerbSummary verbs[] = {
     {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
      Program::rehearse},
     {"diff", "compare two traces; what differs first, first", Program::rehearse},
+    {"report", "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it",
+     Program::rehearse, Rounding::is_none},
     {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
      Program::simulate},
     {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit},

@@ -1,0 +1,190 @@
+#include "report/report_blobs.h"
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <rehearse/diagnostic.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace rehearse {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays are stored as they lie in memory");
+
+constexpr int compression_level = 6;         // 9 takes three times as long for a hundredth less (measured)
+constexpr std::size_t sample_size = 1 << 14;  // elements by which filters are tried
+
+using Bytes = std::vector<std::uint8_t>;
+
+template <class T>
+NumberArray numbers(std::string_view type, std::span<const T> elements) {
+  NumberArray array{type, sizeof(T), Bytes(elements.size_bytes())};
+  if (!elements.empty()) std::memcpy(array.bytes.data(), elements.data(), array.bytes.size());
+  return array;
+}
+
+enum class Filter { none, columns, exclusive, exclusive_base };
+
+std::string_view name_of(Filter filter) {
+  switch (filter) {
+    case Filter::none: return "none";
+    case Filter::columns: return "columns";
+    case Filter::exclusive: return "xor";
+    case Filter::exclusive_base: return "xor-base";
+  }
+  return "";
+}
+
+/// The elements from `first` on, filtered as if there were no others.
+Bytes filtered(Filter filter, const NumberArray& array, const NumberArray* base, std::size_t first, std::size_t count) {
+  const std::size_t size = array.size;
+  const std::uint8_t* from = array.bytes.data() + first * size;
+  if (filter == Filter::none) return Bytes(from, from + count * size);
+  Bytes to(count * size);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t byte = 0; byte < size; ++byte) {
+      std::uint8_t value = from[i * size + byte];
+      if (filter == Filter::exclusive && i > 0) value ^= from[(i - 1) * size + byte];
+      if (filter == Filter::exclusive_base) value ^= base->bytes[(first + i) * size + byte];
+      to[byte * count + i] = value;
+    }
+  }
+  return to;
+}
+
+bool is_constant(const NumberArray& array) {
+  for (std::size_t i = array.size; i < array.bytes.size(); ++i)
+    if (array.bytes[i] != array.bytes[i - array.size]) return false;
+  return true;
+}
+
+template <class T>
+T first_of(const NumberArray& array) {
+  T value;
+  std::memcpy(&value, array.bytes.data(), sizeof(T));
+  return value;
+}
+
+ReportJson number_json(double number) {
+  if (std::isnan(number)) return "NaN";
+  if (std::isinf(number)) return number > 0.0 ? "Infinity" : "-Infinity";
+  return number;
+}
+
+/// Null: no number of JSON has these bits.
+ReportJson constant_of(const NumberArray& array) {
+  constexpr std::int64_t exact = std::int64_t{1} << 53;
+  if (array.type == "f64") {
+    const double value = first_of<double>(array);
+    const bool usual_nan = std::bit_cast<std::uint64_t>(value) == 0x7ff8000000000000;
+    return std::isnan(value) && !usual_nan ? ReportJson() : number_json(value);
+  }
+  if (array.type == "f32") {
+    const float value = first_of<float>(array);
+    return std::isnan(value) ? ReportJson() : number_json(static_cast<double>(value));
+  }
+  if (array.type == "i64") {
+    const auto value = first_of<std::int64_t>(array);
+    return value > -exact && value < exact ? ReportJson(value) : ReportJson(fmt::format("{}", value));
+  }
+  if (array.type == "u64") {
+    const auto value = first_of<std::uint64_t>(array);
+    return value < static_cast<std::uint64_t>(exact) ? ReportJson(value) : ReportJson(fmt::format("{}", value));
+  }
+  if (array.type == "u32") return first_of<std::uint32_t>(array);
+  return first_of<std::uint8_t>(array);
+}
+
+}  // namespace
+
+void append_base64(std::string& text, ByteSpan bytes) {
+  constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const std::size_t begin = text.size();
+  text.resize(begin + (bytes.size() + 2) / 3 * 4);
+  char* to = text.data() + begin;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t bits = std::uint32_t{bytes[i]} << 16;
+    if (left > 1) bits |= std::uint32_t{bytes[i + 1]} << 8;
+    if (left > 2) bits |= bytes[i + 2];
+    *to++ = letters[bits >> 18];
+    *to++ = letters[bits >> 12 & 63];
+    *to++ = left > 1 ? letters[bits >> 6 & 63] : '=';
+    *to++ = left > 2 ? letters[bits & 63] : '=';
+  }
+}
+
+NumberArray array_of(std::span<const float> numbers_) { return numbers<float>("f32", numbers_); }
+NumberArray array_of(std::span<const std::uint32_t> numbers_) { return numbers<std::uint32_t>("u32", numbers_); }
+
+BlobWriter::BlobWriter(Put put)
+    : put_(std::move(put)), compressor_(libdeflate_alloc_compressor(compression_level), &libdeflate_free_compressor) {
+  REHEARSE_ASSERT(compressor_ != nullptr, "libdeflate has memory");
+}
+
+BlobWriter::~BlobWriter() = default;
+
+Bytes BlobWriter::deflated(ByteSpan bytes) const {
+  Bytes packed(libdeflate_zlib_compress_bound(compressor_.get(), bytes.size()));
+  packed.resize(libdeflate_zlib_compress(compressor_.get(), bytes.data(), bytes.size(), packed.data(), packed.size()));
+  return packed;
+}
+
+/// What is known of these bytes; null: nothing yet.
+ReportJson& BlobWriter::stored(const Digest& key) { return known_[key]; }
+
+ReportJson BlobWriter::bytes(ByteSpan bytes) {
+  const XXH128_hash_t digest = XXH3_128bits(bytes.data(), bytes.size());
+  ReportJson& blob = stored({digest.high64, digest.low64});
+  if (!blob.is_null()) return blob;
+  blob = {{"id", fmt::format("b{}", next_++)}, {"bytes", bytes.size()}, {"coding", "none"}};
+  put_(blob["id"], bytes);
+  return blob;
+}
+
+ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) {
+  REHEARSE_ASSERT(!base || base->bytes.size() == array.bytes.size(), "elements of a base stand beside the array's");
+  const std::size_t count = array.count();
+  if (count == 0) return {{"type", array.type}, {"count", 0}, {"constant", 0}};
+  if (is_constant(array)) {
+    ReportJson constant = constant_of(array);
+    if (!constant.is_null()) return {{"type", array.type}, {"count", count}, {"constant", std::move(constant)}};
+  }
+  const auto digest_of = [](const NumberArray& a, std::uint64_t seed) {
+    const XXH128_hash_t digest = XXH3_128bits_withSeed(a.bytes.data(), a.bytes.size(), seed);
+    return Digest{digest.high64, digest.low64};
+  };
+  const std::uint64_t type_seed = 1 + XXH3_64bits(array.type.data(), array.type.size());
+  const Digest alone = digest_of(array, type_seed);
+  if (const ReportJson& known = stored(alone); !known.is_null()) return known;  // whatever its base would be
+
+  const std::size_t tried = std::min(count, sample_size), first = (count - tried) / 2;
+  Filter best = Filter::none;
+  std::size_t least = deflated(filtered(best, array, base, first, tried)).size();
+  for (const Filter filter : {Filter::columns, Filter::exclusive, Filter::exclusive_base}) {
+    if (filter == Filter::exclusive_base && !base) continue;
+    const std::size_t size = deflated(filtered(filter, array, base, first, tried)).size();
+    if (size >= least) continue;
+    least = size;
+    best = filter;
+  }
+  Digest key = alone;
+  if (best == Filter::exclusive_base) {  // it can be decoded beside that base only
+    const Digest of_base = digest_of(*base, type_seed + 1);
+    key.first ^= of_base.first;
+    key.second ^= of_base.second;
+  }
+  ReportJson& blob = stored(key);
+  if (!blob.is_null()) return blob;
+  blob = {{"id", fmt::format("b{}", next_++)}, {"bytes", array.bytes.size()}, {"coding", "deflate"},
+          {"type", array.type},                {"count", count},              {"filter", name_of(best)}};
+  put_(blob["id"], deflated(filtered(best, array, base, 0, count)));
+  return blob;
+}
+
+}  // namespace rehearse

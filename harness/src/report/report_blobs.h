@@ -1,0 +1,64 @@
+// Numbers and bytes as tools/report/FORMAT.md stores them. Internal.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+struct libdeflate_compressor;
+
+namespace rehearse {
+
+using ReportJson = nlohmann::ordered_json;
+using ByteSpan = std::span<const std::uint8_t>;
+
+/// Appends bytes as base64 (RFC 4648), padded.
+void append_base64(std::string& text, ByteSpan bytes);
+
+/// An array of numbers, elements of `size` bytes one after the other, little-endian.
+struct NumberArray {
+  std::string_view type;  // "f64", "f32", "i64", "u64", "u32", "u8"
+  std::size_t size = 8;   // of an element [bytes]
+  std::vector<std::uint8_t> bytes;
+
+  std::size_t count() const { return bytes.size() / size; }
+};
+
+NumberArray array_of(std::span<const float> numbers);
+NumberArray array_of(std::span<const std::uint32_t> numbers);
+
+/// Takes blobs, packs them, and hands them on one by one. The same bytes again get the same blob.
+class BlobWriter {
+ public:
+  using Put = std::function<void(const std::string& id, ByteSpan coded)>;
+  explicit BlobWriter(Put put);
+  ~BlobWriter();
+  BlobWriter(const BlobWriter&) = delete;
+  BlobWriter& operator=(const BlobWriter&) = delete;
+
+  /// Bytes that are compressed already.
+  ReportJson bytes(ByteSpan bytes);
+  /// The filter that makes it smallest is found by trying. `base`: an array of as many elements of that size, which
+  /// the page knows when it decodes this one; null: none.
+  ReportJson array(const NumberArray& array, const NumberArray* base = nullptr);
+
+ private:
+  using Digest = std::pair<std::uint64_t, std::uint64_t>;
+  std::vector<std::uint8_t> deflated(ByteSpan bytes) const;
+  ReportJson& stored(const Digest& key);
+
+  Put put_;
+  std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
+  std::map<Digest, ReportJson> known_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace rehearse

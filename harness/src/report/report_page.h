@@ -1,0 +1,46 @@
+// The file of a report: the page, with the data in its place. Internal.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "mcap/draft.h"
+#include "report/report_blobs.h"
+
+namespace rehearse {
+
+/// How a report begins; nothing else does.
+inline constexpr std::string_view report_magic = "<!doctype html><!-- a report of Rehearse -->";
+
+/// Writes a report from its head to its end, under another name until it is whole.
+class ReportFile {
+ public:
+  /// `page`: the one to fill. `sources`: files that it may not be. Fails if `file` exists and isn't a report.
+  static Result<ReportFile> begin(const std::filesystem::path& file, const std::filesystem::path& page,
+                                  std::span<const std::filesystem::path> sources);
+
+  void put_blob(const std::string& id, ByteSpan coded);
+  /// The object; then the file gets its name.
+  Result<void> finish(const ReportJson& object);
+
+  std::uintmax_t bytes() const { return bytes_; }
+  std::uintmax_t data_bytes() const { return data_bytes_; }
+
+ private:
+  ReportFile(mcap::Draft draft, std::filesystem::path file, std::string tail);
+  void put(std::string_view text);
+  void put_data(std::string_view text);
+
+  mcap::Draft draft_;
+  std::filesystem::path file_;  // whose name it gets
+  std::ofstream stream_;
+  std::string tail_;  // of the page
+  std::string line_;  // a blob's element
+  std::uintmax_t bytes_ = 0, data_bytes_ = 0;
+};
+
+}  // namespace rehearse

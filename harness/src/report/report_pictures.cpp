@@ -1,0 +1,135 @@
+#include "report/report_pictures.h"
+
+#include <fmt/format.h>
+#include <rehearse/png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "compare/recorded_picture.h"
+#include "export/picture_file.h"
+
+namespace rehearse {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Distances as grey, in single steps of 254: near is light; 0 where nothing was found.
+Bytes grey_of(const RecordedPicture& picture, float near, float far) {
+  Image image{picture.width, picture.height, Bytes(3 * picture.pixels())};
+  for (std::size_t i = 0; i < picture.pixels(); ++i) {
+    const float depth = picture.depths[i];
+    if (!std::isfinite(depth)) continue;
+    const float share = far > near ? (far - depth) / (far - near) : 1.0f;
+    const auto grey = static_cast<std::uint8_t>(std::lround(1.0f + 254.0f * std::clamp(share, 0.0f, 1.0f)));
+    std::fill_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, grey);
+  }
+  return encode_png(image);
+}
+
+/// Of a PNG file: it says its size at a fixed place.
+std::pair<int, int> png_size(const Bytes& file) {
+  constexpr std::size_t width_at = 16, height_at = 20;
+  if (file.size() < height_at + 4) return {0, 0};
+  const auto number = [&](std::size_t at) {
+    return file[at] << 24 | file[at + 1] << 16 | file[at + 2] << 8 | file[at + 3];
+  };
+  return {number(width_at), number(height_at)};
+}
+
+std::optional<RecordedPicture> distances_at(const Trace& trace, const TraceChannel& channel, std::size_t message) {
+  const auto payload = trace.payload(channel, message);
+  if (!payload) return std::nullopt;
+  auto picture = read_picture(channel.type, *payload);
+  return picture && !picture->depths.empty() ? std::move(picture) : std::nullopt;
+}
+
+}  // namespace
+
+void PictureWriter::find_range(const Trace& trace, const TraceChannel& channel, Album& album) {
+  for (std::size_t i = 0; i < channel.messages(); ++i) {
+    const auto picture = distances_at(trace, channel, i);
+    if (!picture) continue;
+    album.is_depth = true;
+    for (const float depth : picture->depths) {
+      if (!std::isfinite(depth)) continue;
+      album.near = std::min(album.near, depth);
+      album.far = std::max(album.far, depth);
+    }
+  }
+}
+
+PictureWriter::Album PictureWriter::survey(const TraceChannel* actual, const TraceChannel* golden) {
+  Album album;
+  album.near = std::numeric_limits<float>::infinity();
+  const TraceChannel& either = actual ? *actual : *golden;
+  if (!either.topic.ends_with("/depth") && unit_of(either, "") != "m") return album;
+  if (actual) find_range(actual_.trace, *actual, album);
+  if (golden) find_range(golden_->trace, *golden, album);
+  if (!std::isfinite(album.near)) album.near = album.far = 0.0f;
+  return album;
+}
+
+/// A blob with its media type; null: there is none, or none that can be shown.
+ReportJson PictureWriter::picture(const Trace& trace, const TraceChannel& channel, std::size_t message, Album& album) {
+  const auto payload = trace.payload(channel, message);
+  auto file = payload ? Result<PictureFile>(PictureFile()) : Result<PictureFile>(payload.errors());
+  if (payload && album.is_depth) {
+    const auto distances = read_picture(channel.type, *payload);
+    if (distances && distances->pixels() > 0) *file = {distances->stamp, "png", grey_of(*distances, album.near, album.far)};
+  } else if (payload) {
+    file = picture_file(channel.type, *payload);
+  }
+  if (!file) {
+    if (album.lost++ == 0) album.why = file.errors()[0].message;
+    return nullptr;
+  }
+  if (file->extension.empty()) return nullptr;  // the camera was off
+  if (file->extension == "png") std::tie(album.width, album.height) = png_size(file->bytes);
+  ReportJson blob = blobs_.bytes(file->bytes);
+  blob["media_type"] = file->extension == "png" ? "image/png" : "image/jpeg";
+  return blob;
+}
+
+void PictureWriter::write(const TraceChannel* actual, const TraceChannel* golden) {
+  Album album = survey(actual, golden);
+  const TraceChannel& either = actual ? *actual : *golden;
+  ReportJson pictures = ReportJson::array();
+  constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+  const auto time_of = [](const TraceChannel* channel, std::size_t i) {
+    return channel && i < channel->messages() ? channel->times[i] : never;
+  };
+  for (std::size_t a = 0, g = 0;;) {
+    const std::uint64_t seen = time_of(actual, a), expected = time_of(golden, g);
+    const std::uint64_t time = std::min(seen, expected);
+    if (time == never) break;
+    const ReportedRun& run = seen == time ? actual_ : *golden_;
+    ReportJson entry{{"tick", run.clock.tick_at(time)}, {"actual", nullptr}, {"golden", nullptr}, {"differing", nullptr}};
+    if (seen == time) entry["actual"] = picture(actual_.trace, *actual, a++, album);
+    if (expected == time) {
+      entry["golden"] = picture(golden_->trace, *golden, g, album);
+      if (seen == time) entry["differing"] = judged_->pixels(*golden, g);
+      ++g;
+      if (!entry["golden"].is_null() && entry["golden"] == entry["actual"]) entry["golden"] = "same";
+    }
+    pictures.push_back(std::move(entry));
+  }
+  if (album.lost > 0)
+    omitted_.push_back(fmt::format("{} of the pictures of {} can't be shown: {}", album.lost, either.topic, album.why));
+  std::string name = either.topic.substr(either.topic.starts_with('/') ? 1 : 0);
+  name = name.substr(0, name.rfind('/'));
+  ReportJson camera{{"name", name},
+                    {"topic", either.topic},
+                    {"kind", album.is_depth ? "depth" : "color"},
+                    {"width", album.width},
+                    {"height", album.height}};
+  if (album.is_depth) {
+    camera["near"] = album.near;
+    camera["far"] = album.far;
+  }
+  camera["pictures"] = std::move(pictures);
+  cameras_.push_back(std::move(camera));
+}
+
+}  // namespace rehearse

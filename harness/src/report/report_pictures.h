@@ -1,0 +1,45 @@
+// What cameras saw, in both runs. Internal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/report_blobs.h"
+#include "report/report_run.h"
+
+namespace rehearse {
+
+class PictureWriter {
+ public:
+  /// `golden` and `judged` may be null: the run is alone. What can't be shown is said in `omitted`.
+  PictureWriter(BlobWriter& blobs, const ReportedRun& actual, const ReportedRun* golden, const JudgedValues* judged,
+                std::vector<std::string>& omitted)
+      : blobs_(blobs), actual_(actual), golden_(golden), judged_(judged), omitted_(omitted) {}
+
+  /// All pictures of a channel. One of the channels may be null, not both.
+  void write(const TraceChannel* actual, const TraceChannel* golden);
+
+  ReportJson take_cameras() { return std::move(cameras_); }
+
+ private:
+  /// What is common to the pictures of a camera.
+  struct Album {
+    bool is_depth = false;
+    float near = 0.0f, far = 0.0f;  // [m]
+    int width = 0, height = 0;      // [pixels]; 0: not known yet
+    std::size_t lost = 0;           // that can't be shown
+    std::string why;                // of the first of these
+  };
+  Album survey(const TraceChannel* actual, const TraceChannel* golden);
+  void find_range(const Trace& trace, const TraceChannel& channel, Album& album);
+  ReportJson picture(const Trace& trace, const TraceChannel& channel, std::size_t message, Album& album);
+
+  BlobWriter& blobs_;
+  const ReportedRun& actual_;
+  const ReportedRun* golden_;
+  const JudgedValues* judged_;
+  std::vector<std::string>& omitted_;
+  ReportJson cameras_ = ReportJson::array();
+};
+
+}  // namespace rehearse

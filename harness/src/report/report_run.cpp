@@ -1,0 +1,96 @@
+#include "report/report_run.h"
+
+#include <algorithm>
+
+namespace rehearse {
+namespace {
+
+const JudgedValues::Column nothing_found;
+
+/// What a comparison calls the four columns of an orientation.
+std::string_view stem_of(std::string_view element) { return element.substr(0, element.rfind('/')); }
+
+}  // namespace
+
+void JudgedValues::mark(std::int64_t tick) {
+  if (clock_.empty()) return;
+  const std::int64_t place = tick - clock_.tick_at(clock_.times().front());
+  if (place < 0) return;
+  const auto at = static_cast<std::size_t>(place);
+  if (at >= beyond_.size()) beyond_.resize(at + 1);
+  beyond_[at] = true;
+}
+
+void JudgedValues::take(const DifferingValue& value) {
+  if (value.columns.empty()) pixels_[{&value.channel, value.message}] = value.pixels;
+  if (!value.beyond) return;
+  mark(clock_.tick_at(value.channel.times[value.message]));
+  if (value.columns.empty()) return;
+  std::vector<Column>& columns = columns_[&value.channel];
+  columns.resize(value.channel.columns.size());
+  for (const std::size_t index : value.columns) {
+    Column& column = columns[index];
+    if (column.last != value.message) ++column.beyond;
+    column.last = value.message;
+  }
+}
+
+void JudgedValues::conclude(const Comparison& comparison, const Trace& golden) {
+  for (const auto* channels : {&comparison.channels, &comparison.same}) {
+    for (const ChannelComparison& compared : *channels) {
+      const TraceChannel* channel = golden.find_channel(compared.channel);
+      if (!channel || compared.of_events || channel->columns.empty()) continue;
+      std::map<std::string_view, double> tolerances;
+      for (const SeriesComparison& series : compared.series) tolerances[series.element] = series.tolerance;
+      std::vector<Column>& columns = columns_[channel];
+      columns.resize(channel->columns.size());
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        const std::string& element = channel->columns[i].element;
+        auto found = tolerances.find(element);
+        if (found == tolerances.end()) found = tolerances.find(stem_of(element));
+        if (found != tolerances.end()) columns[i].tolerance = found->second;
+      }
+    }
+  }
+  for (const EventDifference& event : comparison.event_differences)
+    if (event.beyond) mark(event.actual ? *event.actual : *event.expected);
+}
+
+const JudgedValues::Column& JudgedValues::of(const TraceChannel& channel, std::size_t column) const {
+  const auto found = columns_.find(&channel);
+  return found == columns_.end() ? nothing_found : found->second[column];
+}
+
+std::int64_t JudgedValues::pixels(const TraceChannel& channel, std::size_t message) const {
+  const auto found = pixels_.find({&channel, message});
+  return found == pixels_.end() ? 0 : found->second;
+}
+
+std::vector<std::pair<std::int64_t, std::int64_t>> JudgedValues::spans(std::size_t most) const {
+  std::vector<std::pair<std::int64_t, std::int64_t>> spans;
+  if (clock_.empty()) return spans;
+  const std::int64_t first = clock_.tick_at(clock_.times().front());
+  for (std::size_t i = 0; i < beyond_.size(); ++i) {
+    if (!beyond_[i]) continue;
+    const std::int64_t tick = first + static_cast<std::int64_t>(i);
+    if (!spans.empty() && spans.back().second == tick)
+      ++spans.back().second;
+    else
+      spans.emplace_back(tick, tick + 1);
+  }
+  if (spans.size() <= most) return spans;
+  std::vector<std::int64_t> gaps;  // those that stay are the widest
+  for (std::size_t i = 1; i < spans.size(); ++i) gaps.push_back(spans[i].first - spans[i - 1].second);
+  std::sort(gaps.begin(), gaps.end(), std::greater<>());
+  const std::int64_t narrowest = gaps[most - 1];  // joined too: of several alike none stays
+  std::vector<std::pair<std::int64_t, std::int64_t>> joined{spans.front()};
+  for (std::size_t i = 1; i < spans.size(); ++i) {
+    if (spans[i].first - spans[i - 1].second > narrowest)
+      joined.push_back(spans[i]);
+    else
+      joined.back().second = spans[i].second;
+  }
+  return joined;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,57 @@
+// A recording as a report is made of it, and what a comparison says of its values. Internal.
+#pragma once
+
+#include <rehearse/compare.h>
+#include <rehearse/trace.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/compare_parts.h"
+
+namespace rehearse {
+
+/// One of the two runs.
+struct ReportedRun {
+  const Trace& trace;
+  TickClock clock;
+
+  explicit ReportedRun(const Trace& of) : trace(of), clock(of) {}
+};
+
+/// What a comparison found, value by value.
+class JudgedValues {
+ public:
+  struct Column {
+    std::int64_t beyond = 0;
+    std::optional<double> tolerance;  // in force
+    std::size_t last = ~std::size_t{0};  // the message that was counted last
+  };
+
+  explicit JudgedValues(const TickClock& clock) : clock_(clock) {}
+  /// Of the run that it is compared with.
+  void take(const DifferingValue& value);
+  /// Tolerances in force, and what is beyond and no value: events.
+  void conclude(const Comparison& comparison, const Trace& golden);
+
+  const Column& of(const TraceChannel& channel, std::size_t column) const;
+  /// Pixels that differ by more than is allowed to each; 0: none does.
+  std::int64_t pixels(const TraceChannel& channel, std::size_t message) const;
+  /// Ticks in which something is beyond tolerance, as [begin, end), at most so many; the nearest are joined.
+  std::vector<std::pair<std::int64_t, std::int64_t>> spans(std::size_t most) const;
+
+ private:
+  void mark(std::int64_t tick);
+
+  const TickClock& clock_;
+  std::map<const TraceChannel*, std::vector<Column>> columns_;
+  std::map<std::pair<const TraceChannel*, std::size_t>, std::int64_t> pixels_;
+  std::vector<bool> beyond_;  // by tick, from that of the clock's first
+};
+
+}  // namespace rehearse

@@ -1,0 +1,50 @@
+// The columns of both runs, beside each other. Internal.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/report_blobs.h"
+#include "report/report_run.h"
+
+namespace rehearse {
+
+class SeriesWriter {
+ public:
+  /// `golden` and `judged` may be null: the run is alone.
+  SeriesWriter(BlobWriter& blobs, const ReportedRun& actual, const ReportedRun* golden, const JudgedValues* judged)
+      : blobs_(blobs), actual_(actual), golden_(golden), judged_(judged) {}
+
+  /// All series of a channel. One of the channels may be null, not both.
+  void write(const TraceChannel* actual, const TraceChannel* golden);
+
+  ReportJson take_series() { return std::move(series_); }
+  ReportJson take_axes() { return std::move(axes_); }
+  std::size_t size() const { return series_.size(); }
+
+ private:
+  /// Both columns of a series; null: this run hasn't it.
+  struct Column {
+    const TraceChannel* channel = nullptr;
+    std::size_t index = 0;
+    std::size_t axis = 0;
+
+    bool is_there() const { return channel != nullptr; }
+  };
+  std::size_t axis_of(const ReportedRun& run, const TraceChannel& channel);
+  void write_column(const Column& actual, const Column& golden);
+
+  BlobWriter& blobs_;
+  const ReportedRun& actual_;
+  const ReportedRun* golden_;
+  const JudgedValues* judged_;
+  std::vector<std::vector<std::uint32_t>> axis_ticks_;
+  ReportJson axes_ = ReportJson::array();
+  ReportJson series_ = ReportJson::array();
+};
+
+/// The words in which the page sorts series: "state", "sensor", "input", "output", "variable", "other".
+std::string_view series_group(const TraceChannel& channel);
+
+}  // namespace rehearse

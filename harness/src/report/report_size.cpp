@@ -1,0 +1,92 @@
+#include "report/report_size.h"
+
+#include <fmt/format.h>
+#include <rehearse/mcap.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the bytes in a recording: what its report has for them.
+constexpr double of_pictures = 4.0 / 3.0;  // base64 of the same
+constexpr double of_numbers = 1.0;
+
+/// What the index of a recording says of its size and length.
+struct Extent {
+  double begin = 0.0, end = 0.0;  // [s]
+  double bytes = 0.0;             // that its report has
+
+  double of_span(double from, double until) const {
+    const double length = end - begin;
+    if (!(length > 0.0)) return bytes;
+    const double covered = std::min(until, end) - std::max(from, begin);
+    return bytes * std::clamp(covered / length, 0.0, 1.0);
+  }
+};
+
+Result<Extent> extent_of(const fs::path& file) {
+  mcap::ReaderOptions quick;
+  quick.opening = mcap::Opening::by_summary;
+  const auto reader = mcap::Reader::open(file, quick);
+  if (!reader) return reader.errors();
+  Extent extent;
+  std::uint64_t first = ~std::uint64_t{0}, last = 0;
+  for (const mcap::Chunk& chunk : (*reader)->chunks()) {
+    first = std::min(first, chunk.start_time);
+    last = std::max(last, chunk.end_time);
+    extent.bytes += static_cast<double>(chunk.stored_size) * (chunk.compression.empty() ? of_pictures : of_numbers);
+  }
+  if (first > last) return extent;
+  extent.begin = static_cast<double>(first) / 1e9;
+  extent.end = static_cast<double>(last) / 1e9;
+  return extent;
+}
+
+double size_of(const std::vector<Extent>& extents, double from, double until) {
+  double bytes = 0.0;
+  for (const Extent& extent : extents) bytes += extent.of_span(from, until);
+  return bytes;
+}
+
+std::string megabytes(double bytes) { return fmt::format("{:.0f} MB", std::ceil(bytes / 1e6)); }
+
+}  // namespace
+
+Result<std::uintmax_t> estimated_report_size(const fs::path& trace, const ReportOptions& options) {
+  const auto extent = extent_of(trace);
+  if (!extent) return extent.errors();
+  return static_cast<std::uintmax_t>(
+      extent->of_span(options.from.value_or(0.0), options.until.value_or(Scenario::max_duration)));
+}
+
+Result<void> check_report_size(std::span<const fs::path> traces, const fs::path& report, const ReportOptions& options) {
+  std::vector<Extent> extents;
+  for (const fs::path& trace : traces) {
+    auto extent = extent_of(trace);
+    if (!extent) return extent.errors();
+    extents.push_back(*extent);
+  }
+  const double from = options.from.value_or(0.0), until = options.until.value_or(Scenario::max_duration);
+  const double bytes = size_of(extents, from, until);
+  const auto most = static_cast<double>(options.max_size);
+  if (bytes <= most) return {};
+  constexpr double usual_length = 60.0;  // [s]
+  const double begin = std::max(from, extents[0].begin);
+  double length = usual_length;
+  while (length > 0.001 && size_of(extents, begin, begin + length) > 0.5 * most) length /= 2.0;
+  std::string command = "rehearse report";
+  for (const fs::path& trace : traces) command += " " + trace.string();
+  Diagnostic refusal = error(
+      fmt::format("the report would have about {}, and browsers open no more than {} with pleasure", megabytes(bytes),
+                  megabytes(most)),
+      fmt::format("take a part of it: {} -o {} --from {:g} --until {:g}", command, report.string(), begin,
+                  begin + length));
+  refusal.file = traces[0].string();
+  return refusal;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,104 @@
+// rehearse report: a run to look at in a browser, beside its golden.
+#include <fmt/format.h>
+#include <rehearse/report.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+#include "report_link.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Settings {
+  std::string trace, golden, report;  // golden, report: empty if not given
+  std::string tolerances;             // a file; empty: those of the golden's scenario
+  std::string scenario;
+  ReportOptions options;
+  bool json = false;
+};
+
+Json json_of_report(const fs::path& file, const ReportSummary& summary) {
+  return {{"file", file.string()},
+          {"link", report_link(file, summary.first_tick)},
+          {"verdict", summary.verdict},
+          {"state", summary.state},
+          {"first_tick", summary.first_tick ? Json(*summary.first_tick) : Json()},
+          {"begin", summary.begin},
+          {"end", summary.end},
+          {"bytes", summary.bytes},
+          {"data_bytes", summary.data_bytes},
+          {"omitted", summary.omitted}};
+}
+
+Exit run(Settings& settings) {
+  if (!settings.tolerances.empty()) {
+    auto rules = load_tolerances(settings.tolerances);
+    if (!rules) return refuse(rules.errors());
+    settings.options.tolerances = *std::move(rules);
+  }
+  const fs::path file =
+      settings.report.empty() ? fs::path(settings.trace).stem().concat(".html") : fs::path(settings.report);
+  settings.options.scenario = settings.scenario;
+  std::optional<fs::path> golden;
+  if (!settings.golden.empty()) golden = settings.golden;
+  const auto written = [&] {
+    Progress progress("reporting");
+    settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    return write_report(settings.trace, golden, file, settings.options);
+  }();
+  if (!written) return refuse(written.errors());
+  if (settings.json) {
+    print(json_of_report(file, *written));
+  } else {
+    fmt::print("{}\n{}, {}\n", written->verdict, report_link(file, written->first_tick), file_size_text(written->bytes));
+    std::fflush(stdout);
+  }
+  for (const std::string& sentence : written->omitted) fmt::print(stderr, "{}: note: {}\n", settings.trace, sentence);
+  return Exit::done;
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->trace, "the run")->required()->type_name("");
+  options.add_option("GOLDEN", settings->golden, "the trace with the expected values, which are shown beside it")
+      ->type_name("");
+  options.add_option("-o,--output", settings->report, "the file (TRACE's name with .html, in the working directory)")
+      ->type_name("HTML");
+  constexpr double longest = Scenario::max_duration;
+  add_number(options, "--from", "only what was recorded from this time on [s]", 0.0, longest,
+             [=](double time) { settings->options.from = time; });
+  add_number(options, "--until", "only what was recorded before this time [s]", 0.0, longest,
+             [=](double time) { settings->options.until = time; });
+  options
+      .add_option("--topics", settings->options.topics,
+                  "only series and pictures of topics that match one of these patterns; * stands for any text")
+      ->type_name("GLOB")
+      ->allow_extra_args(false);
+  options.add_option("--tolerances", settings->tolerances, "YAML with a list of tolerances (those of GOLDEN's scenario)")
+      ->type_name("FILE");
+  options
+      .add_option("--scenario", settings->scenario,
+                  "the file TRACE was recorded from, beside which meshes are looked for (above TRACE, and here)")
+      ->type_name("FILE");
+  add_json_flag(options, settings->json);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb report_verb{"report",
+                       "  rehearse report walk.mcap\n"
+                       "  rehearse report today.mcap golden/SR1.Stands.mcap -o stands.html\n"
+                       "  rehearse report long.mcap --from 12 --until 20 --topics '/SR1/*'\n",
+                       declare};
+
+}  // namespace rehearse::tool
