@@ -131,6 +131,14 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
           {"remarks", std::move(remarks)}};
 }
 
+/// [s]; of a recording whose scenario can't be read, by its clock.
+double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scenario) {
+  if (scenario) return scenario->time_step;
+  const std::vector<std::uint64_t>& times = run.clock.times();
+  constexpr double usual = 0.001;
+  return times.size() < 2 || times[1] <= times[0] ? usual : static_cast<double>(times[1] - times[0]) / 1e9;
+}
+
 /// The name of the series that a divergence is about; null: it is about none.
 ReportJson series_at(const Divergence& divergence, const Trace& golden, const Trace* actual) {
   for (const Trace* trace : {actual, &golden}) {
@@ -353,7 +361,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
                     {"title", scenario_ ? scenario_->name : actual_file.stem().string()},
                     {"rehearse", REHEARSE_VERSION},
                     {"verdict", verdict_json()},
-                    {"time_step", scenario_ ? scenario_->time_step : 0.001},
+                    {"time_step", time_step_of(actual_, scenario_)},
                     {"begin", range.begin},
                     {"end", range.end}};
   ReportJson runs = ReportJson::array({run_json(actual_, "actual", actual_file)});

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <rehearse/diagnostic.h>
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include <algorithm>

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 // Of the bytes in a recording: what its report has for them.
 constexpr double of_pictures = 4.0 / 3.0;  // base64 of the same
-constexpr double of_numbers = 1.0;
+constexpr double of_numbers = 1.3;
 
 /// What the index of a recording says of its size and length.
 struct Extent {

@@ -1,0 +1,8 @@
+find_package(nlohmann_json 3.10 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)
+
+rehearse_add_test(report_test LABEL unit
+  SOURCES
+    report/report_test.cpp
+  LIBRARIES Rehearse::report Rehearse::png nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
