@@ -156,12 +156,12 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
     ReportJson constant = constant_of(array);
     if (!constant.is_null()) return {{"type", array.type}, {"count", count}, {"constant", std::move(constant)}};
   }
-  const auto digest_of = [](const NumberArray& a, std::uint64_t seed) {
-    const XXH128_hash_t digest = XXH3_128bits_withSeed(a.bytes.data(), a.bytes.size(), seed);
+  const auto digest_of = [](ByteSpan bytes, std::uint64_t seed) {
+    const XXH128_hash_t digest = XXH3_128bits_withSeed(bytes.data(), bytes.size(), seed);
     return Digest{digest.high64, digest.low64};
   };
   const std::uint64_t type_seed = 1 + XXH3_64bits(array.type.data(), array.type.size());
-  const Digest alone = digest_of(array, type_seed);
+  const Digest alone = digest_of(array.bytes, type_seed);
   if (const ReportJson& known = stored(alone); !known.is_null()) return known;  // whatever its base would be
 
   const std::size_t tried = std::min(count, sample_size), first = (count - tried) / 2;
@@ -176,7 +176,7 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
   }
   Digest key = alone;
   if (best == Filter::exclusive_base) {  // it can be decoded beside that base only
-    const Digest of_base = digest_of(*base, type_seed + 1);
+    const Digest of_base = digest_of(base->bytes, type_seed + 1);
     key.first ^= of_base.first;
     key.second ^= of_base.second;
   }
@@ -185,6 +185,14 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
   blob = {{"id", fmt::format("b{}", next_++)}, {"bytes", array.bytes.size()}, {"coding", "deflate"},
           {"type", array.type},                {"count", count},              {"filter", name_of(best)}};
   put_(blob["id"], deflated(filtered(best, array, base, 0, count)));
+  if (best != Filter::exclusive_base) {  // what controllers see of a state ends a tick before the state does
+    ReportJson& but_the_last =
+        stored(digest_of(ByteSpan(array.bytes).first(array.bytes.size() - array.size), type_seed));
+    if (but_the_last.is_null()) {
+      but_the_last = blob;
+      but_the_last["count"] = count - 1;
+    }
+  }
   return blob;
 }
 

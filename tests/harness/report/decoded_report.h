@@ -79,18 +79,19 @@ class DecodedReport {
     const std::size_t count = array.at("count"), size = type.ends_with("64") ? 8 : type.ends_with("32") ? 4 : 1;
     if (array.contains("constant")) return repeated(type, array.at("constant"), count);
     const std::vector<std::uint8_t> from = bytes(array);
-    EXPECT_EQ(from.size(), count * size);
+    const std::size_t all = from.size() / size;
+    EXPECT_GE(all, count);
     const std::string filter = array.at("filter");
-    if (filter == "none") return from;
     std::vector<std::uint8_t> to(from.size());
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < all; ++i) {
       for (std::size_t byte = 0; byte < size; ++byte) {
-        std::uint8_t value = from[byte * count + i];
+        std::uint8_t value = filter == "none" ? from[i * size + byte] : from[byte * all + i];
         if (filter == "xor" && i > 0) value ^= to[(i - 1) * size + byte];
         if (filter == "xor-base") value ^= base.at(i * size + byte);
         to[i * size + byte] = value;
       }
     }
+    to.resize(count * size);
     return to;
   }
 
