@@ -3,6 +3,7 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(REPORT_CODECS REQUIRED IMPORTED_TARGET libdeflate)
 
 rehearse_add_library(report
+  src/report/failure_report.cpp
   src/report/report.cpp
   src/report/report_blobs.cpp
   src/report/report_page.cpp

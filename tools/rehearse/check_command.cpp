@@ -1,6 +1,7 @@
 // rehearse check: runs scenarios and compares them with their goldens.
 #include <fmt/format.h>
 #include <rehearse/check.h>
+#include <rehearse/failure_report.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +35,7 @@ struct Settings {
   std::vector<std::string> scenarios;
   std::string golden;  // a trace to compare with; empty: the one that each scenario names
   bool json = false;
+  bool no_report = false;
   CheckOptions check;
   bool has_levels = false;  // that the user named
   DebuggerOptions debugger;
@@ -44,6 +47,8 @@ struct Checked {
   std::string scenario;  // its name
   std::string file;
   CheckReport report;
+  std::optional<FailureReport> page;  // to look at in a browser
+  std::string no_page;                // why there is none although there should be
 };
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
@@ -172,6 +177,31 @@ Exit exit_of(const CheckReport& report) {
   return report.within() ? Exit::done : Exit::differs;
 }
 
+/// Where check() has the fresh trace written.
+fs::path actual_of(const Settings& settings, const Scenario& scenario) {
+  const bool has_store = named_golden(settings, scenario).empty() && !scenario.golden.empty();
+  return pending_folder() / ((has_store ? scenario.golden : scenario.name) + ".mcap");
+}
+
+/// Of a check that failed, something to look at. That it can't be written fails nothing.
+void add_page(const Settings& settings, const Scenario& scenario, Checked& checked) {
+  if (settings.no_report) return;
+  if (const auto page = report_page(); !page) {
+    if (!checked.report.within()) checked.no_page = page.errors()[0].message;
+    return;
+  }
+  auto written =
+      write_failure_report(checked.report, scenario, golden_of(settings, scenario), actual_of(settings, scenario));
+  if (written) {
+    checked.page = *std::move(written);
+    return;
+  }
+  for (Diagnostic problem : written.errors()) {
+    problem.severity = Severity::warning;
+    fmt::print(stderr, "{}\n", to_string(problem));
+  }
+}
+
 void tell(const Checked& checked, double seconds) {
   const CheckReport& report = checked.report;
   fmt::print("{}: {}\n", checked.scenario, report.verdict);
@@ -185,6 +215,9 @@ void tell(const Checked& checked, double seconds) {
     fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
+  if (checked.page)
+    fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
+  if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before what stderr says of it
   if (report.run) tell_remarks(*report.run);
 }
@@ -194,6 +227,7 @@ Json json_of_check(const Checked& checked) {
   object["scenario"] = checked.scenario;
   object["file"] = checked.file;
   object["message"] = checked.report.message;
+  object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
   return object;
 }
 
@@ -252,8 +286,12 @@ Exit run(const Settings& settings, const CLI::App& options) {
     auto report = check(settings, scenario);
     if (!report) return refuse(report.errors());
     worst = std::max(worst, exit_of(*report));
-    all.push_back({scenario.name, scenario.file, *std::move(report)});
-    if (!settings.json) tell(all.back(), stopwatch.seconds());
+    Checked& checked = all.emplace_back();
+    checked.scenario = scenario.name;
+    checked.file = scenario.file;
+    checked.report = *std::move(report);
+    add_page(settings, scenario, checked);
+    if (!settings.json) tell(checked, stopwatch.seconds());
   }
   if (settings.json) print(all.size() == 1 ? json_of_check(all[0]) : json_of_checks(all));
   return worst;
@@ -296,6 +334,8 @@ std::function<Exit()> declare(CLI::App& options) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LEVEL");
+  options.add_flag("--no-report", settings->no_report,
+                   "of a run that differs, write no HTML beside its trace to look at it in a browser");
   add_host_options(options, settings->check.run);
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);

@@ -11,7 +11,6 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "report_link.h"
 
 namespace rehearse::tool {
 namespace {

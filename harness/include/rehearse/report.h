@@ -21,9 +21,10 @@ namespace rehearse {
 
 /// What somebody who judged the run has found: a check, which knows more than a comparison.
 struct ReportVerdict {
-  std::string sentence;                       // without a full stop
-  std::string state;                          // "equal", "within", "beyond" or "failed"
-  std::map<std::string, std::string> levels;  // "controller", "plant", "closed": each "equal", "within", ...
+  std::string sentence;  // without a full stop
+  std::string state;     // "equal", "within", "beyond" or "failed"
+  std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
+  std::optional<Divergence> first = std::nullopt;  // the place to look at first; none: the comparison's
 };
 
 struct ReportOptions {
@@ -58,6 +59,9 @@ struct ReportSummary {
 
 /// Where the page stands that reports are made of. Fails, and says what to install, if it was not built.
 Result<std::filesystem::path> report_page();
+
+/// What opens a report, at that tick if there is one: "file:///home/me/a%20run.html#tick=123". Terminals make a link of it.
+std::string report_link(const std::filesystem::path& report, std::optional<std::int64_t> tick = std::nullopt);
 
 /// How large the report of a recording would be, about, by the index of its file [bytes].
 Result<std::uintmax_t> estimated_report_size(const std::filesystem::path& trace, const ReportOptions& options = {});

@@ -155,17 +155,22 @@ struct Places {
   std::vector<std::pair<Divergence, bool>> all;  // and whether it is beyond
   std::optional<std::size_t> first;
 
-  explicit Places(const Comparison& comparison) {
+  /// `told`: the first that somebody else has found, who knows better; null: nobody has.
+  Places(const Comparison& comparison, const Divergence* told) {
     for (const ChannelComparison& channel : comparison.channels) {
       if (channel.first) all.emplace_back(*channel.first, true);
       if (channel.first_bit && (!channel.first || to_string(*channel.first) != to_string(*channel.first_bit)))
         all.emplace_back(*channel.first_bit, false);
     }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
-    const auto& wanted = comparison.first ? comparison.first : comparison.first_bit;
+    const Divergence* wanted = told;
+    if (!wanted && comparison.first) wanted = &*comparison.first;
+    if (!wanted && comparison.first_bit) wanted = &*comparison.first_bit;
     if (!wanted) return;
     const std::string text = to_string(*wanted);
+    if (std::none_of(all.begin(), all.end(), [&](const auto& place) { return to_string(place.first) == text; }))
+      all.emplace_back(*wanted, true);
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
     for (std::size_t i = 0; i < all.size() && !first; ++i)
       if (to_string(all[i].first) == text) first = i;
   }
@@ -223,12 +228,12 @@ Result<void> ReportMaker::judge() {
     rules = *options_.tolerances;
   else if (golden_scenario_)
     rules = golden_scenario_->tolerances;
-  judged_.emplace(golden_->clock);
+  judged_.emplace(*golden_);
   CompareOptions how;
   how.until = options_.horizon;
   how.on_difference = [this](const DifferingValue& value) { judged_->take(value); };
   comparison_ = compare(golden_->trace, actual_.trace, rules, how);
-  judged_->conclude(*comparison_, golden_->trace);
+  judged_->conclude(*comparison_);
   return {};
 }
 
@@ -375,7 +380,8 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
       object["runs"][1]["remarks"].push_back(
           fmt::format("it is of another scenario: {}, not {}", golden_scenario_->name, scenario_->name));
     for (const std::string& remark : comparison_->remarks) object["runs"][0]["remarks"].push_back(remark);
-    const Places places(*comparison_);
+    const auto& told = options_.verdict ? options_.verdict->first : std::nullopt;
+    const Places places(*comparison_, told ? &*told : nullptr);
     object["divergences"] = places_json(places, golden_->trace, actual_.trace);
     if (places.first) {
       object["first"] = *places.first;

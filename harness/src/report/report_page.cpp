@@ -58,6 +58,20 @@ Result<fs::path> report_page() {
                "install nodejs and npm, then configure and build Rehearse again; in its sources tools/setup does all of it");
 }
 
+std::string report_link(const fs::path& report, std::optional<std::int64_t> tick) {
+  constexpr std::string_view plain = "/-._~";
+  std::error_code ignored;
+  std::string link = "file://";
+  for (const char c : fs::absolute(report, ignored).lexically_normal().string()) {
+    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (is_letter || plain.find(c) != std::string_view::npos)
+      link += c;
+    else
+      link += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return tick ? link + fmt::format("#tick={}", *tick) : link;
+}
+
 Result<ReportFile> ReportFile::begin(const fs::path& file, const fs::path& page, std::span<const fs::path> sources) {
   if (auto allowed = check_replaceable(file, report_magic, "report"); !allowed) return allowed.errors();
   const auto text = read_page(page);

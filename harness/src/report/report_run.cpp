@@ -22,11 +22,11 @@ void JudgedValues::mark(std::int64_t tick) {
 }
 
 void JudgedValues::take(const DifferingValue& value) {
-  if (value.columns.empty()) pixels_[{&value.channel, value.message}] = value.pixels;
+  if (value.columns.empty()) pixels_[{index_of(value.channel), value.message}] = value.pixels;
   if (!value.beyond) return;
   mark(clock_.tick_at(value.channel.times[value.message]));
   if (value.columns.empty()) return;
-  std::vector<Column>& columns = columns_[&value.channel];
+  std::vector<Column>& columns = columns_[index_of(value.channel)];
   columns.resize(value.channel.columns.size());
   for (const std::size_t index : value.columns) {
     Column& column = columns[index];
@@ -35,14 +35,15 @@ void JudgedValues::take(const DifferingValue& value) {
   }
 }
 
-void JudgedValues::conclude(const Comparison& comparison, const Trace& golden) {
+void JudgedValues::conclude(const Comparison& comparison) {
   for (const auto* channels : {&comparison.channels, &comparison.same}) {
     for (const ChannelComparison& compared : *channels) {
-      const TraceChannel* channel = golden.find_channel(compared.channel);
-      if (!channel || compared.of_events || channel->columns.empty()) continue;
+      const auto channel = std::find_if(channels_.begin(), channels_.end(),
+                                        [&](const TraceChannel& known) { return known.topic == compared.channel; });
+      if (channel == channels_.end() || compared.of_events || channel->columns.empty()) continue;
       std::map<std::string_view, double> tolerances;
       for (const SeriesComparison& series : compared.series) tolerances[series.element] = series.tolerance;
-      std::vector<Column>& columns = columns_[channel];
+      std::vector<Column>& columns = columns_[index_of(*channel)];
       columns.resize(channel->columns.size());
       for (std::size_t i = 0; i < columns.size(); ++i) {
         const std::string& element = channel->columns[i].element;
@@ -57,12 +58,12 @@ void JudgedValues::conclude(const Comparison& comparison, const Trace& golden) {
 }
 
 const JudgedValues::Column& JudgedValues::of(const TraceChannel& channel, std::size_t column) const {
-  const auto found = columns_.find(&channel);
-  return found == columns_.end() ? nothing_found : found->second[column];
+  const std::vector<Column>& columns = columns_[index_of(channel)];
+  return columns.empty() ? nothing_found : columns[column];
 }
 
 std::int64_t JudgedValues::pixels(const TraceChannel& channel, std::size_t message) const {
-  const auto found = pixels_.find({&channel, message});
+  const auto found = pixels_.find({index_of(channel), message});
   return found == pixels_.end() ? 0 : found->second;
 }
 
@@ -81,8 +82,8 @@ std::vector<std::pair<std::int64_t, std::int64_t>> JudgedValues::spans(std::size
   if (spans.size() <= most) return spans;
   std::vector<std::int64_t> gaps;  // those that stay are the widest
   for (std::size_t i = 1; i < spans.size(); ++i) gaps.push_back(spans[i].first - spans[i - 1].second);
-  std::sort(gaps.begin(), gaps.end(), std::greater<>());
-  const std::int64_t narrowest = gaps[most - 1];  // joined too: of several alike none stays
+  std::sort(gaps.begin(), gaps.end());
+  const std::int64_t narrowest = gaps[gaps.size() - most];  // joined too: of several alike none stays
   std::vector<std::pair<std::int64_t, std::int64_t>> joined{spans.front()};
   for (std::size_t i = 1; i < spans.size(); ++i) {
     if (spans[i].first - spans[i - 1].second > narrowest)

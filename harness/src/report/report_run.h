@@ -33,11 +33,12 @@ class JudgedValues {
     std::size_t last = ~std::size_t{0};  // the message that was counted last
   };
 
-  explicit JudgedValues(const TickClock& clock) : clock_(clock) {}
-  /// Of the run that it is compared with.
+  explicit JudgedValues(const ReportedRun& golden)
+      : clock_(golden.clock), channels_(golden.trace.channels()), columns_(channels_.size()) {}
+  /// Its channel, as all channels here, is of the golden.
   void take(const DifferingValue& value);
   /// Tolerances in force, and what is beyond and no value: events.
-  void conclude(const Comparison& comparison, const Trace& golden);
+  void conclude(const Comparison& comparison);
 
   const Column& of(const TraceChannel& channel, std::size_t column) const;
   /// Pixels that differ by more than is allowed to each; 0: none does.
@@ -47,10 +48,12 @@ class JudgedValues {
 
  private:
   void mark(std::int64_t tick);
+  std::size_t index_of(const TraceChannel& channel) const { return static_cast<std::size_t>(&channel - channels_.data()); }
 
   const TickClock& clock_;
-  std::map<const TraceChannel*, std::vector<Column>> columns_;
-  std::map<std::pair<const TraceChannel*, std::size_t>, std::int64_t> pixels_;
+  const std::vector<TraceChannel>& channels_;
+  std::vector<std::vector<Column>> columns_;  // by channel; empty: nothing is known of it
+  std::map<std::pair<std::size_t, std::size_t>, std::int64_t> pixels_;  // by channel and message
   std::vector<bool> beyond_;  // by tick, from that of the clock's first
 };
 

@@ -13,8 +13,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "test_recordings.h"
 #include "replay/trace_scenario.h"
+#include "test_recordings.h"
+#include "test_reports.h"
 
 namespace rehearse::internal {
 namespace {
@@ -138,7 +139,8 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
 
 /// The levels that are wanted, and of a run that differs what is to blame.
 TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
-                         const MatchOptions& options, GoldenResult settled, bool wrong) {
+                         const MatchOptions& options, GoldenResult settled, bool wrong,
+                         std::optional<CheckReport>& checked) {
   const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
   // a run within tolerance but of other bits has to repeat itself, which a check tells
   const bool certain = !settled.comparison || settled.comparison->equal || scenario_file_of(trace).empty();
@@ -153,13 +155,13 @@ TestVerdict check_levels(const Trace& trace, const std::string& test, const Scen
   const GoldenStore store = golden_store();
   const auto report = check_recording(trace, judged_by, options, store.trace_file(test), store.pending_file(test));
   if (!report) return {false, settled.message + "\n" + to_string(report.errors())};
+  checked = *report;
   if (settled.passed && report->within()) return {true, report->verdict};
   return {false, text_of(*report, store.trace_file(test), test)};
 }
 
-}  // namespace
-
-TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
+/// The verdict on a recording; and what is found on the way to it, for its report.
+TestVerdict judge(const Trace& trace, const std::string& test, const MatchOptions& options, ComparedTest& compared) {
   const auto mode = golden_mode();
   if (!mode) return {false, to_string(mode.errors())};
   if (std::string mistake = mistake_in(options, trace); !mistake.empty()) return {false, std::move(mistake)};
@@ -169,6 +171,10 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   GoldenStore store = golden_store();
   scenario->horizon =
       options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
+  compared.golden = store.trace_file(test);
+  compared.scenario = scenario_file_of(trace);
+  compared.tolerances = scenario->tolerances;
+  compared.horizon = scenario->horizon;
   const auto expectations = judge_expectations(scenario->expectations, trace);
   SettleOptions settling;
   settling.compare.until = scenario->horizon;
@@ -186,7 +192,19 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
     fmt::print("{}\n", result.message);
     return {result.passed, std::move(result.message)};
   }
-  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty());
+  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty(),
+                      compared.checked);
+}
+
+}  // namespace
+
+TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
+  ComparedTest compared;
+  TestVerdict verdict = judge(trace, test, options, compared);
+  if (compared.golden.empty()) return verdict;  // nothing was compared: the question was wrong
+  const std::string told = keep_test_report(trace, test, verdict, compared);
+  if (!verdict.passed) verdict.message += told;
+  return verdict;
 }
 
 TestVerdict hold_expectations(const Trace& trace) {

@@ -1,0 +1,65 @@
+#include <rehearse/failure_report.h>
+
+#include "export/replaceable.h"
+#include "report/report_page.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_failed(const CheckReport& checked) {
+  const bool run_failed = checked.run && (checked.run->failure || checked.run->controller_refused);
+  return run_failed || (checked.replay && (checked.replay->failure || checked.replay->controller_refused));
+}
+
+/// The trace that the check left; empty: none. What lies there from an earlier check isn't looked at.
+fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
+  const bool closed_is_wrong = checked.closed == LevelState::differs || (checked.run && checked.run->failure);
+  std::error_code ignored;
+  if (checked.run && closed_is_wrong && fs::is_regular_file(actual, ignored)) return actual;
+  const fs::path plant = actual.parent_path() / "plant" / actual.filename();
+  if (checked.plant == LevelState::differs && fs::is_regular_file(plant, ignored)) return plant;
+  return {};
+}
+
+/// Of an earlier check. Only what is a report is removed.
+void remove_report(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored) && check_replaceable(file, report_magic, "report")) fs::remove(file, ignored);
+}
+
+}  // namespace
+
+ReportVerdict report_verdict(const CheckReport& checked) {
+  ReportVerdict verdict;
+  verdict.sentence = checked.verdict;
+  verdict.state = has_failed(checked) ? "failed" : !checked.within() ? "beyond" : checked.equal() ? "equal" : "within";
+  verdict.levels = {{"controller", std::string(to_string(checked.controller))},
+                    {"plant", std::string(to_string(checked.plant))},
+                    {"closed", std::string(to_string(checked.closed))}};
+  verdict.first = checked.first;
+  return verdict;
+}
+
+Result<std::optional<FailureReport>> write_failure_report(const CheckReport& checked, const Scenario& scenario,
+                                                          const fs::path& golden, const fs::path& actual,
+                                                          ReportOptions options) {
+  remove_report(fs::path(actual).replace_extension(".html"));
+  remove_report((actual.parent_path() / "plant" / actual.filename()).replace_extension(".html"));
+  if (checked.within() && !has_failed(checked)) return std::optional<FailureReport>();
+  const fs::path trace = trace_left(checked, actual);
+  if (trace.empty()) return std::optional<FailureReport>();
+  options.tolerances = scenario.tolerances;
+  options.horizon = checked.horizon;
+  options.verdict = report_verdict(checked);
+  options.scenario = scenario.file;
+  std::error_code ignored;
+  const std::optional<fs::path> beside = fs::is_regular_file(golden, ignored) ? std::optional(golden) : std::nullopt;
+  const fs::path file = fs::path(trace).replace_extension(".html");
+  auto written = write_report(trace, beside, file, options);
+  if (!written) return written.errors();
+  return std::optional(FailureReport{file, *std::move(written)});
+}
+
+}  // namespace rehearse
