@@ -1,7 +1,131 @@
+// Puts the page together: parts, keys, address.
+import 'uplot/dist/uPlot.min.css';
+import './style/theme.css';
 import './style/page.css';
+import './style/parts.css';
+import { go_to_place, keep_address, parse_address } from './address';
+import { Cameras } from './cameras';
+import { Channels } from './channels';
+import { Tour } from './divergences';
+import { button, element } from './dom';
+import { help_dialog, listen_to_keys, type Key } from './keys';
+import { Divergences, Messages } from './messages';
+import { Plots } from './plots';
+import { provenance, scenario } from './provenance';
+import { Report } from './report';
+import { Scene } from './scene';
+import { Store } from './store';
+import { Table } from './table';
+import { Tabs } from './tabs';
+import { test_interface } from './test_interface';
+import { toggle_theme, watch_theme } from './theme';
+import { Timeline } from './timeline';
+import { Transport } from './transport';
+import { verdict } from './verdict';
 
 const app = document.getElementById('app')!;
-document.addEventListener('DOMContentLoaded', () => {
-  const data = JSON.parse(document.getElementById('report')?.textContent ?? '{}');
-  app.textContent = data.verdict?.sentence ?? 'There are no data in this page.';
+
+function keys_of(store: Store, report: Report, tour: Tour, transport: Transport, channels: Channels, help: () => void, ghost: () => void): Key[] {
+  const by = (event: KeyboardEvent) => (event.shiftKey ? (event.altKey ? 100 : 10) : 1);
+  return [
+    { keys: ['d'], shown: 'd', does: 'the first divergence', action: () => tour.go_to_first() },
+    { keys: ['n'], shown: 'n', does: 'the next divergence', action: () => tour.next() },
+    { keys: ['p'], shown: 'p', does: 'the previous divergence', action: () => tour.previous() },
+    { keys: ['ArrowRight'], shown: '→', does: 'one tick on; with Shift ten', action: (event) => store.go(store.tick + by(event)) },
+    { keys: ['ArrowLeft'], shown: '←', does: 'one tick back; with Shift ten', action: (event) => store.go(store.tick - by(event)) },
+    { keys: ['PageDown'], shown: 'Page↓', does: 'a hundred ticks on', action: () => store.go(store.tick + 100) },
+    { keys: ['PageUp'], shown: 'Page↑', does: 'a hundred ticks back', action: () => store.go(store.tick - 100) },
+    { keys: ['Home'], shown: 'Home', does: 'the first tick', action: () => store.go(report.data.begin) },
+    { keys: ['End'], shown: 'End', does: 'the last tick', action: () => store.go(report.last) },
+    { keys: [' '], shown: 'Space', does: 'play or pause', action: () => transport.toggle() },
+    { keys: ['+', ']'], shown: '+', does: 'faster', action: () => transport.faster(1) },
+    { keys: ['-', '['], shown: '-', does: 'slower', action: () => transport.faster(-1) },
+    { keys: ['z'], shown: 'z', does: 'zoom to the ticks around the cursor', action: () => transport.zoom_to_cursor() },
+    { keys: ['a'], shown: 'a', does: 'show all of the run', action: () => store.look_at_all() },
+    { keys: ['g'], shown: 'g', does: 'the golden’s ghost on or off', action: ghost },
+    { keys: ['/'], shown: '/', does: 'search channels to plot', action: () => channels.focus() },
+    { keys: ['t'], shown: 't', does: 'light or dark', action: toggle_theme },
+    { keys: ['?'], shown: '?', does: 'this help', action: help },
+  ];
+}
+
+function scene_tools(store: Store, report: Report, scene: Scene) {
+  const toggle = (text: string, label: string, on: boolean, action: () => void) => button(text, label, action, { 'aria-pressed': String(on) });
+  const ghost = toggle('Ghost', 'The golden as a ghost (g)', true, () => set_ghost());
+  const set_ghost = () => {
+    store.set_ghost(!store.ghost);
+    ghost.setAttribute('aria-pressed', String(store.ghost));
+  };
+  const follow = toggle('Follow', 'The camera goes along with the robot', true, () => {
+    scene.follow = !scene.follow;
+    follow.setAttribute('aria-pressed', String(scene.follow));
+  });
+  const look = button('Reset view', 'Look at the whole robot again', () => (scene.look(), store.changed('ghost')));
+  const tools = report.data.robots.length > 0 ? [report.compared && ghost, follow, look] : [];
+  return { tools, set_ghost };
+}
+
+function put_together(report: Report) {
+  const store = new Store(report);
+  const tour = new Tour(store, report);
+  const transport = new Transport(store, report, tour), timeline = new Timeline(store, report);
+  const scene = new Scene(store, report), cameras = new Cameras(store, report);
+  const plots = new Plots(store, report), channels = new Channels(store, report), table = new Table(store, report);
+  const { tools, set_ghost } = scene_tools(store, report, scene);
+  const keys = keys_of(store, report, tour, transport, channels, () => dialog.showModal(), set_ghost);
+  const dialog = help_dialog(keys);
+  const count = report.data.divergences.length;
+  const tabs = new Tabs([
+    { name: 'values', title: 'Values', content: table.root },
+    { name: 'divergences', title: count > 0 ? `Divergences (${count})` : 'Divergences', content: new Divergences(store, report, (index) => tour.go_to(report.data.divergences[index]!)).root },
+    { name: 'messages', title: report.data.events.length > 0 ? `Messages (${report.data.events.length})` : 'Messages', content: new Messages(store, report).root },
+    { name: 'provenance', title: 'Provenance', content: provenance(report) },
+    { name: 'scenario', title: 'Scenario', content: scenario(report) },
+  ]);
+  const legend = report.compared && element('p', { class: 'legend', 'aria-label': 'colours of the curves' },
+    element('span', { class: 'golden' }, 'golden'), element('span', { class: 'actual' }, 'this run'), element('span', { class: 'band' }, 'tolerance'), element('span', { class: 'bad' }, 'beyond it'));
+  app.replaceChildren(
+    element('div', { class: 'top' }, verdict(report, () => dialog.showModal()), transport.root, timeline.root),
+    element('main', { class: report.data.cameras.length === 0 ? 'no-cameras' : '' },
+      element('div', { class: 'left' },
+        element('section', { class: 'panel', 'aria-label': 'robot' }, element('header', {}, element('h2', {}, 'Robot'), element('div', { class: 'tools' }, ...tools)), scene.root),
+        element('section', { class: 'panel', 'aria-label': 'cameras' }, element('header', {}, element('h2', {}, 'Cameras')), cameras.root)),
+      element('section', { class: 'panel right', 'aria-label': 'channels' }, element('header', {}, element('h2', {}, 'Channels'), channels.root, legend), plots.root)),
+    tabs.root, dialog);
+  document.title = `${report.data.title || 'Report'} – ${report.data.verdict.state} – Rehearse`;
+  watch_theme(() => store.changed('theme'));
+  const place = parse_address(location.hash);
+  store.show(place.series ?? tour.series_to_open_with());
+  if (tour.first) store.go(tour.first.tick);
+  go_to_place(store, place);
+  keep_address(store);
+  listen_to_keys(keys);
+  const ready = open_page(store, scene, plots, cameras);
+  window.rehearse = test_interface(store, ready, { scene, plots, cameras, table });
+  return ready;
+}
+
+// Ready once the robot, the plots and the pictures on the screen are drawn.
+async function open_page(store: Store, scene: Scene, plots: Plots, cameras: Cameras) {
+  performance.mark('rehearse-begin');
+  await Promise.all([scene.load(), plots.drawn()]);
+  store.changed('data');
+  await store.told();
+  await cameras.drawn();
+  performance.mark('rehearse-ready');
+}
+
+function say(sentence: string) {
+  app.replaceChildren(element('p', { class: 'absence page' }, sentence));
+}
+
+async function begin() {
+  const report = await Report.load();
+  if (!report) return say('This page holds no data: it is the form that `rehearse report` fills.');
+  await put_together(report);
+}
+
+begin().catch((error: unknown) => {
+  if (app.childElementCount === 0) say(`This report can’t be shown: ${error instanceof Error ? error.message : String(error)}`);
+  throw error;
 });

@@ -1,0 +1,39 @@
+// Elements, in one expression.
+
+type Child = Node | string | null | undefined | false;
+type Properties = Record<string, string | number | boolean | EventListener | null | undefined>;
+
+/** Properties that are functions are listeners (`onclick`); false, null and undefined leave an attribute out. */
+export function element<K extends keyof HTMLElementTagNameMap>(tag: K, properties: Properties = {}, ...children: Child[]): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (typeof value === 'function') made.addEventListener(name.slice(2), value);
+    else if (value !== false && value !== null && value !== undefined) made.setAttribute(name, value === true ? '' : String(value));
+  }
+  made.append(...children.filter((child): child is Node | string => child !== null && child !== undefined && child !== false));
+  return made;
+}
+
+export function button(text: string, label: string, onclick: () => void, properties: Properties = {}) {
+  return element('button', { type: 'button', title: label, 'aria-label': label, onclick, ...properties }, text);
+}
+
+/** A sentence in the place of what isn't there. */
+export function absence(sentence: string) {
+  return element('p', { class: 'absence' }, sentence);
+}
+
+/** Sets a text only if it is another: the browser needn't lay it out again then. */
+export function set_text(where: Element, text: string) {
+  if (where.textContent !== text) where.textContent = text;
+}
+
+/** A canvas's pixels are made those of the screen; true if it has changed. */
+export function fit_canvas(canvas: HTMLCanvasElement, width: number, height: number): boolean {
+  const scale = window.devicePixelRatio || 1;
+  const columns = Math.max(1, Math.round(width * scale)), rows = Math.max(1, Math.round(height * scale));
+  if (canvas.width === columns && canvas.height === rows) return false;
+  canvas.width = columns;
+  canvas.height = rows;
+  return true;
+}

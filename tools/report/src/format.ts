@@ -1,0 +1,171 @@
+// What FORMAT.md says, as types.
+
+/** JSON has no such numbers; they are texts there. */
+export type JsonNumber = number | 'NaN' | 'Infinity' | '-Infinity';
+
+export interface BlobReference {
+  id: string;
+  bytes: number;
+  coding: 'deflate' | 'none';
+  media_type?: string;
+}
+
+export type NumberType = 'f64' | 'f32' | 'i64' | 'u64' | 'u32' | 'u8';
+
+export interface NumberArray extends BlobReference {
+  type: NumberType;
+  count: number;
+  filter: 'none' | 'columns' | 'xor' | 'xor-base';
+  base?: string;
+}
+
+export type VerdictState = 'alone' | 'equal' | 'within' | 'beyond' | 'failed';
+
+export interface Level {
+  level: string;
+  state: string;
+  sentence: string;
+}
+
+export interface Run {
+  role: 'actual' | 'golden';
+  file: string;
+  ticks: number;
+  complete: boolean;
+  outcome: string;
+  facts: Record<string, string>;
+  scenario: string;
+  remarks: string[];
+}
+
+export interface DivergenceEntry {
+  tick: number;
+  time: number;
+  channel: string;
+  element: string;
+  series: string | null;
+  expected: JsonNumber | null;
+  actual: JsonNumber | null;
+  difference: JsonNumber | null;
+  tolerance: JsonNumber | null;
+  ulps: JsonNumber | null;
+  unit: string;
+  note: string;
+  stage: string;
+  beyond: boolean;
+}
+
+export interface AxisEntry {
+  begin?: number;
+  count?: number;
+  ticks?: NumberArray;
+}
+
+export type Group = 'state' | 'sensor' | 'input' | 'output' | 'variable' | 'other';
+
+export interface SeriesEntry {
+  name: string;
+  topic: string;
+  unit: string;
+  group: Group;
+  kind: 'floating' | 'signed_integer' | 'unsigned_integer' | 'boolean';
+  axis: number;
+  golden_axis?: number;
+  values: NumberArray | null;
+  golden: NumberArray | 'same' | null;
+  tolerance: { absolute: JsonNumber; relative: JsonNumber } | null;
+  differing: number;
+  beyond: number;
+  range: [number, number] | null;
+  wraps?: boolean;
+}
+
+export interface PictureEntry {
+  tick: number;
+  actual: BlobReference | null;
+  golden: BlobReference | 'same' | null;
+  differing: number | null;
+}
+
+export interface CameraEntry {
+  name: string;
+  topic: string;
+  kind: 'color' | 'depth';
+  width: number;
+  height: number;
+  near?: number;
+  far?: number;
+  pictures: PictureEntry[];
+}
+
+export interface EventEntry {
+  run: number;
+  tick: number;
+  severity: 'note' | 'warning' | 'error';
+  source: string;
+  text: string;
+}
+
+export interface ContactEntry {
+  run: number;
+  tick: number;
+  a: string;
+  b: string;
+  begins: boolean;
+}
+
+/** x, y, z [m], then a quaternion x, y, z, w. */
+export type PoseEntry = [number, number, number, number, number, number, number];
+
+export interface ShapeEntry {
+  pose: PoseEntry;
+  color: [number, number, number, number];
+  box?: [number, number, number];
+  sphere?: number;
+  cylinder?: { radius: number; length: number };
+  mesh?: number;
+  scale?: [number, number, number];
+}
+
+export interface LinkEntry {
+  name: string;
+  parent: number;
+  joint: { type: 'revolute' | 'prismatic' | 'fixed'; axis: [number, number, number]; q: string | null; q0?: number } | null;
+  offset: PoseEntry;
+  shapes: ShapeEntry[];
+}
+
+export interface RobotEntry {
+  name: string;
+  pose: string[] | null;
+  fixed?: PoseEntry;
+  links: LinkEntry[];
+}
+
+export interface MeshEntry {
+  positions: NumberArray;
+  indices: NumberArray;
+  color?: NumberArray;
+}
+
+export interface ReportData {
+  format: number;
+  title: string;
+  rehearse: string;
+  verdict: { sentence: string; state: VerdictState; levels?: Level[] };
+  time_step: number;
+  begin: number;
+  end: number;
+  runs: Run[];
+  divergences: DivergenceEntry[];
+  first: number | null;
+  spans: [number, number][];
+  axes: AxisEntry[];
+  series: SeriesEntry[];
+  cameras: CameraEntry[];
+  events: EventEntry[];
+  contacts: ContactEntry[];
+  robots: RobotEntry[];
+  meshes: MeshEntry[];
+  omitted: string[];
+}

@@ -1,0 +1,236 @@
+// One series: golden, run and tolerance, below them their difference.
+import uPlot from 'uplot';
+import { curves_in_view, type Curves } from './decimate';
+import { button, element, set_text } from './dom';
+import { difference_text, short_text, value_text } from './numbers';
+import { Columns, type Report, type Series } from './report';
+import type { Store } from './store';
+import { palette } from './theme';
+
+const values_height = 112, difference_height = 72, axis_width = 66;
+
+/** Zoom and cursor of all plots go through the store; the line under the mouse is shared by this key. */
+const sync_key = 'rehearse';
+
+export class Plot {
+  readonly root: HTMLElement;
+  private readonly readout = element('span', { class: 'readout' });
+  private readonly charts = element('div', { class: 'charts' });
+  private readonly markers: HTMLElement[] = [];
+  private values: uPlot | null = null;
+  private difference: uPlot | null = null;
+  private columns: Columns | null = null;
+  private curves: Curves | null = null;
+  visible = false;
+
+  constructor(private readonly store: Store, private readonly report: Report, readonly series: Series) {
+    const { name, unit } = series.entry;
+    this.root = element('section', { class: 'plot', 'aria-label': `plot of ${name}`, 'data-series': name },
+      element('header', {},
+        element('h3', { title: name }, name),
+        element('span', { class: 'unit' }, unit ? `[${unit}]` : ''),
+        this.readout,
+        button('×', `Close the plot of ${name}`, () => store.toggle(name), { class: 'quiet' })),
+      this.charts);
+    this.charts.style.minHeight = `${this.height}px`;
+    this.charts.append(element('p', { class: 'absence' }, 'Decoding…'));
+  }
+
+  private get height() { return values_height + (this.series.compared ? difference_height : 22); }
+
+  /** The tick at which this plot's line stands; null if it isn't drawn. */
+  get cursor_tick(): number | null { return this.values ? this.store.tick : null; }
+
+  /** Where the line is drawn, counted back from its pixels; null if it isn't in view. */
+  get drawn_tick(): number | null {
+    const marker = this.markers[0];
+    if (!marker || !this.values || marker.hidden) return null;
+    return Math.round(this.report.tick_at(this.values.posToVal(Number(marker.dataset.left), 'x')));
+  }
+
+  async load() {
+    try {
+      this.columns = await this.series.load();
+      if (this.visible) this.draw();
+    } catch (error) {
+      this.charts.replaceChildren(element('p', { class: 'absence error' }, error instanceof Error ? error.message : String(error)));
+    }
+  }
+
+  set_visible(visible: boolean) {
+    if (visible === this.visible) return;
+    this.visible = visible;
+    if (!visible) this.clear();
+    else if (this.columns) this.draw();
+    else void this.load();
+  }
+
+  clear() {
+    this.values?.destroy();
+    this.difference?.destroy();
+    this.values = this.difference = null;
+    this.markers.length = 0;
+  }
+
+  /** From the start: a new width, new colours. */
+  redraw() {
+    if (!this.visible || !this.columns) return;
+    this.clear();
+    this.draw();
+  }
+
+  private draw() {
+    if (this.values) return;
+    this.charts.replaceChildren();
+    const width = this.charts.clientWidth;
+    if (width === 0) return;
+    this.cut_curves(width);
+    this.values = this.chart(width, values_height + (this.series.compared ? 0 : 22), this.value_series(), !this.series.compared, () => this.value_range());
+    if (this.series.compared) this.difference = this.chart(width, difference_height, this.difference_series(), true, () => this.difference_range());
+    this.give_data();
+    this.move_cursor();
+  }
+
+  private cut_curves(width: number) {
+    this.curves = curves_in_view(this.columns!, this.store.view, width - axis_width, (tick) => this.report.time(tick));
+  }
+
+  /** The view has changed. */
+  update_view() {
+    if (!this.values || !this.columns) return;
+    this.cut_curves(this.charts.clientWidth);
+    this.give_data();
+    this.move_cursor();
+  }
+
+  private give_data() {
+    const { time, golden, actual, lower, upper, difference, beyond, bound } = this.curves!;
+    const down = bound.map((value) => (typeof value === 'number' ? -value : value));
+    this.values?.setData([time, lower, upper, golden, actual] as uPlot.AlignedData);
+    this.difference?.setData([time, down, bound, difference, beyond] as uPlot.AlignedData);
+  }
+
+  private value_series(): uPlot.Series[] {
+    const colors = palette();
+    const points = { show: (_: uPlot, __: number) => this.few_points, size: 4 };
+    const stepped = this.series.entry.kind === 'floating' ? undefined : uPlot.paths.stepped!({ align: 1 });
+    const line = (stroke: string, width: number): uPlot.Series => ({ stroke, width, points, ...(stepped ? { paths: stepped } : {}) });
+    return [{}, { points: { show: false } }, { points: { show: false } }, line(colors.golden, 2.5), line(colors.actual, 1.25)];
+  }
+
+  private difference_series(): uPlot.Series[] {
+    const colors = palette();
+    const bound = { stroke: colors.golden, width: 1, dash: [4, 3], points: { show: false } };
+    return [{}, bound, bound, { stroke: colors.muted, width: 1, points: { show: false } },
+      { stroke: colors.bad, width: 1.5, points: { show: () => this.few_points, size: 4 } }];
+  }
+
+  private get few_points() { return this.curves!.raw && this.curves!.time.length < 120; }
+
+  // As much of the tolerance as leaves the curves readable.
+  private value_range(): [number, number] {
+    const curves = this.curves!;
+    if (curves.low > curves.high) return [-1, 1];
+    const spread = curves.high - curves.low;
+    const room = Math.max(spread * 0.08, Math.abs(curves.high) * 1e-9, spread === 0 ? Math.max(Math.abs(curves.high) * 0.05, 1e-6) : 0);
+    let { low, high } = curves;
+    for (let i = 0; i < curves.time.length; ++i) {
+      const lower = curves.lower[i], upper = curves.upper[i];
+      if (typeof lower === 'number') low = Math.min(low, Math.max(lower, curves.low - spread));
+      if (typeof upper === 'number') high = Math.max(high, Math.min(upper, curves.high + spread));
+    }
+    return [low - room, high + room];
+  }
+
+  private difference_range(): [number, number] {
+    const curves = this.curves!;
+    let largest = curves.largest;
+    for (const bound of curves.bound) {
+      if (typeof bound === 'number') largest = Math.max(largest, curves.largest > 0 ? Math.min(bound, 3 * curves.largest) : bound);
+    }
+    if (largest === 0) largest = 1e-6;
+    return [-1.15 * largest, 1.15 * largest];
+  }
+
+  private chart(width: number, height: number, series: uPlot.Series[], with_times: boolean, range: () => [number, number]): uPlot {
+    const colors = palette();
+    const { store, report } = this;
+    const font = `11px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
+    const grid = { stroke: colors.line, width: 1 };
+    const axis = { stroke: colors.muted, grid, font, ticks: { show: false } };
+    const chart = new uPlot({
+      width, height, series,
+      pxAlign: false,
+      padding: [6, 8, with_times ? 0 : 4, 0],
+      legend: { show: false },
+      scales: {
+        x: { time: false, range: () => [report.time(store.view.begin), report.time(store.view.end)] },
+        y: { range },
+      },
+      axes: [
+        { ...axis, show: with_times, size: 22, gap: 4, space: 70, values: (_, splits) => splits.map((split) => `${Number(split.toPrecision(9))} s`) },
+        { ...axis, size: axis_width, gap: 6, space: 26, values: (_, splits) => splits.map((split) => short_text(Number(split.toPrecision(9)))) },
+      ],
+      bands: [{ series: [2, 1], fill: colors.band }],
+      cursor: {
+        y: false,
+        points: { show: false },
+        drag: { x: true, y: false, setScale: false },
+        sync: { key: sync_key, scales: ['x', null] },
+        bind: {
+          dblclick: () => () => (store.look_at_all(), null),
+          click: (self, _target, handler) => (event) => {
+            // the end of a drag is a click, too
+            if (self.select.width < 3) store.go(report.tick_at(self.posToVal(self.cursor.left!, 'x')));
+            return handler(event);
+          },
+        },
+      },
+      hooks: {
+        setSelect: [(self) => {
+          if (self.select.width < 3) return;
+          const [from, to] = [self.select.left, self.select.left + self.select.width].map((left) => report.tick_at(self.posToVal(left, 'x')));
+          self.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+          store.look_at(from!, to!);
+        }],
+      },
+    }, [[], [], [], [], []] as uPlot.AlignedData, this.charts);
+    const marker = element('div', { class: 'cursor-line', 'aria-hidden': 'true' });
+    chart.over.append(marker);
+    this.markers.push(marker);
+    return chart;
+  }
+
+  /** The line at the cursor's tick, and what the series is there. */
+  move_cursor() {
+    const { store, report, columns } = this;
+    const chart = this.values;
+    if (!chart) return;
+    const left = chart.valToPos(report.time(store.tick), 'x');
+    const outside = !(left >= -0.5 && left <= chart.over.clientWidth + 0.5);
+    for (const marker of this.markers) {
+      marker.hidden = outside;
+      marker.dataset.left = String(left);
+      marker.style.transform = `translateX(${left.toFixed(2)}px)`;
+    }
+    if (columns) this.read_out(columns);
+  }
+
+  private read_out(columns: Columns) {
+    const { store, series } = this;
+    const golden = Columns.sample(columns.golden, store.tick), actual = Columns.sample(columns.actual, store.tick);
+    const { kind } = series.entry;
+    if (this.readout.childElementCount === 0) {
+      this.readout.append(...['golden', 'actual', 'difference'].map((part) => element('span', { class: part })));
+    }
+    const [golden_part, actual_part, difference_part] = [...this.readout.children] as HTMLElement[];
+    const compared = series.compared && golden && actual;
+    const difference = compared ? series.difference(golden.value, actual.value) : null;
+    const bound = compared ? series.tolerance(golden.value) : null;
+    const beyond = difference !== null && series.entry.beyond > 0 && !(Math.abs(difference) <= (bound ?? 0));
+    set_text(golden_part!, this.report.compared ? (golden?.text ?? value_text(golden?.value ?? null, kind)) : '');
+    set_text(actual_part!, actual?.text ?? value_text(actual?.value ?? null, kind));
+    set_text(difference_part!, !series.compared ? '' : columns.same ? 'same bits' : `Δ ${difference_text(difference)}${bound === null ? '' : ` of ±${short_text(bound)}`}`);
+    difference_part!.classList.toggle('beyond', beyond);
+  }
+}

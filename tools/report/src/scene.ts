@@ -1,0 +1,203 @@
+// The robots in 3D: the run, and the golden as a ghost. Drawn only when something has changed.
+import * as three from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { absence, element, set_text } from './dom';
+import { Figure, Meshes } from './figure';
+import { Kinematics } from './kinematics';
+import type { Report } from './report';
+import type { Store } from './store';
+import { is_dark, palette } from './theme';
+
+export class Scene {
+  readonly root = element('div', { class: 'scene' });
+  private readonly caption = element('div', { class: 'caption', 'aria-live': 'off' });
+  private renderer: three.WebGLRenderer | null = null;
+  private readonly scene = new three.Scene();
+  private readonly camera = new three.PerspectiveCamera(40, 1, 0.01, 500);
+  private controls: OrbitControls | null = null;
+  private grid: three.GridHelper | null = null;
+  private readonly ghost_material = new three.MeshLambertMaterial({ transparent: true, opacity: 0.45, depthWrite: false });
+  private readonly figures: Figure[] = [];
+  private readonly ghosts: (Figure | null)[] = [];
+  private readonly followed = new three.Vector3();
+  private slow = false;
+  follow = true;
+  drawings = 0;
+
+  constructor(private readonly store: Store, private readonly report: Report) {
+    if (report.data.robots.length === 0) {
+      this.root.append(absence('The recording says of no robot what it looks like.'));
+      return;
+    }
+    try {
+      this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: false });
+    } catch {
+      this.root.append(absence('This browser has no WebGL, without which the robot can’t be drawn.'));
+    }
+    this.scene.add(new three.HemisphereLight(0xffffff, 0x9a9aa0, 2.2));
+    const sun = new three.DirectionalLight(0xffffff, 1.6);
+    sun.position.set(2, -3, 5);
+    this.scene.add(sun);
+    this.camera.up.set(0, 0, 1);
+    if (this.renderer) this.attach(this.renderer);
+  }
+
+  private attach(renderer: three.WebGLRenderer) {
+    const { canvas } = renderer.getContext() as WebGL2RenderingContext & { canvas: HTMLCanvasElement };
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', 'the robot in 3D at the cursor; drag to orbit, wheel to come closer');
+    this.root.append(canvas, this.caption);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener('change', () => this.store.changed('ghost'));
+    new ResizeObserver(() => this.resize()).observe(this.root);
+    this.store.on(['tick', 'data'], () => this.update());
+    this.store.on(['theme'], () => this.color());
+    this.store.on(['tick', 'data', 'theme', 'ghost'], () => this.draw());
+  }
+
+  /** Decodes poses, joints and meshes, and looks at what moves. */
+  async load() {
+    const { robots, meshes: entries } = this.report.data;
+    const meshes = new Meshes(entries ?? []);
+    await Promise.all(robots.map(async (robot, i) => {
+      const figure = new Figure(robot, new Kinematics(robot, 'actual'), null);
+      await Promise.all([figure.kinematics.load(this.report), figure.load(meshes)]);
+      this.figures[i] = figure;
+      this.ghosts[i] = null;
+      const moves = robot.pose !== null || robot.links.some((link) => link.joint?.q);
+      if (this.report.compared && moves) {
+        const ghost = new Figure(robot, new Kinematics(robot, 'golden'), this.ghost_material);
+        await Promise.all([ghost.kinematics.load(this.report), ghost.load(meshes)]);
+        this.ghosts[i] = ghost;
+      }
+    }));
+    for (const figure of [...this.figures, ...this.ghosts]) if (figure?.kinematics.present) this.scene.add(figure.root);
+    this.color();
+    this.update();
+    this.look();
+    this.store.changed('data');
+  }
+
+  private get moving(): Figure[] {
+    const moving = this.figures.filter((figure) => figure.robot.pose !== null || figure.robot.links.some((link) => link.joint?.q));
+    return moving.length > 0 ? moving : this.figures;
+  }
+
+  /** From the front left, all that moves in the picture. */
+  look() {
+    if (!this.controls || this.figures.length === 0) return;
+    const box = new three.Box3();
+    this.scene.updateMatrixWorld(true);
+    for (const figure of this.moving) box.expandByObject(figure.root);
+    if (box.isEmpty()) box.set(new three.Vector3(-1, -1, 0), new three.Vector3(1, 1, 1));
+    const centre = box.getCenter(new three.Vector3()), radius = Math.max(0.05, box.getSize(new three.Vector3()).length() / 2);
+    const narrow = Math.min(1, this.camera.aspect);
+    const distance = (radius / Math.sin((this.camera.fov / 2) * (Math.PI / 180)) / narrow) * 0.95;
+    this.camera.position.copy(centre).add(new three.Vector3(0.75, -0.62, 0.32).normalize().multiplyScalar(distance));
+    this.camera.near = radius / 50;
+    this.camera.far = radius * 400;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(centre);
+    this.controls.update();
+    this.followed.copy(this.followed_point());
+    this.make_grid(radius);
+  }
+
+  private make_grid(radius: number) {
+    if (this.grid) {
+      this.scene.remove(this.grid);
+      this.grid.dispose();
+    }
+    const cell = 10 ** Math.round(Math.log10(radius / 2));
+    const line = new three.Color(palette().line);
+    this.grid = new three.GridHelper(cell * 40, 40, line, line);
+    this.grid.rotateX(Math.PI / 2);
+    this.grid.position.set(Math.round(this.followed.x / cell) * cell, Math.round(this.followed.y / cell) * cell, -0.001 * cell);
+    this.scene.add(this.grid);
+  }
+
+  private color() {
+    const colors = palette();
+    this.ghost_material.color.set(colors.golden);
+    this.ghost_material.opacity = is_dark() ? 0.5 : 0.45;
+    if (this.grid) (this.grid.material as three.LineBasicMaterial).color.set(colors.line), this.make_grid(this.controls!.target.distanceTo(this.camera.position) / 3);
+  }
+
+  private followed_point(): three.Vector3 {
+    const figure = this.moving[0];
+    return figure ? new three.Vector3().setFromMatrixPosition(figure.kinematics.links[0]!) : new three.Vector3();
+  }
+
+  private update() {
+    const { tick } = this.store;
+    const notes: string[] = [];
+    this.figures.forEach((figure, i) => {
+      figure.kinematics.update(tick);
+      figure.update();
+      const ghost = this.ghosts[i];
+      if (!ghost?.kinematics.present) return;
+      ghost.kinematics.update(tick);
+      ghost.update();
+      const { distance, link } = ghost.hide_common_links(figure.kinematics);
+      if (distance > 1e-5) notes.push(`${figure.robot.name}: ${link} is ${length_text(distance)} from the golden's`);
+    });
+    set_text(this.caption, notes.join('; ') || (this.report.compared ? 'stands where the golden stands' : ''));
+    if (this.follow && this.controls) {
+      const point = this.followed_point(), by = point.clone().sub(this.followed);
+      by.z = 0;
+      this.followed.copy(point);
+      if (by.lengthSq() > 0) {
+        this.camera.position.add(by);
+        this.controls.target.add(by);
+      }
+    }
+  }
+
+  private resize() {
+    const { clientWidth: width, clientHeight: height } = this.root;
+    if (!this.renderer || width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(this.slow ? 1 : Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private draw() {
+    if (!this.renderer || this.figures.length === 0) return;
+    for (const ghost of this.ghosts) if (ghost) ghost.root.visible = this.store.ghost;
+    const begin = performance.now();
+    this.renderer.render(this.scene, this.camera);
+    ++this.drawings;
+    // a processor that draws instead of a graphics card: fewer pixels
+    if (!this.slow && this.drawings > 3 && performance.now() - begin > 25 && window.devicePixelRatio > 1) {
+      this.slow = true;
+      this.resize();
+    }
+  }
+
+  /** Joint displacements and root pose as drawn, by robot. */
+  joints(side: 'actual' | 'golden' = 'actual'): Record<string, number> {
+    const joints: Record<string, number> = {};
+    for (const figure of side === 'actual' ? this.figures : this.ghosts) Object.assign(joints, figure?.kinematics.joints);
+    return joints;
+  }
+
+  /** Origins of all links as drawn [m], by ROBOT/LINK. */
+  links(): Record<string, [number, number, number]> {
+    const links: Record<string, [number, number, number]> = {};
+    for (const figure of this.figures) {
+      figure.robot.links.forEach((link, i) => {
+        const { elements } = figure.kinematics.links[i]!;
+        links[`${figure.robot.name}/${link.name}`] = [elements[12]!, elements[13]!, elements[14]!];
+      });
+    }
+    return links;
+  }
+}
+
+function length_text(length: number): string {
+  if (length >= 1) return `${length.toFixed(2)} m`;
+  if (length >= 1e-3) return `${(length * 1e3).toFixed(length >= 0.1 ? 0 : 1)} mm`;
+  return `${(length * 1e6).toFixed(0)} µm`;
+}

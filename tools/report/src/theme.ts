@@ -1,0 +1,68 @@
+// Light and dark: as the system has it, until the person decides.
+
+export interface Palette {
+  text: string;
+  muted: string;
+  line: string;
+  panel: string;
+  sunken: string;
+  golden: string;
+  band: string;
+  actual: string;
+  bad: string;
+  bad_fill: string;
+  warning: string;
+  good: string;
+  accent: string;
+}
+
+const names: (keyof Palette)[] = [
+  'text', 'muted', 'line', 'panel', 'sunken', 'golden', 'band', 'actual', 'bad', 'bad_fill', 'warning', 'good', 'accent',
+];
+
+let cached: Palette | null = null;
+
+/** The colours of the style sheet, for what is drawn on canvases. */
+export function palette(): Palette {
+  if (cached) return cached;
+  const style = getComputedStyle(document.documentElement);
+  return (cached = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name.replace('_', '-')}`).trim()])) as unknown as Palette);
+}
+
+export function is_dark(): boolean {
+  const chosen = document.documentElement.dataset.theme;
+  return chosen ? chosen === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
+}
+
+const key = 'rehearse-report-theme';
+
+/** A browser may refuse to keep anything for a file. */
+function remembered(): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
+export function toggle_theme() {
+  const theme = is_dark() ? 'light' : 'dark';
+  document.documentElement.dataset.theme = theme;
+  try {
+    localStorage.setItem(key, theme);
+  } catch {
+    // then it is asked for again next time
+  }
+  document.dispatchEvent(new Event('themechange'));
+}
+
+export function watch_theme(changed: () => void) {
+  const theme = remembered();
+  if (theme === 'dark' || theme === 'light') document.documentElement.dataset.theme = theme;
+  const update = () => {
+    cached = null;
+    changed();
+  };
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', update);
+  document.addEventListener('themechange', update);
+}

@@ -1,0 +1,290 @@
+// The time line: what differs, who touches what, what was said, and where the cursor stands. Along the ruler a drag moves
+// the cursor, below it a drag zooms; the strip at the bottom is the whole run and moves what is in view.
+import { element, fit_canvas } from './dom';
+import { short_text, time_text } from './numbers';
+import type { Report } from './report';
+import type { Store } from './store';
+import { palette, type Palette } from './theme';
+import { contact_spans, type ContactSpan } from './contacts';
+
+const gutter = 88, right = 12;
+const ruler = 22, lane = 16, contact_row = 9, strip = 12;
+const most_contact_rows = 5;
+
+interface Hint {
+  x: number;
+  y: number;
+  height: number;
+  width: number;
+  text: string;
+  tick: number;
+}
+
+export class Timeline {
+  readonly root: HTMLElement;
+  private readonly canvas = element('canvas', {
+    tabindex: '0', role: 'slider', 'aria-label': 'time line: the tick under the cursor', 'aria-orientation': 'horizontal',
+  });
+  private readonly band = element('div', { class: 'zoom-band', hidden: true });
+  private readonly context: CanvasRenderingContext2D;
+  private readonly contacts: ContactSpan[];
+  private readonly contact_rows: string[];
+  private hints: Hint[] = [];
+  private width = 0;
+
+  constructor(private readonly store: Store, private readonly report: Report) {
+    this.root = element('div', { class: 'timeline' }, this.canvas, this.band);
+    this.context = this.canvas.getContext('2d')!;
+    this.contacts = contact_spans(report.data);
+    this.contact_rows = [...new Set(this.contacts.map((span) => span.pair))].slice(0, most_contact_rows);
+    this.canvas.setAttribute('aria-valuemin', String(report.data.begin));
+    this.canvas.setAttribute('aria-valuemax', String(report.last));
+    store.on(['tick', 'view', 'theme'], () => this.draw());
+    new ResizeObserver(() => this.draw()).observe(this.root);
+    this.listen();
+  }
+
+  private get contacts_height() { return this.contact_rows.length > 0 ? this.contact_rows.length * contact_row + 5 : 0; }
+  private get height() { return ruler + lane + this.contacts_height + lane + strip + 4; }
+  private get plain() { return Math.max(1, this.width - gutter - right); }
+
+  x_of(tick: number): number {
+    const { begin, end } = this.store.view;
+    return gutter + ((tick - begin) / (end - begin)) * this.plain;
+  }
+
+  private tick_at(x: number): number {
+    const { begin, end } = this.store.view;
+    return begin + ((x - gutter) / this.plain) * (end - begin);
+  }
+
+  private tick_of_strip(x: number): number {
+    const { begin, end } = this.store.whole;
+    return begin + ((x - gutter) / this.plain) * (end - begin);
+  }
+
+  draw() {
+    this.width = this.root.clientWidth;
+    if (this.width === 0) return;
+    const { context, height } = this;
+    this.canvas.style.height = `${height}px`;
+    fit_canvas(this.canvas, this.width, height);
+    const scale = this.canvas.width / this.width;
+    context.setTransform(scale, 0, 0, scale, 0, 0);
+    context.clearRect(0, 0, this.width, height);
+    context.font = `11px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
+    context.textBaseline = 'middle';
+    this.hints = [];
+    const colors = palette();
+    let y = ruler;
+    this.draw_ruler(colors, height);
+    this.draw_differences(colors, y);
+    y += lane;
+    this.draw_contacts(colors, y);
+    y += this.contacts_height;
+    this.draw_events(colors, y);
+    y += lane;
+    this.draw_strip(colors, y + 2);
+    this.draw_cursor(colors, y);
+    const { tick } = this.store;
+    this.canvas.setAttribute('aria-valuenow', String(tick));
+    this.canvas.setAttribute('aria-valuetext', `tick ${tick}, ${time_text(this.report.time(tick), this.report.data.time_step)}`);
+  }
+
+  private label(colors: Palette, text: string, y: number) {
+    this.context.fillStyle = colors.muted;
+    this.context.textAlign = 'left';
+    this.context.fillText(text, 10, y);
+  }
+
+  private draw_ruler(colors: Palette, height: number) {
+    const { context, report } = this;
+    const { begin, end } = this.store.view;
+    const step = nice_step((report.time(end) - report.time(begin)) / Math.max(2, this.plain / 90));
+    context.strokeStyle = colors.line;
+    context.fillStyle = colors.muted;
+    context.textAlign = 'center';
+    context.lineWidth = 1;
+    context.beginPath();
+    for (let i = Math.ceil(report.time(begin) / step - 1e-9); i * step <= report.time(end) * (1 + 1e-12); ++i) {
+      const x = Math.round(this.x_of(report.tick_at(i * step))) + 0.5;
+      context.moveTo(x, ruler - 4);
+      context.lineTo(x, height - strip - 4);
+      const near_edge = x > this.width - 24;
+      context.textAlign = near_edge ? 'right' : 'center';
+      context.fillText(`${Number((i * step).toPrecision(12))} s`, near_edge ? this.width - 2 : x, 9);
+    }
+    context.stroke();
+    this.label(colors, this.report.compared ? 'differs' : 'run', ruler + lane / 2);
+  }
+
+  private draw_differences(colors: Palette, y: number) {
+    const { context, report } = this;
+    context.fillStyle = colors.sunken;
+    context.fillRect(gutter, y + 3, this.plain, lane - 6);
+    context.save();
+    context.beginPath();
+    context.rect(gutter - 5, y, this.plain + 10, lane);
+    context.clip();
+    context.fillStyle = colors.bad_fill;
+    for (const [begin, end] of report.data.spans) {
+      const x = this.x_of(begin);
+      context.fillRect(x, y + 3, Math.max(1, this.x_of(end) - x), lane - 6);
+    }
+    // those within tolerance first, so that nothing covers what matters
+    const sorted = [...report.data.divergences].sort((a, b) => Number(a.beyond) - Number(b.beyond));
+    for (const entry of sorted) {
+      const x = this.x_of(entry.tick);
+      context.fillStyle = entry.beyond ? colors.bad : colors.warning;
+      context.beginPath();
+      context.moveTo(x, y + 2);
+      context.lineTo(x + 4, y + lane / 2);
+      context.lineTo(x, y + lane - 2);
+      context.lineTo(x - 4, y + lane / 2);
+      context.fill();
+      const what = `${entry.series ?? `${entry.channel} ${entry.element}`.trim()}`;
+      this.hints.push({ x: x - 4, y, width: 8, height: lane, tick: entry.tick, text: `tick ${entry.tick}: ${what}, first ${entry.beyond ? 'beyond tolerance' : 'difference in any bit'}` });
+    }
+    context.restore();
+  }
+
+  private draw_contacts(colors: Palette, y: number) {
+    if (this.contact_rows.length === 0) return;
+    const { context } = this;
+    const more = new Set(this.contacts.map((span) => span.pair)).size - this.contact_rows.length;
+    this.label(colors, more > 0 ? `contacts (+${more})` : 'contacts', y + this.contacts_height / 2);
+    context.save();
+    context.beginPath();
+    context.rect(gutter, y, this.plain, this.contacts_height);
+    context.clip();
+    for (const span of this.contacts) {
+      const row = this.contact_rows.indexOf(span.pair);
+      if (row < 0) continue;
+      const x = this.x_of(span.begin), width = Math.max(1, this.x_of(span.end) - x);
+      const of_golden = this.report.data.runs[span.run]?.role === 'golden';
+      const top = y + 2 + row * contact_row + (this.report.compared && !of_golden ? 4 : 0);
+      context.fillStyle = of_golden ? colors.golden : colors.actual;
+      context.fillRect(x, top, width, this.report.compared ? 3 : 6);
+      this.hints.push({ x, y: top - 2, width, height: 6, tick: span.begin, text: `${of_golden ? 'golden' : 'run'}: ${span.pair} touch, ticks ${span.begin} to ${span.end}` });
+    }
+    context.restore();
+  }
+
+  private draw_events(colors: Palette, y: number) {
+    const { context, report } = this;
+    this.label(colors, 'messages', y + lane / 2);
+    const { begin, end } = this.store.view;
+    for (const event of report.data.events) {
+      if (event.tick < begin || event.tick > end) continue;
+      const x = Math.round(this.x_of(event.tick));
+      context.fillStyle = event.severity === 'error' ? colors.bad : event.severity === 'warning' ? colors.warning : colors.muted;
+      context.fillRect(x - 1, y + 3, 2, lane - 6);
+      this.hints.push({ x: x - 3, y, width: 6, height: lane, tick: event.tick, text: `tick ${event.tick}, ${event.source}: ${event.text}` });
+    }
+  }
+
+  private draw_strip(colors: Palette, y: number) {
+    const { context, store } = this;
+    const { whole, view } = store;
+    const x_of = (tick: number) => gutter + ((tick - whole.begin) / (whole.end - whole.begin)) * this.plain;
+    this.label(colors, 'whole run', y + strip / 2);
+    context.fillStyle = colors.sunken;
+    context.fillRect(gutter, y, this.plain, strip);
+    context.fillStyle = colors.bad_fill;
+    for (const [begin, end] of this.report.data.spans) context.fillRect(x_of(begin), y, Math.max(1, x_of(end) - x_of(begin)), strip);
+    context.strokeStyle = store.zoomed ? colors.accent : colors.line;
+    context.lineWidth = 1;
+    context.strokeRect(Math.round(x_of(view.begin)) + 0.5, y + 0.5, Math.max(3, Math.round(x_of(view.end) - x_of(view.begin)) - 1), strip - 1);
+    context.fillStyle = colors.text;
+    context.fillRect(Math.round(x_of(store.tick)) - 0.5, y, 1, strip);
+  }
+
+  private draw_cursor(colors: Palette, bottom: number) {
+    const x = this.x_of(this.store.tick);
+    if (x < gutter - 1 || x > this.width - right + 1) return;
+    const { context } = this;
+    context.fillStyle = colors.accent;
+    context.fillRect(Math.round(x) - 0.5, 14, 1.5, bottom - 14);
+    context.beginPath();
+    context.moveTo(x - 5, 14);
+    context.lineTo(x + 5, 14);
+    context.lineTo(x, 21);
+    context.fill();
+  }
+
+  private listen() {
+    const { canvas, store } = this;
+    let mode: 'scrub' | 'zoom' | 'move' | null = null, from = 0;
+    canvas.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
+      canvas.setPointerCapture(event.pointerId);
+      const { offsetX: x, offsetY: y } = event;
+      mode = y < ruler ? 'scrub' : y > this.height - strip - 4 ? 'move' : 'zoom';
+      from = x;
+      if (mode === 'scrub') store.go(this.tick_at(x));
+      if (mode === 'move') this.centre(x);
+    });
+    canvas.addEventListener('pointermove', (event) => {
+      const x = Math.min(Math.max(event.offsetX, gutter), this.width - right);
+      if (mode === 'scrub') store.go(this.tick_at(x));
+      else if (mode === 'move') this.centre(x);
+      else if (mode === 'zoom') this.show_band(from, x);
+      else this.hint(event.offsetX, event.offsetY);
+    });
+    const finish = (event: PointerEvent) => {
+      const x = event.offsetX;
+      if (mode === 'zoom' && event.type === 'pointerup') {
+        if (Math.abs(x - from) > 3) store.look_at(this.tick_at(Math.min(from, x)), this.tick_at(Math.max(from, x)));
+        else store.go(this.nearest(x, event.offsetY) ?? this.tick_at(x));
+      }
+      mode = null;
+      this.band.hidden = true;
+    };
+    canvas.addEventListener('pointerup', finish);
+    canvas.addEventListener('pointercancel', finish);
+    canvas.addEventListener('dblclick', () => store.look_at_all());
+    canvas.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      const { begin, end } = store.view;
+      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+        const by = ((event.deltaX + event.deltaY) / this.plain) * (end - begin);
+        store.look_at(begin + by, end + by);
+      } else {
+        store.zoom_by(Math.exp(event.deltaY * 0.002), this.tick_at(event.offsetX));
+      }
+    }, { passive: false });
+  }
+
+  private centre(x: number) {
+    const { begin, end } = this.store.view;
+    const tick = this.tick_of_strip(x);
+    if (this.store.zoomed) this.store.look_at(tick - (end - begin) / 2, tick + (end - begin) / 2);
+    this.store.go(tick);
+  }
+
+  private show_band(from: number, to: number) {
+    this.band.hidden = Math.abs(to - from) < 3;
+    this.band.style.left = `${Math.min(from, to)}px`;
+    this.band.style.width = `${Math.abs(to - from)}px`;
+  }
+
+  private found(x: number, y: number): Hint | undefined {
+    return this.hints.findLast((hint) => x >= hint.x && x <= hint.x + hint.width && y >= hint.y && y <= hint.y + hint.height);
+  }
+
+  private nearest(x: number, y: number): number | null {
+    const hint = this.found(x, y);
+    return hint && hint.width <= 8 ? hint.tick : null;
+  }
+
+  private hint(x: number, y: number) {
+    const text = this.found(x, y)?.text ?? (y < ruler ? `tick ${short_text(Math.round(this.tick_at(x)))}` : '');
+    if (this.canvas.title !== text) this.canvas.title = text;
+  }
+}
+
+/** 1, 2 or 5 times a power of ten, at least that. */
+function nice_step(least: number): number {
+  const power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= least * 0.999) ?? 10 * power;
+}
