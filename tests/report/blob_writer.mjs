@@ -26,20 +26,21 @@ export class BlobWriter {
     return this.#add(png, { bytes: png.length, coding: 'none', media_type: 'image/png' });
   }
 
-  /** base: { array, numbers } for the filter xor-base. */
+  /** base: the numbers of the same series, for the filter xor-base. */
   numbers(numbers, filter = 'xor', base = null) {
     const type = Object.keys(arrays).find((name) => numbers instanceof arrays[name]);
+    if (numbers.length > 1 && numbers.every((number) => Object.is(number, numbers[0]))) {
+      return { type, count: numbers.length, constant: Number.isFinite(numbers[0]) ? numbers[0] : String(numbers[0]) };
+    }
     const width = numbers.BYTES_PER_ELEMENT;
     const plain = bytes_of(numbers);
     let bytes = Uint8Array.from(plain);
     if (filter === 'xor') for (let i = bytes.length - 1; i >= width; --i) bytes[i] ^= plain[i - width];
     if (filter === 'xor-base') {
-      const other = bytes_of(base.numbers);
+      const other = bytes_of(base);
       for (let i = 0; i < bytes.length; ++i) bytes[i] ^= other[i] ?? 0;
     }
     if (filter !== 'none') bytes = in_columns(bytes, width);
-    const array = { bytes: bytes.length, coding: 'deflate', type, count: numbers.length, filter };
-    if (base) array.base = base.array.id;
-    return this.#add(deflateSync(bytes, { level: 1 }), array);
+    return this.#add(deflateSync(bytes, { level: 1 }), { bytes: bytes.length, coding: 'deflate', type, count: numbers.length, filter });
   }
 }

@@ -30,7 +30,7 @@ class Maker {
   }
 
   /** of(tick, golden): the value of either run. every: ticks from one value to the next. */
-  add_series(name, group, unit, of, { every = 1, tolerance = { absolute: 1e-6, relative: 0 }, kind = 'floating', array = Float64Array, wraps = false } = {}) {
+  add_series(name, group, unit, of, { every = 1, tolerance = 1e-6, kind = 'floating', array = Float64Array, wraps = false } = {}) {
     const { ticks } = this.options;
     const count = Math.ceil(ticks / every);
     const actual = new array(count), golden = new array(count);
@@ -42,14 +42,14 @@ class Maker {
       for (const value of [a, g]) if (Number.isFinite(value)) (low = Math.min(low, value)), (high = Math.max(high, value));
       if (Object.is(a, g)) continue;
       ++differing;
-      if (Math.abs(a - g) <= tolerance.absolute + tolerance.relative * Math.abs(g)) continue;
+      if (Math.abs(a - g) <= tolerance) continue;
       ++beyond;
       first ??= { tick: i * every, expected: g, actual: a };
     }
     const values = this.blobs.numbers(actual, ['xor', 'columns', 'none'][this.series.length % 3]);
     const entry = {
-      name, topic: `/${name.split('/')[0]}/joints`, unit, group, kind, axis: every === 1 ? 0 : 1, values, tolerance, differing, beyond, wraps,
-      golden: !this.options.golden ? null : differing === 0 ? 'same' : this.blobs.numbers(golden, 'xor-base', { array: values, numbers: actual }),
+      name, topic: `/${name.split('/')[0]}/joints`, unit, group, kind, axis: every === 1 ? 0 : 1, values, tolerance: this.options.golden ? tolerance : null, differing, beyond, wraps,
+      golden: !this.options.golden ? null : differing === 0 ? 'same' : this.blobs.numbers(golden, 'xor-base', actual),
       range: low <= high ? [low, high] : null,
     };
     this.series.push(entry);
@@ -57,7 +57,7 @@ class Maker {
       this.divergences.push({
         tick: first.tick, time: first.tick / 1000, channel: entry.topic, element: name.split('/').slice(1).join('/'), series: name,
         expected: json_number(first.expected), actual: json_number(first.actual), difference: json_number(Math.abs(first.actual - first.expected)),
-        tolerance: tolerance.absolute, ulps: 12345, unit, note: '', stage: group === 'output' ? 'controller' : 'physics', beyond: true,
+        tolerance, ulps: 12345, unit, note: '', stage: group === 'output' ? 'controller' : 'physics', beyond: true,
       });
     }
   }
@@ -70,7 +70,7 @@ class Maker {
       const of_knee = joint === 'RIGHT_KNEE';
       const strays = (tick, golden, delay) => (of_knee ? 0.25 * (1 - Math.exp(-late(tick, golden, delay) / 250)) : 2e-10 * late(tick, golden, delay + 5));
       this.add_series(`Walker/${joint}/q`, 'state', 'rad', (tick, golden) => pose_at(tick).joints[i] + strays(tick, golden, 3));
-      this.add_series(`Walker/${joint}/u`, 'output', 'N·m', (tick, golden) => 20 * Math.cos(tick / 90 + i) + 100 * strays(tick, golden, -1), { tolerance: { absolute: 1e-6, relative: 1e-9 } });
+      this.add_series(`Walker/${joint}/u`, 'output', 'N·m', (tick, golden) => 20 * Math.cos(tick / 90 + i) + 100 * strays(tick, golden, -1), { tolerance: 1e-5 });
       this.add_series(`Walker/${joint}/input/q`, 'input', 'rad', (tick, golden) => pose_at(tick).joints[i] + strays(tick, golden, 4));
     });
     ['x', 'y', 'z', 'qx', 'qy', 'qz', 'qw'].forEach((name, i) => {
@@ -179,10 +179,10 @@ class Maker {
 /** The text of a report. `page`: the text of the built page. */
 export function make_report(page, options = {}) {
   const maker = new Maker(options);
-  const object = JSON.stringify(maker.object()).replaceAll('</', '<\\/');
+  const object = JSON.stringify(maker.object()).replaceAll('<', '\\u003c');
   const data = `<script type="application/json" id="report">${object}</script>\n${maker.blobs.elements.join('\n')}\n`;
   const [head, tail] = page.split(marker);
-  return head + data + tail;
+  return head.replace('<!doctype html>', '<!doctype html><!-- a report of Rehearse -->') + data + tail;
 }
 
 function main() {

@@ -1,5 +1,5 @@
 // Blobs: elements of the page, decoded when somebody asks for them.
-import type { BlobReference, NumberArray } from './format';
+import type { BlobReference, ConstantArray, NumberArray, NumberType } from './format';
 
 export type Numbers = Float64Array | Float32Array | BigInt64Array | BigUint64Array | Uint32Array | Uint8Array;
 
@@ -79,9 +79,9 @@ function xor_with(bytes: Uint8Array, base: Uint8Array) {
   for (let i = 0; i < end; ++i) bytes[i]! ^= base[i]!;
 }
 
-function as_numbers(bytes: Uint8Array<ArrayBuffer>, array: NumberArray): Numbers {
+function as_numbers(bytes: Uint8Array<ArrayBuffer>, type: NumberType): Numbers {
   const { buffer } = bytes;
-  switch (array.type) {
+  switch (type) {
     case 'f64': return new Float64Array(buffer);
     case 'f32': return new Float32Array(buffer);
     case 'i64': return new BigInt64Array(buffer);
@@ -91,19 +91,26 @@ function as_numbers(bytes: Uint8Array<ArrayBuffer>, array: NumberArray): Numbers
   }
 }
 
-/** An array of numbers; `base` is the array that one with the filter `xor-base` names. */
-export async function numbers_of(array: NumberArray, base?: NumberArray): Promise<Numbers> {
+function repeated({ type, count, constant }: ConstantArray): Numbers {
+  const numbers = as_numbers(new Uint8Array(count * widths[type]), type);
+  if (numbers instanceof BigInt64Array || numbers instanceof BigUint64Array) numbers.fill(BigInt(constant));
+  else numbers.fill(Number(constant));
+  return numbers;
+}
+
+/** An array of numbers; `base` are those of the series that one with the filter `xor-base` belongs to. */
+export async function numbers_of(array: NumberArray, base?: Numbers): Promise<Numbers> {
+  if ('constant' in array) return repeated(array);
   const width = widths[array.type];
   if (array.bytes !== array.count * width) throw new Error(`blob ${array.id}: ${array.bytes} bytes for ${array.count} of ${array.type}`);
   let bytes = await bytes_of(array);
   if (array.filter !== 'none') bytes = put_columns_back(bytes, width);
   if (array.filter === 'xor') xor_with_previous(bytes, width);
   if (array.filter === 'xor-base') {
-    if (!base) throw new Error(`blob ${array.id}: its base ${array.base} is missing`);
-    const numbers = await numbers_of(base);
-    xor_with(bytes, new Uint8Array(numbers.buffer as ArrayBuffer));
+    if (!base) throw new Error(`blob ${array.id}: the values that it is the difference to are missing`);
+    xor_with(bytes, new Uint8Array(base.buffer as ArrayBuffer));
   }
-  return as_numbers(bytes, array);
+  return as_numbers(bytes, array.type);
 }
 
 /** Of an array whose numbers are small enough for a double: all but large 64-bit integers, which are rounded. */

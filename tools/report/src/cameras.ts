@@ -116,14 +116,15 @@ export class Cameras {
       this.root.append(absence('The recording has no camera pictures.'));
       return;
     }
-    if (report.compared) this.root.append(this.tools());
     this.root.append(...this.views.map((view) => view.root));
     this.root.addEventListener('redraw', () => this.update());
     store.on(['tick', 'data'], () => this.update());
     this.update();
   }
 
-  private tools() {
+  /** For the head of the panel. */
+  get tools(): HTMLElement | null {
+    if (!this.report.compared || this.views.length === 0) return null;
     const wipe = button('Slider', 'Expected and actual in one picture, with a slider between them', () => {
       this.wipe = !this.wipe;
       wipe.setAttribute('aria-pressed', String(this.wipe));

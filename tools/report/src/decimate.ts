@@ -128,7 +128,7 @@ function add_bounds(columns: Columns, curves: Curves) {
   const bounded = series.entry.tolerance !== null && series.compared;
   for (let i = 0; i < curves.time.length; ++i) {
     const golden = curves.golden[i];
-    const bound = bounded && typeof golden === 'number' ? series.tolerance(golden) : null;
+    const bound = bounded && typeof golden === 'number' ? series.tolerance : null;
     if (bound === null) {
       const nothing = golden === null ? null : undefined;
       curves.lower.push(nothing);

@@ -12,20 +12,22 @@ export interface BlobReference {
 
 export type NumberType = 'f64' | 'f32' | 'i64' | 'u64' | 'u32' | 'u8';
 
-export interface NumberArray extends BlobReference {
+export interface StoredArray extends BlobReference {
   type: NumberType;
   count: number;
   filter: 'none' | 'columns' | 'xor' | 'xor-base';
-  base?: string;
 }
+
+/** All of its elements are the same bits. */
+export interface ConstantArray {
+  type: NumberType;
+  count: number;
+  constant: JsonNumber | string;
+}
+
+export type NumberArray = StoredArray | ConstantArray;
 
 export type VerdictState = 'alone' | 'equal' | 'within' | 'beyond' | 'failed';
-
-export interface Level {
-  level: string;
-  state: string;
-  sentence: string;
-}
 
 export interface Run {
   role: 'actual' | 'golden';
@@ -73,7 +75,7 @@ export interface SeriesEntry {
   golden_axis?: number;
   values: NumberArray | null;
   golden: NumberArray | 'same' | null;
-  tolerance: { absolute: JsonNumber; relative: JsonNumber } | null;
+  tolerance: JsonNumber | null;
   differing: number;
   beyond: number;
   range: [number, number] | null;
@@ -152,7 +154,7 @@ export interface ReportData {
   format: number;
   title: string;
   rehearse: string;
-  verdict: { sentence: string; state: VerdictState; levels?: Level[] };
+  verdict: { sentence: string; state: VerdictState; levels?: Record<string, string> };
   time_step: number;
   begin: number;
   end: number;

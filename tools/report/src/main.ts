@@ -14,6 +14,7 @@ import { Plots } from './plots';
 import { provenance, scenario } from './provenance';
 import { Report } from './report';
 import { Scene } from './scene';
+import { add_splitters } from './splitters';
 import { Store } from './store';
 import { Table } from './table';
 import { Tabs } from './tabs';
@@ -26,7 +27,7 @@ import { verdict } from './verdict';
 const app = document.getElementById('app')!;
 
 function keys_of(store: Store, report: Report, tour: Tour, transport: Transport, channels: Channels, help: () => void, ghost: () => void): Key[] {
-  const by = (event: KeyboardEvent) => (event.shiftKey ? (event.altKey ? 100 : 10) : 1);
+  const by = (event: KeyboardEvent) => (event.shiftKey ? 10 : 1);
   return [
     { keys: ['d'], shown: 'd', does: 'the first divergence', action: () => tour.go_to_first() },
     { keys: ['n'], shown: 'n', does: 'the next divergence', action: () => tour.next() },
@@ -89,9 +90,10 @@ function put_together(report: Report) {
     element('main', { class: report.data.cameras.length === 0 ? 'no-cameras' : '' },
       element('div', { class: 'left' },
         element('section', { class: 'panel', 'aria-label': 'robot' }, element('header', {}, element('h2', {}, 'Robot'), element('div', { class: 'tools' }, ...tools)), scene.root),
-        element('section', { class: 'panel', 'aria-label': 'cameras' }, element('header', {}, element('h2', {}, 'Cameras')), cameras.root)),
+        element('section', { class: 'panel', 'aria-label': 'cameras' }, element('header', {}, element('h2', {}, 'Cameras'), cameras.tools), cameras.root)),
       element('section', { class: 'panel right', 'aria-label': 'channels' }, element('header', {}, element('h2', {}, 'Channels'), channels.root, legend), plots.root)),
     tabs.root, dialog);
+  add_splitters(app);
   document.title = `${report.data.title || 'Report'} – ${report.data.verdict.state} – Rehearse`;
   watch_theme(() => store.changed('theme'));
   const place = parse_address(location.hash);

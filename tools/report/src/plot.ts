@@ -12,6 +12,15 @@ const values_height = 112, difference_height = 72, axis_width = 66;
 /** Zoom and cursor of all plots go through the store; the line under the mouse is shared by this key. */
 const sync_key = 'rehearse';
 
+interface Chart {
+  width: number;
+  height: number;
+  series: uPlot.Series[];
+  times: boolean;  // below it
+  space: number;   // between the numbers beside it, at least [pixels]
+  range: () => [number, number];
+}
+
 export class Plot {
   readonly root: HTMLElement;
   private readonly readout = element('span', { class: 'readout' });
@@ -85,8 +94,9 @@ export class Plot {
     const width = this.charts.clientWidth;
     if (width === 0) return;
     this.cut_curves(width);
-    this.values = this.chart(width, values_height + (this.series.compared ? 0 : 22), this.value_series(), !this.series.compared, () => this.value_range());
-    if (this.series.compared) this.difference = this.chart(width, difference_height, this.difference_series(), true, () => this.difference_range());
+    const { compared } = this.series;
+    this.values = this.chart({ width, height: compared ? values_height : this.height, series: this.value_series(), times: !compared, space: 26, range: () => this.value_range() });
+    if (compared) this.difference = this.chart({ width, height: difference_height, series: this.difference_series(), times: true, space: 15, range: () => this.difference_range() });
     this.give_data();
     this.move_cursor();
   }
@@ -152,7 +162,7 @@ export class Plot {
     return [-1.15 * largest, 1.15 * largest];
   }
 
-  private chart(width: number, height: number, series: uPlot.Series[], with_times: boolean, range: () => [number, number]): uPlot {
+  private chart({ width, height, series, times, space, range }: Chart): uPlot {
     const colors = palette();
     const { store, report } = this;
     const font = `11px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
@@ -161,15 +171,15 @@ export class Plot {
     const chart = new uPlot({
       width, height, series,
       pxAlign: false,
-      padding: [6, 8, with_times ? 0 : 4, 0],
+      padding: [6, 8, times ? 0 : 4, 0],
       legend: { show: false },
       scales: {
         x: { time: false, range: () => [report.time(store.view.begin), report.time(store.view.end)] },
         y: { range },
       },
       axes: [
-        { ...axis, show: with_times, size: 22, gap: 4, space: 70, values: (_, splits) => splits.map((split) => `${Number(split.toPrecision(9))} s`) },
-        { ...axis, size: axis_width, gap: 6, space: 26, values: (_, splits) => splits.map((split) => short_text(Number(split.toPrecision(9)))) },
+        { ...axis, show: times, size: 22, gap: 4, space: 70, values: (_, splits) => splits.map((split) => `${Number(split.toPrecision(9))} s`) },
+        { ...axis, size: axis_width, gap: 6, space, values: (_, splits) => splits.map((split) => short_text(Number(split.toPrecision(9)))) },
       ],
       bands: [{ series: [2, 1], fill: colors.band }],
       cursor: {
@@ -187,6 +197,7 @@ export class Plot {
         },
       },
       hooks: {
+        draw: [() => this.move_cursor()],
         setSelect: [(self) => {
           if (self.select.width < 3) return;
           const [from, to] = [self.select.left, self.select.left + self.select.width].map((left) => report.tick_at(self.posToVal(left, 'x')));
@@ -226,7 +237,7 @@ export class Plot {
     const [golden_part, actual_part, difference_part] = [...this.readout.children] as HTMLElement[];
     const compared = series.compared && golden && actual;
     const difference = compared ? series.difference(golden.value, actual.value) : null;
-    const bound = compared ? series.tolerance(golden.value) : null;
+    const bound = compared ? series.tolerance : null;
     const beyond = difference !== null && series.entry.beyond > 0 && !(Math.abs(difference) <= (bound ?? 0));
     set_text(golden_part!, this.report.compared ? (golden?.text ?? value_text(golden?.value ?? null, kind)) : '');
     set_text(actual_part!, actual?.text ?? value_text(actual?.value ?? null, kind));

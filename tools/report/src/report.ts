@@ -1,6 +1,6 @@
 // The data of the page: series with the ticks of their values, found by name, decoded once and kept while there is room.
 import { as_doubles, numbers_of, text_of, type Numbers } from './blobs';
-import type { AxisEntry, NumberArray, ReportData, SeriesEntry } from './format';
+import type { AxisEntry, ReportData, SeriesEntry } from './format';
 
 type Column = ReturnType<typeof as_doubles>;
 
@@ -109,24 +109,22 @@ export class Series {
     return this.entry.wraps ? difference - 2 * Math.PI * Math.round(difference / (2 * Math.PI)) : difference;
   }
 
-  /** What the run may differ by from that value of the golden; null: nothing is said. */
-  tolerance(golden: number): number | null {
-    const tolerance = this.entry.tolerance;
-    if (!tolerance) return null;
-    const relative = Number(tolerance.relative);
-    return Number(tolerance.absolute) + (relative > 0 ? relative * Math.abs(golden) : 0);
+  /** What the run may differ by from the golden; null: nothing is said. */
+  get tolerance(): number | null {
+    return this.entry.tolerance === null ? null : Number(this.entry.tolerance);
   }
 
   private async decode(): Promise<Columns> {
     const { entry, report } = this;
     const axis = report.axes[entry.axis] ?? null;
-    const actual = entry.values && axis ? values_of(axis, await numbers_of(entry.values, report.base(entry.values))) : null;
+    const numbers = entry.values && axis ? await numbers_of(entry.values) : undefined;
+    const actual = numbers && axis ? values_of(axis, numbers) : null;
     let golden: Values | null = null;
     if (entry.golden === 'same') {
       golden = actual;
     } else if (entry.golden) {
       const golden_axis = report.axes[entry.golden_axis ?? entry.axis];
-      if (golden_axis) golden = values_of(golden_axis, await numbers_of(entry.golden, report.base(entry.golden)));
+      if (golden_axis) golden = values_of(golden_axis, await numbers_of(entry.golden, numbers));
     }
     this.columns_ = new Columns(this, actual, golden);
     report.keep(this, this.columns_);
@@ -150,18 +148,12 @@ export class Report {
   axes: Axis[] = [];
   readonly series: Series[];
   private readonly by_name = new Map<string, Series>();
-  private readonly arrays = new Map<string, NumberArray>();
   private readonly kept = new Map<Series, number>();
   private kept_bytes = 0;
 
   private constructor(readonly data: ReportData) {
     this.series = data.series.map((entry) => new Series(this, entry));
-    for (const series of this.series) {
-      this.by_name.set(series.name, series);
-      for (const array of [series.entry.values, series.entry.golden]) {
-        if (array && array !== 'same') this.arrays.set(array.id, array);
-      }
-    }
+    for (const series of this.series) this.by_name.set(series.name, series);
   }
 
   /** What stands in this page; null if it has no data at all. An error if they aren't what we know. */
@@ -176,8 +168,6 @@ export class Report {
   }
 
   find(name: string): Series | null { return this.by_name.get(name) ?? null; }
-
-  base(array: NumberArray): NumberArray | undefined { return array.base === undefined ? undefined : this.arrays.get(array.base); }
 
   get compared(): boolean { return this.data.runs.length > 1; }
 

@@ -103,7 +103,7 @@ export class Table {
     const before = Columns.sample(columns.actual, tick - 1);
     const both = series.compared && actual !== null && golden !== null;
     const difference = both ? series.difference(golden.value, actual.value) : null;
-    const bound = both ? series.tolerance(golden.value) : null;
+    const bound = both ? series.tolerance : null;
     return {
       expected: golden?.text ?? value_text(golden?.value ?? null, kind),
       actual: actual?.text ?? value_text(actual?.value ?? null, kind),

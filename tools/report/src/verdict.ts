@@ -19,7 +19,7 @@ export function verdict(report: Report, help: () => void): HTMLElement {
       element('h1', {}, data.title || 'Report'),
       element('p', { class: 'sentence' }, sentence),
       element('p', { class: 'runs' }, ...runs, element('span', {}, length), ...outcomes),
-      levels && levels.length > 0 && element('p', { class: 'levels' }, ...levels.map((level) => element('span', { class: `level ${level.state}`, title: level.sentence }, element('b', {}, level.level), ` ${level.sentence || level.state}`)))),
+      levels && element('p', { class: 'levels' }, ...Object.entries(levels).map(([level, state]) => element('span', { class: `level ${state}` }, element('b', {}, level), ` ${state}`)))),
     element('div', { class: 'corner' },
       button('Theme', 'Light or dark (t)', toggle_theme, { class: 'quiet' }),
       button('?', 'Keys and help (?)', help, { class: 'quiet' })));

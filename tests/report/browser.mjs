@@ -1,0 +1,55 @@
+// Opens reports in Chromium and takes down what a page must not do: complain, or ask the network.
+import { existsSync } from 'node:fs';
+import { pathToFileURL } from 'node:url';
+
+const places = [process.env.REHEARSE_CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+
+export function chromium_path() {
+  return places.find((place) => place && existsSync(place)) ?? null;
+}
+
+/** Draws by the processor, the same everywhere; letters without the screen's subpixels. */
+export async function launch() {
+  const { chromium } = await import('playwright-core');
+  return chromium.launch({
+    executablePath: chromium_path(),
+    args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--font-render-hinting=none', '--disable-lcd-text', '--force-color-profile=srgb',
+      ...(process.getuid() === 0 ? ['--no-sandbox'] : [])],
+  });
+}
+
+/** A page with what it complained of and asked for. `file` is opened from disk. */
+export async function open_report(browser, file, { hash = '', width = 1280, height = 800, dark = false, ready = true, fonts = false } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce' });
+  const page = await context.newPage();
+  const complaints = [], requests = [];
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type()) && !is_about_the_machine(message.text())) complaints.push(message.text());
+  });
+  page.on('pageerror', (error) => complaints.push(String(error)));
+  page.on('request', (request) => requests.push(request.url()));
+  if (fonts) await use_our_fonts(page);
+  const begin = performance.now();
+  await page.goto(pathToFileURL(file).href + hash, { waitUntil: 'commit' });
+  if (ready) {
+    await page.waitForFunction(() => window.rehearse !== undefined, undefined, { polling: 'raf' });
+    await page.evaluate(() => window.rehearse.ready);
+  }
+  const open_seconds = (performance.now() - begin) / 1000;
+  return { page, context, complaints, requests, open_seconds, close: () => context.close() };
+}
+
+// What the browser says of a graphics driver that isn't one is no matter of the page.
+function is_about_the_machine(text) {
+  return /GPU stall|GL Driver Message|software WebGL/i.test(text);
+}
+
+/** The letters that Debian's fonts-dejavu-core has, whatever else is installed. */
+async function use_our_fonts(page) {
+  await page.addInitScript(() => {
+    document.addEventListener('DOMContentLoaded', () => {
+      document.documentElement.style.setProperty('--sans', '"DejaVu Sans"');
+      document.documentElement.style.setProperty('--mono', '"DejaVu Sans Mono"');
+    });
+  });
+}
