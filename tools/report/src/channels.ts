@@ -1,4 +1,5 @@
 // Choosing what is plotted: those that differ first, then by what they are.
+import { Tour } from './divergences';
 import { button, element, set_text } from './dom';
 import type { Group } from './format';
 import { plural } from './numbers';
@@ -64,7 +65,7 @@ export class Channels {
 
   private refresh() {
     this.found = search(this.report.series, this.input.value);
-    const beyond = this.found.filter((series) => series.entry.beyond > 0);
+    const beyond = Tour.in_order(this.report, this.found.filter((series) => series.entry.beyond > 0));
     const differing = this.found.filter((series) => series.entry.beyond === 0 && series.entry.differing > 0);
     this.rows = [];
     const add = (title: string, series: Series[]) => {

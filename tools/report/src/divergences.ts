@@ -43,6 +43,16 @@ export class Tour {
     if (tick !== undefined) this.store.go(tick);
   }
 
+  /** Series in the order in which they diverge beyond tolerance; those that don't behind them, as they were. */
+  static in_order(report: Report, series: readonly Series[]): Series[] {
+    const place = new Map<string, number>();
+    report.data.divergences.forEach((entry, i) => {
+      if (entry.beyond && entry.series && !place.has(entry.series)) place.set(entry.series, i);
+    });
+    const rank = ({ name, entry }: Series) => place.get(name) ?? (entry.beyond > 0 ? 1e9 : Infinity);
+    return [...series].sort((a, b) => (rank(a) === rank(b) ? 0 : rank(a) - rank(b)));
+  }
+
   /** What one wants to see first: the series that diverges first, commands and inputs beside it, and what diverges next;
    * of a run alone, its first commands. */
   series_to_open_with(): string[] {

@@ -123,7 +123,7 @@ function say(sentence: string) {
 
 async function begin() {
   const report = await Report.load();
-  if (!report) return say('This page holds no data: it is the form that `rehearse report` fills.');
+  if (!report) return say('This page holds no data. Either it is the form that `rehearse report` fills, or the file was cut off.');
   await put_together(report);
 }
 

@@ -95,7 +95,7 @@ export class Plot {
     if (width === 0) return;
     this.cut_curves(width);
     const { compared } = this.series;
-    this.values = this.chart({ width, height: compared ? values_height : this.height, series: this.value_series(), times: !compared, space: 26, range: () => this.value_range() });
+    this.values = this.chart({ width, height: compared ? values_height : this.height, series: this.value_series(), times: !compared, space: 20, range: () => this.value_range() });
     if (compared) this.difference = this.chart({ width, height: difference_height, series: this.difference_series(), times: true, space: 15, range: () => this.difference_range() });
     this.give_data();
     this.move_cursor();

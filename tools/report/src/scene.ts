@@ -16,7 +16,7 @@ export class Scene {
   private readonly camera = new three.PerspectiveCamera(40, 1, 0.01, 500);
   private controls: OrbitControls | null = null;
   private grid: three.GridHelper | null = null;
-  private readonly ghost_material = new three.MeshLambertMaterial({ transparent: true, opacity: 0.45, depthWrite: false });
+  private readonly ghost_material = new three.MeshLambertMaterial({ transparent: true, opacity: 0.35, depthWrite: false });
   private readonly figures: Figure[] = [];
   private readonly ghosts: (Figure | null)[] = [];
   private readonly followed = new three.Vector3();
@@ -92,7 +92,7 @@ export class Scene {
     if (box.isEmpty()) box.set(new three.Vector3(-1, -1, 0), new three.Vector3(1, 1, 1));
     const centre = box.getCenter(new three.Vector3()), radius = Math.max(0.05, box.getSize(new three.Vector3()).length() / 2);
     const narrow = Math.min(1, this.camera.aspect);
-    const distance = (radius / Math.sin((this.camera.fov / 2) * (Math.PI / 180)) / narrow) * 0.95;
+    const distance = (radius / Math.sin((this.camera.fov / 2) * (Math.PI / 180)) / narrow) * 1.08;
     this.camera.position.copy(centre).add(new three.Vector3(0.75, -0.62, 0.32).normalize().multiplyScalar(distance));
     this.camera.near = radius / 50;
     this.camera.far = radius * 400;
@@ -119,7 +119,7 @@ export class Scene {
   private color() {
     const colors = palette();
     this.ghost_material.color.set(colors.golden);
-    this.ghost_material.opacity = is_dark() ? 0.5 : 0.45;
+    this.ghost_material.opacity = is_dark() ? 0.4 : 0.35;
     if (this.grid) (this.grid.material as three.LineBasicMaterial).color.set(colors.line), this.make_grid(this.controls!.target.distanceTo(this.camera.position) / 3);
   }
 

@@ -1,4 +1,5 @@
 // Numbers at the cursor. Only rows on the screen are decoded; what has changed since the tick before is marked.
+import { Tour } from './divergences';
 import { element, set_text } from './dom';
 import { difference_text, plural, short_text, value_text } from './numbers';
 import { Columns, type Report, type Series } from './report';
@@ -55,10 +56,7 @@ export class Table {
 
   private refresh() {
     const choice = choices[this.select.value] ?? (() => true);
-    this.rows = search(this.report.series.filter(choice), this.input.value);
-    // what differs comes first, else in the order of the recording
-    const rank = ({ entry }: Series) => (entry.beyond > 0 ? 0 : 1);
-    this.rows.sort((a, b) => rank(a) - rank(b));
+    this.rows = Tour.in_order(this.report, search(this.report.series.filter(choice), this.input.value));
     set_text(this.summary, this.report.series.length === 0 ? 'The recording has no channels of numbers.'
       : `${plural(this.rows.length, 'series', 'series')}; a mark (•) says that the value is another than in the tick before`);
     this.list.root.scrollTop = 0;
