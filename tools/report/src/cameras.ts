@@ -90,8 +90,10 @@ class CameraView {
       if (!expected) return;
       const context = this.canvases.actual.getContext('2d')!, edge = Math.round(this.split * this.camera.width);
       if (edge > 0) context.drawImage(expected, 0, 0, edge, expected.height, 0, 0, edge, this.camera.height);
-      context.fillStyle = '#fff';
-      context.fillRect(edge - 0.5, 0, 1, this.camera.height);
+      if (edge > 0 && edge < this.camera.width) {
+        context.fillStyle = '#fff';
+        context.fillRect(edge - 0.5, 0, 1, this.camera.height);
+      }
       return;
     }
     put('expected', expected);

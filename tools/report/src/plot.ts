@@ -187,14 +187,7 @@ export class Plot {
         points: { show: false },
         drag: { x: true, y: false, setScale: false },
         sync: { key: sync_key, scales: ['x', null] },
-        bind: {
-          dblclick: () => () => (store.look_at_all(), null),
-          click: (self, _target, handler) => (event) => {
-            // the end of a drag is a click, too
-            if (self.select.width < 3) store.go(report.tick_at(self.posToVal(self.cursor.left!, 'x')));
-            return handler(event);
-          },
-        },
+        bind: { dblclick: () => () => (store.look_at_all(), null) },
       },
       hooks: {
         draw: [() => this.move_cursor()],
@@ -208,6 +201,12 @@ export class Plot {
     }, [[], [], [], [], []] as uPlot.AlignedData, this.charts);
     const marker = element('div', { class: 'cursor-line', 'aria-hidden': 'true' });
     chart.over.append(marker);
+    let pressed = 0;
+    chart.over.addEventListener('mousedown', (event) => (pressed = event.clientX));
+    chart.over.addEventListener('click', (event) => {
+      // the end of a drag is a click, too
+      if (Math.abs(event.clientX - pressed) < 3) store.go(report.tick_at(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, 'x')));
+    });
     this.markers.push(marker);
     return chart;
   }
