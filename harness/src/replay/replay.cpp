@@ -21,6 +21,7 @@
 #include "recorded_outputs.h"
 #include "recorded_words.h"
 #include "recording/variable_topics.h"
+#include "replay_taps.h"
 #include "trace_scenario.h"
 
 namespace rehearse {
@@ -33,8 +34,15 @@ Diagnostic in_trace(const mcap::Reader& trace, Diagnostic diagnostic) {
 
 class Replayer {
  public:
-  Replayer(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& trace, ControllerHost& host)
-      : options_(options), scenario_(scenario), trace_(trace), host_(host), inputs_(scenario, trace), words_(host, trace) {}
+  Replayer(const ReplayOptions& options, ReplayTaps& taps, const Scenario& scenario, mcap::Reader& trace,
+           ControllerHost& host)
+      : options_(options),
+        taps_(taps),
+        scenario_(scenario),
+        trace_(trace),
+        host_(host),
+        inputs_(scenario, trace),
+        words_(host, trace) {}
 
   Result<ReplayReport> run();
 
@@ -49,12 +57,14 @@ class Replayer {
   void compare_variables();
   void say_differs(Divergence&& found);
   void tell_variables() const;
-  bool same_controllers() const;
+  std::vector<std::string> other_controllers() const;
+  void end_at_damage(Diagnostics damage);
   double tolerance_for(const Divergence& found) const;
   void differs(Divergence&& found);
   void take_events();
 
   const ReplayOptions& options_;
+  ReplayTaps& taps_;
   const Scenario& scenario_;
   mcap::Reader& trace_;
   ControllerHost& host_;
@@ -165,8 +175,11 @@ Result<ReplayReport> Replayer::run() {
   Result<void> read;
   if (going_on) read = trace_.for_each_message_in_order(gather, channels_);
   if (going_on) finish_tick();
-  if (!errors_.empty()) return errors_;
-  if (!read) return read.errors();
+  if (!taps_.tolerates_damage) {
+    if (!errors_.empty()) return errors_;
+    if (!read) return read.errors();
+  }
+  end_at_damage(read ? Diagnostics() : read.errors());
   const auto differs = [this](Divergence&& found) { say_differs(std::move(found)); };
   if (cut_short_) words_.end(differs);  // the recorded controllers were not stopped there
   host_.stop();
@@ -175,8 +188,18 @@ Result<ReplayReport> Replayer::run() {
   report_.words.lines = words_.lines();
   report_.failure = host_.failure();
   report_.controller_refused = host_.any_refused();
-  report_.same_controllers = same_controllers();
+  taps_.other_controllers = other_controllers();
+  report_.same_controllers = taps_.other_controllers.empty() && !host_.has_other_options();
   return report_;
+}
+
+/// What ended the replay early, or was left out of it, as warnings.
+void Replayer::end_at_damage(Diagnostics damage) {
+  damage.insert(damage.end(), errors_.begin(), errors_.end());
+  for (Diagnostic& finding : damage) {
+    finding.severity = Severity::warning;
+    report_.remarks.push_back(std::move(finding));
+  }
 }
 
 bool Replayer::on_message(const mcap::Message& message) {
@@ -260,17 +283,18 @@ void Replayer::compare_inputs() {
   reads_the_same_ = false;  // said once
 }
 
-bool Replayer::same_controllers() const {
-  if (host_.has_other_options()) return false;
+/// By the hashes of their libraries.
+std::vector<std::string> Replayer::other_controllers() const {
   const mcap::StringMap* facts = nullptr;
   for (const mcap::Metadata& metadata : trace_.metadata())
     if (metadata.name == "rehearse") facts = &metadata.values;
+  std::vector<std::string> others;
   for (const HostedController& hosted : host_.controllers()) {
     const auto recorded = facts ? facts->find("controller." + hosted.label) : mcap::StringMap::const_iterator();
     if (!facts || recorded == facts->end() || !recorded->second.ends_with(" " + hosted.library->content_hash()))
-      return false;
+      others.push_back(hosted.label);
   }
-  return true;
+  return others;
 }
 
 void Replayer::compare_results() {
@@ -312,6 +336,7 @@ void Replayer::differs(Divergence&& found) {
 
 void Replayer::take_events() {
   const std::vector<msg::Event> events = host_.take_events();
+  if (taps_.on_events && !events.empty()) taps_.on_events(events);
   append_remarks(events, report_.remarks);
   words_.say(events);
   if (options_.on_event)
@@ -359,6 +384,18 @@ void tell_other_arithmetic(const mcap::Reader& trace, const Scenario& scenario, 
 
 }  // namespace
 
+Result<ReplayReport> replay(mcap::Reader& trace, const Scenario& scenario, const ReplayOptions& options,
+                            ReplayTaps& taps) {
+  const StandardFloatMode float_mode;
+  auto host = ControllerHost::create(scenario, options);
+  if (!host) return host.errors();
+  auto report = Replayer(options, taps, scenario, trace, **host).run();
+  if (report && report->first) tell_other_arithmetic(trace, scenario, report->remarks);
+  if (report)
+    for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
+  return report;
+}
+
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
   const StandardFloatMode float_mode;
   auto reader = mcap::Reader::open(trace);
@@ -366,10 +403,8 @@ Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOpti
   if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
-  auto host = ControllerHost::create(*scenario, options);
-  if (!host) return host.errors();
-  auto report = Replayer(options, *scenario, **reader, **host).run();
-  if (report && report->first) tell_other_arithmetic(**reader, *scenario, report->remarks);
+  ReplayTaps taps;
+  auto report = replay(**reader, *scenario, options, taps);
   if (report)
     for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
   return report;

@@ -1,0 +1,124 @@
+#include "expression_lexer.h"
+
+#include <fmt/format.h>
+#include <rehearse/expression.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace rehearse {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool begins_name(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
+}
+/// Slashes belong to names: a division has a blank before it.
+bool goes_on_name(char c) {
+  return begins_name(c) || is_digit(c) || c == '/' || c == '.' || c == ':' || c == '%' || c == '#';
+}
+
+/// Characters before that byte; bytes that continue one aren't counted.
+std::size_t characters_before(std::string_view text, std::size_t at) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(at, text.size())),
+      [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+}  // namespace
+
+Diagnostic expression_error(std::string_view text, std::size_t at, std::string message, std::string hint) {
+  Diagnostic diagnostic = error(std::move(message), std::move(hint));
+  diagnostic.line = 1;
+  diagnostic.column = static_cast<int>(characters_before(text, at)) + 1;
+  return diagnostic;
+}
+
+ExpressionToken ExpressionLexer::token(ExpressionToken::Kind kind, std::size_t begin) const {
+  return {kind, std::string(text_.substr(begin, at_ - begin)), 0.0, begin, at_};
+}
+
+Result<ExpressionToken> ExpressionLexer::next() {
+  while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  if (at_ == text_.size()) return token(ExpressionToken::Kind::end, at_);
+  const char c = text_[at_];
+  const bool point = c == '.' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]);
+  if (is_digit(c) || point) return number();
+  if (c == '\'' || c == '"') return quoted(c);
+  if (begins_name(c)) return name();
+  return symbol();
+}
+
+Result<ExpressionToken> ExpressionLexer::number() {
+  const std::size_t begin = at_;
+  double value = 0.0;
+  const auto read = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
+  at_ = static_cast<std::size_t>(read.ptr - text_.data());
+  if (read.ec != std::errc()) return expression_error(text_, begin, "this number is beyond what a double can hold");
+  std::size_t unit = at_;
+  while (unit < text_.size() && is_blank(text_[unit])) ++unit;
+  std::size_t end = unit;
+  while (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) ++end;
+  const std::string_view word = text_.substr(unit, end - unit);
+  if (word == "deg") {
+    value *= std::numbers::pi / 180.0;
+    at_ = end;
+  } else if (word == "rad") {
+    at_ = end;
+  } else if (!word.empty() && unit == at_) {
+    return expression_error(text_, unit, fmt::format("'{}' is no unit", word),
+                            "deg and rad may follow a number; a name that begins with a digit stands in quotes");
+  }
+  ExpressionToken made = token(ExpressionToken::Kind::number, begin);
+  made.number = value;
+  return made;
+}
+
+Result<ExpressionToken> ExpressionLexer::quoted(char quote) {
+  const std::size_t begin = at_;
+  const std::size_t end = text_.find(quote, begin + 1);
+  if (end == std::string_view::npos) return expression_error(text_, begin, "this quote isn't closed");
+  at_ = end + 1;
+  ExpressionToken made = token(ExpressionToken::Kind::quoted, begin);
+  made.text = text_.substr(begin + 1, end - begin - 1);
+  return made;
+}
+
+ExpressionToken ExpressionLexer::name() {
+  const std::size_t begin = at_;
+  while (at_ < text_.size() && goes_on_name(text_[at_])) ++at_;
+  return token(ExpressionToken::Kind::name, begin);
+}
+
+Result<ExpressionToken> ExpressionLexer::symbol() {
+  const std::size_t begin = at_;
+  for (const std::string_view symbol : {"&&", "||", "==", "!=", "<=", ">=", "<", ">", "!", "+", "-", "*", "/", "(", ")", ","}) {
+    if (!text_.substr(at_).starts_with(symbol)) continue;
+    at_ += symbol.size();
+    return token(ExpressionToken::Kind::symbol, begin);
+  }
+  const char c = text_[begin];
+  const std::string hint = c == '=' ? "equality is written =="
+                           : c == '&' ? "and is written &&"
+                           : c == '|' ? "or is written ||"
+                                      : "a name with other characters stands in quotes";
+  const bool prints = c > ' ' && c < 0x7f;
+  return expression_error(text_, begin,
+                          prints ? fmt::format("'{}' means nothing here", c)
+                                 : fmt::format("the byte {:#04x} means nothing here", static_cast<unsigned char>(c)),
+                          hint);
+}
+
+std::string with_caret(const Diagnostic& diagnostic, std::string_view text) {
+  std::string shown;
+  for (const char c : text) shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  Diagnostic without_place = diagnostic;
+  without_place.line = without_place.column = 0;
+  const std::size_t before = diagnostic.column > 0 ? static_cast<std::size_t>(diagnostic.column) - 1 : 0;
+  return fmt::format("{}\n  {}\n  {}^\n", to_string(without_place), shown, std::string(before, ' '));
+}
+
+}  // namespace rehearse

@@ -1,0 +1,92 @@
+// From words to an Expression, by recursive descent; types are checked as it goes. Internal.
+#pragma once
+
+#include <rehearse/expression.h>
+
+#include "expression_lexer.h"
+
+namespace rehearse {
+
+enum class Expression::Op : std::uint8_t {
+  number,
+  tick,
+  time,
+  series,
+  contact,
+  message,
+  negate,
+  logical_not,
+  add,
+  subtract,
+  multiply,
+  divide,
+  less,
+  less_equal,
+  greater,
+  greater_equal,
+  equal,
+  unequal,
+  logical_and,
+  logical_or,
+  absolute,
+  least,
+  most,
+  square_root,
+  sine,
+  cosine,
+  is_nan,
+  previous,
+  delta,
+  changed,
+};
+
+class ExpressionParser {
+ public:
+  ExpressionParser(std::string_view text, ExpressionSource& source)
+      : lexer_(text), source_(source) {
+    expression_.text_ = text;
+  }
+  Result<Expression> parse();
+
+ private:
+  using Node = Expression::Node;
+  using Op = Expression::Op;
+  using Type = Expression::Type;
+  /// The index of a node; nullopt: failed_ says why.
+  using Made = std::optional<std::size_t>;
+
+  bool advance();
+  Made fail(std::size_t at, std::string message, std::string hint = {});
+  bool is_symbol(std::string_view symbol) const;
+  bool expect(std::string_view symbol, std::string_view where);
+  bool demand(std::size_t node, Type type, std::string_view who);
+  std::size_t add(Op op, Type type, std::size_t begin, std::size_t end, std::size_t left = 0, std::size_t right = 0);
+
+  Made any_of();
+  Made all_of();
+  Made comparison();
+  Made sum();
+  Made product();
+  Made unary();
+  Made primary();
+  Made name(const ExpressionToken& word);
+  Made call(const ExpressionToken& word);
+  Made arithmetic_call(const ExpressionToken& word, Op op, std::size_t arguments);
+  Made shift_call(const ExpressionToken& word, Op op);
+  Made side_call(const ExpressionToken& word, CommandSide side);
+  Made contact_call(const ExpressionToken& word);
+  Made message_call(const ExpressionToken& word);
+  Made series(const ExpressionToken& word);
+  std::optional<std::vector<std::size_t>> links();
+
+  ExpressionLexer lexer_;
+  ExpressionSource& source_;
+  Expression expression_;
+  ExpressionToken token_;
+  std::size_t last_end_ = 0;  // of the token before
+  int depth_ = 0;
+  int shifts_ = 0;
+  std::optional<Diagnostic> failed_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,119 @@
+#include "recorded_ticks.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace rehearse {
+
+RecordedTicks::RecordedTicks(MessageFinder& finder) : finder_(finder) {
+  mcap::Reader& reader = finder.reader();
+  for (const auto& [id, channel] : reader.channels()) {
+    const mcap::Schema* schema = reader.schema_of(channel);
+    auto source = std::make_unique<Source>();
+    source->id = id;
+    source->table.topic = channel.topic;
+    source->table.type = schema ? schema->name : "";
+    source->table.encoding = channel.message_encoding;
+    source->table.metadata = channel.metadata;
+    auto rows = make_row_reader(source->table, schema);
+    if (rows) source->rows = std::move(*rows);
+    source->varies = source->rows && (make_typed_row_reader(source->table) == nullptr ||
+                                      source->table.type == msg::Contacts::type_name);
+    sources_.push_back(std::move(source));
+  }
+  for (const std::unique_ptr<Source>& source : sources_) learn(*source);
+  name_all();
+}
+
+/// The first message, the last, and one between.
+void RecordedTicks::learn(Source& source) {
+  if (!source.rows) return;
+  const auto first = finder_.next(source.id, 0);
+  if (!first) return;
+  read(source, *first);
+  const auto last = finder_.latest(source.id, never);
+  if (!last || last->time == first->time) return;
+  if (const auto middle = finder_.latest(source.id, first->time + (last->time - first->time) / 2, first->time))
+    read(source, *middle);
+  read(source, *last);
+}
+
+void RecordedTicks::learn_all() {
+  if (learned_all_) return;
+  learned_all_ = true;
+  for (const std::unique_ptr<Source>& source : sources_) {
+    if (!source->varies) continue;
+    for (auto found = finder_.next(source->id, 0); found; found = finder_.next(source->id, found->time + 1))
+      read(*source, *found);
+  }
+  name_all();
+}
+
+void RecordedTicks::name_all() {
+  std::vector<TraceChannel*> tables;
+  for (const std::unique_ptr<Source>& source : sources_) tables.push_back(&source->table);
+  series_.clear();
+  names_.clear();
+  name_series(tables, series_);
+}
+
+const std::vector<std::string>& RecordedTicks::names() {
+  if (names_.empty())
+    for (const auto& [name, place] : series_) names_.push_back(name);
+  return names_;
+}
+
+/// Into the table's only row. False: it isn't of its type.
+bool RecordedTicks::read(Source& source, const MessageFinder::Found& found) {
+  source.table.times.assign(1, found.time);
+  source.table.cells.clear();
+  return source.rows->read(found.data);
+}
+
+const RecordedTicks::Row* RecordedTicks::row(std::size_t channel, std::uint64_t time) {
+  Source& source = *sources_[channel];
+  if (!source.rows) return nullptr;
+  Row* best = nullptr;  // the latest that isn't later
+  Row* oldest = &source.recent.front();
+  for (Row& row : source.recent) {
+    if (row.used < oldest->used) oldest = &row;
+    if (row.time != never && row.time <= time && (!best || row.time > best->time)) best = &row;
+  }
+  if (best) best->used = ++uses_;
+  if (best && time <= best->until) return best;
+  if (!best && time < source.none_until) return nullptr;
+  const std::uint64_t earliest = best ? best->until + 1 : source.none_until;
+  const auto found = finder_.latest(source.id, time, earliest);
+  if (!found) {
+    if (best) best->until = time;
+    if (!best) source.none_until = std::max(source.none_until, time + 1);
+    return best;
+  }
+  const std::size_t columns = source.table.columns.size();
+  if (oldest == best) oldest = &source.recent.back() == best ? &source.recent.front() : &source.recent.back();
+  if (read(source, *found)) {
+    oldest->cells = source.table.cells;
+  } else {
+    oldest->cells.assign(source.table.columns.size(), std::bit_cast<std::uint64_t>(std::nan("")));
+  }
+  if (source.table.columns.size() != columns) name_all();
+  oldest->time = found->time;
+  oldest->until = time;
+  oldest->used = ++uses_;
+  return oldest;
+}
+
+double RecordedTicks::number(std::size_t channel, std::size_t column, const Row& row) const {
+  if (column >= row.cells.size()) return std::nan("");
+  const std::uint64_t bits = row.cells[column];
+  switch (sources_[channel]->table.columns[column].kind) {
+    case CellKind::floating: return std::bit_cast<double>(bits);
+    case CellKind::signed_integer: return static_cast<double>(static_cast<std::int64_t>(bits));
+    case CellKind::unsigned_integer:
+    case CellKind::boolean: break;
+  }
+  return static_cast<double>(bits);
+}
+
+}  // namespace rehearse

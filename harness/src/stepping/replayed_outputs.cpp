@@ -1,0 +1,213 @@
+#include "replayed_outputs.h"
+
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <tuple>
+
+#include "replay/replay_taps.h"
+
+namespace rehearse {
+namespace {
+
+/// As it stands in the file.
+struct StoredDifference {
+  std::uint64_t place = 0;
+  std::int64_t tick = 0;
+  double expected = 0.0;
+  double actual = 0.0;
+};
+
+/// A new file of ours that goes with this.
+class ScratchFile {
+ public:
+  ScratchFile() {
+    std::error_code failed;
+    std::string name = (std::filesystem::temp_directory_path(failed) / "rehearse-step-XXXXXX").string();
+    if (const int descriptor = failed ? -1 : mkstemp(name.data()); descriptor >= 0) {
+      ::close(descriptor);
+      path_ = name;
+    }
+  }
+  ~ScratchFile() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove(path_, ignored);
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Diagnostic warning(std::string message, std::string hint = {}) {
+  Diagnostic diagnostic = error(std::move(message), std::move(hint));
+  diagnostic.severity = Severity::warning;
+  return diagnostic;
+}
+
+}  // namespace
+
+/// What a replay gives, on its way into the file.
+class ReplayedOutputs::Writing {
+ public:
+  Writing(ReplayedOutputs& outputs, mcap::Writer& writer, double time_step)
+      : outputs_(outputs), writer_(writer), time_step_(time_step) {
+    outputs.differences_ = writer.add_channel(0, "/differences", "");
+    outputs.events_ = writer.add_channel(0, "/events", "cdr");
+  }
+
+  void add(const Divergence& found) {
+    if (!pending_.empty() && pending_.front().tick != found.tick) flush();
+    pending_.push_back({place_of(found), found.tick, found.expected, found.actual});
+  }
+  void add(const std::vector<msg::Event>& events) {
+    for (const msg::Event& event : events) {
+      cdr_.reset();
+      msg::encode(event, cdr_);
+      const std::uint64_t time = nanoseconds_of(event.tick, time_step_);
+      keep(writer_.write(outputs_.events_, time, time, cdr_.bytes()));
+    }
+  }
+  void flush() {
+    if (pending_.empty()) return;
+    const std::uint64_t time = nanoseconds_of(pending_.front().tick, time_step_);
+    keep(writer_.write(outputs_.differences_, time, time, std::as_bytes(std::span(pending_))));
+    pending_.clear();
+  }
+  const Diagnostics& problems() const { return problems_; }
+
+ private:
+  std::uint64_t place_of(const Divergence& found) {
+    const auto [entry, is_new] =
+        known_.try_emplace({found.channel, found.element, found.note}, outputs_.places_.size());
+    if (is_new) outputs_.places_.push_back({found.channel, found.element, found.unit, found.note, found.stage});
+    return entry->second;
+  }
+  void keep(const Result<void>& written) {
+    if (!written && problems_.empty()) problems_ = written.errors();
+  }
+
+  ReplayedOutputs& outputs_;
+  mcap::Writer& writer_;
+  const double time_step_;
+  CdrWriter cdr_;
+  std::vector<StoredDifference> pending_;
+  std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> known_;
+  Diagnostics problems_;
+};
+
+std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, const Scenario& scenario,
+                                                       const SteppingOptions& options, std::optional<double> until) {
+  auto made = std::make_unique<ReplayedOutputs>();
+  made->time_step_ = scenario.time_step;
+  const bool has_controllers = std::any_of(scenario.bodies.begin(), scenario.bodies.end(),
+                                           [](const ScenarioBody& body) { return !body.controllers.empty(); });
+  if (!has_controllers || !options.replay) return made;
+  const ScratchFile scratch;
+  auto writer = mcap::Writer::create(scratch.path());
+  if (!writer) {
+    made->remarks_ = writer.errors();
+    return made;
+  }
+  Writing writing(*made, **writer, scenario.time_step);
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = options;
+  replaying.until = until;
+  replaying.progress = options.progress;
+  replaying.on_difference = [&writing](const Divergence& found) { writing.add(found); };
+  ReplayTaps taps;
+  taps.tolerates_damage = true;
+  taps.on_events = [&writing](const std::vector<msg::Event>& events) { writing.add(events); };
+  const Result<ReplayReport> report = replay(trace, scenario, replaying, taps);
+  writing.flush();
+  if (!report) {
+    made->remarks_ = report.errors();
+    for (Diagnostic& remark : made->remarks_) remark.severity = Severity::warning;
+    made->remarks_.push_back(warning("the controllers can't be replayed: what is shown is what was recorded"));
+    return made;
+  }
+  if (!taps.other_controllers.empty())
+    made->remarks_.push_back(warning(fmt::format("the library of {} isn't the one that was recorded: commands may differ for that",
+                                                 fmt::join(taps.other_controllers, ", "))));
+  for (const Diagnostic& remark : report->remarks) made->remarks_.push_back(remark);
+  made->failure_ = report->failure;
+  // the tick in which a controller failed was begun
+  const std::int64_t reached = report->ticks - 1;
+  if (reached >= 0) made->last_tick_ = reached;
+  const auto closed = (*writer)->close();
+  auto finder = writing.problems().empty() && closed ? MessageFinder::open(scratch.path())
+                                                     : Result<std::unique_ptr<MessageFinder>>(closed ? writing.problems() : closed.errors());
+  if (finder) {
+    made->finder_ = std::move(*finder);
+  } else {
+    made->last_tick_.reset();
+    made->remarks_.insert(made->remarks_.end(), finder.errors().begin(), finder.errors().end());
+  }
+  return made;
+}
+
+std::vector<Divergence> ReplayedOutputs::differences(std::uint64_t time) const {
+  std::vector<Divergence> all;
+  if (!finder_) return all;
+  for (const MessageFinder::Found& found : finder_->at(differences_, time)) {
+    std::vector<StoredDifference> stored(found.data.size() / sizeof(StoredDifference));
+    if (!stored.empty()) std::memcpy(stored.data(), found.data.data(), stored.size() * sizeof(StoredDifference));
+    for (const StoredDifference& difference : stored) {
+      const Place& place = places_[difference.place];
+      Divergence divergence;
+      divergence.tick = difference.tick;
+      divergence.time = time_of(difference.tick, time_step_);
+      divergence.channel = place.channel;
+      divergence.element = place.element;
+      divergence.unit = place.unit;
+      divergence.note = place.note;
+      divergence.stage = place.stage;
+      divergence.expected = difference.expected;
+      divergence.actual = difference.actual;
+      divergence.difference = std::abs(difference.actual - difference.expected);
+      divergence.ulps = ulps_between(difference.actual, difference.expected);
+      all.push_back(std::move(divergence));
+    }
+  }
+  return all;
+}
+
+std::vector<msg::Event> ReplayedOutputs::events(std::uint64_t time) const {
+  std::vector<msg::Event> all;
+  if (!finder_) return all;
+  for (const MessageFinder::Found& found : finder_->at(events_, time)) {
+    CdrReader reader(found.data);
+    msg::Event event;
+    if (msg::decode(reader, event)) all.push_back(std::move(event));
+  }
+  return all;
+}
+
+std::optional<std::uint64_t> ReplayedOutputs::next(std::uint64_t time) const {
+  std::optional<std::uint64_t> nearest;
+  if (!finder_) return nearest;
+  for (const std::uint16_t channel : {differences_, events_})
+    if (const auto found = finder_->next(channel, time + 1); found && (!nearest || found->time < *nearest))
+      nearest = found->time;
+  return nearest;
+}
+
+std::optional<std::uint64_t> ReplayedOutputs::before(std::uint64_t time) const {
+  std::optional<std::uint64_t> nearest;
+  if (!finder_ || time == 0) return nearest;
+  for (const std::uint16_t channel : {differences_, events_})
+    if (const auto found = finder_->latest(channel, time - 1); found && (!nearest || found->time > *nearest))
+      nearest = found->time;
+  return nearest;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,57 @@
+// ReplayedOutputs: what the controllers of a recording give now, kept as what differs from it: in a file, so that an
+// hour takes no memory, and by tick, so that any of them is at hand. Internal.
+#pragma once
+
+#include <rehearse/divergence.h>
+#include <rehearse/messages.h>
+#include <rehearse/scenario.h>
+#include <rehearse/tick_view.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "message_finder.h"
+
+namespace rehearse {
+
+class ReplayedOutputs {
+ public:
+  /// Replays. Never fails: what couldn't be done is among remarks().
+  static std::unique_ptr<ReplayedOutputs> make(mcap::Reader& trace, const Scenario& scenario,
+                                               const SteppingOptions& options, std::optional<double> until);
+
+  const Diagnostics& remarks() const { return remarks_; }
+  const std::optional<Diagnostic>& failure() const { return failure_; }
+  std::optional<std::int64_t> last_tick() const { return last_tick_; }
+
+  bool differs() const { return !places_.empty(); }
+  /// In the order in which they were found.
+  std::vector<Divergence> differences(std::uint64_t time) const;
+  /// What the controllers said in the tick, or was said of them.
+  std::vector<msg::Event> events(std::uint64_t time) const;
+  /// The log time of the nearest tick with a difference or with an event, after that time or before it.
+  std::optional<std::uint64_t> next(std::uint64_t time) const;
+  std::optional<std::uint64_t> before(std::uint64_t time) const;
+
+ private:
+  class Writing;
+  struct Place {
+    std::string channel, element, unit, note;
+    Stage stage = Stage::controller;
+  };
+
+  double time_step_ = 0.0;
+  std::vector<Place> places_;  // a difference in the file names one by its number
+  std::unique_ptr<MessageFinder> finder_;
+  std::uint16_t differences_ = 0, events_ = 0;  // channels
+  std::optional<std::int64_t> last_tick_;
+  std::optional<Diagnostic> failure_;
+  Diagnostics remarks_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,200 @@
+#include <rehearse/cdr.h>
+#include <rehearse/messages.h>
+
+#include <algorithm>
+#include <array>
+
+#include "compare/compare_parts.h"
+#include "export/picture_file.h"
+#include "stepped_trace_impl.h"
+
+namespace rehearse {
+namespace {
+
+/// Of viewers, of the recording itself, and constants: nothing that one looks at tick by tick.
+bool is_shown(const TraceChannel& channel) {
+  constexpr std::array<std::string_view, 3> left_out{msg::TFMessage::type_name, msg::Tick::type_name,
+                                                     msg::CameraInfo::type_name};
+  return std::find(left_out.begin(), left_out.end(), channel.type) == left_out.end();
+}
+
+ViewMessage shown(const msg::Event& event, ViewMessage::Where where) {
+  return {event.severity, event.source, event.text, where};
+}
+
+}  // namespace
+
+/// By what stands in the topic behind its owner.
+void SteppedTrace::Impl::classify(ViewChannel& shown) const {
+  using Kind = ViewChannel::Kind;
+  shown.owner = controller_of(shown.topic);
+  if (!shown.owner.empty()) {
+    const std::string rest = shown.topic.substr(shown.owner.size() + 2);
+    const std::size_t slash = rest.find('/');
+    const std::string side = rest.substr(0, slash);
+    shown.kind = side == "input" ? Kind::input : side == "output" ? Kind::output : Kind::other;
+    shown.part = shown.kind == Kind::other || slash == std::string::npos ? rest : rest.substr(slash + 1);
+    return;
+  }
+  const std::size_t slash = shown.topic.find('/', 1);
+  shown.part = shown.topic.substr(1);
+  if (slash == std::string::npos) return;
+  const std::string owner = shown.topic.substr(1, slash - 1);
+  const bool is_body = std::any_of(scenario_.bodies.begin(), scenario_.bodies.end(),
+                                   [&](const ScenarioBody& body) { return body.name == owner; });
+  if (!is_body) return;
+  shown.owner = owner;
+  shown.part = shown.topic.substr(slash + 1);
+  constexpr std::array<std::string_view, 5> of_sensors{"wrench", "imu", "contact", "scan", "points"};
+  const std::string kind = shown.part.substr(shown.part.rfind('/') + 1);
+  const bool is_sensor = std::find(of_sensors.begin(), of_sensors.end(), kind) != of_sensors.end();
+  shown.kind = is_sensor ? Kind::sensor : Kind::state;
+}
+
+ViewChannel SteppedTrace::Impl::channel_at(std::size_t index, std::int64_t tick, const RecordedTicks::Row& row) {
+  const std::vector<std::uint64_t> cells = row.cells;  // the row may go when the one before is read
+  const RecordedTicks::Row now{row.time, row.until, 0, cells};
+  const RecordedTicks::Row* before = tick > first_tick_ ? recorded_.row(index, ns(tick - 1)) : nullptr;
+  const TraceChannel& channel = recorded_.channel(index);
+  ViewChannel shown;
+  shown.topic = channel.topic;
+  classify(shown);
+  shown.is_joints = channel.type == msg::JointState::type_name;
+  const std::vector<Divergence>* differ = is_command(channel.topic) ? &differences(tick) : nullptr;
+  const bool may_have_fewer = channel.type == msg::Contacts::type_name;
+  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+    ViewValue value;
+    value.element = channel.columns[column].element;
+    value.series = channel.columns[column].series;
+    value.unit = unit_of(channel, value.element);
+    value.value = recorded_.number(index, column, now);
+    if (before) value.before = recorded_.number(index, column, *before);
+    const bool was_there = value.before && !std::isnan(*value.before);
+    if (may_have_fewer && std::isnan(value.value) && !was_there) continue;
+    if (differ) {
+      const auto found = std::find_if(differ->begin(), differ->end(), [&](const Divergence& divergence) {
+        return divergence.channel == channel.topic && divergence.element == value.element;
+      });
+      if (found != differ->end()) {
+        value.replayed = found->actual;
+        value.ulps = found->ulps;
+      }
+    }
+    shown.values.push_back(std::move(value));
+  }
+  return shown;
+}
+
+TickView SteppedTrace::view(std::int64_t tick) {
+  REHEARSE_ASSERT(tick >= first_tick() && tick <= last_tick(), "only a tick of the recording can be shown");
+  TickView view;
+  view.tick = tick;
+  view.time = time_at(tick);
+  view.is_replayed = last_replayed() && tick <= *last_replayed();
+  const std::uint64_t now = impl_->ns(tick);
+  for (std::size_t i = 0; i < impl_->recorded_.channels(); ++i) {
+    const TraceChannel& channel = impl_->recorded_.channel(i);
+    if (is_picture_type(channel.type)) {
+      for (const MessageFinder::Found& found : impl_->finder_->at(impl_->recorded_.channel_id(i), now))
+        view.pictures.push_back({channel.topic, found.data.size()});
+      continue;
+    }
+    if (!is_shown(channel)) continue;
+    const RecordedTicks::Row* row = impl_->recorded_.row(i, now);
+    if (row && row->time == now) view.channels.push_back(impl_->channel_at(i, tick, *row));
+  }
+  view.messages = messages(tick);
+  view.contacts = contacts(tick);
+  view.differences = differences(tick);
+  return view;
+}
+
+std::vector<ViewMessage> SteppedTrace::messages(std::int64_t tick) {
+  using Where = ViewMessage::Where;
+  std::vector<ViewMessage> all;
+  const std::uint64_t now = impl_->ns(tick);
+  if (impl_->events_) {
+    for (const MessageFinder::Found& found : impl_->finder_->at(*impl_->events_, now)) {
+      CdrReader reader(found.data);
+      msg::Event event;
+      if (msg::decode(reader, event)) all.push_back(shown(event, Where::recorded));
+    }
+  }
+  for (const msg::Event& event : impl_->replayed_->events(now)) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const ViewMessage& message) {
+      return message.where == Where::recorded && message.source == event.source && message.text == event.text;
+    });
+    if (same == all.end()) {
+      all.push_back(shown(event, Where::replayed));
+    } else {
+      same->where = Where::both;
+    }
+  }
+  return all;
+}
+
+std::vector<ViewContact> SteppedTrace::contacts(std::int64_t tick) {
+  std::vector<ViewContact> all;
+  const auto pairs = impl_->contacts_.at(impl_->ns(tick));
+  const std::vector<std::string>& links = impl_->contacts_.links();
+  for (const ContactHistory::Pair& pair : pairs)
+    all.push_back({links[pair.link], links[pair.other], pair.touches, pair.touches && pair.changed});
+  return all;
+}
+
+std::vector<Divergence> SteppedTrace::differences(std::int64_t tick) { return impl_->differences(tick); }
+
+std::optional<std::int64_t> SteppedTrace::next_happening(std::int64_t tick) {
+  std::optional<std::uint64_t> nearest = impl_->replayed_->next(impl_->ns(tick));
+  for (const auto& channel : {impl_->events_, impl_->contact_changes_}) {
+    const auto found = channel ? impl_->finder_->next(*channel, impl_->ns(tick) + 1) : std::nullopt;
+    if (found && (!nearest || found->time < *nearest)) nearest = found->time;
+  }
+  if (!nearest) return std::nullopt;
+  const std::int64_t at = impl_->tick_of(*nearest);
+  return at <= last_tick() ? std::optional(at) : std::nullopt;
+}
+
+std::optional<std::int64_t> SteppedTrace::happening_before(std::int64_t tick) {
+  const std::uint64_t now = impl_->ns(tick);
+  if (now == 0) return std::nullopt;
+  std::optional<std::uint64_t> nearest = impl_->replayed_->before(now);
+  for (const auto& channel : {impl_->events_, impl_->contact_changes_}) {
+    const auto found = channel ? impl_->finder_->latest(*channel, now - 1) : std::nullopt;
+    if (found && (!nearest || found->time > *nearest)) nearest = found->time;
+  }
+  if (!nearest) return std::nullopt;
+  const std::int64_t at = impl_->tick_of(*nearest);
+  return at >= first_tick() ? std::optional(at) : std::nullopt;
+}
+
+bool find_spans(const Expression& expression, SteppedTrace& trace, std::int64_t first, std::int64_t last,
+                const std::function<bool(const TickSpanFound&)>& found, const std::function<bool()>& interrupted) {
+  std::optional<std::int64_t> begin;
+  for (std::int64_t tick = first; tick <= last; ++tick) {
+    if (interrupted && interrupted()) return false;
+    const bool holds = expression.holds(trace, tick);
+    if (holds && !begin) begin = tick;
+    if (!holds && begin) {
+      if (!found({*begin, tick - 1})) return true;
+      begin.reset();
+    }
+  }
+  if (begin) found({*begin, last});
+  return true;
+}
+
+std::optional<std::int64_t> find_tick(const Expression& expression, SteppedTrace& trace, std::int64_t from,
+                                      Direction direction, const std::function<bool()>& interrupted) {
+  const int step = direction == Direction::forwards ? 1 : -1;
+  bool held = expression.holds(trace, from);
+  for (std::int64_t tick = from + step; tick >= trace.first_tick() && tick <= trace.last_tick(); tick += step) {
+    if (interrupted && interrupted()) return std::nullopt;
+    const bool holds = expression.holds(trace, tick);
+    if (holds && !held) return tick;
+    held = holds;
+  }
+  return std::nullopt;
+}
+
+}  // namespace rehearse
