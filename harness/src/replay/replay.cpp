@@ -336,7 +336,6 @@ void Replayer::differs(Divergence&& found) {
 
 void Replayer::take_events() {
   const std::vector<msg::Event> events = host_.take_events();
-  if (taps_.on_events && !events.empty()) taps_.on_events(events);
   append_remarks(events, report_.remarks);
   words_.say(events);
   if (options_.on_event)

@@ -2,19 +2,15 @@
 #pragma once
 
 #include <rehearse/mcap.h>
-#include <rehearse/messages.h>
 #include <rehearse/replay.h>
 #include <rehearse/scenario.h>
 
-#include <functional>
 #include <string>
 #include <vector>
 
 namespace rehearse {
 
 struct ReplayTaps {
-  /// Called with what happened in each tick in which anything did; null: not.
-  std::function<void(const std::vector<msg::Event>&)> on_events;
   /// A recording that is cut or damaged is replayed up to where something is missing; the report's remarks say so.
   bool tolerates_damage = false;
   /// The controllers, BODY/NAME, whose library or options aren't those that were recorded.

@@ -69,13 +69,11 @@ class ReplayedOutputs::Writing {
     if (!pending_.empty() && pending_.front().tick != found.tick) flush();
     pending_.push_back({place_of(found), found.tick, found.expected, found.actual});
   }
-  void add(const std::vector<msg::Event>& events) {
-    for (const msg::Event& event : events) {
-      cdr_.reset();
-      msg::encode(event, cdr_);
-      const std::uint64_t time = nanoseconds_of(event.tick, time_step_);
-      keep(writer_.write(outputs_.events_, time, time, cdr_.bytes()));
-    }
+  void add(const msg::Event& event) {
+    cdr_.reset();
+    msg::encode(event, cdr_);
+    const std::uint64_t time = nanoseconds_of(event.tick, time_step_);
+    keep(writer_.write(outputs_.events_, time, time, cdr_.bytes()));
   }
   void flush() {
     if (pending_.empty()) return;
@@ -124,9 +122,9 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   replaying.until = until;
   replaying.progress = options.progress;
   replaying.on_difference = [&writing](const Divergence& found) { writing.add(found); };
+  replaying.on_event = [&writing](const msg::Event& event) { writing.add(event); };
   ReplayTaps taps;
   taps.tolerates_damage = true;
-  taps.on_events = [&writing](const std::vector<msg::Event>& events) { writing.add(events); };
   const Result<ReplayReport> report = replay(trace, scenario, replaying, taps);
   writing.flush();
   if (!report) {
