@@ -23,10 +23,12 @@ fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
   return {};
 }
 
-/// Of an earlier check. Only what is a report is removed.
-void remove_report(const fs::path& file) {
+/// Of an earlier check, if its trace is no longer there. Only what is a report is removed.
+void remove_stale_report(const fs::path& trace) {
+  const fs::path file = fs::path(trace).replace_extension(".html");
   std::error_code ignored;
-  if (fs::is_regular_file(file, ignored) && check_replaceable(file, report_magic, "report")) fs::remove(file, ignored);
+  const bool is_stale = !fs::exists(trace, ignored) && fs::is_regular_file(file, ignored);
+  if (is_stale && check_replaceable(file, report_magic, "report")) fs::remove(file, ignored);
 }
 
 }  // namespace
@@ -45,8 +47,8 @@ ReportVerdict report_verdict(const CheckReport& checked) {
 Result<std::optional<FailureReport>> write_failure_report(const CheckReport& checked, const Scenario& scenario,
                                                           const fs::path& golden, const fs::path& actual,
                                                           ReportOptions options) {
-  remove_report(fs::path(actual).replace_extension(".html"));
-  remove_report((actual.parent_path() / "plant" / actual.filename()).replace_extension(".html"));
+  remove_stale_report(actual);
+  remove_stale_report(actual.parent_path() / "plant" / actual.filename());
   if (checked.within() && !has_failed(checked)) return std::optional<FailureReport>();
   const fs::path trace = trace_left(checked, actual);
   if (trace.empty()) return std::optional<FailureReport>();
