@@ -20,6 +20,7 @@ constexpr VerbSummary verbs[] = {
     {"check", "run scenarios and compare them with their goldens", Program::simulate},
     {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
      Program::rehearse},
+    {"step", "go through a recording tick by tick, backwards as well, and look at all of it", Program::rehearse},
     {"diff", "compare two traces; what differs first, first", Program::rehearse},
     {"report", "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it",
      Program::rehearse, Rounding::is_none},

@@ -50,6 +50,7 @@ extern const Verb recover_verb;
 extern const Verb render_verb;
 extern const Verb replay_verb;
 extern const Verb report_verb;
+extern const Verb step_verb;
 
 /// The programs that verbs live in.
 enum class Program { rehearse, simulate, audit };

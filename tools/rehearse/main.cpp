@@ -20,7 +20,8 @@ namespace {
 
 constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb,  &cat_verb,
                                      &export_verb, &filter_verb,  &merge_verb, &recover_verb,
-                                     &doctor_verb, &inspect_verb, &new_verb,   &report_verb};
+                                     &doctor_verb, &inspect_verb, &new_verb,   &report_verb,
+                                     &step_verb};
 
 /// Goes on as another of our programs, which stand at a fixed place beside this one. Comes back only if it can't.
 Exit become(const char* program, char** argv) {

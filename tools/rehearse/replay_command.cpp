@@ -1,10 +1,11 @@
 // rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs of
-// a real robot's log: replay_log.h.
+// a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h.
 #include <fmt/format.h>
 #include <rehearse/replay.h>
 
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,23 +19,22 @@
 #include "output.h"
 #include "progress.h"
 #include "replay_log.h"
+#include "replay_ticks.h"
 
 namespace rehearse::tool {
 namespace {
 
 constexpr double longest_time = 1e9;                       // [s]
-constexpr std::int64_t longest_run = 1'000'000'000'000;  // [ticks]
 
 struct Settings {
   std::string trace;
   bool json = false;
   ReplayOptions replay;
+  TickSettings ticks;
   // of a log
   std::string controller, model, map, output;
 
-  // in gdb
   DebuggerOptions debugger;
-  std::optional<std::int64_t> tick;
 
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
@@ -81,13 +81,14 @@ void tell_remarks(const ReplayReport& report) {
 /// Goes on in gdb with the verb as it was given.
 Exit run_in_gdb(const Settings& settings, const CLI::App& options) {
   const std::vector<std::string> words = words_without_debugger("replay", options);
-  if (settings.is_of_a_log()) return replay_log_in_gdb(settings.debugger, words, settings.tick);
-  return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.tick);
+  if (settings.is_of_a_log()) return replay_log_in_gdb(settings.debugger, words, settings.ticks.tick);
+  return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.ticks.tick);
 }
 
 /// What a log needs and a recording doesn't, or the other way around.
 Result<void> check_usage(const Settings& settings) {
-  if (settings.tick && !settings.debugger.is_wanted()) return error("--tick without --gdb", "--gdb stops at that tick");
+  if (settings.debugger.is_wanted() && (settings.ticks.at || !settings.ticks.watch.empty() || !settings.ticks.when.empty()))
+    return error("--gdb goes with none of --at, --watch and --when", "--gdb --tick N stops at that tick");
   if (!settings.is_of_a_log()) {
     if (!settings.controller.empty())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
@@ -117,13 +118,29 @@ Exit run_log(const Settings& settings) {
   return replay_log_of(std::move(log));
 }
 
+Exit run_ticks(Settings& settings) {
+  if (settings.is_of_a_log())
+    return refuse(error("a robot's log has no ticks before it is replayed",
+                        "replay it into a recording, and look at that: rehearse replay LOG.replay.mcap --tick N"));
+  TickSettings& ticks = settings.ticks;
+  if (const auto usable = check_usage(ticks); !usable) return refuse(usable.errors());
+  return show_ticks(ticks);
+}
+
 Exit run(Settings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
-  if (settings.is_of_a_log()) return run_log(settings);
+  if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);
   if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
+  TickSettings& ticks = settings.ticks;
+  ticks.trace = settings.trace;
+  ticks.host = settings.replay;
+  ticks.from = settings.replay.from;
+  ticks.until = settings.replay.until;
+  ticks.json = settings.json;
+  if (ticks.is_asked() || ticks.every != 1 || ticks.full) return run_ticks(settings);
   const Stopwatch stopwatch;
   const Result<ReplayReport> report = [&] {
     Progress progress("replaying");
@@ -152,6 +169,19 @@ std::function<Exit()> declare(CLI::App& options) {
   add_number(options, "--until", "end there [s]", 0.0, longest_time,
              [=](double until) { settings->replay.until = until; });
   add_host_options(options, settings->replay, &settings->controller);
+  add_integer(options, "--tick", "show this tick: what was read, commanded, measured, said; what changed, what differs; with --gdb: stop there", 0,
+              std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
+  add_number(options, "--at", "the same by its time [s]", 0.0, longest_time,
+             [=](double at) { settings->ticks.at = at; });
+  options.add_flag("--full", settings->ticks.full, "of a tick: also what is as it was before");
+  options
+      .add_option("--watch", settings->ticks.watch, "print these series, a row a tick; of a tick: these only")
+      ->type_name("GLOB");
+  add_integer(options, "--every", "of --watch: a row each so many ticks", 1, 1'000'000'000,
+              [=](std::int64_t every) { settings->ticks.every = every; });
+  options
+      .add_option("--when", settings->ticks.when, "find the ticks in which this holds: 'KNEE/u > 100 && contact(FOOT)'")
+      ->type_name("EXPR");
   options.add_option("--model", settings->model, "of a log: the robot")->type_name("URDF");
   options.add_option("--map", settings->map, "of a log: the YAML file that says which topic is which input")
       ->type_name("FILE");
@@ -159,8 +189,6 @@ std::function<Exit()> declare(CLI::App& options) {
       ->type_name("TRACE");
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);
-  add_integer(options, "--tick", "with --gdb: where to stop (where it fails, or differs first; else 0)", 0, longest_run,
-              [=](std::int64_t tick) { settings->tick = tick; });
   return [settings, &options] { return run(*settings, options); };
 }
 
@@ -169,6 +197,9 @@ std::function<Exit()> declare(CLI::App& options) {
 const Verb replay_verb{"replay",
                        "  rehearse replay sr1.mcap\n"
                        "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n"
+                       "  rehearse replay failed.mcap --tick 3200\n"
+                       "  rehearse replay failed.mcap --watch 'Walker/KNEE/*' --from 3.0 --until 3.5 --every 10\n"
+                       "  rehearse replay failed.mcap --when 'Walker/KNEE/u > 100 && contact(LEFT_FOOT)'\n"
                        "  rehearse replay failed.mcap --gdb --tick 3204\n"
                        "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
                        declare};

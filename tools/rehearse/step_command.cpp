@@ -1,0 +1,88 @@
+// rehearse step: a recording tick by tick, at a terminal or by a script of commands on stdin.
+#include <fmt/format.h>
+#include <rehearse/tick_view.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "audit/virtualised.h"
+#include "command.h"
+#include "line_editor.h"
+#include "options.h"
+#include "progress.h"
+#include "replay_ticks.h"
+#include "step_session.h"
+
+namespace rehearse::tool {
+namespace {
+
+constexpr double longest_time = 1e9;  // [s]
+
+struct Settings {
+  std::string trace;
+  double from = 0.0;  // [s]
+  SteppingOptions stepping;
+};
+
+std::string command_line(const Settings& settings) {
+  std::string text = settings.trace;
+  for (const auto& [name, library] : settings.stepping.libraries) text += fmt::format(" --controller {}={}", name, library);
+  return text;
+}
+
+/// Until quit or the end of the input. A command that wasn't understood ends a script as bad input, when it is through.
+Exit talk(SteppedTrace& trace, StepSession& session) {
+  LineEditor editor("(step) ", [&](std::string_view before, std::string_view) { return session.candidates(before); });
+  if (editor.is_interactive())
+    fmt::print("{}: {} ticks; help lists the commands\n", trace.file(), trace.last_tick() - trace.first_tick() + 1);
+  fmt::print("{}\n", session.where());
+  bool understood = true;
+  while (const auto line = editor.next()) {
+    if (LineEditor::was_interrupted()) continue;
+    if (!editor.is_interactive() && line->find_first_not_of(" \t\r") == std::string::npos) continue;
+    const StepSession::Answer answer = session.answer(*line);
+    if (answer == StepSession::Answer::quit) break;
+    understood = understood && answer == StepSession::Answer::done;
+  }
+  return understood || editor.is_interactive() ? Exit::done : Exit::bad_input;
+}
+
+Exit run(Settings& settings) {
+  if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
+  InterposerWatch watch;
+  if (is_interposed()) settings.stepping.watch = &watch;
+  auto trace = [&] {
+    Progress progress("replaying");
+    settings.stepping.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    return SteppedTrace::open(settings.trace, settings.stepping);
+  }();
+  if (!trace) return refuse(trace.errors());
+  tell_remarks(**trace);
+  const std::int64_t from = (*trace)->tick_at(settings.from);
+  if (from > (*trace)->last_tick())
+    return refuse(error(fmt::format("{} ends before {} s: its last tick is {} ({:.10g} s)", settings.trace, settings.from,
+                                    (*trace)->last_tick(), (*trace)->time_at((*trace)->last_tick()))));
+  StepSession session(**trace, command_line(settings), LineEditor::was_interrupted);
+  session.go_to(from);
+  return talk(**trace, session);
+}
+
+std::function<Exit()> declare(CLI::App& options) {
+  const auto settings = std::make_shared<Settings>();
+  options.add_option("TRACE", settings->trace, "the recording")->required()->type_name("");
+  add_number(options, "--from", "begin at this time [s]", 0.0, longest_time,
+             [=](double from) { settings->from = from; });
+  add_host_options(options, settings->stepping);
+  return [settings] { return run(*settings); };
+}
+
+}  // namespace
+
+const Verb step_verb{"step",
+                     "  rehearse step failed.mcap --from 3.0\n"
+                     "  rehearse step failed.mcap --controller Walker=build/MyWalker.so\n"
+                     "  printf 'goto 3.2s\\ninfo\\n' | rehearse step failed.mcap\n",
+                     declare};
+
+}  // namespace rehearse::tool
