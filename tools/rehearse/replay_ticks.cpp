@@ -41,6 +41,11 @@ Result<std::vector<Watched>> watched(const TickSettings& settings, SteppedTrace&
   return all;
 }
 
+/// One object a line.
+void print_line(const Json& object) {
+  fmt::print("{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
 /// The ticks from --from up to --until.
 TickSpanFound ticks_of(const TickSettings& settings, const SteppedTrace& trace) {
   TickSpanFound span{trace.first_tick(), trace.last_tick()};
@@ -81,7 +86,7 @@ Exit print_watched(const TickSettings& settings, SteppedTrace& trace) {
       }
     }
     if (settings.json) {
-      print(object);
+      print_line(object);
     } else {
       fmt::print("{}\n", line);
     }
@@ -117,7 +122,7 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
       Json operands = Json::object();
       for (const Expression::Operand& operand : expression->operands())
         operands[operand.text] = json_of(expression->number_of(operand, trace, span.first));
-      print({{"tick", span.first}, {"time", trace.time_at(span.first)}, {"ticks", length},
+      print_line({{"tick", span.first}, {"time", trace.time_at(span.first)}, {"ticks", length},
              {"last_tick", span.last}, {"operands", operands}});
     } else {
       if (spans == 0) fmt::print("{:>8}  {:>10}  {:>8}\n", "tick", "time [s]", "ticks");
@@ -146,10 +151,13 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
 
 Exit print_tick(const TickSettings& settings, SteppedTrace& trace) {
   const std::int64_t tick = settings.tick ? *settings.tick : trace.tick_at(*settings.at);
-  if (tick > trace.last_tick() || tick < trace.first_tick())
-    return refuse(error(fmt::format("{}: nothing is recorded at {} s: its ticks are {} to {}, up to {:.10g} s", trace.file(),
-                                    *settings.at, trace.first_tick(), trace.last_tick(),
-                                    trace.time_at(trace.last_tick()))));
+  if (tick > trace.last_tick() || tick < trace.first_tick()) {
+    Diagnostic finding = error(fmt::format("nothing is recorded at {} s", *settings.at),
+                               fmt::format("its ticks are {} to {}, up to {:.10g} s", trace.first_tick(),
+                                           trace.last_tick(), trace.time_at(trace.last_tick())));
+    finding.file = trace.file();
+    return refuse(finding);
+  }
   TickParts parts;
   parts.full = settings.full;
   for (const std::string& pattern : settings.watch) {

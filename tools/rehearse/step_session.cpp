@@ -67,7 +67,7 @@ const std::vector<StepSession::Command>& StepSession::commands() {
       {"back", "b", "[N | until EXPR | continue]", "a tick back, or N; or the other moves backwards", &S::back},
       {"goto", "g", "TICK | 3.2s | +N | -N | start | end", "to a tick, or to the one at a time", &S::go_to_place},
       {"until", "u", "EXPR", "on to where the expression begins to hold", &S::until, true},
-      {"continue", "c", "", "on to where the controllers differ, say something, or a contact changes", &S::go_on},
+      {"continue", "c", "", "on to where the controllers begin to differ, something is said, or a contact changes", &S::go_on},
       {"watch", "w", "[GLOB]", "show these series after each move; without a name: which are", &S::watch, true},
       {"unwatch", "", "[GLOB]", "no longer; without a name: none", &S::unwatch, true},
       {"print", "p", "EXPR", "the value of an expression here", &S::print_value, true},

@@ -277,11 +277,13 @@ std::string contact_text(const ViewContact& contact) {
 }
 
 std::string difference_text(const Divergence& difference) {
-  const std::string place = difference.channel + (difference.element.empty() ? "" : " " + difference.element);
+  // as the series is called
+  const std::string owner = difference.channel.substr(1, difference.channel.rfind('/'));
+  const std::string place = difference.element.empty() ? difference.channel : owner + difference.element;
   if (!difference.note.empty()) return fmt::format("{}: {}", plain_text(place), difference.note);
   const std::string unit = difference.unit.empty() ? "" : " " + difference.unit;
   const std::string ulps = ulps_text(difference.ulps);
-  return fmt::format("{}: replayed {:.17g}{}, recorded {:.17g} (difference {:+.3g}{})", plain_text(place),
+  return fmt::format("{}: replayed {}{}, recorded {} (difference {:+.3g}{})", plain_text(place),
                      difference.actual, unit, difference.expected, difference.actual - difference.expected,
                      ulps.empty() ? "" : ", " + ulps + (ulps == "1" ? " ULP" : " ULPs"));
 }

@@ -122,8 +122,8 @@ class SteppedTrace : public ExpressionSource {
   std::vector<ViewMessage> messages(std::int64_t tick);
   std::vector<ViewContact> contacts(std::int64_t tick);
   std::vector<Divergence> differences(std::int64_t tick);
-  /// The nearest tick after (or before) that one in which the controllers differ, something is said, or a contact
-  /// begins or ends.
+  /// The nearest tick after (or before) that one in which the controllers begin to differ, something is said, or a
+  /// contact begins or ends.
   std::optional<std::int64_t> next_happening(std::int64_t tick);
   std::optional<std::int64_t> happening_before(std::int64_t tick);
 

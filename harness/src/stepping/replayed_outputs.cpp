@@ -190,22 +190,18 @@ std::vector<msg::Event> ReplayedOutputs::events(std::uint64_t time) const {
   return all;
 }
 
-std::optional<std::uint64_t> ReplayedOutputs::next(std::uint64_t time) const {
-  std::optional<std::uint64_t> nearest;
-  if (!finder_) return nearest;
-  for (const std::uint16_t channel : {differences_, events_})
-    if (const auto found = finder_->next(channel, time + 1); found && (!nearest || found->time < *nearest))
-      nearest = found->time;
-  return nearest;
+bool ReplayedOutputs::differs_at(std::uint64_t time) const {
+  return finder_ && finder_->latest(differences_, time, time).has_value();
 }
 
-std::optional<std::uint64_t> ReplayedOutputs::before(std::uint64_t time) const {
-  std::optional<std::uint64_t> nearest;
-  if (!finder_ || time == 0) return nearest;
-  for (const std::uint16_t channel : {differences_, events_})
-    if (const auto found = finder_->latest(channel, time - 1); found && (!nearest || found->time > *nearest))
-      nearest = found->time;
-  return nearest;
+std::optional<std::uint64_t> ReplayedOutputs::next(std::uint16_t channel, std::uint64_t time) const {
+  const auto found = finder_ ? finder_->next(channel, time + 1) : std::nullopt;
+  return found ? std::optional(found->time) : std::nullopt;
+}
+
+std::optional<std::uint64_t> ReplayedOutputs::before(std::uint16_t channel, std::uint64_t time) const {
+  const auto found = finder_ && time > 0 ? finder_->latest(channel, time - 1) : std::nullopt;
+  return found ? std::optional(found->time) : std::nullopt;
 }
 
 }  // namespace rehearse

@@ -34,9 +34,12 @@ class ReplayedOutputs {
   std::vector<Divergence> differences(std::uint64_t time) const;
   /// What the controllers said in the tick, or was said of them.
   std::vector<msg::Event> events(std::uint64_t time) const;
-  /// The log time of the nearest tick with a difference or with an event, after that time or before it.
-  std::optional<std::uint64_t> next(std::uint64_t time) const;
-  std::optional<std::uint64_t> before(std::uint64_t time) const;
+  bool differs_at(std::uint64_t time) const;
+  // The log time of the nearest tick with a difference, or with an event, after that time or before it.
+  std::optional<std::uint64_t> next_difference(std::uint64_t time) const { return next(differences_, time); }
+  std::optional<std::uint64_t> difference_before(std::uint64_t time) const { return before(differences_, time); }
+  std::optional<std::uint64_t> next_event(std::uint64_t time) const { return next(events_, time); }
+  std::optional<std::uint64_t> event_before(std::uint64_t time) const { return before(events_, time); }
 
  private:
   class Writing;
@@ -44,6 +47,9 @@ class ReplayedOutputs {
     std::string channel, element, unit, note;
     Stage stage = Stage::controller;
   };
+
+  std::optional<std::uint64_t> next(std::uint16_t channel, std::uint64_t time) const;
+  std::optional<std::uint64_t> before(std::uint16_t channel, std::uint64_t time) const;
 
   double time_step_ = 0.0;
   std::vector<Place> places_;  // a difference in the file names one by its number

@@ -214,7 +214,7 @@ Result<std::vector<std::size_t>> SteppedTrace::find_all_series(std::string_view 
     return std::vector{*one};
   }
   for (const auto& [name, place] : impl_->recorded_.series())
-    if (matches(pattern, name)) all.push_back(series_id(place));
+    if (matches(pattern, name) || matches("*/" + std::string(pattern), name)) all.push_back(series_id(place));
   if (all.empty()) return error(fmt::format("no series matches '{}'", pattern), "rehearse info lists the channels");
   return all;
 }

@@ -38,6 +38,10 @@ class SteppedTrace::Impl {
   /// Kept for the last ticks that were asked for.
   const std::vector<Divergence>& differences(std::int64_t tick);
 
+  std::optional<std::uint64_t> event_after(std::uint64_t now);
+  std::optional<std::uint64_t> event_before(std::uint64_t now);
+  bool begins_to_differ(std::uint64_t time);
+
   std::unique_ptr<MessageFinder> finder_;
   Scenario scenario_;
   RecordedTicks recorded_;

@@ -144,11 +144,39 @@ std::vector<ViewContact> SteppedTrace::contacts(std::int64_t tick) {
 
 std::vector<Divergence> SteppedTrace::differences(std::int64_t tick) { return impl_->differences(tick); }
 
-std::optional<std::int64_t> SteppedTrace::next_happening(std::int64_t tick) {
-  std::optional<std::uint64_t> nearest = impl_->replayed_->next(impl_->ns(tick));
-  for (const auto& channel : {impl_->events_, impl_->contact_changes_}) {
-    const auto found = channel ? impl_->finder_->next(*channel, impl_->ns(tick) + 1) : std::nullopt;
+std::optional<std::uint64_t> SteppedTrace::Impl::event_after(std::uint64_t now) {
+  std::optional<std::uint64_t> nearest = replayed_->next_event(now);
+  for (const auto& channel : {events_, contact_changes_}) {
+    const auto found = channel ? finder_->next(*channel, now + 1) : std::nullopt;
     if (found && (!nearest || found->time < *nearest)) nearest = found->time;
+  }
+  return nearest;
+}
+
+std::optional<std::uint64_t> SteppedTrace::Impl::event_before(std::uint64_t now) {
+  if (now == 0) return std::nullopt;
+  std::optional<std::uint64_t> nearest = replayed_->event_before(now);
+  for (const auto& channel : {events_, contact_changes_}) {
+    const auto found = channel ? finder_->latest(*channel, now - 1) : std::nullopt;
+    if (found && (!nearest || found->time > *nearest)) nearest = found->time;
+  }
+  return nearest;
+}
+
+/// Differs, and the tick before doesn't.
+bool SteppedTrace::Impl::begins_to_differ(std::uint64_t time) {
+  const std::int64_t tick = tick_of(time);
+  return tick == first_tick_ || !replayed_->differs_at(ns(tick - 1));
+}
+
+std::optional<std::int64_t> SteppedTrace::next_happening(std::int64_t tick) {
+  const std::uint64_t now = impl_->ns(tick);
+  std::optional<std::uint64_t> nearest = impl_->event_after(now);
+  for (auto differs = impl_->replayed_->next_difference(now); differs && (!nearest || *differs < *nearest);
+       differs = impl_->replayed_->next_difference(*differs)) {
+    if (!impl_->begins_to_differ(*differs)) continue;
+    nearest = differs;
+    break;
   }
   if (!nearest) return std::nullopt;
   const std::int64_t at = impl_->tick_of(*nearest);
@@ -157,11 +185,12 @@ std::optional<std::int64_t> SteppedTrace::next_happening(std::int64_t tick) {
 
 std::optional<std::int64_t> SteppedTrace::happening_before(std::int64_t tick) {
   const std::uint64_t now = impl_->ns(tick);
-  if (now == 0) return std::nullopt;
-  std::optional<std::uint64_t> nearest = impl_->replayed_->before(now);
-  for (const auto& channel : {impl_->events_, impl_->contact_changes_}) {
-    const auto found = channel ? impl_->finder_->latest(*channel, now - 1) : std::nullopt;
-    if (found && (!nearest || found->time > *nearest)) nearest = found->time;
+  std::optional<std::uint64_t> nearest = impl_->event_before(now);
+  for (auto differs = impl_->replayed_->difference_before(now); differs && (!nearest || *differs > *nearest);
+       differs = impl_->replayed_->difference_before(*differs)) {
+    if (!impl_->begins_to_differ(*differs)) continue;
+    nearest = differs;
+    break;
   }
   if (!nearest) return std::nullopt;
   const std::int64_t at = impl_->tick_of(*nearest);
