@@ -31,7 +31,12 @@ rehearse_add_library(harness
   src/replay/recorded_outputs.cpp
   src/recording/recorder.cpp
   src/recording/variable_recorder.cpp
+  src/replay/altered_inputs.cpp
+  src/replay/branch_origin.cpp
+  src/replay/replayed_part.cpp
+  src/replay/write_replay.cpp
   src/replay/recorded_words.cpp
+  src/replay/tick_span.cpp
   src/replay/replay.cpp
   src/replay/trace_scenario.cpp)
 target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})

@@ -40,6 +40,9 @@ struct OutputField {
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before it are not compared [s]
   std::optional<double> until;  // the replay ends there [s]
+  /// Inputs that are altered before the controllers see them, each as SERIES=VALUE@SPAN: Walker/KNEE/q=0.3@tick:1200..1300
+  /// (src/replay/altered_inputs.h has the forms). What differs then is what they do of it.
+  std::vector<std::string> set;
   /// How far a command may be from the recorded one and still count as within; empty: not asked, no command may.
   std::optional<std::vector<ToleranceRule>> tolerances;
   /// Called with each difference, in the order of ticks; null: not.
@@ -78,6 +81,7 @@ struct ReplayReport {
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   ReplayedWords words;
   bool controller_refused = false;
+  std::vector<std::string> other_controllers;  // BODY/NAME of those whose library isn't, byte by byte, the recorded one
   bool same_controllers = false;  // every controller's file is, byte by byte, the one that was recorded; so are options
   Diagnostics remarks;
 

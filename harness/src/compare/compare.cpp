@@ -338,7 +338,7 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     return result;
   };
   const auto taken = [&](const TraceChannel& channel) {
-    return takes(options, channel) && !is_unasked_variable(channel, rules);
+    return takes(options, channel) && !isnt_compared(channel, rules);
   };
   compare_ticks(traces, add("/tick"));
   std::vector<ChannelComparison> of_events;  // after the values: of two findings of a tick, a value tells more

@@ -136,8 +136,8 @@ void compare_lone_channels(const ComparedTraces& traces, const std::function<boo
 /// Sequences of events. Sets traces.blanked.
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences);
 
-/// A variable of a controller that no rule names: it is not compared.
-bool is_unasked_variable(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
+/// A variable of a controller that no rule names, or commands that moved the world before a branch began.
+bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
 /// That such variables aren't the same in both; empty: they are.
 std::string remark_on_variables(const ComparedTraces& traces);
 

@@ -8,6 +8,7 @@
 #include "asked_variables.h"
 #include "compare_parts.h"
 #include "recording/variable_topics.h"
+#include "replay/branch_origin.h"
 
 namespace rehearse {
 namespace {
@@ -31,7 +32,8 @@ std::optional<std::uint64_t> first_difference(const TraceChannel& a, const Trace
 
 }  // namespace
 
-bool is_unasked_variable(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
+bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
+  if (is_acted_topic(channel.topic)) return true;
   return is_variable(channel) && !asks_for_variable(series_of(channel), rules);
 }
 
@@ -43,7 +45,7 @@ std::string remark_on_variables(const ComparedTraces& traces) {
   std::vector<Found> found;
   const auto look_at = [&](const Trace& of, const Trace& other, const char* which) {
     for (const TraceChannel& channel : of.channels()) {
-      if (!is_unasked_variable(channel, traces.rules) || channel.times.empty()) continue;
+      if (!is_variable(channel) || asks_for_variable(series_of(channel), traces.rules) || channel.times.empty()) continue;
       const std::string series(series_of(channel));
       const TraceChannel* there = other.find_channel(channel.topic);
       if (!there && channel.times[0] <= traces.end)

@@ -140,6 +140,7 @@ struct Recorder::Impl : TraceOutput {
   std::optional<ContactRecorder> contact_recorder;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
   std::uint16_t joystick_channel = 0;   // 0: none
+  std::set<int> measured_bodies;        // whose joints are read otherwise than they are
   std::int64_t transform_interval = 1;  // [ticks]
   msg::Tick tick_message;
   msg::TFMessage transforms;
@@ -254,7 +255,7 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
     mcap::StringMap metadata = joint_metadata(model, all);
     add_limits(body, metadata);
     channels.joints = channel<msg::JointState>(topic + "joints", std::move(metadata));
-    if (body.noise.disturbs_joints())
+    if (body.noise.disturbs_joints() || measured_bodies.count(static_cast<int>(bodies.size()) - 1) > 0)
       channels.measured_joints = channel<msg::JointState>(topic + "measured_joints", joint_metadata(model, all));
   }
   if (root_moves(body)) {
@@ -484,6 +485,42 @@ Result<void> Recorder::Impl::write_link(std::int64_t tick, const SideChannels::L
       return write(to.channel, tick, msg::AccelStamped{header, {vector(values), vector(values + 3)}});
     default: return write(to.channel, tick, msg::WrenchStamped{header, {vector(values), vector(values + 3)}});
   }
+}
+
+void Recorder::measure_joints(int body) { impl_->measured_bodies.insert(body); }
+
+Result<void> Recorder::copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic) {
+  Impl& impl = *impl_;
+  const auto known = impl.by_topic.find(topic);
+  std::uint16_t to = known == impl.by_topic.end() ? 0 : known->second;
+  if (known == impl.by_topic.end()) {
+    const std::uint16_t schema_id = impl.writer->add_schema(schema.name, schema.encoding, schema.data);
+    to = impl.writer->add_channel(schema_id, topic, message.channel->message_encoding, message.channel->metadata);
+    impl.by_topic[topic] = to;
+    ++impl.size.channels;
+  }
+  ++impl.size.messages;
+  if (schema.name == msg::CompressedImage::type_name) {
+    CdrReader reader(message.data);
+    msg::CompressedImage picture;
+    if (msg::decode(reader, picture) && !picture.data.empty()) ++impl.size.frames;
+  }
+  return impl.writer->write(to, message.log_time, message.publish_time, message.data);
+}
+
+Result<void> Recorder::record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints) {
+  BodyChannels& channels = impl_->bodies[static_cast<std::size_t>(body)];
+  REHEARSE_ASSERT(channels.measured_joints, "measure_joints() was called before declare()");
+  return impl_->write_joints(tick, channels, channels.measured_joints, joints);
+}
+
+Result<void> Recorder::record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading) {
+  const BodyChannels& channels = impl_->bodies[static_cast<std::size_t>(body)];
+  return channels.devices[static_cast<std::size_t>(device)].write(*impl_, tick, reading);
+}
+
+Result<void> Recorder::record_joystick(std::int64_t tick, const JoystickReading& reading) {
+  return impl_->write_joystick(tick, reading);
 }
 
 void Recorder::begin_with_contacts(const std::vector<LinkPair>& touching) {

@@ -44,6 +44,9 @@ class Recorder {
   /// More of what the run was made of, before the channels are made.
   Result<void> attach(const std::string& name, const std::string& media_type, const std::string& text);
   Result<void> add_metadata(const std::string& name, const mcap::StringMap& values);
+  /// The controllers read this body's joints otherwise than they are, though the scenario gives them no noise. Before
+  /// declare().
+  void measure_joints(int body);
   /// Makes the channels; the controllers' tables are fixed by now. Null: there are none.
   void declare(const ControllerHost* host);
   /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick. `read`: the same as
@@ -56,6 +59,15 @@ class Recorder {
   void begin_with_contacts(const std::vector<LinkPair>& touching);
   /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
+  // What another recording says, for a run that begins with it.
+
+  /// The bytes of a message, on a topic that is made like the other's if it isn't there yet.
+  Result<void> copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic);
+  /// Instead of the copies of such messages: readings that are other ones here.
+  Result<void> record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints);
+  Result<void> record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading);
+  Result<void> record_joystick(std::int64_t tick, const JoystickReading& reading);
+
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
   Result<void> record_events(const std::vector<msg::Event>& events);
   /// `outcome` tells how the run ended; the trace is complete after it.

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -33,6 +34,7 @@ struct TraceOutput {
   double time_step;  // [s]
   std::unique_ptr<mcap::Writer> writer;
   RecordingSize size;
+  std::map<std::string, std::uint16_t> by_topic;  // channels
 
   /// Adds a channel for messages of type T; returns its id, which is never 0.
   template <class T>
@@ -40,7 +42,7 @@ struct TraceOutput {
                         mcap::ChunkGroup group = mcap::numbers) {
     const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
     ++size.channels;
-    return writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
+    return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
   }
 
   /// Writes a message of that tick.

@@ -80,7 +80,10 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& rea
       const ScenarioBody& body = scenario.bodies[b];
       if (parts.empty() || parts[0] != body.name) continue;
       const int index = static_cast<int>(b);
-      if (parts.size() == 2 && parts[1] == (body.noise.disturbs_joints() ? "measured_joints" : "joints")) {
+      const bool measured = std::any_of(reader.channels().begin(), reader.channels().end(), [&](const auto& entry) {
+        return entry.second.topic == "/" + body.name + "/measured_joints";
+      });
+      if (parts.size() == 2 && parts[1] == (measured ? "measured_joints" : "joints")) {
         add_joints(index, channel);
       } else if (parts.size() == 3 && body.model->find_device(parts[1]) >= 0) {
         add_device(index, body.model->find_device(parts[1]), parts[2], channel);

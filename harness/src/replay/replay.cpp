@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "altered_inputs.h"
 #include "audit/virtualised.h"
 #include "compare/asked_variables.h"
 #include "host/controller_host.h"
@@ -20,8 +21,8 @@
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
 #include "recorded_words.h"
+#include "replay_recording.h"
 #include "recording/variable_topics.h"
-#include "replay_taps.h"
 #include "trace_scenario.h"
 
 namespace rehearse {
@@ -34,10 +35,10 @@ Diagnostic in_trace(const mcap::Reader& trace, Diagnostic diagnostic) {
 
 class Replayer {
  public:
-  Replayer(const ReplayOptions& options, ReplayTaps& taps, const Scenario& scenario, mcap::Reader& trace,
+  Replayer(const ReplayOptions& options, Damage damage, const Scenario& scenario, mcap::Reader& trace,
            ControllerHost& host)
       : options_(options),
-        taps_(taps),
+        damage_(damage),
         scenario_(scenario),
         trace_(trace),
         host_(host),
@@ -57,6 +58,8 @@ class Replayer {
   void compare_variables();
   void say_differs(Divergence&& found);
   void tell_variables() const;
+  const Observation& inputs_of_tick();
+  void tell_unused_alterations();
   std::vector<std::string> other_controllers() const;
   void end_at_damage(Diagnostics damage);
   double tolerance_for(const Divergence& found) const;
@@ -64,12 +67,13 @@ class Replayer {
   void take_events();
 
   const ReplayOptions& options_;
-  ReplayTaps& taps_;
+  const Damage damage_;
   const Scenario& scenario_;
   mcap::Reader& trace_;
   ControllerHost& host_;
   RecordedInputs inputs_;
   RecordedWords words_;
+  AlteredInputs altered_;
   std::vector<RecordedOutputs> outputs_;       // by controller
   std::optional<OutputRecord> output_record_;  // if somebody wants it
   std::vector<RecordedOutputs*> output_of_;    // by channel id; null: none
@@ -81,6 +85,7 @@ class Replayer {
   bool tick_here_ = false;
   std::uint64_t now_ = 0;  // log time of the tick being gathered [ns]
   std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
+  Observation altered_observation_;  // used only if something is altered
   bool tick_differs_ = false;
   bool cut_short_ = false;  // the recording goes on
   std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
@@ -95,6 +100,10 @@ Result<void> Replayer::begin() {
     if (channel.topic == "/tick") tick_channel_ = id;
   if (tick_channel_ == 0) return in_trace(trace_, error("it has no ticks: nothing of the run was recorded"));
   if (Diagnostics missing = unrecorded_inputs(); !missing.empty()) return missing;
+  auto altered = AlteredInputs::parse(options_.set, scenario_);
+  if (!altered) return altered.errors();
+  altered_ = *std::move(altered);
+  if (auto read = altered_.check_read_by(host_); !read) return read;
 
   const std::size_t ids = std::size_t{trace_.channels().rbegin()->first} + 1;
   is_input_.assign(ids, false);
@@ -175,21 +184,25 @@ Result<ReplayReport> Replayer::run() {
   Result<void> read;
   if (going_on) read = trace_.for_each_message_in_order(gather, channels_);
   if (going_on) finish_tick();
-  if (!taps_.tolerates_damage) {
+  if (damage_ == Damage::tolerate) {
+    end_at_damage(read ? Diagnostics() : read.errors());
+  } else {
     if (!errors_.empty()) return errors_;
-    if (!read) return read.errors();
+    // what is damaged behind the part that was wanted doesn't matter
+    const bool enough = cut_short_ || (options_.until && time_of(report_.ticks, scenario_.time_step) >= *options_.until);
+    if (!read && !enough) return read.errors();
   }
-  end_at_damage(read ? Diagnostics() : read.errors());
   const auto differs = [this](Divergence&& found) { say_differs(std::move(found)); };
   if (cut_short_) words_.end(differs);  // the recorded controllers were not stopped there
   host_.stop();
   take_events();
   if (!cut_short_) words_.end(differs);
   report_.words.lines = words_.lines();
+  tell_unused_alterations();
   report_.failure = host_.failure();
   report_.controller_refused = host_.any_refused();
-  taps_.other_controllers = other_controllers();
-  report_.same_controllers = taps_.other_controllers.empty() && !host_.has_other_options();
+  report_.other_controllers = other_controllers();
+  report_.same_controllers = report_.other_controllers.empty() && !host_.has_other_options();
   return report_;
 }
 
@@ -230,10 +243,10 @@ bool Replayer::finish_tick() {
   if (!follows_on()) return false;
   tick_differs_ = false;
   words_.begin_tick([this](Divergence&& found) { say_differs(std::move(found)); });
-  if (!host_.control(tick_.tick, inputs_.observation())) return take_events(), false;
+  if (!host_.control(tick_.tick, inputs_of_tick())) return take_events(), false;
   if (output_record_) options_.on_outputs(tick_.tick, output_record_->row());
   if (options_.on_variable) tell_variables();
-  compare_inputs();
+  if (altered_.empty()) compare_inputs();
   if (now_ >= from_) {
     for (const RecordedOutputs& outputs : outputs_)
       report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
@@ -249,6 +262,21 @@ bool Replayer::finish_tick() {
   if (options_.progress && report_.ticks % std::max<std::int64_t>(1, all / 100) == 0)
     options_.progress(report_.ticks, all);
   return true;
+}
+
+const Observation& Replayer::inputs_of_tick() {
+  if (altered_.empty()) return inputs_.observation();
+  altered_observation_ = inputs_.observation();
+  altered_.apply(tick_.tick, altered_observation_);
+  return altered_observation_;
+}
+
+void Replayer::tell_unused_alterations() {
+  for (const std::string& text : altered_.unused()) {
+    Diagnostic& remark = report_.remarks.emplace_back(
+        error(fmt::format("'{}' altered nothing: there was no such tick, or nothing was measured then", text)));
+    remark.severity = Severity::warning;
+  }
 }
 
 /// A controller is what all ticks before made of it. So none may be missing: the trace was cut, or some of it was lost.
@@ -383,30 +411,25 @@ void tell_other_arithmetic(const mcap::Reader& trace, const Scenario& scenario, 
 
 }  // namespace
 
-Result<ReplayReport> replay(mcap::Reader& trace, const Scenario& scenario, const ReplayOptions& options,
-                            ReplayTaps& taps) {
+Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& scenario, const ReplayOptions& options,
+                                      Damage damage) {
   const StandardFloatMode float_mode;
   auto host = ControllerHost::create(scenario, options);
   if (!host) return host.errors();
-  auto report = Replayer(options, taps, scenario, trace, **host).run();
-  if (report && report->first) tell_other_arithmetic(trace, scenario, report->remarks);
+  auto report = Replayer(options, damage, scenario, recording, **host).run();
+  if (report && report->first) tell_other_arithmetic(recording, scenario, report->remarks);
   if (report)
     for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
   return report;
 }
 
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
-  const StandardFloatMode float_mode;
   auto reader = mcap::Reader::open(trace);
   if (!reader) return reader.errors();
   if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
-  ReplayTaps taps;
-  auto report = replay(**reader, *scenario, options, taps);
-  if (report)
-    for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
-  return report;
+  return replay_recording(**reader, *scenario, options);
 }
 
 }  // namespace rehearse

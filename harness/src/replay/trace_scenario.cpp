@@ -5,6 +5,7 @@
 
 #include <charconv>
 
+#include "branch_origin.h"
 #include "recording/trace_version.h"
 
 namespace rehearse {
@@ -62,6 +63,13 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   if (!scenario) return scenario;
   read_number(*facts, "seed", scenario->seed);
   read_number(*facts, "duration", scenario->duration);
+  if (const auto origin = BranchOrigin::of(trace)) {
+    for (const std::string& text : origin->push) {
+      const auto push = parse_push(text, *scenario);
+      if (!push) return push.errors();
+      scenario->pushes.push_back(*push);
+    }
+  }
   return scenario;
 }
 

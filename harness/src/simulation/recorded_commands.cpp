@@ -8,6 +8,7 @@
 #include <set>
 
 #include "recording/topic_segment.h"
+#include "replay/branch_origin.h"
 
 namespace rehearse {
 namespace {
@@ -43,11 +44,14 @@ bool is_on(const Device& device, const std::vector<double>& state) {
 
 Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const Trace& trace) {
   RecordedCommands commands(scenario);
+  if (const auto origin = BranchOrigin::of(trace.find_metadata(branch_record)))
+    commands.acted_until_ = origin->acted_until.value_or(0);
   Diagnostics findings;
   std::set<std::string_view> taken;
   const auto add = [&](const ScenarioController& controller, std::size_t body, bool delay) {
-    const std::string prefix = "/" + scenario.bodies[body].name + "/" + controller.name + "/output/";
+    const std::string owner = "/" + scenario.bodies[body].name + "/" + controller.name;
     for (const TraceChannel& channel : trace.channels()) {
+      const std::string prefix = owner + (is_acted_topic(channel.topic) ? "/acted/" : "/output/");
       if (!channel.topic.starts_with(prefix) || !taken.insert(channel.topic).second) continue;
       const auto added = commands.add(controller, static_cast<int>(body), delay, channel,
                                       std::string_view(channel.topic).substr(prefix.size()));
@@ -74,6 +78,7 @@ Result<void> RecordedCommands::add(const ScenarioController& controller, int bod
   const ScenarioBody& commanded = scenario_.bodies[body];
   Source source;
   source.channel = &channel;
+  source.is_acted = is_acted_topic(channel.topic);
   source.body = body;
   const auto stated = channel.metadata.find("delay");
   source.delayed = stated == channel.metadata.end() ? delay : stated->second != "false";
@@ -136,18 +141,33 @@ Command RecordedCommands::initial() const {
     at_rest.external.resize(body.model->links.size());
     at_rest.devices.resize(body.model->devices.size());
   }
+  set_drives(0, command);
+  for (const Source& source : sources_)
+    if (source.before_the_run && is_used(source, 0)) put_row(source, 0, command);
+  return command;
+}
+
+/// What moved the world in a branch before it began, and what did since.
+bool RecordedCommands::is_used(const Source& source, std::int64_t tick) const {
+  return source.is_acted == (tick < acted_until_);
+}
+
+void RecordedCommands::set_drives(std::int64_t tick, Command& command) const {
+  for (BodyCommand& body : command.bodies)
+    for (JointCommand& joint : body.joints) joint.drive = drive_none;
   for (const Source& source : sources_) {
+    if (!is_used(source, tick)) continue;
     std::vector<JointCommand>& joints = command.bodies[source.body].joints;
     for (const JointCell& cell : source.cells) joints[cell.joint].drive = drive_none;  // the last controller decides
     for (const JointCell& cell : source.cells) joints[cell.joint].drive |= cell.drive;
-    if (source.before_the_run) put_row(source, 0, command);
   }
-  return command;
 }
 
 void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
   const std::uint64_t now = nanoseconds_of(tick, scenario_.time_step);
+  if (tick == acted_until_ && tick > 0 && timing == Timing::same_step) set_drives(tick, command);
   for (Source& source : sources_) {
+    if (!is_used(source, tick)) continue;
     if (source.delayed != (timing == Timing::next_step)) continue;
     const std::vector<std::uint64_t>& times = source.channel->times;
     while (source.next < times.size() && times[source.next] < now) ++source.next;

@@ -41,6 +41,7 @@ class RecordedCommands {
     int body = 0;
     int target = 0;  // link or device index
     bool delayed = true;
+    bool is_acted = false;         // of a branch: what moved the world before acted_until_
     bool before_the_run = false;   // its first message was said in initialize()
     std::vector<JointCell> cells;  // of joints
     std::size_t next = 0;          // row
@@ -50,10 +51,13 @@ class RecordedCommands {
   Result<void> add(const ScenarioController& controller, int body, bool delay, const TraceChannel& channel,
                    std::string_view rest);
   Result<void> add_joints(Source& source);
+  bool is_used(const Source& source, std::int64_t tick) const;
+  void set_drives(std::int64_t tick, Command& command) const;
   void put_row(const Source& source, std::size_t row, Command& command) const;
 
   const Scenario& scenario_;
   std::vector<Source> sources_;  // in the order of the controllers
+  std::int64_t acted_until_ = 0;  // tick
 };
 
 }  // namespace rehearse

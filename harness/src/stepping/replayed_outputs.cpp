@@ -12,7 +12,7 @@
 #include <map>
 #include <tuple>
 
-#include "replay/replay_taps.h"
+#include "replay/replay_recording.h"
 
 namespace rehearse {
 namespace {
@@ -123,9 +123,7 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   replaying.progress = options.progress;
   replaying.on_difference = [&writing](const Divergence& found) { writing.add(found); };
   replaying.on_event = [&writing](const msg::Event& event) { writing.add(event); };
-  ReplayTaps taps;
-  taps.tolerates_damage = true;
-  const Result<ReplayReport> report = replay(trace, scenario, replaying, taps);
+  const Result<ReplayReport> report = replay_recording(trace, scenario, replaying, Damage::tolerate);
   writing.flush();
   if (!report) {
     made->remarks_ = report.errors();
@@ -133,9 +131,9 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
     made->remarks_.push_back(warning("the controllers can't be replayed: what is shown is what was recorded"));
     return made;
   }
-  if (!taps.other_controllers.empty())
+  if (!report->other_controllers.empty())
     made->remarks_.push_back(warning(fmt::format("the library of {} isn't the one that was recorded: commands may differ for that",
-                                                 fmt::join(taps.other_controllers, ", "))));
+                                                 fmt::join(report->other_controllers, ", "))));
   for (const Diagnostic& remark : report->remarks) made->remarks_.push_back(remark);
   made->failure_ = report->failure;
   // the tick in which a controller failed was begun

@@ -1,0 +1,170 @@
+#include "branch_origin.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+
+#include "recording/hashing.h"
+#include "scenario/scenario_findings.h"
+#include "tick_span.h"
+
+namespace rehearse {
+namespace {
+
+void put_list(mcap::StringMap& facts, const std::string& name, const std::vector<std::string>& texts) {
+  for (std::size_t i = 0; i < texts.size(); ++i) facts[fmt::format("{}.{}", name, i + 1)] = texts[i];
+}
+
+std::vector<std::string> list_of(const mcap::StringMap& facts, const std::string& name) {
+  std::vector<std::string> texts;
+  for (;;) {
+    const auto found = facts.find(fmt::format("{}.{}", name, texts.size() + 1));
+    if (found == facts.end()) return texts;
+    texts.push_back(found->second);
+  }
+}
+
+std::string value_of(const mcap::StringMap& facts, const char* key) {
+  const auto found = facts.find(key);
+  return found == facts.end() ? std::string() : found->second;
+}
+
+std::optional<std::int64_t> integer_of(const mcap::StringMap& facts, const char* key) {
+  const std::string text = value_of(facts, key);
+  std::int64_t number = 0;
+  const auto [at, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || problem != std::errc() || at != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// Where "/output/" stands as the third segment of a topic; npos: nowhere.
+std::size_t third_segment(std::string_view topic, std::string_view segment) {
+  std::size_t at = 0;
+  for (int slashes = 0; slashes < 2; ++slashes) {
+    at = topic.find('/', at + 1);
+    if (at == std::string_view::npos) return at;
+  }
+  return topic.substr(at).starts_with(segment) ? at : std::string_view::npos;
+}
+
+}  // namespace
+
+mcap::StringMap BranchOrigin::facts() const {
+  mcap::StringMap facts{{"source", source},
+                        {"loop", simulated ? "closed" : "open"},
+                        {"tick", std::to_string(tick)},
+                        {"time", fmt::format("{}", time)}};
+  if (!checkpoint.empty()) facts["checkpoint"] = checkpoint;
+  put_list(facts, "set", set);
+  put_list(facts, "push", push);
+  put_list(facts, "controller", controllers);
+  if (acted_until) facts["acted_until"] = std::to_string(*acted_until);
+  return facts;
+}
+
+std::optional<BranchOrigin> BranchOrigin::of(const mcap::StringMap* facts) {
+  if (!facts) return std::nullopt;
+  BranchOrigin origin;
+  origin.source = value_of(*facts, "source");
+  origin.simulated = value_of(*facts, "loop") != "open";
+  origin.tick = integer_of(*facts, "tick").value_or(0);
+  parse_double(value_of(*facts, "time"), origin.time);
+  origin.checkpoint = value_of(*facts, "checkpoint");
+  origin.set = list_of(*facts, "set");
+  origin.push = list_of(*facts, "push");
+  origin.controllers = list_of(*facts, "controller");
+  origin.acted_until = integer_of(*facts, "acted_until");
+  return origin;
+}
+
+std::optional<BranchOrigin> BranchOrigin::of(const mcap::Reader& trace) {
+  for (const mcap::Metadata& metadata : trace.metadata())
+    if (metadata.name == branch_record) return of(&metadata.values);
+  return std::nullopt;
+}
+
+Result<std::string> name_and_hash(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
+  stream.seekg(0);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!stream) return error(fmt::format("{} can't be read", file.string()));
+  return fmt::format("{} {}", file.filename().string(), hash_text(hash_bytes(bytes.data(), bytes.size())));
+}
+
+namespace {
+
+/// "0,0,50"
+bool parse_vector(std::string_view text, Eigen::Vector3d& vector) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t comma = axis < 2 ? text.find(',') : text.size();
+    if (comma == std::string_view::npos || !parse_double(text.substr(0, comma), vector[axis])) return false;
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return vector.allFinite();
+}
+
+/// Body and link of "Box/Box"; a message if there is none.
+std::string find_link(const std::string& name, const Scenario& scenario, Push& push) {
+  std::vector<std::string> known;
+  for (std::size_t body = 0; body < scenario.bodies.size(); ++body) {
+    const std::vector<Link>& links = scenario.bodies[body].model->links;
+    for (std::size_t link = 0; link < links.size(); ++link) {
+      known.push_back(scenario.bodies[body].name + "/" + links[link].name);
+      push.body = static_cast<int>(body);
+      push.link = static_cast<int>(link);
+      if (known.back() == name) return {};
+    }
+  }
+  return fmt::format("there is no link '{}'; {}", name, name_hint(name, known, "links"));
+}
+
+}  // namespace
+
+Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
+  Push push;
+  const std::size_t end_of_name = std::min({text.find(" force="), text.find(" torque="), text.find(" at="), text.size()});
+  const auto wrong = [&](std::size_t begin, std::size_t size, const std::string& message) {
+    return error_at({text, begin, size}, message);
+  };
+  if (const std::string problem = find_link(text.substr(0, end_of_name), scenario, push); !problem.empty())
+    return wrong(0, end_of_name, problem);
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || at < end_of_name)
+    return wrong(text.size(), 1, "a push lasts for a span: expected @3.2s..3.3s or @tick:640..660 at its end");
+  bool has_effect = false;
+  for (std::size_t begin = end_of_name; begin < at;) {
+    begin = text.find_first_not_of(' ', begin);
+    if (begin >= at) break;
+    const std::size_t end = std::min(text.find(' ', begin), at);
+    const std::string_view word = std::string_view(text).substr(begin, end - begin);
+    const std::array<std::pair<std::string_view, Eigen::Vector3d*>, 3> known{
+        {{"force=", &push.force}, {"torque=", &push.torque}, {"at=", &push.point}}};
+    const auto key = std::find_if(known.begin(), known.end(), [&](const auto& one) { return word.starts_with(one.first); });
+    if (key == known.end() || !parse_vector(word.substr(key->first.size()), *key->second))
+      return wrong(begin, word.size(), fmt::format("'{}' is none of force=X,Y,Z [N], torque=X,Y,Z [N·m], at=X,Y,Z [m]", word));
+    has_effect = has_effect || key->second != &push.point;
+    begin = end;
+  }
+  if (!has_effect) return wrong(0, text.size(), "the push has neither force nor torque");
+  const auto span = parse_span(text, at + 1, scenario.time_step);
+  if (!span) return span.errors();
+  push.from = time_of(span->first, scenario.time_step);
+  push.until = time_of(span->last + 1, scenario.time_step);
+  return push;
+}
+
+std::string acted_topic(std::string_view topic) {
+  constexpr std::string_view output = "/output/";
+  const std::size_t at = third_segment(topic, output);
+  if (at == std::string_view::npos) return {};
+  return std::string(topic.substr(0, at)) + "/acted/" + std::string(topic.substr(at + output.size()));
+}
+
+bool is_acted_topic(std::string_view topic) { return third_segment(topic, "/acted/") != std::string_view::npos; }
+
+}  // namespace rehearse

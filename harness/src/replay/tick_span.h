@@ -1,0 +1,36 @@
+// Spans of ticks as a command line writes them, and how its mistakes are shown.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace rehearse {
+
+struct TickSpan {
+  std::int64_t first = 0;
+  std::int64_t last = 0;  // inclusive
+
+  bool has(std::int64_t tick) const { return first <= tick && tick <= last; }
+};
+
+/// A command line's words, and a place in them.
+struct WordPlace {
+  std::string_view text;
+  std::size_t begin = 0;
+  std::size_t size = 0;
+};
+
+/// The message, then the words with a caret under the place.
+Diagnostic error_at(const WordPlace& place, const std::string& message);
+
+/// "tick:1200..1300" (both are in it), "tick:1200", "3.2s..3.4s" (3.4 s isn't in it), "3.2s" (one tick). `text` is all
+/// of the words, `begin` where the span begins in it.
+Result<TickSpan> parse_span(std::string_view text, std::size_t begin, double time_step);
+
+/// All of `text` as a number; false: it isn't one.
+bool parse_double(std::string_view text, double& number);
+
+}  // namespace rehearse

@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+#include <rehearse/branch.h>
+#include <rehearse/clock.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "branch_origin.h"
+#include "host/controller_host.h"
+#include "host/float_mode.h"
+#include "host/process_guard.h"
+#include "mcap/whole_input.h"
+#include "recording/provenance.h"
+#include "recording/recorder.h"
+#include "replayed_part.h"
+#include "trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What engine and renderer made of the recorded world is the recording's, not this process's.
+mcap::StringMap facts_of(const Scenario& scenario, const ControllerHost& host, const mcap::Reader& recording) {
+  mcap::StringMap facts = provenance(scenario, &host, "", "");
+  for (const mcap::Metadata& metadata : recording.metadata())
+    if (metadata.name == "rehearse")
+      for (const char* fact : {"physics", "renderer"})
+        if (const auto found = metadata.values.find(fact); found != metadata.values.end()) facts[fact] = found->second;
+  return facts;
+}
+
+Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::string& source, const fs::path& trace,
+                   const ReplayOptions& options) {
+  auto host = ControllerHost::create(scenario, options);
+  if (!host) return host.errors();
+  auto altered = AlteredInputs::parse(options.set, scenario);
+  if (!altered) return altered.errors();
+  (*host)->initialize(initial_observation(scenario));
+  if (auto read = altered->check_read_by(**host); !read) return read;
+  auto recorder = Recorder::create(trace, scenario, facts_of(scenario, **host, reader));
+  if (!recorder) return recorder.errors();
+  std::optional<ProtectedDescriptor> descriptor(std::in_place, (*recorder)->descriptor(), "the recording");
+  BranchOrigin origin;
+  origin.source = source;
+  origin.simulated = false;
+  origin.set = options.set;
+  for (const auto& [name, library] : options.libraries)
+    origin.controllers.push_back(name + "=" + fs::path(library).filename().string());
+  if (auto done = (*recorder)->add_metadata(branch_record, origin.facts()); !done) return done;
+  for (std::size_t body = 0; body < scenario.bodies.size(); ++body)
+    if (altered->alters_joints(static_cast<int>(body))) (*recorder)->measure_joints(static_cast<int>(body));
+  (*recorder)->declare(host->get());
+  (*host)->start();
+  ReplayedPart part(scenario, reader, **host, **recorder, *altered);
+  if (auto done = part.run(std::nullopt); !done) return done;
+  (*host)->stop();
+  if (part.last_state())
+    if (auto done = (*recorder)->record_tick(part.last_state()->tick, nullptr, {part.last_state()->state_hash, 0, 0}); !done)
+      return done;
+  if (auto done = (*recorder)->record_events((*host)->take_events()); !done) return done;
+  mcap::StringMap outcome{{"ticks", std::to_string(part.ticks())},
+                          {"complete", part.last_state() ? "true" : "false"},
+                          {"checkpoints", "none"}};
+  if ((*host)->failure()) outcome["failure"] = (*host)->failure()->message;
+  descriptor.reset();
+  return (*recorder)->close(outcome);
+}
+
+}  // namespace
+
+Result<void> write_replay(const fs::path& recording, const fs::path& trace, const ReplayOptions& options) {
+  const StandardFloatMode float_mode;
+  std::error_code ignored;
+  if (fs::equivalent(recording, trace, ignored)) {
+    Diagnostic same = error("that is the recording itself", "name another file for the replay");
+    same.file = trace.string();
+    return same;
+  }
+  auto reader = mcap::Reader::open(recording);
+  if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario.errors();
+  const auto source = name_and_hash(recording);
+  if (!source) return source.errors();
+  return write(**reader, *scenario, *source, trace, options);
+}
+
+}  // namespace rehearse

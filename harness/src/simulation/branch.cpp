@@ -1,0 +1,382 @@
+#include <fmt/format.h>
+#include <rehearse/branch.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "closed_loop.h"
+#include "host/float_mode.h"
+#include "recording/provenance.h"
+#include "recorded_checkpoints.h"
+#include "recorded_commands.h"
+#include "replay/branch_origin.h"
+#include "replay/replay_recording.h"
+#include "replay/replayed_part.h"
+#include "replay/tick_span.h"
+#include "replay/trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
+  if (diagnostic.file.empty()) diagnostic.file = file;
+  return diagnostic;
+}
+
+/// The ticks that a recording holds whole, and the hash of the state at the beginning of each of them and of the one
+/// after the last, if it has that.
+struct RecordedTicks {
+  std::int64_t whole = 0;
+  std::vector<std::uint64_t> state_hashes;
+};
+
+RecordedTicks ticks_of(const Trace& recording) {
+  RecordedTicks ticks;
+  const TraceChannel* channel = recording.find_channel("/tick");
+  if (!channel) return ticks;
+  std::size_t state = channel->columns.size();
+  for (std::size_t column = 0; column < channel->columns.size(); ++column)
+    if (channel->columns[column].element == "state_hash") state = column;
+  if (state < channel->columns.size())
+    for (std::size_t row = 0; row < channel->rows(); ++row) ticks.state_hashes.push_back(channel->bits(row, state));
+  ticks.whole = static_cast<std::int64_t>(ticks.state_hashes.size());
+  const mcap::StringMap* outcome = recording.find_metadata("rehearse.outcome");
+  const auto complete = outcome ? outcome->find("complete") : mcap::StringMap::const_iterator();
+  if (outcome && complete != outcome->end() && complete->second == "true") --ticks.whole;  // the last is the end's state
+  return ticks;
+}
+
+/// How many ticks before a moment the cameras and range sensors have to run so that all that arrives at it or later was
+/// captured meanwhile: twice the longest cycle, of which vision.h has that it is a second at most.
+std::int64_t lead_of(const Scenario& scenario) {
+  double longest = 0.0;
+  for (const ScenarioBody& body : scenario.bodies) {
+    for (const Device& device : body.model->devices) {
+      if (const auto* camera = std::get_if<Camera>(&device.kind)) longest = std::max(longest, 1.0 / camera->frame_rate);
+      if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) longest = std::max(longest, 1.0 / laser->scan_rate);
+    }
+  }
+  constexpr std::int64_t for_contacts = 2;  // what touched is known after a step
+  return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
+}
+
+class Branch {
+ public:
+  Branch(const BranchPoint& from, fs::path trace, const BranchOptions& options)
+      : from_(from), file_(from.trace.string()), trace_(std::move(trace)), options_(options) {}
+
+  Result<BranchSummary> make();
+
+ private:
+  Result<void> open();
+  Result<void> find_moment();
+  Result<void> set_end();
+  Result<void> add_pushes();
+  Result<void> replay_before();
+  Result<void> create(ClosedLoop& loop);
+  Result<void> lead_world(ClosedLoop& loop);
+  Result<void> choose_checkpoint();
+  Result<void> copy_source(ClosedLoop& loop);
+  Result<BranchSummary> go_on();
+  std::int64_t checkpoint_interval() const;
+
+  const BranchPoint& from_;
+  const std::string file_;
+  const fs::path trace_;
+  const BranchOptions& options_;
+  std::unique_ptr<mcap::Reader> reader_;
+  std::optional<Trace> recording_;
+  std::optional<Scenario> scenario_;
+  std::optional<BranchOrigin> source_origin_;
+  RecordedTicks ticks_;
+  BranchOrigin origin_;
+  std::int64_t checkpoint_ = 0;  // tick at which the world begins
+  Command moved_;                // what moved the world before the moment
+  BranchSummary summary_;
+};
+
+Result<void> Branch::open() {
+  auto reader = mcap::Reader::open(from_.trace);
+  if (!reader) return reader.errors();
+  reader_ = std::move(*reader);
+  auto scenario = scenario_of(*reader_);
+  if (!scenario) return scenario.errors();
+  scenario_ = *std::move(scenario);
+  auto recording = Trace::load(from_.trace, Trace::Damage::tolerate);
+  if (!recording) return recording.errors();
+  recording_ = *std::move(recording);
+  source_origin_ = BranchOrigin::of(*reader_);
+  const mcap::StringMap* facts = recording_->find_metadata("rehearse");
+  const bool of_a_log = facts && facts->count("source") && facts->at("source") == "log";
+  if (of_a_log || (source_origin_ && !source_origin_->simulated))
+    return in_file(file_, error(of_a_log ? "it was recorded from a log: there is no world to go on with"
+                                         : "it is a replay: its world didn't follow its commands, and can't go on",
+                                "branch from the recording of a simulation"));
+  const bool has_pictures = std::any_of(
+      recording_->channels().begin(), recording_->channels().end(),
+      [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  scenario_->record_frames = scenario_->record_frames && has_pictures;
+  ticks_ = ticks_of(*recording_);
+  if (ticks_.whole > 0) return {};
+  return in_file(file_, error("it has no ticks: nothing of the run was recorded"));
+}
+
+Result<void> Branch::find_moment() {
+  const double step = scenario_->time_step;
+  const double wanted = from_.tick ? static_cast<double>(*from_.tick) : std::round(*from_.time / step);
+  if (!(wanted <= static_cast<double>(ticks_.whole)))
+    return in_file(file_, error(fmt::format("its last whole tick is {} ({:g} s){}, before {}", ticks_.whole - 1,
+                                            time_of(ticks_.whole - 1, step),
+                                            recording_->damage().empty() ? "" : ", where it is cut or damaged",
+                                            from_.tick ? fmt::format("tick {}", *from_.tick)
+                                                       : fmt::format("{:g} s", *from_.time)),
+                                fmt::format("branch from @tick:{} at the latest", ticks_.whole)));
+  origin_.tick = static_cast<std::int64_t>(wanted);
+  origin_.time = time_of(origin_.tick, step);
+  return {};
+}
+
+Result<void> Branch::set_end() {
+  if (options_.until) scenario_->duration = *options_.until;
+  if (options_.duration) scenario_->duration = origin_.time + *options_.duration;
+  const bool too_long = !(scenario_->duration <= Scenario::max_duration);
+  if (!too_long && scenario_->ticks() > origin_.tick) return {};
+  return in_file(file_, error(too_long ? fmt::format("a run to {:g} s is too long", scenario_->duration)
+                                       : fmt::format("there is nothing to simulate: the branch begins at {:g} s and ends "
+                                                     "at {:g} s",
+                                                     origin_.time, scenario_->duration),
+                              too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
+                                       : "say until when: --until S, or for how long: --duration S"));
+}
+
+Result<void> Branch::add_pushes() {
+  Diagnostics findings;
+  for (const std::string& text : options_.push) {
+    const auto push = parse_push(text, *scenario_);
+    if (!push) {
+      findings.insert(findings.end(), push.errors().begin(), push.errors().end());
+    } else if (push->from < origin_.time) {
+      findings.push_back(error(fmt::format("the push '{}' begins at {:g} s, before the moment {:g} s: what happened until then "
+                                           "is recorded already",
+                                           text, push->from, origin_.time)));
+    } else {
+      scenario_->pushes.push_back(*push);
+    }
+  }
+  if (!findings.empty()) return findings;
+  origin_.push = source_origin_ ? source_origin_->push : std::vector<std::string>();
+  origin_.push.insert(origin_.push.end(), options_.push.begin(), options_.push.end());
+  return {};
+}
+
+std::int64_t Branch::checkpoint_interval() const {
+  const std::vector<std::int64_t> at = RecordedCheckpoints(*recording_, *scenario_).ticks();
+  if (at.size() >= 2) return at[1] - at[0];
+  if (at.empty()) return 0;
+  constexpr double usual = 0.1;  // [s]
+  return std::max(ticks_.whole, static_cast<std::int64_t>(std::llround(usual / scenario_->time_step)));
+}
+
+/// The latest from which the world can be led to the moment so that all of it is known there.
+Result<void> Branch::choose_checkpoint() {
+  const RecordedCheckpoints checkpoints(*recording_, *scenario_);
+  const auto objection = checkpoints.objection();
+  if (!objection) return objection.errors();
+  const std::int64_t latest = origin_.tick - lead_of(*scenario_);
+  if (objection->empty())
+    for (const std::int64_t tick : checkpoints.ticks())
+      if (tick <= latest) checkpoint_ = std::max(checkpoint_, tick);
+  origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
+  summary_.world = checkpoint_ > 0
+                       ? fmt::format("the world was set to the checkpoint of tick {} and led to tick {} by the recorded "
+                                     "commands",
+                                     checkpoint_, origin_.tick)
+                       : fmt::format("the world was led from the start to tick {} by the recorded commands{}", origin_.tick,
+                                     objection->empty() ? "" : ": " + *objection);
+  return {};
+}
+
+/// What the controllers do before the moment, beside what they did.
+Result<void> Branch::replay_before() {
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = options_;
+  replaying.until = origin_.time;
+  std::vector<std::string> before;
+  for (const std::string& text : options_.set) {
+    const auto altered = AlteredInputs::parse({text}, *scenario_);
+    if (!altered) return altered.errors();
+    if (altered->begins() < origin_.tick) before.push_back(text);
+  }
+  replaying.set = before;
+  auto report = replay_recording(*reader_, *scenario_, replaying);
+  if (!report) return report.errors();
+  summary_.before = *std::move(report);
+  if (!summary_.before.failure) return {};
+  return in_file(file_, error("before the moment, " + summary_.before.failure->message));
+}
+
+Result<void> Branch::create(ClosedLoop& loop) {
+  auto altered = AlteredInputs::parse(options_.set, *scenario_);
+  if (!altered) return altered.errors();
+  loop.altered = *std::move(altered);
+  if (auto created = loop.create(trace_, options_); !created) return created;
+  origin_.set = options_.set;
+  const mcap::StringMap* facts = recording_->find_metadata("rehearse");
+  for (const auto& [fact, library] : controller_facts(*loop.host)) {
+    const auto then = facts->find(fact);
+    if (then == facts->end() || then->second != library)
+      origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
+  }
+  if (!summary_.before.equal() || !summary_.before.same_controllers)
+    origin_.acted_until = origin_.tick;
+  else if (source_origin_ && source_origin_->acted_until)
+    origin_.acted_until = std::min(*source_origin_->acted_until, origin_.tick);
+  if (auto done = loop.recorder->add_metadata(branch_record, origin_.facts()); !done) return done;
+  loop.checkpoint_interval = checkpoint_interval();
+  for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
+    if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
+  loop.command = loop.host->initialize(initial_observation(*scenario_));
+  if (auto read = loop.altered.check_read_by(*loop.host); !read) return read;
+  loop.watch_contacts();
+  loop.recorder->declare(loop.host.get());
+  loop.host->start();
+  return {};
+}
+
+/// The world as it was at the moment, with all that is under way in it.
+Result<void> Branch::lead_world(ClosedLoop& loop) {
+  auto commands = RecordedCommands::find(*scenario_, *recording_);
+  if (!commands) return commands.errors();
+  using Timing = RecordedCommands::Timing;
+  Plant& plant = *loop.plant;
+  moved_ = commands->initial();
+  plant.obey(-1, moved_);
+  for (std::int64_t tick = 0; tick < checkpoint_; ++tick) {  // so that devices are as they were there
+    commands->put(tick, Timing::same_step, moved_);
+    for (BodyCommand& body : moved_.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+    commands->put(tick, Timing::next_step, moved_);
+    plant.obey(tick, moved_);
+  }
+  if (checkpoint_ > 0) {
+    const auto state = RecordedCheckpoints(*recording_, *scenario_).at(checkpoint_);
+    if (!state) return state.errors();
+    REHEARSE_ASSERT(state->has_value(), "it was chosen from those there are");
+    if (auto begun = plant.begin_at(checkpoint_, **state); !begun) return begun;
+  }
+  for (std::int64_t tick = checkpoint_; tick < origin_.tick; ++tick) {
+    plant.sense();
+    commands->put(tick, Timing::same_step, moved_);
+    loop.recorder->begin_with_contacts(plant.world().touching());
+    if (!plant.step(moved_))
+      return in_file(file_, error(fmt::format("led by the recorded commands, the simulation exploded after tick {}", tick)));
+    commands->put(tick, Timing::next_step, moved_);
+    plant.obey(tick, moved_);
+  }
+  const auto moment = static_cast<std::size_t>(origin_.tick);
+  if (moment >= ticks_.state_hashes.size() || plant.world().state_hash() == ticks_.state_hashes[moment]) return {};
+  Diagnostic& remark = summary_.run.remarks.emplace_back(
+      error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit", origin_.tick),
+            "another version or another arithmetic recorded it, or it doesn't repeat itself: rehearse check tells"));
+  remark.severity = Severity::warning;
+  return {};
+}
+
+Result<void> Branch::copy_source(ClosedLoop& loop) {
+  ReplayedPart part(*scenario_, *reader_, *loop.host, *loop.recorder, loop.altered);
+  part.keep_acted(origin_.acted_until, source_origin_ ? source_origin_->acted_until : std::nullopt);
+  if (auto done = part.run(origin_.tick); !done) return done;
+  if (loop.host->failure()) return in_file(file_, error("before the moment, " + loop.host->failure()->message));
+  // what the recorded controllers commanded last still acts; from now on joints are driven as these here say
+  for (std::size_t body = 0; body < moved_.bodies.size(); ++body)
+    for (std::size_t joint = 0; joint < moved_.bodies[body].joints.size(); ++joint)
+      moved_.bodies[body].joints[joint].drive = loop.command.bodies[body].joints[joint].drive;
+  loop.command = std::move(moved_);
+  return {};
+}
+
+Result<BranchSummary> Branch::make() {
+  if (auto opened = open(); !opened) return opened.errors();
+  std::error_code ignored;
+  if (fs::equivalent(from_.trace, trace_, ignored))
+    return in_file(trace_.string(), error("that is the recording to branch from", "name another file for the branch"));
+  if (auto found = find_moment(); !found) return found.errors();
+  if (auto set = set_end(); !set) return set.errors();
+  if (auto added = add_pushes(); !added) return added.errors();
+  if (auto chosen = choose_checkpoint(); !chosen) return chosen.errors();
+  auto hash = name_and_hash(from_.trace);
+  if (!hash) return hash.errors();
+  origin_.source = *std::move(hash);
+  if (auto replayed = replay_before(); !replayed) return replayed.errors();
+
+  auto run = go_on();
+  if (run) return run;
+  fs::remove(trace_, ignored);
+  return run.errors();
+}
+
+/// The branch itself: what is known of it is right.
+Result<BranchSummary> Branch::go_on() {
+  ClosedLoop loop(*scenario_);
+  if (auto created = create(loop); !created) return created.errors();
+  if (auto led = lead_world(loop); !led) return led.errors();
+  if (auto copied = copy_source(loop); !copied) return copied.errors();
+  const std::int64_t all = scenario_->ticks() - origin_.tick;
+  const std::int64_t stride = std::max<std::int64_t>(1, all / 100);
+  for (;;) {
+    const Result<bool> going_on = loop.step();
+    if (!going_on) return going_on.errors();
+    if (!*going_on) break;
+    const std::int64_t done = loop.plant->tick() - origin_.tick;
+    if (options_.progress && done % stride == 0) options_.progress(done, all);
+  }
+  auto run = loop.finish();
+  if (!run) return run.errors();
+  run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
+  for (const std::string& text : loop.altered.unused()) {
+    Diagnostic& remark = run->remarks.emplace_back(
+        error(fmt::format("'{}' altered nothing: there was no such tick, or nothing was measured then", text)));
+    remark.severity = Severity::warning;
+  }
+  summary_.run = *std::move(run);
+  summary_.tick = origin_.tick;
+  summary_.time = origin_.time;
+  return std::move(summary_);
+}
+
+}  // namespace
+
+Result<BranchPoint> BranchPoint::parse(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || at == 0)
+    return error_at({text, text.size(), 1}, "that names no moment: expected TRACE@3.2s or TRACE@tick:640");
+  BranchPoint point;
+  point.trace = text.substr(0, at);
+  const std::string moment = text.substr(at + 1);
+  double number = 0.0;
+  const bool is_tick = moment.starts_with("tick:");
+  const bool has_form = is_tick || moment.ends_with('s');
+  const std::string_view digits = is_tick ? std::string_view(moment).substr(5)
+                                          : std::string_view(moment).substr(0, moment.empty() ? 0 : moment.size() - 1);
+  constexpr double most = 1e15;
+  if (!has_form || !parse_double(digits, number) || !(number >= 0.0 && number <= most) ||
+      (is_tick && number != std::floor(number)))
+    return error_at({text, at + 1, moment.size()},
+                    fmt::format("'{}' is no moment: expected 3.2s or tick:640", moment));
+  if (is_tick)
+    point.tick = static_cast<std::int64_t>(number);
+  else
+    point.time = number;
+  return point;
+}
+
+Result<BranchSummary> record_branch(const BranchPoint& from, const fs::path& trace, const BranchOptions& options) {
+  const StandardFloatMode float_mode;
+  return Branch(from, trace, options).make();
+}
+
+}  // namespace rehearse
