@@ -13,8 +13,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "audit/interposer.h"
+#include "branch_recording.h"
 #include "command.h"
 #include "debugger.h"
 #include "export/replaceable.h"
@@ -33,9 +35,11 @@ struct Settings {
   std::optional<double> duration;  // [s]
   bool no_frames = false;
   bool verify = false;
+  std::optional<double> checkpoints;  // [s]
   RecordOptions record;
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // in gdb
+  BranchSettings branch;
 };
 
 /// Another duration. What is expected of a time that doesn't come then is expected no longer, and neither is what was
@@ -97,7 +101,31 @@ Exit run_in_gdb(const Settings& settings, const Scenario& scenario, const CLI::A
   return become_gdb(settings.debugger, words_without_debugger("record", options), settings.tick);
 }
 
+/// A recording that begins as another one.
+Exit run_branch(Settings& settings) {
+  for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"), {settings.no_frames, "--no-frames"},
+                                     {settings.verify, "--verify"}, {settings.checkpoints.has_value(), "--checkpoints"}})
+    if (said)
+      return refuse(error(fmt::format("{} with --from-checkpoint: a branch goes on as it was recorded", option)));
+  if (settings.debugger.is_wanted())
+    return refuse(error("--gdb with --from-checkpoint",
+                        "record the branch, and look at it: rehearse replay BRANCH --gdb --tick N"));
+  if (settings.duration && settings.branch.options.until)
+    return refuse(error("--duration and --until: a branch has one end", "--duration counts from the moment"));
+  static_cast<HostOptions&>(settings.branch.options) = settings.record;
+  settings.branch.options.scenario = settings.scenario;
+  settings.branch.options.duration = settings.duration;
+  settings.branch.trace = settings.trace;
+  return record_branch_of(settings.branch);
+}
+
 Exit run(Settings& settings, const CLI::App& options) {
+  if (!settings.branch.from.empty()) return run_branch(settings);
+  if (settings.scenario.empty())
+    return refuse(error("rehearse record: SCENARIO is required (see rehearse record --help)"));
+  if (is_about_a_branch(settings.branch))
+    return refuse(error("--until, --set and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
+  if (settings.checkpoints) settings.record.checkpoint_period = *settings.checkpoints;
   const Result<Scenario> scenario = load(settings);
   if (!scenario) return refuse(scenario.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
@@ -135,7 +163,7 @@ Exit run(Settings& settings, const CLI::App& options) {
 
 std::function<Exit()> declare(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
-  options.add_option("SCENARIO", settings->scenario, "a YAML file")->required()->type_name("");
+  options.add_option("SCENARIO", settings->scenario, "a YAML file")->type_name("");
   options.add_option("-o,--output", settings->trace, "the trace to write (SCENARIO.mcap in this folder)")
       ->type_name("TRACE");
   add_integer(options, "--seed", "instead of the scenario's", 0, std::numeric_limits<std::uint32_t>::max(),
@@ -143,11 +171,12 @@ std::function<Exit()> declare(CLI::App& options) {
   add_number(options, "--duration", "simulated time [s], instead of the scenario's", 0.0, Scenario::max_duration,
              [=](double duration) { settings->duration = duration; });
   add_number(options, "--checkpoints", "simulated time from one checkpoint to the next [s], 0: none (0.1)", 0.0,
-             Scenario::max_duration, [=](double period) { settings->record.checkpoint_period = period; });
+             Scenario::max_duration, [=](double period) { settings->checkpoints = period; });
   options.add_flag("--verify", settings->verify,
                    "then run a sample of it again, from its checkpoints, and all its commands: does it repeat itself?");
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   add_host_options(options, settings->record);
+  add_branch_options(options, settings->branch);
   add_debugger_options(options, settings->debugger);
   add_integer(options, "--tick", "with --gdb: where to stop (0)", 0, std::numeric_limits<std::uint32_t>::max(),
               [=](std::int64_t tick) { settings->tick = tick; });
@@ -158,7 +187,8 @@ std::function<Exit()> declare(CLI::App& options) {
 
 const Verb record_verb{"record",
                        "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
-                       "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n",
+                       "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n"
+                       "  rehearse record --from-checkpoint walk.mcap@3.2s --push 'Walker/TRUNK force=0,80,0 @3.2s..3.3s'\n",
                        declare};
 
 }  // namespace rehearse::tool

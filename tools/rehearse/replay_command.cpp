@@ -1,6 +1,7 @@
 // rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs of
 // a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h.
 #include <fmt/format.h>
+#include <rehearse/branch.h>
 #include <rehearse/replay.h>
 
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include "audit/virtualised.h"
 #include "command.h"
 #include "debugger.h"
+#include "export/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -57,6 +59,11 @@ Json report_json(const ReplayReport& report) {
           {"ticks_different", report.ticks_different},
           {"values", report.values},
           {"values_different", report.values_different},
+          {"words",
+           {{"lines", report.words.lines},
+            {"variables", report.words.variables},
+            {"different", report.words.different},
+            {"first", json_of(report.words.first)}}},
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
           {"controller_refused", report.controller_refused},
           {"remarks", json_of(report.remarks)}};
@@ -65,7 +72,9 @@ Json report_json(const ReplayReport& report) {
 void tell(const Settings& settings, const ReplayReport& report, double seconds) {
   fmt::print("replayed {}: {} without physics in {:.3f} s, {:.0f} ticks/s\n", settings.trace,
              count_text(report.ticks, "tick"), seconds, static_cast<double>(report.ticks) / seconds);
-  fmt::print("{}\n", verdict(report));
+  fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
+  if (report.words.first)
+    fmt::print("what they say differs too, which makes no verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
   fmt::print("worst: {}\n", to_string(*report.worst));
   fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks, "tick"),
@@ -89,14 +98,17 @@ Exit run_in_gdb(const Settings& settings, const CLI::App& options) {
 Result<void> check_usage(const Settings& settings) {
   if (settings.debugger.is_wanted() && (settings.ticks.at || !settings.ticks.watch.empty() || !settings.ticks.when.empty()))
     return error("--gdb goes with none of --at, --watch and --when", "--gdb --tick N stops at that tick");
+  if (!settings.replay.set.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
+    return error("--set with --tick, --at, --watch, --when or --gdb",
+                 "write what happens then with -o BRANCH, and look at that");
   if (!settings.is_of_a_log()) {
     if (!settings.controller.empty())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
                    "a library alone is for a robot's log, with --model and --map");
-    if (!settings.output.empty())
-      return error("-o without --map: the replay of a recording writes nothing", "a robot's log has --model and --map");
-    return {};
+    if (settings.output.empty()) return {};
+    return check_replaceable(settings.output, mcap_magic, "trace");
   }
+  if (!settings.replay.set.empty()) return error("--set is for recordings: a log's map says what is read of it");
   if (settings.map.empty()) return error("--model without --map", "--map FILE says which topic is which input");
   if (settings.model.empty()) return error("--map without --model", "--model ROBOT.urdf is the robot of the log");
   if (settings.controller.empty() || !settings.replay.libraries.empty())
@@ -148,6 +160,9 @@ Exit run(Settings& settings, const CLI::App& options) {
     return replay(settings.trace, settings.replay);
   }();
   if (!report) return refuse(report.errors());
+  if (!settings.output.empty())
+    if (const auto written = write_replay(settings.trace, settings.output, settings.replay); !written)
+      return refuse(written.errors());
   if (settings.json) {
     print(report_json(*report));
   } else {
@@ -168,6 +183,12 @@ std::function<Exit()> declare(CLI::App& options) {
              [=](double from) { settings->replay.from = from; });
   add_number(options, "--until", "end there [s]", 0.0, longest_time,
              [=](double until) { settings->replay.until = until; });
+  options
+      .add_option("--set", settings->replay.set,
+                  "alter what the controllers read, as 'Walker/KNEE/q=0.3@tick:1200..1300'; +=, *=, nan, 30deg; repeatable")
+      ->type_name("SERIES=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_host_options(options, settings->replay, &settings->controller);
   add_integer(options, "--tick", "show this tick: what was read, commanded, measured, said; what changed, what differs; with --gdb: stop there", 0,
               std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
@@ -185,7 +206,7 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_option("--model", settings->model, "of a log: the robot")->type_name("URDF");
   options.add_option("--map", settings->map, "of a log: the YAML file that says which topic is which input")
       ->type_name("FILE");
-  options.add_option("-o,--output", settings->output, "of a log: the trace to write (LOG.replay.mcap in this folder)")
+  options.add_option("-o,--output", settings->output, "the trace to write: what was recorded, with what they do now (of a log: LOG.replay.mcap in this folder)")
       ->type_name("TRACE");
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);
@@ -201,6 +222,7 @@ const Verb replay_verb{"replay",
                        "  rehearse replay failed.mcap --watch 'Walker/KNEE/*' --from 3.0 --until 3.5 --every 10\n"
                        "  rehearse replay failed.mcap --when 'Walker/KNEE/u > 100 && contact(LEFT_FOOT)'\n"
                        "  rehearse replay failed.mcap --gdb --tick 3204\n"
+                       "  rehearse replay walk.mcap --set 'Walker/KNEE/q=nan@tick:1200' -o what_if.mcap\n"
                        "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
                        declare};
 

@@ -31,6 +31,9 @@ struct BranchPoint {
 };
 
 struct BranchOptions : HostOptions {
+  /// The scenario file that was recorded: the models' meshes, which no recording holds, are those that it names. It has
+  /// to be what it was, and so have its models and meshes. Empty: the recording is enough, if there are no meshes.
+  std::filesystem::path scenario;
   /// The end, as time of the run [s], or so long after the moment [s]; none: the source's.
   std::optional<double> until, duration;
   /// Inputs that are altered before controllers see them, as ReplayOptions::set; those before the moment, too.

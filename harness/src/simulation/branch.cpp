@@ -12,6 +12,7 @@
 #include "recording/provenance.h"
 #include "recorded_checkpoints.h"
 #include "recorded_commands.h"
+#include "recording/mesh_digests.h"
 #include "replay/branch_origin.h"
 #include "replay/replay_recording.h"
 #include "replay/replayed_part.h"
@@ -74,6 +75,7 @@ class Branch {
 
  private:
   Result<void> open();
+  Result<void> take_meshes();
   Result<void> find_moment();
   Result<void> set_end();
   Result<void> add_pushes();
@@ -107,6 +109,7 @@ Result<void> Branch::open() {
   auto scenario = scenario_of(*reader_);
   if (!scenario) return scenario.errors();
   scenario_ = *std::move(scenario);
+  if (auto taken = take_meshes(); !taken) return taken;
   auto recording = Trace::load(from_.trace, Trace::Damage::tolerate);
   if (!recording) return recording.errors();
   recording_ = *std::move(recording);
@@ -124,6 +127,40 @@ Result<void> Branch::open() {
   ticks_ = ticks_of(*recording_);
   if (ticks_.whole > 0) return {};
   return in_file(file_, error("it has no ticks: nothing of the run was recorded"));
+}
+
+/// The models with their meshes, out of the scenario's files.
+Result<void> Branch::take_meshes() {
+  const auto text_of = [&](const std::string& name) {
+    for (const mcap::Attachment& attachment : reader_->attachments())
+      if (attachment.name == name)
+        return std::string(reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size());
+    return std::string();
+  };
+  if (options_.scenario.empty()) {
+    for (const ScenarioBody& body : scenario_->bodies)
+      if (!text_of(body.model_file + ".meshes").empty())
+        return in_file(file_, error(fmt::format("{} has meshes, which a recording doesn't hold", body.model_file),
+                                    "name the scenario that was recorded as well: rehearse record SCENARIO "
+                                    "--from-checkpoint TRACE@..."));
+    return {};
+  }
+  auto loaded = Scenario::load(options_.scenario);
+  if (!loaded) return loaded.errors();
+  const auto other = [&](const std::string& what) {
+    return in_file(options_.scenario.string(), error(fmt::format("{} isn't what {} was recorded of", what, file_)));
+  };
+  if (loaded->text != scenario_->text) return other("it");
+  for (const ScenarioBody& body : loaded->bodies) {
+    if (body.model_file.empty()) continue;
+    if (body.model->source_text != text_of(body.model_file)) return other(body.model_file);
+    if (mesh_digests(*body.model) != text_of(body.model_file + ".meshes")) return other("a mesh of " + body.model_file);
+  }
+  loaded->seed = scenario_->seed;
+  loaded->duration = scenario_->duration;
+  loaded->pushes = scenario_->pushes;
+  scenario_ = *std::move(loaded);
+  return {};
 }
 
 Result<void> Branch::find_moment() {

@@ -1,0 +1,26 @@
+// record --from-checkpoint: a branch of a recording.
+#pragma once
+
+#include <rehearse/branch.h>
+
+#include <CLI/App.hpp>
+#include <string>
+
+#include "command.h"
+
+namespace rehearse::tool {
+
+struct BranchSettings {
+  std::string from;   // "TRACE@3.2s"; empty: no branch is wanted
+  std::string trace;  // empty: named like the source, in the working directory
+  BranchOptions options;
+};
+
+/// --from-checkpoint, --until, --set and --push.
+void add_branch_options(CLI::App& options, BranchSettings& settings);
+/// Whether something was said that only means something with --from-checkpoint.
+bool is_about_a_branch(const BranchSettings& settings);
+
+Exit record_branch_of(BranchSettings settings);
+
+}  // namespace rehearse::tool
