@@ -75,6 +75,7 @@ const Exception allowed[] = {
     {"harness/src/host/pin.cpp", "environment", "how a process is pinned"},
     {"harness/src/host/process_tripwires.cpp", "thread", "counts the threads that controllers start; starts none"},
     {"harness/src/recording/provenance.cpp", "environment", "what the trace says of how the process was pinned"},
+    {"harness/src/report/report_page.cpp", "environment", "where the page of reports lies"},
     {"harness/src/testing/test_folders.cpp", "environment", "where a test's files lie"},
     {"harness/src/testing/test_reports.cpp", "environment", "what is done with a finished run"},
     {"harness/src/mcap/output.cpp", "thread", "compresses and writes; what it writes depends on the data alone"},

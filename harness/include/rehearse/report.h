@@ -57,7 +57,8 @@ struct ReportSummary {
   std::vector<std::string> omitted;        // what it leaves out, and why: sentences
 };
 
-/// Where the page stands that reports are made of. Fails, and says what to install, if it was not built.
+/// Where the page stands that reports are made of: REHEARSE_REPORT_PAGE in the environment says it, for whoever works on
+/// the page, else it belongs to this library. Fails, and says what to install, if it was not built.
 Result<std::filesystem::path> report_page();
 
 /// What opens a report, at that tick if there is one: "file:///home/me/a%20run.html#tick=123". Terminals make a link of it.

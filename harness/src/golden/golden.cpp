@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "golden_files.h"
+#include "report/stale_report.h"
 #include "recording/hashing.h"
 #include "recording/trace_version.h"
 
@@ -201,6 +202,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
     std::error_code ignored;
     fs::remove(pending_file(name), ignored);  // what waited there is no longer what the program does
     remove_picture_differences(pending_file(name));
+    remove_report(pending_file(name));
   }
   result.comparison = std::move(comparison);
   return result;

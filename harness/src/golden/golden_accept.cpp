@@ -10,6 +10,7 @@
 #include <set>
 
 #include "golden_files.h"
+#include "report/stale_report.h"
 
 namespace rehearse {
 namespace {
@@ -176,9 +177,11 @@ Result<void> GoldenStore::reject(const std::string& name) {
   fs::remove(pending_file(name), failed);
   if (failed) return error(fmt::format("{} can't be removed: {}", pending_file(name).string(), failed.message()));
   remove_picture_differences(pending_file(name));
+  remove_report(pending_file(name));
   const fs::path plant = pending_ / "plant" / (name + ".mcap");  // what a check has found on the plant level
   fs::remove(plant, failed);
   remove_picture_differences(plant);
+  remove_report(plant);
   return {};
 }
 

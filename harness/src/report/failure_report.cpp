@@ -1,7 +1,6 @@
 #include <rehearse/failure_report.h>
 
-#include "export/replaceable.h"
-#include "report/report_page.h"
+#include "report/stale_report.h"
 
 namespace rehearse {
 namespace {
@@ -23,14 +22,6 @@ fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
   return {};
 }
 
-/// Of an earlier check, if its trace is no longer there. Only what is a report is removed.
-void remove_stale_report(const fs::path& trace) {
-  const fs::path file = fs::path(trace).replace_extension(".html");
-  std::error_code ignored;
-  const bool is_stale = !fs::exists(trace, ignored) && fs::is_regular_file(file, ignored);
-  if (is_stale && check_replaceable(file, report_magic, "report")) fs::remove(file, ignored);
-}
-
 }  // namespace
 
 ReportVerdict report_verdict(const CheckReport& checked) {
@@ -47,8 +38,9 @@ ReportVerdict report_verdict(const CheckReport& checked) {
 Result<std::optional<FailureReport>> write_failure_report(const CheckReport& checked, const Scenario& scenario,
                                                           const fs::path& golden, const fs::path& actual,
                                                           ReportOptions options) {
-  remove_stale_report(actual);
-  remove_stale_report(actual.parent_path() / "plant" / actual.filename());
+  std::error_code ignored;
+  for (const fs::path& file : {actual, actual.parent_path() / "plant" / actual.filename()})
+    if (!fs::exists(file, ignored)) remove_report(file);
   if (checked.within() && !has_failed(checked)) return std::optional<FailureReport>();
   const fs::path trace = trace_left(checked, actual);
   if (trace.empty()) return std::optional<FailureReport>();
@@ -56,7 +48,6 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   options.horizon = checked.horizon;
   options.verdict = report_verdict(checked);
   options.scenario = scenario.file;
-  std::error_code ignored;
   const std::optional<fs::path> beside = fs::is_regular_file(golden, ignored) ? std::optional(golden) : std::nullopt;
   const fs::path file = fs::path(trace).replace_extension(".html");
   auto written = write_report(trace, beside, file, options);

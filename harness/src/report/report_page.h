@@ -10,11 +10,9 @@
 
 #include "mcap/draft.h"
 #include "report/report_blobs.h"
+#include "report/stale_report.h"
 
 namespace rehearse {
-
-/// How a report begins; nothing else does.
-inline constexpr std::string_view report_magic = "<!doctype html><!-- a report of Rehearse -->";
 
 /// Writes a report from its head to its end, under another name until it is whole.
 class ReportFile {

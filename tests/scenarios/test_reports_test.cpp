@@ -1,0 +1,132 @@
+// What failing tests leave behind: a report each, and one index of all, whichever programs they ran in.
+#include <gmock/gmock.h>
+#include <rehearse/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "small_traces.h"
+#include "testing/test_reports.h"
+
+namespace rehearse {
+namespace {
+
+using internal::TestVerdict;
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+/// A box that falls for 50 ms, a golden of it, and a page that needs no npm.
+class TestReports : public ::testing::Test {
+ protected:
+  TestReports() {
+    for (const char* variable : {"REHEARSE_GOLDEN", "REHEARSE_PENDING", "CI", "REHEARSE_REPORT"}) unsetenv(variable);
+    set_test_folders({folder_.path().string(), (folder_ / "golden").string(), folder_.path().string(), ""});
+    std::filesystem::create_directories(folder_ / "golden");
+    std::ofstream(folder_ / "page.html") << "<!doctype html><html><!-- REHEARSE DATA --></html>";
+    setenv("REHEARSE_REPORT_PAGE", (folder_ / "page.html").c_str(), 1);
+    setenv("REHEARSE_GOLDEN", "new", 1);
+    EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
+    unsetenv("REHEARSE_GOLDEN");
+  }
+  ~TestReports() override {
+    set_test_folders({FIXTURES_DIR, "golden", ".", ""});
+    unsetenv("REHEARSE_REPORT_PAGE");
+    unsetenv("REHEARSE_REPORT");
+  }
+
+  /// From that height [m].
+  Trace fall(double height) {
+    std::ofstream(folder_ / "fall.yaml")
+        << "rehearse: 1\nduration: 0.05\nbodies: [{name: Box, sphere: {radius: 0.1}, mass: 1, position: [0, 0, "
+        << height << "]}]\n";
+    return record("fall.yaml");
+  }
+  std::filesystem::path traces(const std::string& name) const { return folder_ / ("traces/" + name); }
+
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(TestReports, OfATestThatFailsIsNamedByItsFailure) {
+  const TestVerdict verdict = internal::match_golden(fall(1.01), "Box.Falls");
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_THAT(verdict.message, ContainsRegex("\nin a browser: file:///.*/traces/Box.Falls.html#tick=0$"));
+  EXPECT_THAT(text_of(traces("Box.Falls.html")),
+              AllOf(HasSubstr("a report of Rehearse"), HasSubstr("\"state\":\"beyond\""), HasSubstr("\"levels\"")));
+  const std::string index = text_of(traces("index.html"));
+  EXPECT_THAT(index, HasSubstr("<h1>1 of 1 tests that were compared with a golden failed</h1>"));
+  EXPECT_THAT(index, HasSubstr("<a href=\"Box.Falls.html#tick=0\">Box.Falls</a>"));
+  EXPECT_THAT(index, HasSubstr("/Box/Box/pose"));
+}
+
+TEST_F(TestReports, AreNotMadeOfTestsThatPass) {
+  EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
+  EXPECT_FALSE(std::filesystem::exists(traces("Box.Falls.html")));
+  EXPECT_FALSE(std::filesystem::exists(traces("index.html")));
+  setenv("REHEARSE_REPORT", "always", 1);
+  EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
+  EXPECT_THAT(text_of(traces("Box.Falls.html")), HasSubstr("\"state\":\"equal\""));
+  EXPECT_THAT(text_of(traces("index.html")), HasSubstr("<h1>0 of 1 tests"));
+}
+
+TEST_F(TestReports, GoWhenTheirTestIsRightAgain) {
+  EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Falls").passed);
+  EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
+  EXPECT_FALSE(std::filesystem::exists(traces("Box.Falls.html")));
+  EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("<h1>0 of 1 tests"), Not(HasSubstr("href"))));
+}
+
+TEST_F(TestReports, AreNotMadeIfNobodyWantsThem) {
+  setenv("REHEARSE_REPORT", "never", 1);
+  EXPECT_THAT(internal::match_golden(fall(1.01), "Box.Falls").message, Not(HasSubstr("in a browser")));
+  EXPECT_FALSE(std::filesystem::exists(traces("index.html")));
+}
+
+TEST_F(TestReports, SayWhatIsMissingIfThePageIs) {
+  setenv("REHEARSE_REPORT_PAGE", (folder_ / "missing.html").c_str(), 1);
+  const TestVerdict verdict = internal::match_golden(fall(1.01), "Box.Falls");
+  EXPECT_THAT(verdict.message, HasSubstr("\nthere is no report to look at: the page of reports can't be read"));
+  EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("Box.Falls"), Not(HasSubstr("href"))));
+}
+
+TEST_F(TestReports, OfManyProgramsAtOnceAreAllListed) {
+  constexpr int programs = 4, tests = 5;
+  const Trace trace = fall(1.01);
+  internal::ComparedTest compared;
+  compared.golden = folder_ / "golden/Box.Falls.mcap";
+  std::vector<pid_t> children;
+  for (int program = 0; program < programs; ++program) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      for (int test = 0; test < tests; ++test)
+        internal::keep_test_report(trace, "Program" + std::to_string(program) + ".Test" + std::to_string(test),
+                                   {false, "it <fell>"}, compared);
+      _exit(0);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = -1;
+    EXPECT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+  }
+  const std::string index = text_of(traces("index.html"));
+  for (int program = 0; program < programs; ++program)
+    for (int test = 0; test < tests; ++test)
+      EXPECT_THAT(index, HasSubstr(">Program" + std::to_string(program) + ".Test" + std::to_string(test) + "</a>"));
+  EXPECT_THAT(index, HasSubstr("it &lt;fell&gt;"));
+}
+
+}  // namespace
+}  // namespace rehearse
