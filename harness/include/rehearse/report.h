@@ -2,7 +2,7 @@
 //
 // It has the verdict, a time line, the robots in motion, plots of all series, the pictures, what controllers said, and
 // what both runs were made with. Its page is built by npm from tools/report and stands in share/rehearse; its data is
-// described in tools/report/FORMAT.md, which is installed beside it. Nothing is simulated and no controller is run.
+// described in tools/report/FORMAT.md. Nothing is simulated and no controller is run.
 #pragma once
 
 #include <rehearse/diagnostic.h>

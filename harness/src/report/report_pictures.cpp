@@ -22,7 +22,7 @@ Bytes grey_of(const RecordedPicture& picture, float near, float far) {
     const float depth = picture.depths[i];
     if (!std::isfinite(depth)) continue;
     const float share = far > near ? (far - depth) / (far - near) : 1.0f;
-    const auto grey = static_cast<std::uint8_t>(std::lround(1.0f + 254.0f * std::clamp(share, 0.0f, 1.0f)));
+    const auto grey = static_cast<std::uint8_t>(1.5f + 254.0f * std::clamp(share, 0.0f, 1.0f));  // rounded
     std::fill_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, grey);
   }
   return encode_png(image);
@@ -48,15 +48,17 @@ std::optional<RecordedPicture> distances_at(const Trace& trace, const TraceChann
 }  // namespace
 
 void PictureWriter::find_range(const Trace& trace, const TraceChannel& channel, Album& album) {
+  std::vector<float> before;
   for (std::size_t i = 0; i < channel.messages(); ++i) {
-    const auto picture = distances_at(trace, channel, i);
-    if (!picture) continue;
+    auto picture = distances_at(trace, channel, i);
+    if (!picture || picture->depths == before) continue;  // nothing has moved
     album.is_depth = true;
     for (const float depth : picture->depths) {
       if (!std::isfinite(depth)) continue;
       album.near = std::min(album.near, depth);
       album.far = std::max(album.far, depth);
     }
+    before = std::move(picture->depths);
   }
 }
 
@@ -76,8 +78,12 @@ ReportJson PictureWriter::picture(const Trace& trace, const TraceChannel& channe
   const auto payload = trace.payload(channel, message);
   auto file = payload ? Result<PictureFile>(PictureFile()) : Result<PictureFile>(payload.errors());
   if (payload && album.is_depth) {
-    const auto distances = read_picture(channel.type, *payload);
-    if (distances && distances->pixels() > 0) *file = {distances->stamp, "png", grey_of(*distances, album.near, album.far)};
+    auto distances = read_picture(channel.type, *payload);
+    if (distances && distances->pixels() > 0) {
+      if (distances->depths == album.drawn_depths) return album.drawn;
+      *file = {distances->stamp, "png", grey_of(*distances, album.near, album.far)};
+      album.drawn_depths = std::move(distances->depths);
+    }
   } else if (payload) {
     file = picture_file(channel.type, *payload);
   }
@@ -89,6 +95,7 @@ ReportJson PictureWriter::picture(const Trace& trace, const TraceChannel& channe
   if (file->extension == "png") std::tie(album.width, album.height) = png_size(file->bytes);
   ReportJson blob = blobs_.bytes(file->bytes);
   blob["media_type"] = file->extension == "png" ? "image/png" : "image/jpeg";
+  if (album.is_depth) album.drawn = blob;
   return blob;
 }
 

@@ -29,6 +29,8 @@ class PictureWriter {
     int width = 0, height = 0;      // [pixels]; 0: not known yet
     std::size_t lost = 0;           // that can't be shown
     std::string why;                // of the first of these
+    std::vector<float> drawn_depths;  // of the picture before: often nothing has moved
+    ReportJson drawn;
   };
   Album survey(const TraceChannel* actual, const TraceChannel* golden);
   void find_range(const Trace& trace, const TraceChannel& channel, Album& album);
