@@ -45,8 +45,8 @@ TEST_F(ReportVerb, ShowsARunBesideItsGolden) {
 
 TEST_F(ReportVerb, TakesAPart) {
   record_box("box.mcap");
-  const nlohmann::json report = with_page(
-      {"report", "box.mcap", "--from", "0.1", "--until", "0.2", "--topics", "/Box/*", "--json"}).json();
+  const nlohmann::json report =
+      with_page({"report", "box.mcap", "--from", "0.1", "--until", "0.2", "--topics", "/Box/*", "--json"}).json();
   EXPECT_EQ(report["begin"], 100);
   EXPECT_EQ(report["end"], 200);
   EXPECT_THAT(report["omitted"].dump(), HasSubstr("not asked for"));

@@ -215,8 +215,7 @@ void tell(const Checked& checked, double seconds) {
     fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
-  if (checked.page)
-    fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
+  if (checked.page) fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before what stderr says of it
   if (report.run) tell_remarks(*report.run);

@@ -58,7 +58,8 @@ Exit run(Settings& settings) {
   if (settings.json) {
     print(json_of_report(file, *written));
   } else {
-    fmt::print("{}\n{}, {}\n", written->verdict, report_link(file, written->first_tick), file_size_text(written->bytes));
+    fmt::print("{}\n{}, {}\n", written->verdict, report_link(file, written->first_tick),
+               file_size_text(written->bytes));
     std::fflush(stdout);
   }
   for (const std::string& sentence : written->omitted) fmt::print(stderr, "{}: note: {}\n", settings.trace, sentence);
@@ -82,7 +83,8 @@ std::function<Exit()> declare(CLI::App& options) {
                   "only series and pictures of topics that match one of these patterns; * stands for any text")
       ->type_name("GLOB")
       ->allow_extra_args(false);
-  options.add_option("--tolerances", settings->tolerances, "YAML with a list of tolerances (those of GOLDEN's scenario)")
+  options
+      .add_option("--tolerances", settings->tolerances, "YAML with a list of tolerances (those of GOLDEN's scenario)")
       ->type_name("FILE");
   options
       .add_option("--scenario", settings->scenario,

@@ -123,11 +123,11 @@ struct Comparison {
 
 /// Numbers or a picture of the same time that haven't the same bits.
 struct DifferingValue {
-  const TraceChannel& channel;           // of the golden
-  std::size_t message = 0;               // of that channel
+  const TraceChannel& channel;            // of the golden
+  std::size_t message = 0;                // of that channel
   std::vector<std::size_t> columns = {};  // one, or the four of an orientation; none: a picture
-  bool beyond = false;                   // its tolerance
-  std::int64_t pixels = 0;               // of a picture: that differ by more than is allowed to each
+  bool beyond = false;                    // its tolerance
+  std::int64_t pixels = 0;                // of a picture: that differ by more than is allowed to each
 };
 
 /// What of two traces is compared.

@@ -21,8 +21,8 @@ namespace rehearse {
 
 /// What somebody who judged the run has found: a check, which knows more than a comparison.
 struct ReportVerdict {
-  std::string sentence;  // without a full stop
-  std::string state;     // "equal", "within", "beyond" or "failed"
+  std::string sentence;                            // without a full stop
+  std::string state;                               // "equal", "within", "beyond" or "failed"
   std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
   std::optional<Divergence> first = std::nullopt;  // the place to look at first; none: the comparison's
 };
@@ -33,7 +33,7 @@ struct ReportOptions {
   std::vector<std::string> topics;  // globs: whose series and pictures are in it; empty: all
   /// Of the comparison; none: those of the golden's scenario.
   std::optional<std::vector<ToleranceRule>> tolerances;
-  std::optional<double> horizon;  // values are judged up to then [s]; none: all
+  std::optional<double> horizon;         // values are judged up to then [s]; none: all
   std::optional<ReportVerdict> verdict;  // none: that of the comparison
   /// The file that the run's scenario was read from, beside which models and their meshes stand; empty: they are looked
   /// for in the repository that the recording or the working directory is in.
@@ -57,21 +57,23 @@ struct ReportSummary {
   std::vector<std::string> omitted;        // what it leaves out, and why: sentences
 };
 
-/// Where the page stands that reports are made of: REHEARSE_REPORT_PAGE in the environment says it, for whoever works on
-/// the page, else it belongs to this library. Fails, and says what to install, if it was not built.
+/// Where the page stands that reports are made of: REHEARSE_REPORT_PAGE in the environment says it, for whoever works
+/// on the page, else it belongs to this library. Fails, and says what to install, if it was not built.
 Result<std::filesystem::path> report_page();
 
-/// What opens a report, at that tick if there is one: "file:///home/me/a%20run.html#tick=123". Terminals make a link of it.
+/// What opens a report, at that tick if there is one: "file:///home/me/a%20run.html#tick=123". Terminals make a link of
+/// it.
 std::string report_link(const std::filesystem::path& report, std::optional<std::int64_t> tick = std::nullopt);
 
 /// How large the report of a recording would be, about, by the index of its file [bytes].
 Result<std::uintmax_t> estimated_report_size(const std::filesystem::path& trace, const ReportOptions& options = {});
 
-/// Writes the report of `trace`, beside `golden` if there is one, under another name until it is whole. A recording that
-/// is cut or damaged is reported as far as it is whole. Fails, with nothing written, if `trace` or `golden` is no
+/// Writes the report of `trace`, beside `golden` if there is one, under another name until it is whole. A recording
+/// that is cut or damaged is reported as far as it is whole. Fails, with nothing written, if `trace` or `golden` is no
 /// recording of ours, if the page was not built, if the report would be larger than `max_size`, or if `report` exists
 /// and isn't a report.
-Result<ReportSummary> write_report(const std::filesystem::path& trace, const std::optional<std::filesystem::path>& golden,
+Result<ReportSummary> write_report(const std::filesystem::path& trace,
+                                   const std::optional<std::filesystem::path>& golden,
                                    const std::filesystem::path& report, const ReportOptions& options = {});
 
 }  // namespace rehearse

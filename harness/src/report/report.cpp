@@ -120,15 +120,16 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
   const std::string recorded = fact(trace, "rehearse.outcome", "ticks");
   std::int64_t ticks = messages;
   std::from_chars(recorded.data(), recorded.data() + recorded.size(), ticks);
-  return {{"role", role},
-          {"file", file.filename().string()},
-          {"ticks", std::min(ticks, messages)},
-          {"complete", fact(trace, "rehearse.outcome", "complete") == "true"},
-          {"outcome", outcome_of(trace)},
-          {"facts", std::move(facts)},
-          {"scenario", scenario ? std::string(reinterpret_cast<const char*>(scenario->data.data()), scenario->data.size())
-                                : std::string()},
-          {"remarks", std::move(remarks)}};
+  return {
+      {"role", role},
+      {"file", file.filename().string()},
+      {"ticks", std::min(ticks, messages)},
+      {"complete", fact(trace, "rehearse.outcome", "complete") == "true"},
+      {"outcome", outcome_of(trace)},
+      {"facts", std::move(facts)},
+      {"scenario", scenario ? std::string(reinterpret_cast<const char*>(scenario->data.data()), scenario->data.size())
+                            : std::string()},
+      {"remarks", std::move(remarks)}};
 }
 
 /// [s]; of a recording whose scenario can't be read, by its clock.

@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are stored as they lie in memory");
 
-constexpr int compression_level = 6;         // 9 takes three times as long for a hundredth less (measured)
+constexpr int compression_level = 6;          // 9 takes three times as long for a hundredth less (measured)
 constexpr std::size_t sample_size = 1 << 14;  // elements by which filters are tried
 
 using Bytes = std::vector<std::uint8_t>;
@@ -182,8 +182,12 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
   }
   ReportJson& blob = stored(key);
   if (!blob.is_null()) return blob;
-  blob = {{"id", fmt::format("b{}", next_++)}, {"bytes", array.bytes.size()}, {"coding", "deflate"},
-          {"type", array.type},                {"count", count},              {"filter", name_of(best)}};
+  blob = {{"id", fmt::format("b{}", next_++)},
+          {"bytes", array.bytes.size()},
+          {"coding", "deflate"},
+          {"type", array.type},
+          {"count", count},
+          {"filter", name_of(best)}};
   put_(blob["id"], deflated(filtered(best, array, base, 0, count)));
   if (best != Filter::exclusive_base) {  // what controllers see of a state ends a tick before the state does
     ReportJson& but_the_last =

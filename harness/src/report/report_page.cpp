@@ -56,8 +56,9 @@ Result<fs::path> report_page() {
       if (fs::is_regular_file(page, ignored)) return page;
     }
   }
-  return error("the page of reports was not built: npm was not found when Rehearse was configured",
-               "install nodejs and npm, then configure and build Rehearse again; in its sources tools/setup does all of it");
+  return error(
+      "the page of reports was not built: npm was not found when Rehearse was configured",
+      "install nodejs and npm, then configure and build Rehearse again; in its sources tools/setup does all of it");
 }
 
 std::string report_link(const fs::path& report, std::optional<std::int64_t> tick) {
@@ -89,7 +90,10 @@ Result<ReportFile> ReportFile::begin(const fs::path& file, const fs::path& page,
 }
 
 ReportFile::ReportFile(mcap::Draft draft, fs::path file, std::string tail)
-    : draft_(std::move(draft)), file_(std::move(file)), stream_(draft_.file(), std::ios::binary), tail_(std::move(tail)) {}
+    : draft_(std::move(draft)),
+      file_(std::move(file)),
+      stream_(draft_.file(), std::ios::binary),
+      tail_(std::move(tail)) {}
 
 void ReportFile::put(std::string_view text) {
   stream_.write(text.data(), static_cast<std::streamsize>(text.size()));

@@ -112,7 +112,8 @@ void PictureWriter::write(const TraceChannel* actual, const TraceChannel* golden
     const std::uint64_t time = std::min(seen, expected);
     if (time == never) break;
     const ReportedRun& run = seen == time ? actual_ : *golden_;
-    ReportJson entry{{"tick", run.clock.tick_at(time)}, {"actual", nullptr}, {"golden", nullptr}, {"differing", nullptr}};
+    ReportJson entry{
+        {"tick", run.clock.tick_at(time)}, {"actual", nullptr}, {"golden", nullptr}, {"differing", nullptr}};
     if (seen == time) entry["actual"] = picture(actual_.trace, *actual, a++, album);
     if (expected == time) {
       entry["golden"] = picture(golden_->trace, *golden, g, album);

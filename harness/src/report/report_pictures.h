@@ -25,10 +25,10 @@ class PictureWriter {
   /// What is common to the pictures of a camera.
   struct Album {
     bool is_depth = false;
-    float near = 0.0f, far = 0.0f;  // [m]
-    int width = 0, height = 0;      // [pixels]; 0: not known yet
-    std::size_t lost = 0;           // that can't be shown
-    std::string why;                // of the first of these
+    float near = 0.0f, far = 0.0f;    // [m]
+    int width = 0, height = 0;        // [pixels]; 0: not known yet
+    std::size_t lost = 0;             // that can't be shown
+    std::string why;                  // of the first of these
     std::vector<float> drawn_depths;  // of the picture before: often nothing has moved
     ReportJson drawn;
   };

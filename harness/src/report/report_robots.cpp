@@ -79,8 +79,7 @@ Color texel(const Texture& texture, const Eigen::Vector2f& at) {
   const auto y = static_cast<std::size_t>(texture.height - 1 - place(at.y(), texture.height));
   const std::size_t pixel = 4 * (y * static_cast<std::size_t>(texture.width) + x);
   Color color;
-  for (int i = 0; i < 4; ++i)
-    color[i] = static_cast<float>(texture.rgba[pixel + static_cast<std::size_t>(i)]) / 255.0f;
+  for (int i = 0; i < 4; ++i) color[i] = static_cast<float>(texture.rgba[pixel + static_cast<std::size_t>(i)]) / 255.0f;
   return color;
 }
 
@@ -111,8 +110,7 @@ std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) 
   options.allow_missing_meshes = true;
   options.fixed_root = body.fixed;
   options.kinematic = body.kinematic;
-  for (const auto& [name, folder] : body.packages)
-    options.packages[name] = file->parent_path() / folder;
+  for (const auto& [name, folder] : body.packages) options.packages[name] = file->parent_path() / folder;
   auto model = parse_urdf(text_of(run_.trace.find_attachment(body.model_file)), file->string(), options);
   return model ? std::make_shared<const Model>(*std::move(model)) : body.model;
 }
@@ -132,8 +130,8 @@ void RobotWriter::write_body(const ScenarioBody& body) {
   for (std::size_t i = 0; i < body.model->links.size(); ++i) {
     const Link& link = body.model->links[i];
     const int same = drawn->find_link(link.name);  // a mesh left out takes no link with it
-    links.push_back(link_json(body, link, same < 0 ? link : drawn->links[static_cast<std::size_t>(same)],
-                              static_cast<int>(i)));
+    links.push_back(
+        link_json(body, link, same < 0 ? link : drawn->links[static_cast<std::size_t>(same)], static_cast<int>(i)));
   }
   robots_.push_back({{"name", body.name}, {"links", std::move(links)}});
   const auto tell = [&](const std::set<std::string>& meshes, const char* what) {
@@ -156,8 +154,8 @@ ReportJson RobotWriter::pose_series(const ScenarioBody& body) {
   const TraceChannel* channel = run_.trace.find_channel(topic);
   if (!channel || channel->rows() == 0) return nullptr;
   ReportJson names = ReportJson::array();
-  for (const char* element : {"position/x", "position/y", "position/z", "orientation/x", "orientation/y",
-                              "orientation/z", "orientation/w"}) {
+  for (const char* element :
+       {"position/x", "position/y", "position/z", "orientation/x", "orientation/y", "orientation/z", "orientation/w"}) {
     const std::size_t column = column_of(*channel, element);
     if (column == channel->columns.size()) return nullptr;
     names.push_back(channel->columns[column].series);
@@ -183,7 +181,9 @@ ReportJson RobotWriter::joint_json(const ScenarioBody& body, const Link& link) {
     const auto id = static_cast<std::size_t>(joint.id);
     if (joint.id >= 0 && id < body.joints.size()) q0 = body.joints[id];
   }
-  return {{"type", turns ? "revolute" : slides ? "prismatic" : "fixed"},
+  return {{"type", turns    ? "revolute"
+                   : slides ? "prismatic"
+                            : "fixed"},
           {"axis", vector_json(joint.axis)},
           {"q", std::move(q)},
           {"q0", std::move(q0)}};

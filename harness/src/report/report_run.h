@@ -29,7 +29,7 @@ class JudgedValues {
  public:
   struct Column {
     std::int64_t beyond = 0;
-    std::optional<double> tolerance;  // in force
+    std::optional<double> tolerance;     // in force
     std::size_t last = ~std::size_t{0};  // the message that was counted last
   };
 
@@ -48,13 +48,15 @@ class JudgedValues {
 
  private:
   void mark(std::int64_t tick);
-  std::size_t index_of(const TraceChannel& channel) const { return static_cast<std::size_t>(&channel - channels_.data()); }
+  std::size_t index_of(const TraceChannel& channel) const {
+    return static_cast<std::size_t>(&channel - channels_.data());
+  }
 
   const TickClock& clock_;
   const std::vector<TraceChannel>& channels_;
-  std::vector<std::vector<Column>> columns_;  // by channel; empty: nothing is known of it
+  std::vector<std::vector<Column>> columns_;                            // by channel; empty: nothing is known of it
   std::map<std::pair<std::size_t, std::size_t>, std::int64_t> pixels_;  // by channel and message
-  std::vector<bool> beyond_;  // by tick, from that of the clock's first
+  std::vector<bool> beyond_;                                            // by tick, from that of the clock's first
 };
 
 }  // namespace rehearse

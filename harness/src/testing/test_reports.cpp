@@ -1,5 +1,5 @@
-// Each test that is compared leaves a note, traces/TEST.report.json, and the index is made of all notes there are: tests
-// may run in one program or in many at once, and in any order.
+// Each test that is compared leaves a note, traces/TEST.report.json, and the index is made of all notes there are:
+// tests may run in one program or in many at once, and in any order.
 #include "test_reports.h"
 
 #include <fcntl.h>
@@ -160,8 +160,9 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   std::error_code ignored;
   fs::create_directories(folder, ignored);
   std::string told;
-  const std::string sentence =
-      compared.checked ? compared.checked->verdict : verdict.passed ? "as its golden" : first_line(verdict.message);
+  const std::string sentence = compared.checked ? compared.checked->verdict
+                               : verdict.passed ? "as its golden"
+                                                : first_line(verdict.message);
   Json note{{"test", test}, {"passed", verdict.passed}, {"verdict", sentence}};
   const bool has_golden = fs::is_regular_file(compared.golden, ignored);
   if (!verdict.passed || wanted() == Wanted::always) {

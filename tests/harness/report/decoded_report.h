@@ -167,7 +167,8 @@ class DecodedReport {
     if (type == "f64") return copies(number(constant), count);
     if (type == "f32") return copies(static_cast<float>(number(constant)), count);
     if (type == "i64")
-      return copies(constant.is_string() ? std::stoll(constant.get<std::string>()) : constant.get<std::int64_t>(), count);
+      return copies(constant.is_string() ? std::stoll(constant.get<std::string>()) : constant.get<std::int64_t>(),
+                    count);
     if (type == "u64")
       return copies(constant.is_string() ? std::stoull(constant.get<std::string>()) : constant.get<std::uint64_t>(),
                     count);

@@ -130,9 +130,8 @@ TEST_P(ReportOfAGolden, MovesTheLinksAsTheyWereRecorded) {
       const auto poses = motion.poses(report["robots"][body], tick);
       std::vector<double> q;
       for (const int link : model.joints)
-        q.push_back(motion.at(scenario->bodies[body].name + "/" +
-                                  model.links[static_cast<std::size_t>(link)].joint.name + "/q",
-                              tick));
+        q.push_back(motion.at(
+            scenario->bodies[body].name + "/" + model.links[static_cast<std::size_t>(link)].joint.name + "/q", tick));
       const auto by_engine = forward_kinematics(model, poses[0], q);
       ASSERT_EQ(poses.size(), by_engine.size());
       for (std::size_t link = 0; link < poses.size(); ++link) {
@@ -227,7 +226,8 @@ TEST_F(ReportOfMeshes, ThatHaveChangedSaysSo) {
   ReportOptions options;
   options.page = plain_page(folder_ / "page.html");
   options.scenario = folder_ / "scenarios/mesh_arm.yaml";
-  const auto summary = write_report(goldens / "Grasp.CarriesABlockAside.mcap", std::nullopt, folder_ / "report.html", options);
+  const auto summary =
+      write_report(goldens / "Grasp.CarriesABlockAside.mcap", std::nullopt, folder_ / "report.html", options);
   ASSERT_TRUE(summary) << to_string(summary.errors());
   EXPECT_THAT(summary->omitted, Contains(HasSubstr("aren't what was recorded")));
 }

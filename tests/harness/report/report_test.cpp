@@ -150,7 +150,8 @@ TEST_F(Report, SaysWhatACompareSays) {
   actual_.ticks[20].q += 1e-12;  // within
   actual_.ticks[50].rotation = {0.0, 0.0, std::sin(0.01), std::cos(0.01)};
   const DecodedReport report = beside_golden();
-  const Comparison comparison = compare(golden_.load(folder_ / "golden.mcap"), actual_.load(folder_ / "again.mcap"), {});
+  const Comparison comparison =
+      compare(golden_.load(folder_ / "golden.mcap"), actual_.load(folder_ / "again.mcap"), {});
   EXPECT_EQ(report["verdict"]["sentence"], verdict(comparison));
   EXPECT_EQ(report["verdict"]["state"], "beyond");
   const Json& first = report["divergences"][report["first"].get<std::size_t>()];
@@ -238,7 +239,8 @@ TEST_F(Report, HasWhatHappened) {
   actual_.contact_changes = {{msg::Time::from_ns(1'000'000), 1, "Robot/FOOT", "Floor/Floor", true}};
   const DecodedReport report = beside_golden();
   ASSERT_EQ(report["events"].size(), 2u);
-  EXPECT_EQ(report["events"][0], (Json{{"run", 1}, {"tick", 1}, {"severity", "note"}, {"source", "Robot/Pd"}, {"text", "hello"}}));
+  EXPECT_EQ(report["events"][0],
+            (Json{{"run", 1}, {"tick", 1}, {"severity", "note"}, {"source", "Robot/Pd"}, {"text", "hello"}}));
   EXPECT_EQ(report["events"][1]["text"], "</script><b>it fell</b>");
   EXPECT_EQ(report["contacts"][0],
             (Json{{"run", 0}, {"tick", 1}, {"a", "Robot/FOOT"}, {"b", "Floor/Floor"}, {"begins", true}}));
