@@ -8,12 +8,12 @@ export function chromium_path() {
   return places.find((place) => place && existsSync(place)) ?? null;
 }
 
-/** Draws by the processor, the same everywhere; letters without the screen's subpixels. */
+/** 3D is drawn by the processor, the same everywhere; letters without the screen's subpixels. */
 export async function launch() {
   const { chromium } = await import('playwright-core');
   return chromium.launch({
     executablePath: chromium_path(),
-    args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--font-render-hinting=none', '--disable-lcd-text', '--force-color-profile=srgb',
+    args: ['--enable-unsafe-swiftshader', '--font-render-hinting=none', '--disable-lcd-text', '--force-color-profile=srgb',
       ...(process.getuid() === 0 ? ['--no-sandbox'] : [])],
   });
 }

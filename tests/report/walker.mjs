@@ -37,11 +37,11 @@ export function walker(blobs, with_mesh, with_series) {
     limb(`${side}_FOOT`, first + 1, joint(`${side}_ANKLE`), at(0, 0, -0.34), [{ pose: at(0.04, 0, -0.03), color: dark, box: [0.22, 0.1, 0.04] }]),
   ];
   const head = { pose: at(0, 0, 0.42), color: [1, 1, 1, 1], ...(with_mesh ? { mesh: 0, scale: [0.11, 0.1, 0.14] } : { sphere: 0.11 }) };
+  const pose = with_series ? ['x', 'y', 'z', 'qx', 'qy', 'qz', 'qw'].map((name) => `Walker/root/${name}`) : null;
   const links = [
-    { name: 'WAIST', parent: -1, joint: null, offset: at(0, 0, 0), shapes: [{ pose: at(0, 0, 0.1), color: blue, box: [0.18, 0.3, 0.36] }, head] },
+    { name: 'WAIST', parent: -1, pose, ...(pose ? {} : { fixed: at(0, 0, 0.86) }), joint: null, offset: at(0, 0, 0), shapes: [{ pose: at(0, 0, 0.1), color: blue, box: [0.18, 0.3, 0.36] }, head] },
     ...leg('LEFT', 0.1, 1), ...leg('RIGHT', -0.1, 4),
   ];
-  const floor = { name: 'Floor', pose: null, fixed: at(0, 0, -0.05), links: [{ name: 'Floor', parent: -1, joint: null, offset: at(0, 0, 0), shapes: [{ pose: at(0, 0, 0), color: [0.6, 0.6, 0.58, 1], box: [8, 4, 0.1] }] }] };
-  const pose = with_series ? ['x', 'y', 'z', 'qx', 'qy', 'qz', 'qw'].map((name) => `Walker/root/${name}`) : null;
-  return { robots: [{ name: 'Walker', pose, ...(pose ? {} : { fixed: at(0, 0, 0.86) }), links }, floor], meshes: with_mesh ? [head_mesh(blobs)] : [] };
+  const floor = { name: 'Floor', links: [{ name: 'Floor', parent: -1, pose: null, fixed: at(0, 0, -0.05), joint: null, offset: at(0, 0, 0), shapes: [{ pose: at(0, 0, 0), color: [0.6, 0.6, 0.58, 1], box: [8, 4, 0.1], checker: { color: [0.56, 0.56, 0.54, 1], size: 0.25 } }] }] };
+  return { robots: [{ name: 'Walker', links }, floor], meshes: with_mesh ? [head_mesh(blobs)] : [] };
 }

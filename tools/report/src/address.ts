@@ -47,13 +47,13 @@ export function go_to_place(store: Store, place: Place) {
   if (place.tick !== null) store.go(place.tick);
 }
 
-/** Keeps the address true. Browsers refuse to have it changed too often. */
+/** Keeps the address true, once the cursor rests: browsers refuse to have it changed too often. */
 export function keep_address(store: Store) {
   let timer = 0;
   store.on(['tick', 'shown', 'view'], () => {
-    if (timer || store.playing) return;
+    window.clearTimeout(timer);
+    if (store.playing) return;
     timer = window.setTimeout(() => {
-      timer = 0;
       if (location.hash !== address_of(store)) history.replaceState(null, '', address_of(store));
     }, 250);
   });

@@ -102,7 +102,7 @@ function repeated({ type, count, constant }: ConstantArray): Numbers {
 export async function numbers_of(array: NumberArray, base?: Numbers): Promise<Numbers> {
   if ('constant' in array) return repeated(array);
   const width = widths[array.type];
-  if (array.bytes !== array.count * width) throw new Error(`blob ${array.id}: ${array.bytes} bytes for ${array.count} of ${array.type}`);
+  if (array.bytes % width !== 0 || array.bytes < array.count * width) throw new Error(`blob ${array.id}: ${array.bytes} bytes for ${array.count} of ${array.type}`);
   let bytes = await bytes_of(array);
   if (array.filter !== 'none') bytes = put_columns_back(bytes, width);
   if (array.filter === 'xor') xor_with_previous(bytes, width);
@@ -110,7 +110,8 @@ export async function numbers_of(array: NumberArray, base?: Numbers): Promise<Nu
     if (!base) throw new Error(`blob ${array.id}: the values that it is the difference to are missing`);
     xor_with(bytes, new Uint8Array(base.buffer as ArrayBuffer));
   }
-  return as_numbers(bytes, array.type);
+  // a blob may be that of a longer array, too
+  return as_numbers(bytes, array.type).subarray(0, array.count);
 }
 
 /** Of an array whose numbers are small enough for a double: all but large 64-bit integers, which are rounded. */

@@ -9,6 +9,11 @@ import type { Store } from './store';
 type Part = 'expected' | 'actual' | 'difference';
 const parts: Part[] = ['expected', 'actual', 'difference'];
 
+/** A camera may make pictures and distances. */
+function label_of(camera: CameraEntry): string {
+  return camera.kind === 'depth' ? `${camera.name} depth` : camera.name;
+}
+
 export interface FrameState {
   expected: number | null;
   actual: number | null;
@@ -22,20 +27,23 @@ class CameraView {
   private wanted = 0;
   private shown_key = '';
   private split = 0.5;
+  private width: number;
+  private height: number;
   drawn: FrameState = { expected: null, actual: null };
   drawing: Promise<void> = Promise.resolve();
 
   constructor(private readonly camera: CameraEntry, private readonly compared: boolean, private readonly mode: () => { wipe: boolean; gain: number }) {
-    const canvas = (part: Part) => element('canvas', { width: camera.width, height: camera.height, role: 'img', 'aria-label': `${camera.name}, ${part}` });
+    ({ width: this.width, height: this.height } = camera);
+    const canvas = (part: Part) => element('canvas', { width: camera.width, height: camera.height, role: 'img', 'aria-label': `${label_of(camera)}, ${part}` });
     this.canvases = { expected: canvas('expected'), actual: canvas('actual'), difference: canvas('difference') };
     this.wipe = element('input', {
-      type: 'range', min: 0, max: 1, step: 0.01, value: 0.5, class: 'wipe', 'aria-label': `${camera.name}: expected left of here, actual right of it`,
+      type: 'range', min: 0, max: 1, step: 0.01, value: 0.5, class: 'wipe', 'aria-label': `${label_of(camera)}: expected left of here, actual right of it`,
       oninput: () => ((this.split = this.wipe.valueAsNumber), this.redraw()),
     });
     const figures = (compared ? parts : (['actual'] as Part[])).map((part) => element('figure', { class: part }, this.canvases[part], element('figcaption', {}, compared ? part : '')));
     const range = camera.kind === 'depth' && camera.near !== undefined ? `, white ${camera.near} m to black ${camera.far} m` : '';
-    this.root = element('section', { class: 'camera', 'aria-label': `camera ${camera.name}` },
-      element('header', {}, element('h3', {}, camera.name), element('span', { class: 'unit' }, `${camera.width} × ${camera.height}${range}`), this.note),
+    this.root = element('section', { class: 'camera', 'aria-label': `camera ${label_of(camera)}` },
+      element('header', {}, element('h3', {}, label_of(camera)), element('span', { class: 'unit' }, camera.width > 0 ? `${camera.width} × ${camera.height}${range}` : ''), this.note),
       element('div', { class: 'frames' }, ...figures, this.wipe));
   }
 
@@ -77,22 +85,30 @@ class CameraView {
     return `${tick}: ${differing === null ? 'not compared' : differing === 0 ? 'within tolerance' : `${count_text(differing)} pixels beyond tolerance`}`;
   }
 
+  // The recording doesn't always know it before the first picture.
+  private resize(picture: ImageBitmap | null) {
+    if (!picture) return;
+    ({ width: this.width, height: this.height } = picture);
+    for (const canvas of Object.values(this.canvases)) (canvas.width = this.width), (canvas.height = this.height);
+  }
+
   private paint(expected: ImageBitmap | null, actual: ImageBitmap | null, shown: Shown | null) {
     const { wipe, gain } = this.mode();
+    if (this.width === 0) this.resize(actual ?? expected);
     const put = (part: Part, picture: ImageBitmap | null) => {
       const context = this.canvases[part].getContext('2d')!;
-      context.clearRect(0, 0, this.camera.width, this.camera.height);
-      if (picture) context.drawImage(picture, 0, 0, this.camera.width, this.camera.height);
+      context.clearRect(0, 0, this.width, this.height);
+      if (picture) context.drawImage(picture, 0, 0, this.width, this.height);
     };
     if (!this.compared) return put('actual', actual);
     if (wipe) {
       put('actual', actual);
       if (!expected) return;
-      const context = this.canvases.actual.getContext('2d')!, edge = Math.round(this.split * this.camera.width);
-      if (edge > 0) context.drawImage(expected, 0, 0, edge, expected.height, 0, 0, edge, this.camera.height);
-      if (edge > 0 && edge < this.camera.width) {
+      const context = this.canvases.actual.getContext('2d')!, edge = Math.round(this.split * this.width);
+      if (edge > 0) context.drawImage(expected, 0, 0, edge, expected.height, 0, 0, edge, this.height);
+      if (edge > 0 && edge < this.width) {
         context.fillStyle = '#fff';
-        context.fillRect(edge - 0.5, 0, 1, this.camera.height);
+        context.fillRect(edge - 0.5, 0, 1, this.height);
       }
       return;
     }
@@ -100,7 +116,7 @@ class CameraView {
     put('actual', actual);
     const context = this.canvases.difference.getContext('2d')!;
     context.fillStyle = '#000';
-    context.fillRect(0, 0, this.camera.width, this.camera.height);
+    context.fillRect(0, 0, this.width, this.height);
     if (expected && actual && shown?.expected?.id !== shown?.actual?.id) draw_difference(context, expected, actual, gain);
   }
 }
@@ -147,6 +163,6 @@ export class Cameras {
   }
 
   frames(): Record<string, FrameState> {
-    return Object.fromEntries(this.views.map((view, i) => [this.report.data.cameras[i]!.name, { ...view.drawn }]));
+    return Object.fromEntries(this.views.map((view, i) => [label_of(this.report.data.cameras[i]!), { ...view.drawn }]));
   }
 }

@@ -42,8 +42,22 @@ async function geometry_of(shape: ShapeEntry, meshes: Meshes): Promise<three.Buf
   return meshes.load(shape.mesh ?? -1);
 }
 
+// Squares of two colours over the upper face of a box.
+function checkered(shape: ShapeEntry, geometry: three.BufferGeometry): three.Texture {
+  const { color, size } = shape.checker!, [x, y] = shape.box!;
+  const bytes = [shape.color, color, color, shape.color].flatMap((one) => [one[0], one[1], one[2], 1].map((part) => Math.round(255 * part)));
+  const texture = new three.DataTexture(new Uint8Array(bytes), 2, 2);
+  texture.colorSpace = three.SRGBColorSpace;
+  texture.wrapS = texture.wrapT = three.RepeatWrapping;
+  texture.needsUpdate = true;
+  const uv = geometry.getAttribute('uv');
+  for (let i = 0; i < uv.count; ++i) uv.setXY(i, ((uv.getX(i) - 0.5) * x) / (2 * size), ((uv.getY(i) - 0.5) * y) / (2 * size));
+  return texture;
+}
+
 function own_material(shape: ShapeEntry, geometry: three.BufferGeometry): three.Material {
   const [r, g, b, a] = shape.color;
+  if (shape.checker && shape.box) return new three.MeshLambertMaterial({ map: checkered(shape, geometry) });
   const colored = geometry.hasAttribute('color');
   const color = colored ? new three.Color(1, 1, 1) : new three.Color().setRGB(r, g, b, three.SRGBColorSpace);
   return new three.MeshLambertMaterial({ color, vertexColors: colored, transparent: a < 1, opacity: a, side: three.DoubleSide });

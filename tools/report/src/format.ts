@@ -127,6 +127,7 @@ export interface ShapeEntry {
   cylinder?: { radius: number; length: number };
   mesh?: number;
   scale?: [number, number, number];
+  checker?: { color: [number, number, number, number]; size: number };  // of a box: squares of another colour
 }
 
 export interface LinkEntry {
@@ -134,13 +135,13 @@ export interface LinkEntry {
   parent: number;
   joint: { type: 'revolute' | 'prismatic' | 'fixed'; axis: [number, number, number]; q: string | null; q0?: number } | null;
   offset: PoseEntry;
+  pose?: string[] | null;  // of a root
+  fixed?: PoseEntry;
   shapes: ShapeEntry[];
 }
 
 export interface RobotEntry {
   name: string;
-  pose: string[] | null;
-  fixed?: PoseEntry;
   links: LinkEntry[];
 }
 

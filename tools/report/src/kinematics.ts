@@ -11,6 +11,11 @@ export function matrix_of(pose: PoseEntry, into = new Matrix4()): Matrix4 {
   return into.compose(new Vector3(x, y, z), new Quaternion(qx, qy, qz, qw).normalize(), new Vector3(1, 1, 1));
 }
 
+/** The names of the series that move it. */
+export function series_of(robot: RobotEntry): string[] {
+  return robot.links.flatMap((link) => [...(link.pose ?? []), ...(link.joint?.q ? [link.joint.q] : [])]);
+}
+
 export class Kinematics {
   /** Of each link, in the world. */
   readonly links: Matrix4[];
@@ -30,7 +35,7 @@ export class Kinematics {
 
   /** Decodes what moves it. */
   async load(report: Report) {
-    const names = [...(this.robot.pose ?? []), ...this.robot.links.flatMap((link) => link.joint?.q ?? [])];
+    const names = series_of(this.robot);
     await Promise.all(names.map(async (name) => {
       const series = report.find(name);
       if (series) this.columns.set(name, await series.load());
@@ -49,8 +54,7 @@ export class Kinematics {
     return Number.isFinite(value) ? value : otherwise;
   }
 
-  private root_pose(tick: number): PoseEntry {
-    const { pose, fixed } = this.robot;
+  private root_pose({ pose, fixed }: LinkEntry, tick: number): PoseEntry {
     if (!pose) return fixed ?? [0, 0, 0, 0, 0, 0, 1];
     return pose.map((name, i) => this.value(name, tick, i === 6 ? 1 : 0)) as PoseEntry;
   }
@@ -67,9 +71,10 @@ export class Kinematics {
 
   /** Puts the links where they are at that tick. */
   update(tick: number) {
-    const root = matrix_of(this.root_pose(tick));
     this.robot.links.forEach((link, i) => {
-      const matrix = this.links[i]!.multiplyMatrices(link.parent < 0 ? root : this.links[link.parent]!, this.offsets[i]!);
+      const matrix = this.links[i]!;
+      if (link.parent < 0) matrix_of(this.root_pose(link, tick), matrix).multiply(this.offsets[i]!);
+      else matrix.multiplyMatrices(this.links[link.parent]!, this.offsets[i]!);
       const axis = this.axes[i];
       if (axis) matrix.multiply(this.joint_motion(link, axis, tick));
     });

@@ -89,7 +89,7 @@ function put_together(report: Report) {
     element('div', { class: 'top' }, verdict(report, () => dialog.showModal()), transport.root, timeline.root),
     element('main', { class: report.data.cameras.length === 0 ? 'no-cameras' : '' },
       element('div', { class: 'left' },
-        element('section', { class: 'panel', 'aria-label': 'robot' }, element('header', {}, element('h2', {}, 'Robot'), element('div', { class: 'tools' }, ...tools)), scene.root),
+        element('section', { class: 'panel', 'aria-label': 'robot' }, element('header', {}, element('h2', {}, 'Robot'), scene.note, element('div', { class: 'tools' }, ...tools)), scene.root),
         element('section', { class: 'panel', 'aria-label': 'cameras' }, element('header', {}, element('h2', {}, 'Cameras'), cameras.tools), cameras.root)),
       element('section', { class: 'panel right', 'aria-label': 'channels' }, element('header', {}, element('h2', {}, 'Channels'), channels.root, legend), plots.root)),
     tabs.root, dialog);

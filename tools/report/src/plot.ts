@@ -171,7 +171,7 @@ export class Plot {
     const chart = new uPlot({
       width, height, series,
       pxAlign: false,
-      padding: [6, 8, times ? 0 : 4, 0],
+      padding: [6, 14, times ? 0 : 4, 0],
       legend: { show: false },
       scales: {
         x: { time: false, range: () => [report.time(store.view.begin), report.time(store.view.end)] },

@@ -3,14 +3,15 @@ import * as three from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { absence, element, set_text } from './dom';
 import { Figure, Meshes } from './figure';
-import { Kinematics } from './kinematics';
+import { Kinematics, series_of } from './kinematics';
 import type { Report } from './report';
 import type { Store } from './store';
 import { is_dark, palette } from './theme';
 
 export class Scene {
   readonly root = element('div', { class: 'scene' });
-  private readonly caption = element('div', { class: 'caption', 'aria-live': 'off' });
+  /** How far run and golden are apart; for the head of the panel. */
+  readonly note = element('span', { class: 'note' });
   private renderer: three.WebGLRenderer | null = null;
   private readonly scene = new three.Scene();
   private readonly camera = new three.PerspectiveCamera(40, 1, 0.01, 500);
@@ -20,6 +21,7 @@ export class Scene {
   private readonly figures: Figure[] = [];
   private readonly ghosts: (Figure | null)[] = [];
   private readonly followed = new three.Vector3();
+  private main: Figure | undefined;
   private slow = false;
   follow = true;
   drawings = 0;
@@ -44,9 +46,10 @@ export class Scene {
 
   private attach(renderer: three.WebGLRenderer) {
     const { canvas } = renderer.getContext() as WebGL2RenderingContext & { canvas: HTMLCanvasElement };
+    canvas.tabIndex = -1;
     canvas.setAttribute('role', 'img');
     canvas.setAttribute('aria-label', 'the robot in 3D at the cursor; drag to orbit, wheel to come closer');
-    this.root.append(canvas, this.caption);
+    this.root.append(canvas);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => this.store.changed('ghost'));
     new ResizeObserver(() => this.resize()).observe(this.root);
@@ -64,31 +67,52 @@ export class Scene {
       await Promise.all([figure.kinematics.load(this.report), figure.load(meshes)]);
       this.figures[i] = figure;
       this.ghosts[i] = null;
-      const moves = robot.pose !== null || robot.links.some((link) => link.joint?.q);
-      if (this.report.compared && moves) {
+      if (this.report.compared && series_of(robot).length > 0) {
         const ghost = new Figure(robot, new Kinematics(robot, 'golden'), this.ghost_material);
         await Promise.all([ghost.kinematics.load(this.report), ghost.load(meshes)]);
         this.ghosts[i] = ghost;
       }
     }));
     for (const figure of [...this.figures, ...this.ghosts]) if (figure?.kinematics.present) this.scene.add(figure.root);
+    this.main = this.find_main();
     this.color();
     this.update();
     this.look();
     this.store.changed('data');
   }
 
-  private get moving(): Figure[] {
-    const moving = this.figures.filter((figure) => figure.robot.pose !== null || figure.robot.links.some((link) => link.joint?.q));
-    return moving.length > 0 ? moving : this.figures;
+  private does_move(figure: Figure): boolean {
+    return series_of(figure.robot).some((name) => {
+      const range = this.report.find(name)?.entry.range;
+      return range ? range[0] !== range[1] : false;
+    });
+  }
+
+  /** Whom one looks at: of those that move the one with most links; of none, likewise. */
+  private find_main(): Figure | undefined {
+    const moving = this.figures.filter((figure) => this.does_move(figure));
+    return [...(moving.length > 0 ? moving : this.figures)].sort((a, b) => b.robot.links.length - a.robot.links.length)[0];
+  }
+
+  /** It, and what moves beside it and isn't much larger. */
+  private box_to_look_at(): three.Box3 {
+    const { main } = this;
+    if (!main) return new three.Box3();
+    const box = new three.Box3().setFromObject(main.root);
+    const size = box.getSize(new three.Vector3()).length();
+    for (const figure of this.figures) {
+      if (figure === main || !this.does_move(figure)) continue;
+      const both = new three.Box3().setFromObject(figure.root).union(box);
+      if (both.getSize(new three.Vector3()).length() < 2 * size) box.copy(both);
+    }
+    return box;
   }
 
   /** From the front left, all that moves in the picture. */
   look() {
     if (!this.controls || this.figures.length === 0) return;
-    const box = new three.Box3();
     this.scene.updateMatrixWorld(true);
-    for (const figure of this.moving) box.expandByObject(figure.root);
+    const box = this.box_to_look_at();
     if (box.isEmpty()) box.set(new three.Vector3(-1, -1, 0), new three.Vector3(1, 1, 1));
     const centre = box.getCenter(new three.Vector3()), radius = Math.max(0.05, box.getSize(new three.Vector3()).length() / 2);
     const narrow = Math.min(1, this.camera.aspect);
@@ -103,7 +127,9 @@ export class Scene {
     this.make_grid(radius);
   }
 
+  // Where the recording has a floor, that is enough.
   private make_grid(radius: number) {
+    if (this.figures.some((figure) => !this.does_move(figure) && figure !== this.main)) return;
     if (this.grid) {
       this.scene.remove(this.grid);
       this.grid.dispose();
@@ -124,7 +150,7 @@ export class Scene {
   }
 
   private followed_point(): three.Vector3 {
-    const figure = this.moving[0];
+    const figure = this.main;
     return figure ? new three.Vector3().setFromMatrixPosition(figure.kinematics.links[0]!) : new three.Vector3();
   }
 
@@ -139,9 +165,9 @@ export class Scene {
       ghost.kinematics.update(tick);
       ghost.update();
       const { distance, link } = ghost.hide_common_links(figure.kinematics);
-      if (distance > 1e-5) notes.push(`${figure.robot.name}: ${link} is ${length_text(distance)} from the golden's`);
+      if (distance > 1e-5) notes.push(`${link} is ${length_text(distance)} from the golden`);
     });
-    set_text(this.caption, notes.join('; ') || (this.report.compared ? 'stands where the golden stands' : ''));
+    set_text(this.note, notes.join('; ') || (this.report.compared ? 'as the golden' : ''));
     if (this.follow && this.controls) {
       const point = this.followed_point(), by = point.clone().sub(this.followed);
       by.z = 0;

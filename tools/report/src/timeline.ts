@@ -26,6 +26,8 @@ export class Timeline {
     tabindex: '0', role: 'slider', 'aria-label': 'time line: the tick under the cursor', 'aria-orientation': 'horizontal',
   });
   private readonly band = element('div', { class: 'zoom-band', hidden: true });
+  private readonly cursor = element('div', { class: 'cursor', 'aria-hidden': 'true' });
+  private readonly strip_cursor = element('div', { class: 'strip-cursor', 'aria-hidden': 'true' });
   private readonly context: CanvasRenderingContext2D;
   private readonly contacts: ContactSpan[];
   private readonly contact_rows: string[];
@@ -33,13 +35,14 @@ export class Timeline {
   private width = 0;
 
   constructor(private readonly store: Store, private readonly report: Report) {
-    this.root = element('div', { class: 'timeline' }, this.canvas, this.band);
+    this.root = element('div', { class: 'timeline' }, this.canvas, this.band, this.cursor, this.strip_cursor);
     this.context = this.canvas.getContext('2d')!;
     this.contacts = contact_spans(report.data);
     this.contact_rows = [...new Set(this.contacts.map((span) => span.pair))].slice(0, most_contact_rows);
     this.canvas.setAttribute('aria-valuemin', String(report.data.begin));
     this.canvas.setAttribute('aria-valuemax', String(report.last));
-    store.on(['tick', 'view', 'theme'], () => this.draw());
+    store.on(['view', 'theme'], () => this.draw());
+    store.on(['tick'], () => this.place_cursor());
     new ResizeObserver(() => this.draw()).observe(this.root);
     this.listen();
   }
@@ -85,8 +88,19 @@ export class Timeline {
     this.draw_events(colors, y);
     y += lane;
     this.draw_strip(colors, y + 2);
-    this.draw_cursor(colors, y);
-    const { tick } = this.store;
+    this.place_cursor();
+  }
+
+  /** Moves what stands at the cursor; nothing is drawn anew for that. */
+  private place_cursor() {
+    if (this.width === 0) return;
+    const { tick, whole } = this.store;
+    const x = this.x_of(tick), top = this.height - strip - 2;
+    this.cursor.hidden = x < gutter - 1 || x > this.width - right + 1;
+    this.cursor.style.transform = `translateX(${x.toFixed(1)}px)`;
+    this.cursor.style.height = `${top - 14}px`;
+    this.strip_cursor.style.transform = `translate(${(gutter + ((tick - whole.begin) / (whole.end - whole.begin)) * this.plain).toFixed(1)}px, ${top}px)`;
+    this.strip_cursor.style.height = `${strip}px`;
     this.canvas.setAttribute('aria-valuenow', String(tick));
     this.canvas.setAttribute('aria-valuetext', `tick ${tick}, ${time_text(this.report.time(tick), this.report.data.time_step)}`);
   }
@@ -195,21 +209,6 @@ export class Timeline {
     context.strokeStyle = store.zoomed ? colors.accent : colors.line;
     context.lineWidth = 1;
     context.strokeRect(Math.round(x_of(view.begin)) + 0.5, y + 0.5, Math.max(3, Math.round(x_of(view.end) - x_of(view.begin)) - 1), strip - 1);
-    context.fillStyle = colors.text;
-    context.fillRect(Math.round(x_of(store.tick)) - 0.5, y, 1, strip);
-  }
-
-  private draw_cursor(colors: Palette, bottom: number) {
-    const x = this.x_of(this.store.tick);
-    if (x < gutter - 1 || x > this.width - right + 1) return;
-    const { context } = this;
-    context.fillStyle = colors.accent;
-    context.fillRect(Math.round(x) - 0.5, 14, 1.5, bottom - 14);
-    context.beginPath();
-    context.moveTo(x - 5, 14);
-    context.lineTo(x + 5, 14);
-    context.lineTo(x, 21);
-    context.fill();
   }
 
   private listen() {
