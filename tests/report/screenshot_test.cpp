@@ -113,7 +113,7 @@ TEST_P(Screenshot, LooksAsItDidWhenSomebodyLookedAtIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Reports, Screenshot, ::testing::Values("light", "dark", "narrow", "alone"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& name) { return std::string(name.param); });
 
 using Tolerance = Screenshot;
 

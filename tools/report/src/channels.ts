@@ -1,6 +1,6 @@
 // Choosing what is plotted: those that differ first, then by what they are.
 import { Tour } from './divergences';
-import { button, element, set_text } from './dom';
+import { button, element, set_name, set_text } from './dom';
 import type { Group } from './format';
 import { plural } from './numbers';
 import type { Report, Series } from './report';
@@ -108,7 +108,8 @@ export class Channels {
     const shown = !heading && this.store.shown.includes(entry.name);
     if (!heading) row.setAttribute('aria-selected', String(shown));
     set_text(check!, shown ? '✓' : '');
-    set_text(name!, heading ? entry : entry.name);
+    if (heading) set_text(name!, entry);
+    else set_name(name!, entry.name);
     set_text(unit!, heading || !entry.entry.unit ? '' : `[${entry.entry.unit}]`);
     set_text(count!, heading ? '' : entry.entry.beyond > 0 ? `${plural(entry.entry.beyond, 'tick')} beyond` : entry.entry.differing > 0 ? `${plural(entry.entry.differing, 'tick')} differ` : '');
     count!.classList.toggle('beyond', !heading && entry.entry.beyond > 0);

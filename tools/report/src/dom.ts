@@ -28,6 +28,15 @@ export function set_text(where: Element, text: string) {
   if (where.textContent !== text) where.textContent = text;
 }
 
+/** A series' name, of which the end is seen where there is no room for all of it: SR1/RLEG_KNEE/q ends as many do. */
+export function set_name(where: Element, name: string) {
+  if (where.textContent === name) return;
+  const parts = name.split('/');
+  const cut = name.length - parts.slice(-2).join('/').length;
+  where.classList.add('series-name');
+  where.replaceChildren(element('span', { class: 'path' }, name.slice(0, cut)), element('span', { class: 'leaf' }, name.slice(cut)));
+}
+
 /** A canvas's pixels are made those of the screen; true if it has changed. */
 export function fit_canvas(canvas: HTMLCanvasElement, width: number, height: number): boolean {
   const scale = window.devicePixelRatio || 1;

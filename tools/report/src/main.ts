@@ -61,7 +61,7 @@ function scene_tools(store: Store, report: Report, scene: Scene) {
     scene.follow = !scene.follow;
     follow.setAttribute('aria-pressed', String(scene.follow));
   });
-  const look = button('Reset view', 'Look at the whole robot again', () => (scene.look(), store.changed('ghost')));
+  const look = button('Reset', 'Look at the whole robot again', () => (scene.look(), store.changed('ghost')));
   const tools = report.data.robots.length > 0 ? [report.compared && ghost, follow, look] : [];
   return { tools, set_ghost };
 }

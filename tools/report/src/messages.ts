@@ -1,5 +1,5 @@
 // What controllers and harness said, with a click to the tick at which they did.
-import { absence, element, set_text } from './dom';
+import { absence, element, set_name, set_text } from './dom';
 import type { DivergenceEntry, EventEntry } from './format';
 import { difference_text, number_of, plural, short_text, time_text, value_text } from './numbers';
 import type { Report } from './report';
@@ -103,7 +103,7 @@ export class Divergences {
       entry.note ? '' : difference_text(number_of(entry.difference)).replace('+', ''), entry.note ? '' : number(entry.tolerance, (value) => `±${short_text(value)}`),
       entry.stage, entry.note || (entry.beyond ? 'beyond tolerance' : 'other bits'),
     ];
-    [...row.children].forEach((cell, i) => set_text(cell, texts[i]!));
+    [...row.children].forEach((cell, i) => (i === 2 ? set_name(cell, texts[i]!) : set_text(cell, texts[i]!)));
   }
 }
 

@@ -1,7 +1,7 @@
 // One series: golden, run and tolerance, below them their difference.
 import uPlot from 'uplot';
 import { curves_in_view, type Curves } from './decimate';
-import { button, element, set_text } from './dom';
+import { button, element, set_name, set_text } from './dom';
 import { difference_text, short_text, value_text } from './numbers';
 import { Columns, type Report, type Series } from './report';
 import type { Store } from './store';
@@ -34,9 +34,11 @@ export class Plot {
 
   constructor(private readonly store: Store, private readonly report: Report, readonly series: Series) {
     const { name, unit } = series.entry;
+    const title = element('h3', { title: name });
+    set_name(title, name);
     this.root = element('section', { class: 'plot', 'aria-label': `plot of ${name}`, 'data-series': name },
       element('header', {},
-        element('h3', { title: name }, name),
+        title,
         element('span', { class: 'unit' }, unit ? `[${unit}]` : ''),
         this.readout,
         button('×', `Close the plot of ${name}`, () => store.toggle(name), { class: 'quiet' })),

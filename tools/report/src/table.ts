@@ -1,6 +1,6 @@
 // Numbers at the cursor. Only rows on the screen are decoded; what has changed since the tick before is marked.
 import { Tour } from './divergences';
-import { element, set_text } from './dom';
+import { element, set_name, set_text } from './dom';
 import { difference_text, plural, short_text, value_text } from './numbers';
 import { Columns, type Report, type Series } from './report';
 import { search } from './search';
@@ -79,7 +79,7 @@ export class Table {
     row.classList.toggle('plotted', this.store.shown.includes(series.name));
     row.title = `${series.name}: click to ${this.store.shown.includes(series.name) ? 'close its plot' : 'plot it'}`;
     const cells = [...row.children] as HTMLElement[];
-    set_text(cells[0]!, series.name);
+    set_name(cells[0]!, series.name);
     set_text(cells[1]!, series.entry.unit);
     const { columns } = series;
     if (!columns) {

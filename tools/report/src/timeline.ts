@@ -142,8 +142,8 @@ export class Timeline {
     context.clip();
     context.fillStyle = colors.bad_fill;
     for (const [begin, end] of report.data.spans) {
-      const x = this.x_of(begin);
-      context.fillRect(x, y + 3, Math.max(1, this.x_of(end) - x), lane - 6);
+      const x = Math.max(gutter, this.x_of(begin)), x_end = Math.min(this.x_of(end), this.width - right);
+      if (x_end >= x) context.fillRect(x, y + 3, Math.max(1, x_end - x), lane - 6);
     }
     // those within tolerance first, so that nothing covers what matters
     const sorted = [...report.data.divergences].sort((a, b) => Number(a.beyond) - Number(b.beyond));
