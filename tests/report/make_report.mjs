@@ -11,7 +11,7 @@ const marker = '<!-- REHEARSE DATA -->';
 
 export const defaults = {
   ticks: 3000, channels: 60, cameras: 1, picture_every: 33, picture_size: [160, 120], fault: 640,
-  golden: true, equal: false, robot: true, events: true, mesh: true,
+  noise: true, golden: true, equal: false, robot: true, events: true, mesh: true,
 };
 
 /** JSON has no NaN. */
@@ -90,7 +90,7 @@ class Maker {
   }
 
   camera(index) {
-    const { ticks, picture_every, picture_size: [width, height], fault, golden } = this.options;
+    const { ticks, picture_every, picture_size: [width, height], fault, golden, noise } = this.options;
     const pictures = [];
     const paint = (tick, shift) => {
       const rgb = Buffer.alloc(3 * width * height);
@@ -98,7 +98,7 @@ class Maker {
         for (let x = 0; x < width; ++x, at += 3) {
           const inside = (x - width / 2 - (width / 3) * Math.sin(tick / 400) - shift) ** 2 + (y - height * 0.6) ** 2 < (height / 5) ** 2;
           const tile = ((x + Math.floor(tick / 20)) >> 4) + (y >> 4) & 1;
-          rgb[at] = inside ? 210 : 60 + 40 * tile + ((7 * x + 13 * y + tick) & 15);
+          rgb[at] = inside ? 210 : 60 + 40 * tile + (noise ? (7 * x + 13 * y + tick) & 15 : 0);
           rgb[at + 1] = inside ? 120 - index * 40 : 70 + 40 * tile;
           rgb[at + 2] = inside ? 40 : 90 + 40 * tile;
         }
