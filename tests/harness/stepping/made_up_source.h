@@ -1,0 +1,57 @@
+// A recording of three series and three links, made up: for tests of expressions.
+#pragma once
+
+#include <rehearse/expression.h>
+#include <rehearse/glob.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "stepping/name_search.h"
+
+namespace rehearse {
+
+/// Ticks from 0, 1 ms each. Robot/KNEE/q is the tick's number, Robot/KNEE/u ten times that; Robot/Walker/output/KNEE/u
+/// is 5, and 6 replayed from tick 3 on. Robot/blank is NaN. The foot touches the floor in even ticks, and "step" is said in
+/// each tenth.
+class MadeUpSource : public ExpressionSource {
+ public:
+  enum Series { q, u, command, blank, odd };
+  const std::vector<std::string> names{"Robot/KNEE/q", "Robot/KNEE/u", "Robot/Walker/output/KNEE/u", "Robot/blank",
+                                       "Robot/odd name-1/x"};
+  const std::vector<std::string> links{"Robot/FOOT", "Robot/HEAD", "Floor/Floor"};
+
+  Result<std::size_t> find_series(std::string_view name) override { return find_name(name, names, "series"); }
+  bool is_replayed(std::size_t series) const override { return series == command; }
+  Result<std::vector<std::size_t>> find_links(std::string_view name) override {
+    if (name == "Robot") return std::vector<std::size_t>{0, 1};
+    const auto found = find_name(name, links, "link");
+    if (!found) return found.errors();
+    return std::vector{*found};
+  }
+  std::int64_t first_tick() const override { return 0; }
+  double time_at(std::int64_t tick) const override { return static_cast<double>(tick) * 1e-3; }
+  double value(std::size_t series, std::int64_t tick, CommandSide side) override {
+    switch (series) {
+      case q: return static_cast<double>(tick);
+      case u: return static_cast<double>(tick) * 10.0;
+      case command: return side == CommandSide::replayed && tick >= 3 ? 6.0 : 5.0;
+      case odd: return 1.0;
+      default: return std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  bool touching(const std::vector<std::size_t>& some, const std::vector<std::size_t>& others,
+                std::int64_t tick) override {
+    const auto has = [](const std::vector<std::size_t>& ids, std::size_t id) {
+      return std::find(ids.begin(), ids.end(), id) != ids.end();
+    };
+    const bool foot = has(some, 0) && (others.empty() || has(others, 2));
+    const bool floor = has(some, 2) && (others.empty() || has(others, 0));
+    return tick % 2 == 0 && (foot || floor);
+  }
+  bool said(std::string_view pattern, std::int64_t tick) override { return tick % 10 == 0 && matches(pattern, "step"); }
+};
+
+}  // namespace rehearse

@@ -1,0 +1,9 @@
+# Expressions, and recordings tick by tick. The controllers are those of session_tests.
+rehearse_add_test(stepping_tests LABEL sim
+  SOURCES
+    stepping/expression_test.cpp
+    stepping/stepped_trace_test.cpp
+  LIBRARIES Rehearse::simulation Rehearse::world)
+target_include_directories(stepping_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/harness/src)
+target_compile_definitions(stepping_tests PRIVATE TEST_CONTROLLERS="${CMAKE_BINARY_DIR}/tests/controllers")
+add_dependencies(stepping_tests Behaviours HingePd HingePdChanged)
