@@ -1,10 +1,14 @@
 #include "report/report_size.h"
 
 #include <fmt/format.h>
+#include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
+#include <rehearse/messages.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace rehearse {
 namespace {
@@ -52,6 +56,50 @@ double size_of(const std::vector<Extent>& extents, double from, double until) {
   return bytes;
 }
 
+/// A tick's time and its three hashes.
+struct TickMark {
+  std::uint64_t time = 0;  // [ns]
+  std::uint64_t state = 0, input = 0, output = 0;
+
+  bool operator==(const TickMark&) const = default;
+};
+
+/// Those of a recording up to that time [s].
+std::vector<TickMark> tick_marks(const fs::path& file, double until) {
+  std::vector<TickMark> marks;
+  const auto reader = mcap::Reader::open(file);
+  if (!reader) return marks;
+  std::vector<std::uint16_t> chosen;
+  for (const auto& [id, channel] : (*reader)->channels()) {
+    const mcap::Schema* schema = (*reader)->schema_of(channel);
+    if (schema && schema->name == msg::Tick::type_name) chosen.push_back(id);
+  }
+  if (chosen.empty()) return marks;
+  const auto end = static_cast<std::uint64_t>(until * 1e9);
+  (void)(*reader)->for_each_message(  // what is damaged is told when it is loaded
+      [&](const mcap::Message& message) {
+        CdrReader cdr(message.data);
+        msg::Tick tick;
+        if (msg::decode(cdr, tick))
+          marks.push_back({message.log_time, tick.state_hash, tick.input_hash, tick.output_hash});
+        return message.log_time <= end;
+      },
+      chosen);
+  return marks;
+}
+
+/// The time of the first tick whose hashes aren't the same [s]; none: there is none, or nothing to compare. Looks no
+/// further into the files than it has to: a first difference is mostly early.
+std::optional<double> first_difference(std::span<const fs::path> traces, double length) {
+  if (traces.size() < 2) return std::nullopt;
+  for (double until = 60.0;; until *= 4.0) {
+    const auto actual = tick_marks(traces[0], until), golden = tick_marks(traces[1], until);
+    const auto [a, g] = std::mismatch(actual.begin(), actual.end(), golden.begin(), golden.end());
+    if (a != actual.end() && g != golden.end()) return static_cast<double>(a->time) / 1e9;
+    if (until >= length || a != actual.end() || g != golden.end()) return std::nullopt;
+  }
+}
+
 std::string megabytes(double bytes) { return fmt::format("{:.0f} MB", std::ceil(bytes / 1e6)); }
 
 }  // namespace
@@ -75,9 +123,16 @@ Result<void> check_report_size(std::span<const fs::path> traces, const fs::path&
   const auto most = static_cast<double>(options.max_size);
   if (bytes <= most) return {};
   constexpr double usual_length = 60.0;  // [s]
-  const double begin = std::max(from, extents[0].begin);
+  double begin = std::max(from, extents[0].begin);
   double length = usual_length;
   while (length > 0.001 && size_of(extents, begin, begin + length) > 0.5 * most) length /= 2.0;
+  std::optional<double> wanted;
+  if (options.verdict && options.verdict->first)
+    wanted = options.verdict->first->time;
+  else
+    wanted = first_difference(traces, extents[0].end);
+  if (wanted && *wanted > begin + 0.5 * length) begin = std::floor(1e3 * (*wanted - 0.5 * length)) / 1e3;
+  begin = std::max(begin, 0.0);
   std::string command = "rehearse report";
   for (const fs::path& trace : traces) command += " " + trace.string();
   Diagnostic refusal =

@@ -378,5 +378,28 @@ TEST_F(Report, ThatWouldBeTooLargeIsRefusedWithAPartThatIsNot) {
   EXPECT_TRUE(write_report(folder_ / "actual.mcap", std::nullopt, folder_ / "report.html", options_));
 }
 
+TEST_F(Report, ThatWouldBeTooLargeNamesAPartWithTheFirstDifference) {
+  actual_.lengthen(9000);
+  golden_.lengthen(9000);
+  for (std::size_t i = 8000; i < 9000; ++i) {
+    actual_.ticks[i].q = 0.7;
+    actual_.ticks[i].state_hash = 99;
+  }
+  actual_.write(folder_ / "actual.mcap");
+  golden_.write(folder_ / "golden.mcap");
+  const auto estimate = estimated_report_size(folder_ / "actual.mcap");
+  ASSERT_TRUE(estimate);
+  options_.max_size = *estimate / 2;
+  const Diagnostic refused = refusal(folder_ / "actual.mcap", folder_ / "golden.mcap");
+  const auto number_behind = [&](const std::string& option) {
+    return std::stod(refused.hint.substr(refused.hint.find(option) + option.size()));
+  };
+  options_.from = number_behind("--from ");
+  options_.until = number_behind("--until ");
+  EXPECT_GT(*options_.from, 0.0);
+  written(folder_ / "golden.mcap");
+  EXPECT_EQ(summary_.first_tick, 8000);
+}
+
 }  // namespace
 }  // namespace rehearse::testing
