@@ -14,7 +14,7 @@ namespace rehearse {
 struct TestFolders {
   std::string fixtures;     // scenarios and models; REHEARSE_FIXTURES in the environment wins
   std::string golden;       // goldens; REHEARSE_GOLDEN_DIR wins
-  std::string output;       // gets traces/ and goldens/pending/; REHEARSE_PENDING wins over the latter
+  std::string output;       // gets traces/, with reports, and goldens/pending/; REHEARSE_PENDING wins over the latter
   std::string controllers;  // libraries of controllers; searched after REHEARSE_CONTROLLER_PATH
 };
 
