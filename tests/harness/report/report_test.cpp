@@ -11,6 +11,7 @@
 
 #include "../small_traces.h"
 #include "decoded_report.h"
+#include "report/report_series.h"
 
 namespace rehearse::testing {
 namespace {
@@ -107,6 +108,21 @@ TEST_F(Report, HasEveryNumberBitForBit) {
   EXPECT_TRUE(report.series("Robot/Pd/output/KNEE/u")["range"].is_null());  // nothing but NaN
   EXPECT_EQ(report.series("state_hash")["kind"], "unsigned_integer");
   EXPECT_EQ(report.series("Robot/WHEEL/q")["wraps"], true);
+}
+
+TEST(SeriesGroup, IsThatOfTheTopic) {
+  const auto group_of = [](const std::string& topic) {
+    TraceChannel channel;
+    channel.topic = topic;
+    return series_group(channel);
+  };
+  EXPECT_EQ(group_of("/Robot/Pd/variable/integral"), "variable");
+  EXPECT_EQ(group_of("/Robot/Pd/output/joints"), "output");
+  EXPECT_EQ(group_of("/Robot/Pd/input/FOOT/contacts"), "input");
+  EXPECT_EQ(group_of("/joy"), "input");
+  EXPECT_EQ(group_of("/Robot/Foot/wrench"), "sensor");
+  EXPECT_EQ(group_of("/Robot/BASE/twist"), "state");
+  EXPECT_EQ(group_of("/Robot/Eye/camera_info"), "other");
 }
 
 TEST_F(Report, OfARunAloneSaysSo) {
@@ -381,6 +397,7 @@ TEST_F(Report, ThatWouldBeTooLargeIsRefusedWithAPartThatIsNot) {
 TEST_F(Report, ThatWouldBeTooLargeNamesAPartWithTheFirstDifference) {
   actual_.lengthen(9000);
   golden_.lengthen(9000);
+  actual_.left_out = golden_.left_out = {"/Robot/Eye/image", "/Robot/Eye/depth"};
   for (std::size_t i = 8000; i < 9000; ++i) {
     actual_.ticks[i].q = 0.7;
     actual_.ticks[i].state_hash = 99;
