@@ -21,9 +21,14 @@ after(async () => {
   if (bench.folder) rmSync(bench.folder, { recursive: true, force: true });
 });
 
+/** A file's name in the folder. */
+export function scratch_file(name) {
+  return join(bench.folder, name);
+}
+
 /** A file with that text. */
 export function write_file(name, text) {
-  const file = join(bench.folder, name);
+  const file = scratch_file(name);
   writeFileSync(file, text);
   return file;
 }

@@ -79,8 +79,19 @@ export class Divergences {
     const summary = element('span', { class: 'note' }, `${plural(divergences.length, 'place')}: of each channel the first beyond tolerance, ${beyond} of these, and the first in any bit`);
     const head = element('div', { class: 'divergence head', 'aria-hidden': 'true' }, ...['tick', 'time', 'series', 'expected', 'actual', 'difference', 'tolerance', 'stage', 'note'].map((name) => element('span', { class: name }, name)));
     this.root = element('div', { class: 'divergences' }, element('div', { class: 'tools' }, summary), head, this.list.root);
-    store.on(['tick'], () => this.list.update());
+    store.on(['tick'], () => this.follow());
     this.list.set_count(divergences.length);
+    // nothing can be scrolled to before it is shown
+    new ResizeObserver(() => this.follow()).observe(this.list.root);
+  }
+
+  /** The one at the cursor in sight, one beyond tolerance if there is. */
+  private follow() {
+    const { divergences } = this.report.data, { tick } = this.store;
+    const beyond = divergences.findIndex((entry) => entry.tick === tick && entry.beyond);
+    const at = beyond >= 0 ? beyond : divergences.findIndex((entry) => entry.tick === tick);
+    if (at >= 0) this.list.reveal(at);
+    this.list.update();
   }
 
   private make_row(): HTMLElement {
