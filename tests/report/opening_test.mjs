@@ -123,7 +123,7 @@ const absences = [
   { what: 'robots', options: { ...small, robot: false }, says: ['of no robot'], tabs: {} },
   { what: 'messages', options: { ...small, events: false }, says: [], tabs: { messages: /Nobody said anything/ } },
   { what: 'channels', options: { ...small, channels: 0 }, says: ['no channels of numbers'], tabs: {} },
-  { what: 'ticks', options: { ...small, ticks: 0, channels: 20 }, says: ['no tick was recorded'], tabs: {} },
+  { what: 'ticks', options: { ...small, ticks: 0, channels: 20 }, says: ['no tick was recorded', 'there is nothing to plot'], tabs: {} },
 ];
 
 for (const { what, options, says, tabs, without } of absences) {

@@ -75,7 +75,7 @@ class CameraView {
   }
 
   private describe(shown: Shown | null): string {
-    if (!shown) return 'no picture yet';
+    if (!shown) return this.camera.pictures.length === 0 ? 'it made no picture' : 'no picture yet';
     const { differing } = shown.entry;
     const tick = `tick ${shown.entry.tick}`;
     if (!this.compared) return tick;
@@ -115,9 +115,11 @@ class CameraView {
     put('expected', expected);
     put('actual', actual);
     const context = this.canvases.difference.getContext('2d')!;
+    context.clearRect(0, 0, this.width, this.height);
+    if (!expected || !actual) return;
     context.fillStyle = '#000';
     context.fillRect(0, 0, this.width, this.height);
-    if (expected && actual && shown?.expected?.id !== shown?.actual?.id) draw_difference(context, expected, actual, gain);
+    if (shown?.expected?.id !== shown?.actual?.id) draw_difference(context, expected, actual, gain);
   }
 }
 

@@ -94,13 +94,13 @@ export class Figure {
     this.groups.forEach((group, i) => group.matrix.copy(this.kinematics.links[i]!));
   }
 
-  /** Links that stand where they stand in the other are hidden: the same place twice is one place. Returns how far they
-   * are apart at most [m], and which link is. */
+  /** Links that stand where they stand in the other, to a tenth of a millimetre, are hidden: nobody sees them apart.
+   * Returns how far they are apart at most [m], and which link is. */
   hide_common_links(other: Kinematics): { distance: number; link: string } {
     let most = { distance: 0, link: '' };
     this.groups.forEach((group, i) => {
       const distance = distance_of(this.kinematics.links[i]!, other.links[i]!);
-      group.visible = distance > 1e-5;
+      group.visible = distance > 1e-4;
       if (distance > most.distance) most = { distance, link: this.robot.links[i]!.name };
     });
     return most;

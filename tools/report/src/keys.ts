@@ -35,6 +35,11 @@ function is_taken(event: KeyboardEvent): boolean {
 }
 
 export function listen_to_keys(keys: Key[]) {
+  // whoever pressed a button with the mouse wants Space to play, not to press it again
+  document.addEventListener('click', (event) => {
+    const button = (event.target as HTMLElement).closest<HTMLElement>('button');
+    if (event.detail > 0 && button && !button.closest('dialog')) button.blur();
+  });
   document.addEventListener('keydown', (event) => {
     if (event.key === 'Escape' && (event.target as HTMLElement).matches(fields)) {
       (event.target as HTMLElement).blur();

@@ -41,6 +41,10 @@ export class Plots {
       this.plots.delete(name);
     }
     this.root.querySelector(':scope > .absence')?.remove();
+    if (this.report.ticks === 0) {
+      this.root.append(absence('No tick was recorded: there is nothing to plot.'));
+      return;
+    }
     for (const name of shown) {
       let plot = this.plots.get(name);
       if (!plot) {

@@ -165,9 +165,9 @@ export class Scene {
       ghost.kinematics.update(tick);
       ghost.update();
       const { distance, link } = ghost.hide_common_links(figure.kinematics);
-      if (distance > 1e-5) notes.push(`${link} ${length_text(distance)} from the golden`);
+      if (distance > 1e-6) notes.push(`${link} ${length_text(distance)} from the golden`);
     });
-    const note = notes.join('; ') || (this.report.compared ? 'as the golden' : '');
+    const note = notes.join('; ') || (this.report.compared && this.report.ticks > 0 ? 'as the golden' : '');
     if (this.note.title !== note) this.note.title = note;
     set_text(this.note, note);
     if (this.follow && this.controls) {

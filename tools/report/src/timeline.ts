@@ -48,7 +48,8 @@ export class Timeline {
   }
 
   private get contacts_height() { return this.contact_rows.length > 0 ? this.contact_rows.length * contact_row + 5 : 0; }
-  private get height() { return ruler + lane + this.contacts_height + lane + strip + 4; }
+  private get differences_height() { return this.report.compared ? lane : 0; }
+  private get height() { return ruler + this.differences_height + this.contacts_height + lane + strip + 4; }
   private get plain() { return Math.max(1, this.width - gutter - right); }
 
   x_of(tick: number): number {
@@ -81,8 +82,8 @@ export class Timeline {
     const colors = palette();
     let y = ruler;
     this.draw_ruler(colors, height);
-    this.draw_differences(colors, y);
-    y += lane;
+    if (this.report.compared) this.draw_differences(colors, y);
+    y += this.differences_height;
     this.draw_contacts(colors, y);
     y += this.contacts_height;
     this.draw_events(colors, y);
@@ -113,6 +114,7 @@ export class Timeline {
 
   private draw_ruler(colors: Palette, height: number) {
     const { context, report } = this;
+    if (report.ticks === 0) return this.label(colors, 'no ticks', 9);
     const { begin, end } = this.store.view;
     const step = nice_step((report.time(end) - report.time(begin)) / Math.max(2, this.plain / 90));
     context.strokeStyle = colors.line;
@@ -129,11 +131,11 @@ export class Timeline {
       context.fillText(`${Number((i * step).toPrecision(12))} s`, near_edge ? this.width - 2 : x, 9);
     }
     context.stroke();
-    this.label(colors, this.report.compared ? 'differs' : 'run', ruler + lane / 2);
   }
 
   private draw_differences(colors: Palette, y: number) {
     const { context, report } = this;
+    this.label(colors, 'differs', y + lane / 2);
     context.fillStyle = colors.sunken;
     context.fillRect(gutter, y + 3, this.plain, lane - 6);
     context.save();
@@ -173,7 +175,7 @@ export class Timeline {
     context.clip();
     for (const span of this.contacts) {
       const row = this.contact_rows.indexOf(span.pair);
-      if (row < 0) continue;
+      if (row < 0 || span.end < this.store.view.begin || span.begin > this.store.view.end) continue;
       const x = this.x_of(span.begin), width = Math.max(1, this.x_of(span.end) - x);
       const of_golden = this.report.data.runs[span.run]?.role === 'golden';
       const top = y + 2 + row * contact_row + (this.report.compared && !of_golden ? 4 : 0);
