@@ -23,7 +23,8 @@ std::string reason_to_skip() {
   if (!fs::exists(fs::path(REPORT_TESTS) / "node_modules/playwright-core"))
     return std::string("run `npm ci` in ") + REPORT_TESTS;
   if (!fs::exists(REPORT_PAGE)) return "the page of reports was not built: run tools/setup, and build again";
-  if (test::run("node -e \"import('" REPORT_TESTS "/browser.mjs').then((b) => process.exit(b.chromium_path() ? 0 : 1))\"")
+  if (test::run("node -e \"import('" REPORT_TESTS
+                "/browser.mjs').then((b) => process.exit(b.chromium_path() ? 0 : 1))\"")
           .status != 0)
     return "Chromium is not installed";
   return "";
@@ -69,7 +70,7 @@ class Screenshots : public ::testing::Test {
   testing::TemporaryFolder scratch_;
 };
 
-using Report = Screenshots;
+using ReportPage = Screenshots;
 
 /// Takes the picture anew and compares it; or keeps it, where that is asked for.
 void Screenshots::expect_as_approved(const std::string& name) {
@@ -100,10 +101,10 @@ void Screenshots::expect_as_approved(const std::string& name) {
          << ".png: run this test with REHEARSE_SCREENSHOTS=renew, look at what it made, and commit it";
 }
 
-TEST_F(Report, LooksAsApprovedInLight) { expect_as_approved("light"); }
-TEST_F(Report, LooksAsApprovedInDark) { expect_as_approved("dark"); }
-TEST_F(Report, LooksAsApprovedInANarrowWindow) { expect_as_approved("narrow"); }
-TEST_F(Report, LooksAsApprovedOfOneRunWithoutCameras) { expect_as_approved("alone"); }
+TEST_F(ReportPage, LooksAsApprovedInLight) { expect_as_approved("light"); }
+TEST_F(ReportPage, LooksAsApprovedInDark) { expect_as_approved("dark"); }
+TEST_F(ReportPage, LooksAsApprovedInANarrowWindow) { expect_as_approved("narrow"); }
+TEST_F(ReportPage, LooksAsApprovedOfOneRunWithoutCameras) { expect_as_approved("alone"); }
 
 // A button of the page, painted over.
 TEST_F(Screenshots, ThatLackAButtonAreFound) {
