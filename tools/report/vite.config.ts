@@ -4,6 +4,12 @@ import { defineConfig, type Plugin } from 'vite';
 
 const marker = '<!-- REHEARSE DATA -->';
 
+// Their licences ask for their notices to go along.
+function notices(): string {
+  const texts = ['three', 'uplot'].map((name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`);
+  return `<!--\nThis page contains libraries.\n\n${texts.join('\n\n')}\n-->`;
+}
+
 // What the page loads is put into it. A classic script, in front of the data: it starts before the browser has read them.
 function inline(): Plugin {
   return {
@@ -26,6 +32,7 @@ function inline(): Plugin {
         }
         delete bundle[name];
       }
+      html = html.replace('</head>', () => `${notices()}\n</head>`);
       if (html.split(marker).length !== 2) this.error(`report.html has to contain ${marker} once`);
       page.source = html;
     },
