@@ -1,15 +1,24 @@
 // Blobs as tools/report/FORMAT.md stores them; written by what it says alone, so that page and harness are held against it.
 import { deflateSync } from 'node:zlib';
 
-const arrays = { f64: Float64Array, f32: Float32Array, i64: BigInt64Array, u64: BigUint64Array, u32: Uint32Array, u8: Uint8Array };
+const arrays = {
+  f64: Float64Array,
+  f32: Float32Array,
+  i64: BigInt64Array,
+  u64: BigUint64Array,
+  u32: Uint32Array,
+  u8: Uint8Array,
+};
 
 function bytes_of(numbers) {
   return new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
 }
 
 function in_columns(bytes, width) {
-  const columns = new Uint8Array(bytes.length), count = bytes.length / width;
-  for (let i = 0; i < count; ++i) for (let byte = 0; byte < width; ++byte) columns[byte * count + i] = bytes[i * width + byte];
+  const columns = new Uint8Array(bytes.length),
+    count = bytes.length / width;
+  for (let i = 0; i < count; ++i)
+    for (let byte = 0; byte < width; ++byte) columns[byte * count + i] = bytes[i * width + byte];
   return columns;
 }
 
@@ -41,6 +50,12 @@ export class BlobWriter {
       for (let i = 0; i < bytes.length; ++i) bytes[i] ^= other[i] ?? 0;
     }
     if (filter !== 'none') bytes = in_columns(bytes, width);
-    return this.#add(deflateSync(bytes, { level: 1 }), { bytes: bytes.length, coding: 'deflate', type, count: numbers.length, filter });
+    return this.#add(deflateSync(bytes, { level: 1 }), {
+      bytes: bytes.length,
+      coding: 'deflate',
+      type,
+      count: numbers.length,
+      filter,
+    });
   }
 }

@@ -2,7 +2,12 @@
 import { existsSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 
-const places = [process.env.REHEARSE_CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+const places = [
+  process.env.REHEARSE_CHROMIUM,
+  '/usr/bin/chromium',
+  '/usr/bin/chromium-browser',
+  '/usr/bin/google-chrome',
+];
 
 export function chromium_path() {
   return places.find((place) => place && existsSync(place)) ?? null;
@@ -13,18 +18,33 @@ export async function launch() {
   const { chromium } = await import('playwright-core');
   return chromium.launch({
     executablePath: chromium_path(),
-    args: ['--enable-unsafe-swiftshader', '--font-render-hinting=none', '--disable-lcd-text', '--force-color-profile=srgb',
-      ...(process.getuid() === 0 ? ['--no-sandbox'] : [])],
+    args: [
+      '--enable-unsafe-swiftshader',
+      '--font-render-hinting=none',
+      '--disable-lcd-text',
+      '--force-color-profile=srgb',
+      ...(process.getuid() === 0 ? ['--no-sandbox'] : []),
+    ],
   });
 }
 
 /** A page with what it complained of and asked for. `file` is opened from disk. */
-export async function open_report(browser, file, { hash = '', width = 1280, height = 800, dark = false, ready = true, fonts = false } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce' });
+export async function open_report(
+  browser,
+  file,
+  { hash = '', width = 1280, height = 800, dark = false, ready = true, fonts = false } = {},
+) {
+  const context = await browser.newContext({
+    viewport: { width, height },
+    colorScheme: dark ? 'dark' : 'light',
+    reducedMotion: 'reduce',
+  });
   const page = await context.newPage();
-  const complaints = [], requests = [];
+  const complaints = [],
+    requests = [];
   page.on('console', (message) => {
-    if (['error', 'warning'].includes(message.type()) && !is_about_the_machine(message.text())) complaints.push(message.text());
+    if (['error', 'warning'].includes(message.type()) && !is_about_the_machine(message.text()))
+      complaints.push(message.text());
   });
   page.on('pageerror', (error) => complaints.push(String(error)));
   page.on('request', (request) => requests.push(request.url()));

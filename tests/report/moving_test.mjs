@@ -7,7 +7,8 @@ import { joints, pose_at } from './walker.mjs';
 const options = { ticks: 2000, channels: 60, cameras: 2, picture_every: 50 };
 const shown = '#series=Walker/RIGHT_KNEE/q,Walker/LEFT_HIP/q';
 
-const close = (actual, expected, what) => assert.ok(Math.abs(actual - expected) < 1e-9, `${what} is ${actual}, not ${expected}`);
+const close = (actual, expected, what) =>
+  assert.ok(Math.abs(actual - expected) < 1e-9, `${what} is ${actual}, not ${expected}`);
 
 /** What the run has at that tick, computed as the maker of the report does. */
 function run_at(tick) {
@@ -19,22 +20,36 @@ function run_at(tick) {
 /** Where the right foot is, without matrices: a chain in a plane, turned about z and moved. */
 function right_foot({ root, joints: q }) {
   const [hip, knee] = [q[3], q[4]];
-  const x = -0.36 * Math.sin(hip) - 0.34 * Math.sin(hip + knee), z = -0.1 - 0.36 * Math.cos(hip) - 0.34 * Math.cos(hip + knee);
-  const yaw = 2 * Math.atan2(root[5], root[6]), y = -0.1;
-  return [root[0] + x * Math.cos(yaw) - y * Math.sin(yaw), root[1] + x * Math.sin(yaw) + y * Math.cos(yaw), root[2] + z];
+  const x = -0.36 * Math.sin(hip) - 0.34 * Math.sin(hip + knee),
+    z = -0.1 - 0.36 * Math.cos(hip) - 0.34 * Math.cos(hip + knee);
+  const yaw = 2 * Math.atan2(root[5], root[6]),
+    y = -0.1;
+  return [
+    root[0] + x * Math.cos(yaw) - y * Math.sin(yaw),
+    root[1] + x * Math.sin(yaw) + y * Math.cos(yaw),
+    root[2] + z,
+  ];
 }
 
 function check_all_at(state, tick) {
   assert.equal(state.tick, tick);
   const pose = run_at(tick);
   close(state.joints['Walker/RIGHT_KNEE/q'], pose.joints[4], 'the knee');
-  close(state.joints['Walker/LEFT_HIP/q'], pose_at(tick).joints[0] + (tick > 648 ? 2e-10 * (tick - 648) : 0), 'the hip');
+  close(
+    state.joints['Walker/LEFT_HIP/q'],
+    pose_at(tick).joints[0] + (tick > 648 ? 2e-10 * (tick - 648) : 0),
+    'the hip',
+  );
   close(state.golden_joints['Walker/RIGHT_KNEE/q'], pose_at(tick).joints[4], 'the ghost’s knee');
-  if (tick < 640) right_foot(pose).forEach((at, i) => close(state.links['Walker/RIGHT_FOOT'][i], at, `the foot's ${'xyz'[i]}`));
+  if (tick < 640)
+    right_foot(pose).forEach((at, i) => close(state.links['Walker/RIGHT_FOOT'][i], at, `the foot's ${'xyz'[i]}`));
   assert.ok(Object.keys(state.plots).length >= 2);
   for (const [name, at] of Object.entries(state.plots)) assert.equal(at, tick, `the line in the plot of ${name}`);
   const picture = 50 * Math.floor(tick / 50);
-  assert.deepEqual(state.frames, { 'Walker/LeftCamera': { expected: picture, actual: picture }, 'Walker/RightCamera': { expected: picture, actual: picture } });
+  assert.deepEqual(state.frames, {
+    'Walker/LeftCamera': { expected: picture, actual: picture },
+    'Walker/RightCamera': { expected: picture, actual: picture },
+  });
   assert.equal(state.table['Walker/RIGHT_KNEE/q'].actual, pose.joints[4].toFixed(6));
   assert.equal(state.table['Walker/RIGHT_KNEE/q'].expected, pose_at(tick).joints[4].toFixed(6));
 }
@@ -79,7 +94,8 @@ test('numbers are those of the recording, however they were packed', async () =>
     assert.equal((await row('Walker/root/qx', 5)).actual, '0.000000', 'of an array without a blob');
     for (const tick of [0, 639, 640, 1999]) {
       const knee = await row('Walker/RIGHT_KNEE/u', tick);
-      const golden = 20 * Math.cos(tick / 90 + 4), late = tick < 640 ? 0 : tick - 639;
+      const golden = 20 * Math.cos(tick / 90 + 4),
+        late = tick < 640 ? 0 : tick - 639;
       assert.equal(knee.expected, golden.toFixed(6));
       assert.equal(knee.actual, (golden + 25 * (1 - Math.exp(-late / 250))).toFixed(6));
       assert.equal(knee.changed, tick > 0);
@@ -160,21 +176,43 @@ test('a channel is searched and plotted by the keyboard alone', async () => {
 
 test('everything is reached by Tab, has a name, and shows that it has the focus', async () => {
   await with_report(options, { hash: shown }, async ({ page }) => {
-    const nameless = await page.evaluate(() => [...document.querySelectorAll('button, input, select, [tabindex="0"]')]
-      .filter((one) => !(one.getAttribute('aria-label') || one.textContent.trim() || one.getAttribute('aria-labelledby'))).map((one) => one.outerHTML.slice(0, 200)));
-    assert.deepEqual(nameless.filter((html) => !/class="(provenance|scenario|differing)/.test(html)), []);
+    const nameless = await page.evaluate(() =>
+      [...document.querySelectorAll('button, input, select, [tabindex="0"]')]
+        .filter(
+          (one) => !(one.getAttribute('aria-label') || one.textContent.trim() || one.getAttribute('aria-labelledby')),
+        )
+        .map((one) => one.outerHTML.slice(0, 200)),
+    );
+    assert.deepEqual(
+      nameless.filter((html) => !/class="(provenance|scenario|differing)/.test(html)),
+      [],
+    );
     const reached = new Set();
     for (let i = 0; i < 45; ++i) {
       await page.keyboard.press('Tab');
       const at = await page.evaluate(() => {
         const style = getComputedStyle(document.activeElement);
-        return { name: document.activeElement.getAttribute('aria-label') ?? document.activeElement.textContent, outline: style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) >= 1, body: document.activeElement === document.body };
+        return {
+          name: document.activeElement.getAttribute('aria-label') ?? document.activeElement.textContent,
+          outline: style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) >= 1,
+          body: document.activeElement === document.body,
+        };
       });
       if (at.body) break;
       assert.ok(at.outline, `"${at.name}" has the focus and doesn't show it`);
       reached.add(at.name);
     }
-    for (const name of ['Play or pause (space)', 'tick at the cursor', 'time line: the tick under the cursor', 'To the first divergence (d)', 'search channels to plot', 'plots', 'Values', 'filter the table', 'values at the cursor']) {
+    for (const name of [
+      'Play or pause (space)',
+      'tick at the cursor',
+      'time line: the tick under the cursor',
+      'To the first divergence (d)',
+      'search channels to plot',
+      'plots',
+      'Values',
+      'filter the table',
+      'values at the cursor',
+    ]) {
       assert.ok(reached.has(name), `"${name}" isn't reached: ${[...reached].join(', ')}`);
     }
   });
@@ -209,7 +247,10 @@ test('a drag in a plot zooms all of them and the time line, a double click shows
     await settled(page);
     ({ view } = await state_of(page));
     const scale = 1999 / (line.width - 100);
-    assert.ok(Math.abs(view.begin - 112 * scale) < 5 && Math.abs(view.end - 512 * scale) < 5, `in view: ${view.begin} to ${view.end}`);
+    assert.ok(
+      Math.abs(view.begin - 112 * scale) < 5 && Math.abs(view.end - 512 * scale) < 5,
+      `in view: ${view.begin} to ${view.end}`,
+    );
   });
 });
 
@@ -234,12 +275,17 @@ test('messages and divergences lead to their ticks', async () => {
 test('pictures are compared: side by side, or with a slider', async () => {
   await with_report(options, { hash: '#tick=1200' }, async ({ page }) => {
     await settled(page);
-    const sums = () => page.evaluate(() => Object.fromEntries([...document.querySelectorAll('.camera:first-of-type canvas')].map((canvas) => {
-      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-      let sum = 0;
-      for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
-      return [canvas.getAttribute('aria-label').split(', ')[1], sum];
-    })));
+    const sums = () =>
+      page.evaluate(() =>
+        Object.fromEntries(
+          [...document.querySelectorAll('.camera:first-of-type canvas')].map((canvas) => {
+            const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+            let sum = 0;
+            for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
+            return [canvas.getAttribute('aria-label').split(', ')[1], sum];
+          }),
+        ),
+      );
     const apart = await sums();
     assert.ok(apart.difference > 0, 'they differ');
     assert.notEqual(apart.expected, apart.actual);

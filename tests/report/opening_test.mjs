@@ -43,12 +43,16 @@ test('a link opens at its moment, with its series and its view', async () => {
 });
 
 test('a link to what isn’t there opens as near as can be', async () => {
-  await with_report(small, { hash: '#tick=999999&series=No/such,Walker/LEFT_HIP/q,%E0%A4%A' }, async ({ page, complaints }) => {
-    const { tick, shown } = await state_of(page);
-    assert.equal(tick, 1499);
-    assert.deepEqual(shown, ['Walker/LEFT_HIP/q']);
-    assert.deepEqual(complaints, []);
-  });
+  await with_report(
+    small,
+    { hash: '#tick=999999&series=No/such,Walker/LEFT_HIP/q,%E0%A4%A' },
+    async ({ page, complaints }) => {
+      const { tick, shown } = await state_of(page);
+      assert.equal(tick, 1499);
+      assert.deepEqual(shown, ['Walker/LEFT_HIP/q']);
+      assert.deepEqual(complaints, []);
+    },
+  );
 });
 
 test('the address follows cursor and plots', async () => {
@@ -71,8 +75,13 @@ function contrasts() {
     return [255, 255, 255];
   };
   const found = [];
-  for (const element of document.querySelectorAll('button, span, h1, h2, h3, p, th, td, label, output, select, input')) {
-    const text = [...element.childNodes].filter((node) => node.nodeType === 3).map((node) => node.textContent.trim()).join('');
+  for (const element of document.querySelectorAll(
+    'button, span, h1, h2, h3, p, th, td, label, output, select, input',
+  )) {
+    const text = [...element.childNodes]
+      .filter((node) => node.nodeType === 3)
+      .map((node) => node.textContent.trim())
+      .join('');
     if (!text || element.disabled || element.offsetParent === null) continue;
     const [a, b] = [luminance(numbers(getComputedStyle(element).color)), luminance(ground_of(element))];
     found.push({ text, contrast: (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) });
@@ -89,7 +98,10 @@ for (const dark of [false, true]) {
         await settled(page);
         const found = await page.evaluate(contrasts);
         assert.ok(found.length > 40);
-        assert.deepEqual(found.filter(({ contrast }) => contrast < 4.5), []);
+        assert.deepEqual(
+          found.filter(({ contrast }) => contrast < 4.5),
+          [],
+        );
       }
     });
   });
@@ -117,13 +129,35 @@ test('fits a window of 900 pixels', async () => {
 });
 
 const absences = [
-  { what: 'a golden', options: { ...small, golden: false }, says: ['One run'], tabs: { divergences: /no golden/ }, without: '.plot .difference:not(:empty), .legend' },
-  { what: 'differences', options: { ...small, equal: true }, says: ['Equal'], tabs: { divergences: /Nothing differs/ }, without: '.primary:not(dialog *)' },
-  { what: 'cameras', options: { ...small, cameras: 0 }, says: ['no camera pictures'], tabs: { provenance: /Point clouds are left out/ } },
+  {
+    what: 'a golden',
+    options: { ...small, golden: false },
+    says: ['One run'],
+    tabs: { divergences: /no golden/ },
+    without: '.plot .difference:not(:empty), .legend',
+  },
+  {
+    what: 'differences',
+    options: { ...small, equal: true },
+    says: ['Equal'],
+    tabs: { divergences: /Nothing differs/ },
+    without: '.primary:not(dialog *)',
+  },
+  {
+    what: 'cameras',
+    options: { ...small, cameras: 0 },
+    says: ['no camera pictures'],
+    tabs: { provenance: /Point clouds are left out/ },
+  },
   { what: 'robots', options: { ...small, robot: false }, says: ['of no robot'], tabs: {} },
   { what: 'messages', options: { ...small, events: false }, says: [], tabs: { messages: /Nobody said anything/ } },
   { what: 'channels', options: { ...small, channels: 0 }, says: ['no channels of numbers'], tabs: {} },
-  { what: 'ticks', options: { ...small, ticks: 0, channels: 20 }, says: ['no tick was recorded', 'there is nothing to plot'], tabs: {} },
+  {
+    what: 'ticks',
+    options: { ...small, ticks: 0, channels: 20 },
+    says: ['no tick was recorded', 'there is nothing to plot'],
+    tabs: {},
+  },
 ];
 
 for (const { what, options, says, tabs, without } of absences) {

@@ -18,7 +18,14 @@ function rehearse(...words) {
 before(() => {
   made.trace = scratch_file('run.mcap');
   made.report = scratch_file('run.html');
-  rehearse('record', 'fixtures/scenarios/sr1_minimum.yaml', '-o', made.trace, '--controller', `SR1Minimum=${CHANGED_GAIN}`);
+  rehearse(
+    'record',
+    'fixtures/scenarios/sr1_minimum.yaml',
+    '-o',
+    made.trace,
+    '--controller',
+    `SR1Minimum=${CHANGED_GAIN}`,
+  );
   rehearse('report', made.trace, golden, '-o', made.report);
 });
 
@@ -49,14 +56,19 @@ test('robot, table and pictures are those of the recording at every tick', async
       await page.fill('.values input', 'SR1/WAIST/position');
       await settled(page);
       const { links, table, frames, joints } = await state_of(page);
-      ['x', 'y', 'z'].forEach((axis, i) => assert.equal(Number(table[`SR1/WAIST/position/${axis}`].actual).toFixed(4), links['SR1/WAIST'][i].toFixed(4)));
+      ['x', 'y', 'z'].forEach((axis, i) =>
+        assert.equal(Number(table[`SR1/WAIST/position/${axis}`].actual).toFixed(4), links['SR1/WAIST'][i].toFixed(4)),
+      );
       assert.ok(links['SR1/WAIST'][2] > 0.5 && links['SR1/RLEG_ANKLE_R'][2] < 0.2, 'it stands');
       await page.fill('.values input', 'SR1/RLEG_KNEE/q');
       await settled(page);
       assert.equal((await state_of(page)).table['SR1/RLEG_KNEE/q'].actual, joints['SR1/RLEG_KNEE/q'].toFixed(6));
       for (const { actual, expected } of Object.values(frames)) {
         assert.equal(actual, expected);
-        assert.ok(tick === 0 || (actual <= tick && actual > tick - 40), `the picture of tick ${actual} at tick ${tick}`);
+        assert.ok(
+          tick === 0 || (actual <= tick && actual > tick - 40),
+          `the picture of tick ${actual} at tick ${tick}`,
+        );
       }
     }
   });

@@ -9,11 +9,13 @@ const rounds = 3;
 async function measured(file, hash, measure) {
   const results = [];
   for (let i = 0; i < rounds; ++i) {
-    results.push(await with_file(file, { hash }, async (report) => {
-      const found = await measure(report);
-      assert.deepEqual(report.complaints, []);
-      return { open: report.open_seconds, ...found };
-    }));
+    results.push(
+      await with_file(file, { hash }, async (report) => {
+        const found = await measure(report);
+        assert.deepEqual(report.complaints, []);
+        return { open: report.open_seconds, ...found };
+      }),
+    );
   }
   const best = (name, choose) => choose(...results.map((result) => result[name]));
   return { open: best('open', Math.min), rate: best('rate', Math.max), zoom: best('zoom', Math.min) };
@@ -31,7 +33,9 @@ async function scrub_and_zoom({ page }) {
 }
 
 function print(t, { open, rate, zoom }) {
-  t.diagnostic(`interactive in ${open.toFixed(2)} s, scrubs at ${rate.toFixed(0)} frames a second, zooms in ${zoom.toFixed(3)} s`);
+  t.diagnostic(
+    `interactive in ${open.toFixed(2)} s, scrubs at ${rate.toFixed(0)} frames a second, zooms in ${zoom.toFixed(3)} s`,
+  );
 }
 
 test('a minute with two cameras', async (t) => {
@@ -44,14 +48,21 @@ test('a minute with two cameras', async (t) => {
 
 test('a hundred thousand ticks of sixty channels, all of them plotted', async (t) => {
   const file = report_file({ ticks: 100000, channels: 60, cameras: 0 });
-  const names = await with_file(file, {}, ({ page }) => page.evaluate(() => JSON.parse(document.getElementById('report').textContent).series.map((one) => one.name)));
+  const names = await with_file(file, {}, ({ page }) =>
+    page.evaluate(() => JSON.parse(document.getElementById('report').textContent).series.map((one) => one.name)),
+  );
   assert.equal(names.length, 60);
   const found = await measured(file, `#tick=50000&series=${names.join(',')}`, async (report) => {
     const { page } = report;
     assert.equal(await page.locator('.plot').count(), 60);
     await page.evaluate(async () => {
       const plots = document.querySelector('.plots');
-      for (plots.scrollTop = 0; plots.scrollTop + plots.clientHeight < plots.scrollHeight - 2; plots.scrollTop += plots.clientHeight) await window.rehearse.settled();
+      for (
+        plots.scrollTop = 0;
+        plots.scrollTop + plots.clientHeight < plots.scrollHeight - 2;
+        plots.scrollTop += plots.clientHeight
+      )
+        await window.rehearse.settled();
     });
     return scrub_and_zoom(report);
   });

@@ -6,7 +6,9 @@ const marker = '<!-- REHEARSE DATA -->';
 
 // Their licences ask for their notices to go along.
 function notices(): string {
-  const texts = ['three', 'uplot'].map((name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`);
+  const texts = ['three', 'uplot'].map(
+    (name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`,
+  );
   return `<!--\nThis page contains libraries.\n\n${texts.join('\n\n')}\n-->`;
 }
 

@@ -30,7 +30,11 @@ function decoded(text: string): string {
 }
 
 function encoded(name: string): string {
-  return encodeURIComponent(name).replaceAll('%2F', '/').replaceAll('%3A', ':').replaceAll('%5B', '[').replaceAll('%5D', ']');
+  return encodeURIComponent(name)
+    .replaceAll('%2F', '/')
+    .replaceAll('%3A', ':')
+    .replaceAll('%5B', '[')
+    .replaceAll('%5D', ']');
 }
 
 export function address_of(store: Store): string {

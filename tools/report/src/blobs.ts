@@ -82,12 +82,18 @@ function xor_with(bytes: Uint8Array, base: Uint8Array) {
 function as_numbers(bytes: Uint8Array<ArrayBuffer>, type: NumberType): Numbers {
   const { buffer } = bytes;
   switch (type) {
-    case 'f64': return new Float64Array(buffer);
-    case 'f32': return new Float32Array(buffer);
-    case 'i64': return new BigInt64Array(buffer);
-    case 'u64': return new BigUint64Array(buffer);
-    case 'u32': return new Uint32Array(buffer);
-    case 'u8': return bytes;
+    case 'f64':
+      return new Float64Array(buffer);
+    case 'f32':
+      return new Float32Array(buffer);
+    case 'i64':
+      return new BigInt64Array(buffer);
+    case 'u64':
+      return new BigUint64Array(buffer);
+    case 'u32':
+      return new Uint32Array(buffer);
+    case 'u8':
+      return bytes;
   }
 }
 
@@ -102,7 +108,8 @@ function repeated({ type, count, constant }: ConstantArray): Numbers {
 export async function numbers_of(array: NumberArray, base?: Numbers): Promise<Numbers> {
   if ('constant' in array) return repeated(array);
   const width = widths[array.type];
-  if (array.bytes % width !== 0 || array.bytes < array.count * width) throw new Error(`blob ${array.id}: ${array.bytes} bytes for ${array.count} of ${array.type}`);
+  if (array.bytes % width !== 0 || array.bytes < array.count * width)
+    throw new Error(`blob ${array.id}: ${array.bytes} bytes for ${array.count} of ${array.type}`);
   let bytes = await bytes_of(array);
   if (array.filter !== 'none') bytes = put_columns_back(bytes, width);
   if (array.filter === 'xor') xor_with_previous(bytes, width);

@@ -32,19 +32,47 @@ class CameraView {
   drawn: FrameState = { expected: null, actual: null };
   drawing: Promise<void> = Promise.resolve();
 
-  constructor(private readonly camera: CameraEntry, private readonly compared: boolean, private readonly mode: () => { wipe: boolean; gain: number }) {
+  constructor(
+    private readonly camera: CameraEntry,
+    private readonly compared: boolean,
+    private readonly mode: () => { wipe: boolean; gain: number },
+  ) {
     ({ width: this.width, height: this.height } = camera);
-    const canvas = (part: Part) => element('canvas', { width: camera.width, height: camera.height, role: 'img', 'aria-label': `${label_of(camera)}, ${part}` });
+    const canvas = (part: Part) =>
+      element('canvas', {
+        width: camera.width,
+        height: camera.height,
+        role: 'img',
+        'aria-label': `${label_of(camera)}, ${part}`,
+      });
     this.canvases = { expected: canvas('expected'), actual: canvas('actual'), difference: canvas('difference') };
     this.wipe = element('input', {
-      type: 'range', min: 0, max: 1, step: 0.01, value: 0.5, class: 'wipe', 'aria-label': `${label_of(camera)}: expected left of here, actual right of it`,
+      type: 'range',
+      min: 0,
+      max: 1,
+      step: 0.01,
+      value: 0.5,
+      class: 'wipe',
+      'aria-label': `${label_of(camera)}: expected left of here, actual right of it`,
       oninput: () => ((this.split = this.wipe.valueAsNumber), this.redraw()),
     });
-    const figures = (compared ? parts : (['actual'] as Part[])).map((part) => element('figure', { class: part }, this.canvases[part], element('figcaption', {}, compared ? part : '')));
-    const range = camera.kind === 'depth' && camera.near !== undefined ? `, white ${camera.near} m to black ${camera.far} m` : '';
-    this.root = element('section', { class: 'camera', 'aria-label': `camera ${label_of(camera)}` },
-      element('header', {}, element('h3', {}, label_of(camera)), element('span', { class: 'unit' }, camera.width > 0 ? `${camera.width} × ${camera.height}${range}` : ''), this.note),
-      element('div', { class: 'frames' }, ...figures, this.wipe));
+    const figures = (compared ? parts : (['actual'] as Part[])).map((part) =>
+      element('figure', { class: part }, this.canvases[part], element('figcaption', {}, compared ? part : '')),
+    );
+    const range =
+      camera.kind === 'depth' && camera.near !== undefined ? `, white ${camera.near} m to black ${camera.far} m` : '';
+    this.root = element(
+      'section',
+      { class: 'camera', 'aria-label': `camera ${label_of(camera)}` },
+      element(
+        'header',
+        {},
+        element('h3', {}, label_of(camera)),
+        element('span', { class: 'unit' }, camera.width > 0 ? `${camera.width} × ${camera.height}${range}` : ''),
+        this.note,
+      ),
+      element('div', { class: 'frames' }, ...figures, this.wipe),
+    );
   }
 
   update(tick: number) {
@@ -64,8 +92,11 @@ class CameraView {
 
   private async draw(shown: Shown | null, request: number) {
     try {
-      const [expected, actual] = await Promise.all([shown?.expected && picture_of(shown.expected), shown?.actual && picture_of(shown.actual)]);
-      if (request !== this.wanted) return;  // the cursor has moved on
+      const [expected, actual] = await Promise.all([
+        shown?.expected && picture_of(shown.expected),
+        shown?.actual && picture_of(shown.actual),
+      ]);
+      if (request !== this.wanted) return; // the cursor has moved on
       this.paint(expected ?? null, actual ?? null, shown);
       this.drawn = { expected: shown?.expected_tick ?? null, actual: shown?.actual_tick ?? null };
       set_text(this.note, this.describe(shown));
@@ -89,7 +120,7 @@ class CameraView {
   private resize(picture: ImageBitmap | null) {
     if (!picture) return;
     ({ width: this.width, height: this.height } = picture);
-    for (const canvas of Object.values(this.canvases)) (canvas.width = this.width), (canvas.height = this.height);
+    for (const canvas of Object.values(this.canvases)) ((canvas.width = this.width), (canvas.height = this.height));
   }
 
   private paint(expected: ImageBitmap | null, actual: ImageBitmap | null, shown: Shown | null) {
@@ -104,7 +135,8 @@ class CameraView {
     if (wipe) {
       put('actual', actual);
       if (!expected) return;
-      const context = this.canvases.actual.getContext('2d')!, edge = Math.round(this.split * this.width);
+      const context = this.canvases.actual.getContext('2d')!,
+        edge = Math.round(this.split * this.width);
       if (edge > 0) context.drawImage(expected, 0, 0, edge, expected.height, 0, 0, edge, this.height);
       if (edge > 0 && edge < this.width) {
         context.fillStyle = '#fff';
@@ -129,8 +161,13 @@ export class Cameras {
   private wipe = false;
   private gain = 8;
 
-  constructor(private readonly store: Store, private readonly report: Report) {
-    this.views = report.data.cameras.map((camera) => new CameraView(camera, report.compared, () => ({ wipe: this.wipe, gain: this.gain })));
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
+    this.views = report.data.cameras.map(
+      (camera) => new CameraView(camera, report.compared, () => ({ wipe: this.wipe, gain: this.gain })),
+    );
     if (this.views.length === 0) {
       this.root.classList.add('none');
       this.root.append(absence('The recording has no camera pictures.'));
@@ -145,14 +182,26 @@ export class Cameras {
   /** For the head of the panel. */
   get tools(): HTMLElement | null {
     if (!this.report.compared || this.views.length === 0) return null;
-    const wipe = button('Slider', 'Expected and actual in one picture, with a slider between them', () => {
-      this.wipe = !this.wipe;
-      wipe.setAttribute('aria-pressed', String(this.wipe));
-      this.update();
-    }, { 'aria-pressed': 'false' });
-    const gain = element('select', {
-      'aria-label': 'how much differences are amplified', onchange: () => ((this.gain = Number(gain.value)), this.update()),
-    }, ...[1, 2, 4, 8, 16, 64].map((factor) => element('option', { value: factor, selected: factor === this.gain }, `difference × ${factor}`)));
+    const wipe = button(
+      'Slider',
+      'Expected and actual in one picture, with a slider between them',
+      () => {
+        this.wipe = !this.wipe;
+        wipe.setAttribute('aria-pressed', String(this.wipe));
+        this.update();
+      },
+      { 'aria-pressed': 'false' },
+    );
+    const gain = element(
+      'select',
+      {
+        'aria-label': 'how much differences are amplified',
+        onchange: () => ((this.gain = Number(gain.value)), this.update()),
+      },
+      ...[1, 2, 4, 8, 16, 64].map((factor) =>
+        element('option', { value: factor, selected: factor === this.gain }, `difference × ${factor}`),
+      ),
+    );
     return element('div', { class: 'tools' }, wipe, gain);
   }
 

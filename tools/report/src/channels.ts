@@ -9,8 +9,12 @@ import type { Store } from './store';
 import { VirtualList } from './virtual_list';
 
 const group_names: Record<Group, string> = {
-  state: 'State of the bodies', sensor: 'Sensors', input: 'Inputs of the controllers', output: 'Commands of the controllers',
-  variable: 'Variables of the controllers', other: 'Others',
+  state: 'State of the bodies',
+  sensor: 'Sensors',
+  input: 'Inputs of the controllers',
+  output: 'Commands of the controllers',
+  variable: 'Variables of the controllers',
+  other: 'Others',
 };
 
 const most_at_once = 100;
@@ -25,17 +29,39 @@ export class Channels {
   private rows: (Series | string)[] = [];
   private active = -1;
 
-  constructor(private readonly store: Store, private readonly report: Report) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
     this.input = element('input', {
-      type: 'search', placeholder: 'Channels: knee q, */u, …', 'aria-label': 'search channels to plot', 'aria-controls': 'channel-list', 'aria-expanded': 'false',
-      role: 'combobox', 'aria-autocomplete': 'list', autocomplete: 'off', spellcheck: 'false',
-      oninput: () => this.refresh(), onfocus: () => this.open(), onkeydown: ((event: KeyboardEvent) => this.key(event)) as EventListener,
+      type: 'search',
+      placeholder: 'Channels: knee q, */u, …',
+      'aria-label': 'search channels to plot',
+      'aria-controls': 'channel-list',
+      'aria-expanded': 'false',
+      role: 'combobox',
+      'aria-autocomplete': 'list',
+      autocomplete: 'off',
+      spellcheck: 'false',
+      oninput: () => this.refresh(),
+      onfocus: () => this.open(),
+      onkeydown: ((event: KeyboardEvent) => this.key(event)) as EventListener,
     });
-    this.list = new VirtualList(24, () => this.make_row(), (row, i) => this.fill(row, i), { id: 'channel-list', role: 'listbox', 'aria-label': 'channels', 'aria-multiselectable': 'true' });
+    this.list = new VirtualList(
+      24,
+      () => this.make_row(),
+      (row, i) => this.fill(row, i),
+      { id: 'channel-list', role: 'listbox', 'aria-label': 'channels', 'aria-multiselectable': 'true' },
+    );
     this.list.root.tabIndex = -1;
     const all = button('Plot all of these', 'Plot all channels found', () => this.show_all(), { class: 'quiet' });
     const none = button('Plot none', 'Close all plots', () => store.show([]), { class: 'quiet' });
-    this.panel = element('div', { class: 'channel-panel', hidden: true }, element('div', { class: 'tools' }, this.summary, all, none), this.list.root);
+    this.panel = element(
+      'div',
+      { class: 'channel-panel', hidden: true },
+      element('div', { class: 'tools' }, this.summary, all, none),
+      this.list.root,
+    );
     this.root = element('div', { class: 'channels' }, this.input, this.panel);
     store.on(['shown'], () => this.list.update());
     document.addEventListener('pointerdown', (event) => {
@@ -65,7 +91,10 @@ export class Channels {
 
   private refresh() {
     this.found = search(this.report.series, this.input.value);
-    const beyond = Tour.in_order(this.report, this.found.filter((series) => series.entry.beyond > 0));
+    const beyond = Tour.in_order(
+      this.report,
+      this.found.filter((series) => series.entry.beyond > 0),
+    );
     const differing = this.found.filter((series) => series.entry.beyond === 0 && series.entry.differing > 0);
     this.rows = [];
     const add = (title: string, series: Series[]) => {
@@ -74,22 +103,41 @@ export class Channels {
     add('Beyond tolerance', beyond);
     add('Other bits, within tolerance', differing);
     for (const [group, title] of Object.entries(group_names)) {
-      add(title, this.found.filter((series) => series.entry.group === group && series.entry.differing === 0 && series.entry.beyond === 0));
+      add(
+        title,
+        this.found.filter(
+          (series) => series.entry.group === group && series.entry.differing === 0 && series.entry.beyond === 0,
+        ),
+      );
     }
     this.active = this.input.value && this.rows.length > 0 ? 1 : -1;
-    set_text(this.summary, this.found.length === 0 ? 'no channel of that name' : `${this.found.length} of ${plural(this.report.series.length, 'channel')}`);
+    set_text(
+      this.summary,
+      this.found.length === 0
+        ? 'no channel of that name'
+        : `${this.found.length} of ${plural(this.report.series.length, 'channel')}`,
+    );
     this.list.root.scrollTop = 0;
     this.list.set_count(this.rows.length);
   }
 
   private show_all() {
-    const names = this.rows.filter((row): row is Series => typeof row !== 'string').slice(0, most_at_once).map((series) => series.name);
+    const names = this.rows
+      .filter((row): row is Series => typeof row !== 'string')
+      .slice(0, most_at_once)
+      .map((series) => series.name);
     this.store.show([...this.store.shown, ...names]);
   }
 
   private make_row(): HTMLElement {
-    const row = element('div', { class: 'channel', role: 'option' },
-      element('span', { class: 'check', 'aria-hidden': 'true' }), element('span', { class: 'name' }), element('span', { class: 'unit' }), element('span', { class: 'count' }));
+    const row = element(
+      'div',
+      { class: 'channel', role: 'option' },
+      element('span', { class: 'check', 'aria-hidden': 'true' }),
+      element('span', { class: 'name' }),
+      element('span', { class: 'unit' }),
+      element('span', { class: 'count' }),
+    );
     row.addEventListener('click', () => {
       const series = this.rows[Number(row.dataset.index)];
       if (series && typeof series !== 'string') this.store.toggle(series.name);
@@ -111,7 +159,16 @@ export class Channels {
     if (heading) set_text(name!, entry);
     else set_name(name!, entry.name);
     set_text(unit!, heading || !entry.entry.unit ? '' : `[${entry.entry.unit}]`);
-    set_text(count!, heading ? '' : entry.entry.beyond > 0 ? `${plural(entry.entry.beyond, 'tick')} beyond` : entry.entry.differing > 0 ? `${plural(entry.entry.differing, 'tick')} differ` : '');
+    set_text(
+      count!,
+      heading
+        ? ''
+        : entry.entry.beyond > 0
+          ? `${plural(entry.entry.beyond, 'tick')} beyond`
+          : entry.entry.differing > 0
+            ? `${plural(entry.entry.differing, 'tick')} differ`
+            : '',
+    );
     count!.classList.toggle('beyond', !heading && entry.entry.beyond > 0);
   }
 

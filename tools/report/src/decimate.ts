@@ -9,18 +9,18 @@ import type { View } from './store';
 export type Points = (number | null | undefined)[];
 
 export interface Curves {
-  time: number[];  // [s]
+  time: number[]; // [s]
   golden: Points;
   actual: Points;
-  lower: Points;  // golden - tolerance
+  lower: Points; // golden - tolerance
   upper: Points;
   difference: Points;
-  beyond: Points;  // the part of the difference that is beyond tolerance
-  bound: Points;   // tolerance
-  low: number;     // of golden and actual in view
+  beyond: Points; // the part of the difference that is beyond tolerance
+  bound: Points; // tolerance
+  low: number; // of golden and actual in view
   high: number;
-  largest: number;  // |difference| in view, finite
-  raw: boolean;     // each value is a point
+  largest: number; // |difference| in view, finite
+  raw: boolean; // each value is a point
 }
 
 /** Indices [first, end) of the values in view and one more at either side, for the line that leaves it. */
@@ -32,8 +32,13 @@ function part_in_view(values: Values, view: View): [number, number] {
 
 export function curves_in_view(columns: Columns, view: View, pixels: number, time: (tick: number) => number): Curves {
   const { actual, golden } = columns;
-  const most = Math.max(...[actual, golden].map((values) => (values ? part_in_view(values, view)[1] - part_in_view(values, view)[0] : 0)));
-  const curves = most <= 2 * pixels ? every_value(columns, view, time) : extremes(columns, view, Math.max(8, Math.round(pixels)), time);
+  const most = Math.max(
+    ...[actual, golden].map((values) => (values ? part_in_view(values, view)[1] - part_in_view(values, view)[0] : 0)),
+  );
+  const curves =
+    most <= 2 * pixels
+      ? every_value(columns, view, time)
+      : extremes(columns, view, Math.max(8, Math.round(pixels)), time);
   add_bounds(columns, curves);
   measure(curves);
   return curves;
@@ -41,8 +46,18 @@ export function curves_in_view(columns: Columns, view: View, pixels: number, tim
 
 function empty(raw: boolean): Curves {
   return {
-    time: [], golden: [], actual: [], lower: [], upper: [], difference: [], beyond: [], bound: [],
-    low: Infinity, high: -Infinity, largest: 0, raw,
+    time: [],
+    golden: [],
+    actual: [],
+    lower: [],
+    upper: [],
+    difference: [],
+    beyond: [],
+    bound: [],
+    low: Infinity,
+    high: -Infinity,
+    largest: 0,
+    raw,
   };
 }
 
@@ -72,7 +87,10 @@ function every_value(columns: Columns, view: View, time: (tick: number) => numbe
 
 // Lowest and highest of [first, end) into a pair of points, in their order.
 function push_extremes(points: Points, numbers: ArrayLike<number>, first: number, end: number) {
-  let lowest = Infinity, highest = -Infinity, lowest_at = -1, highest_at = -1;
+  let lowest = Infinity,
+    highest = -Infinity,
+    lowest_at = -1,
+    highest_at = -1;
   let broken = false;
   for (let i = first; i < end; ++i) {
     const value = numbers[i]!;
@@ -80,8 +98,8 @@ function push_extremes(points: Points, numbers: ArrayLike<number>, first: number
       broken = true;
       continue;
     }
-    if (value < lowest) (lowest = value), (lowest_at = i);
-    if (value > highest) (highest = value), (highest_at = i);
+    if (value < lowest) ((lowest = value), (lowest_at = i));
+    if (value > highest) ((highest = value), (highest_at = i));
   }
   if (lowest_at < 0) {
     const nothing = broken ? null : undefined;
@@ -107,7 +125,8 @@ function extremes(columns: Columns, view: View, pixels: number, time: (tick: num
     }
     let first = values.axis.index_at(edge(0) - 1e-9) + 1;
     for (let pixel = 0; pixel < pixels; ++pixel) {
-      const last = pixel + 1 === pixels ? values.axis.index_at(edge(pixels)) : values.axis.index_at(edge(pixel + 1) - 1e-9);
+      const last =
+        pixel + 1 === pixels ? values.axis.index_at(edge(pixels)) : values.axis.index_at(edge(pixel + 1) - 1e-9);
       push_extremes(points, numbers, first, last + 1);
       first = last + 1;
     }
@@ -141,7 +160,10 @@ function add_bounds(columns: Columns, curves: Curves) {
     }
     const difference = curves.difference[i];
     // where nothing is said of a tolerance, each bit counts
-    const is_beyond = typeof difference === 'number' && series.entry.beyond > 0 && Math.abs(difference) > (bound ?? (bounded ? Infinity : 0));
+    const is_beyond =
+      typeof difference === 'number' &&
+      series.entry.beyond > 0 &&
+      Math.abs(difference) > (bound ?? (bounded ? Infinity : 0));
     curves.beyond.push(is_beyond ? difference : null);
   }
 }

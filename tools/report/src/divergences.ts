@@ -11,7 +11,10 @@ function owner_of(name: string): string {
 }
 
 export class Tour {
-  constructor(private readonly store: Store, private readonly report: Report) {}
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {}
 
   get first(): DivergenceEntry | null {
     const { first, divergences } = this.report.data;

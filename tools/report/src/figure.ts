@@ -19,7 +19,11 @@ export class Meshes {
   private async decode(index: number): Promise<three.BufferGeometry> {
     const entry = this.entries[index];
     if (!entry) throw new Error(`there is no mesh ${index}`);
-    const [positions, indices, color] = await Promise.all([numbers_of(entry.positions), numbers_of(entry.indices), entry.color && numbers_of(entry.color)]);
+    const [positions, indices, color] = await Promise.all([
+      numbers_of(entry.positions),
+      numbers_of(entry.indices),
+      entry.color && numbers_of(entry.color),
+    ]);
     const shared = new three.BufferGeometry();
     shared.setAttribute('position', new three.BufferAttribute(positions as Float32Array, 3));
     if (color) shared.setAttribute('color', new three.BufferAttribute(color as Uint8Array, 4, true));
@@ -38,20 +42,27 @@ export class Meshes {
 async function geometry_of(shape: ShapeEntry, meshes: Meshes): Promise<three.BufferGeometry> {
   if (shape.box) return new three.BoxGeometry(...shape.box);
   if (shape.sphere !== undefined) return new three.SphereGeometry(shape.sphere, 32, 16);
-  if (shape.cylinder) return new three.CylinderGeometry(shape.cylinder.radius, shape.cylinder.radius, shape.cylinder.length, 32).rotateX(Math.PI / 2);
+  if (shape.cylinder)
+    return new three.CylinderGeometry(shape.cylinder.radius, shape.cylinder.radius, shape.cylinder.length, 32).rotateX(
+      Math.PI / 2,
+    );
   return meshes.load(shape.mesh ?? -1);
 }
 
 // Squares of two colours over the upper face of a box.
 function checkered(shape: ShapeEntry, geometry: three.BufferGeometry): three.Texture {
-  const { color, size } = shape.checker!, [x, y] = shape.box!;
-  const bytes = [shape.color, color, color, shape.color].flatMap((one) => [one[0], one[1], one[2], 1].map((part) => Math.round(255 * part)));
+  const { color, size } = shape.checker!,
+    [x, y] = shape.box!;
+  const bytes = [shape.color, color, color, shape.color].flatMap((one) =>
+    [one[0], one[1], one[2], 1].map((part) => Math.round(255 * part)),
+  );
   const texture = new three.DataTexture(new Uint8Array(bytes), 2, 2);
   texture.colorSpace = three.SRGBColorSpace;
   texture.wrapS = texture.wrapT = three.RepeatWrapping;
   texture.needsUpdate = true;
   const uv = geometry.getAttribute('uv');
-  for (let i = 0; i < uv.count; ++i) uv.setXY(i, ((uv.getX(i) - 0.5) * x) / (2 * size), ((uv.getY(i) - 0.5) * y) / (2 * size));
+  for (let i = 0; i < uv.count; ++i)
+    uv.setXY(i, ((uv.getX(i) - 0.5) * x) / (2 * size), ((uv.getY(i) - 0.5) * y) / (2 * size));
   return texture;
 }
 
@@ -60,7 +71,13 @@ function own_material(shape: ShapeEntry, geometry: three.BufferGeometry): three.
   if (shape.checker && shape.box) return new three.MeshLambertMaterial({ map: checkered(shape, geometry) });
   const colored = geometry.hasAttribute('color');
   const color = colored ? new three.Color(1, 1, 1) : new three.Color().setRGB(r, g, b, three.SRGBColorSpace);
-  return new three.MeshLambertMaterial({ color, vertexColors: colored, transparent: a < 1, opacity: a, side: three.DoubleSide });
+  return new three.MeshLambertMaterial({
+    color,
+    vertexColors: colored,
+    transparent: a < 1,
+    opacity: a,
+    side: three.DoubleSide,
+  });
 }
 
 /** A robot's shapes, each link a group; the groups are moved, nothing is made anew. */
@@ -68,7 +85,11 @@ export class Figure {
   readonly root = new three.Group();
   private readonly groups: three.Group[];
 
-  constructor(readonly robot: RobotEntry, readonly kinematics: Kinematics, private readonly ghost: three.Material | null) {
+  constructor(
+    readonly robot: RobotEntry,
+    readonly kinematics: Kinematics,
+    private readonly ghost: three.Material | null,
+  ) {
     this.root.name = robot.name;
     this.groups = robot.links.map((link) => {
       const group = new three.Group();
@@ -80,14 +101,20 @@ export class Figure {
   }
 
   async load(meshes: Meshes) {
-    await Promise.all(this.robot.links.map((link, i) => Promise.all(link.shapes.map(async (shape) => {
-      const geometry = await geometry_of(shape, meshes);
-      const object = new three.Mesh(geometry, this.ghost ?? own_material(shape, geometry));
-      const [x, y, z] = shape.scale ?? [1, 1, 1];
-      object.matrixAutoUpdate = false;
-      object.matrix.copy(matrix_of(shape.pose)).scale(new three.Vector3(x, y, z));
-      this.groups[i]!.add(object);
-    }))));
+    await Promise.all(
+      this.robot.links.map((link, i) =>
+        Promise.all(
+          link.shapes.map(async (shape) => {
+            const geometry = await geometry_of(shape, meshes);
+            const object = new three.Mesh(geometry, this.ghost ?? own_material(shape, geometry));
+            const [x, y, z] = shape.scale ?? [1, 1, 1];
+            object.matrixAutoUpdate = false;
+            object.matrix.copy(matrix_of(shape.pose)).scale(new three.Vector3(x, y, z));
+            this.groups[i]!.add(object);
+          }),
+        ),
+      ),
+    );
   }
 
   update() {
@@ -109,7 +136,8 @@ export class Figure {
 
 // Of the origins, and, for links that turn in place, of points 0.1 m from them.
 function distance_of(a: three.Matrix4, b: three.Matrix4): number {
-  let square = 0, turned = 0;
+  let square = 0,
+    turned = 0;
   for (let i = 0; i < 12; ++i) {
     const difference = a.elements[i]! - b.elements[i]!;
     turned += difference * difference;

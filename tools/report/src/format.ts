@@ -127,15 +127,20 @@ export interface ShapeEntry {
   cylinder?: { radius: number; length: number };
   mesh?: number;
   scale?: [number, number, number];
-  checker?: { color: [number, number, number, number]; size: number };  // of a box: squares of another colour
+  checker?: { color: [number, number, number, number]; size: number }; // of a box: squares of another colour
 }
 
 export interface LinkEntry {
   name: string;
   parent: number;
-  joint: { type: 'revolute' | 'prismatic' | 'fixed'; axis: [number, number, number]; q: string | null; q0?: number } | null;
+  joint: {
+    type: 'revolute' | 'prismatic' | 'fixed';
+    axis: [number, number, number];
+    q: string | null;
+    q0?: number;
+  } | null;
   offset: PoseEntry;
-  pose?: string[] | null;  // of a root
+  pose?: string[] | null; // of a root
   fixed?: PoseEntry;
   shapes: ShapeEntry[];
 }

@@ -2,20 +2,46 @@
 import { button, element } from './dom';
 
 export interface Key {
-  keys: string[];  // as KeyboardEvent.key has them
+  keys: string[]; // as KeyboardEvent.key has them
   shown: string;
   does: string;
   action: (event: KeyboardEvent) => void;
 }
 
 export function help_dialog(keys: Key[]): HTMLDialogElement {
-  const dialog: HTMLDialogElement = element('dialog', { class: 'help', 'aria-labelledby': 'help-title' },
+  const dialog: HTMLDialogElement = element(
+    'dialog',
+    { class: 'help', 'aria-labelledby': 'help-title' },
     element('h2', { id: 'help-title' }, 'Keys'),
-    element('table', {}, element('tbody', {}, ...keys.map(({ shown, does }) => element('tr', {}, element('th', { scope: 'row' }, ...shown.split(' ').map((key) => element('kbd', {}, key))), element('td', {}, does))))),
+    element(
+      'table',
+      {},
+      element(
+        'tbody',
+        {},
+        ...keys.map(({ shown, does }) =>
+          element(
+            'tr',
+            {},
+            element('th', { scope: 'row' }, ...shown.split(' ').map((key) => element('kbd', {}, key))),
+            element('td', {}, does),
+          ),
+        ),
+      ),
+    ),
     element('h2', {}, 'Mouse'),
-    element('p', {}, 'Time line: drag along the ruler to move the cursor, below it to zoom; the wheel zooms, with Shift it moves. Plots: click to go to a tick, drag to zoom, Ctrl and the wheel zoom, a double click shows the whole run.'),
-    element('p', {}, 'The address of this page follows the cursor and the plots: copy it to show somebody this moment.'),
-    button('Close', 'Close', () => dialog.close(), { class: 'primary' }));
+    element(
+      'p',
+      {},
+      'Time line: drag along the ruler to move the cursor, below it to zoom; the wheel zooms, with Shift it moves. Plots: click to go to a tick, drag to zoom, Ctrl and the wheel zoom, a double click shows the whole run.',
+    ),
+    element(
+      'p',
+      {},
+      'The address of this page follows the cursor and the plots: copy it to show somebody this moment.',
+    ),
+    button('Close', 'Close', () => dialog.close(), { class: 'primary' }),
+  );
   return dialog;
 }
 

@@ -27,19 +27,26 @@ export class Kinematics {
   private readonly axes: (Vector3 | null)[];
   private columns = new Map<string, Columns>();
 
-  constructor(readonly robot: RobotEntry, private readonly side: Side) {
+  constructor(
+    readonly robot: RobotEntry,
+    private readonly side: Side,
+  ) {
     this.links = robot.links.map(() => new Matrix4());
     this.offsets = robot.links.map((link) => matrix_of(link.offset));
-    this.axes = robot.links.map((link) => (link.joint && link.joint.type !== 'fixed' ? new Vector3(...link.joint.axis).normalize() : null));
+    this.axes = robot.links.map((link) =>
+      link.joint && link.joint.type !== 'fixed' ? new Vector3(...link.joint.axis).normalize() : null,
+    );
   }
 
   /** Decodes what moves it. */
   async load(report: Report) {
     const names = series_of(this.robot);
-    await Promise.all(names.map(async (name) => {
-      const series = report.find(name);
-      if (series) this.columns.set(name, await series.load());
-    }));
+    await Promise.all(
+      names.map(async (name) => {
+        const series = report.find(name);
+        if (series) this.columns.set(name, await series.load());
+      }),
+    );
     this.present = names.length === 0 || names.some((name) => this.values(name) !== null);
   }
 
@@ -65,7 +72,8 @@ export class Kinematics {
   private joint_motion(link: LinkEntry, axis: Vector3, tick: number): Matrix4 {
     const joint = link.joint!;
     const q = joint.q === null ? (joint.q0 ?? 0) : (this.joints[joint.q] = this.value(joint.q, tick, 0));
-    return joint.type === 'prismatic' ? this.motion.makeTranslation(axis.x * q, axis.y * q, axis.z * q)
+    return joint.type === 'prismatic'
+      ? this.motion.makeTranslation(axis.x * q, axis.y * q, axis.z * q)
       : this.motion.makeRotationFromQuaternion(this.turn.setFromAxisAngle(axis, q));
   }
 

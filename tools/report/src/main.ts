@@ -26,14 +26,32 @@ import { verdict } from './verdict';
 
 const app = document.getElementById('app')!;
 
-function keys_of(store: Store, report: Report, tour: Tour, transport: Transport, channels: Channels, help: () => void, ghost: () => void): Key[] {
+function keys_of(
+  store: Store,
+  report: Report,
+  tour: Tour,
+  transport: Transport,
+  channels: Channels,
+  help: () => void,
+  ghost: () => void,
+): Key[] {
   const by = (event: KeyboardEvent) => (event.shiftKey ? 10 : 1);
   return [
     { keys: ['d'], shown: 'd', does: 'the first divergence', action: () => tour.go_to_first() },
     { keys: ['n'], shown: 'n', does: 'the next divergence', action: () => tour.next() },
     { keys: ['p'], shown: 'p', does: 'the previous divergence', action: () => tour.previous() },
-    { keys: ['ArrowRight'], shown: '→', does: 'one tick on; with Shift ten', action: (event) => store.go(store.tick + by(event)) },
-    { keys: ['ArrowLeft'], shown: '←', does: 'one tick back; with Shift ten', action: (event) => store.go(store.tick - by(event)) },
+    {
+      keys: ['ArrowRight'],
+      shown: '→',
+      does: 'one tick on; with Shift ten',
+      action: (event) => store.go(store.tick + by(event)),
+    },
+    {
+      keys: ['ArrowLeft'],
+      shown: '←',
+      does: 'one tick back; with Shift ten',
+      action: (event) => store.go(store.tick - by(event)),
+    },
     { keys: ['PageDown'], shown: 'Page↓', does: 'a hundred ticks on', action: () => store.go(store.tick + 100) },
     { keys: ['PageUp'], shown: 'Page↑', does: 'a hundred ticks back', action: () => store.go(store.tick - 100) },
     { keys: ['Home'], shown: 'Home', does: 'the first tick', action: () => store.go(report.data.begin) },
@@ -51,7 +69,8 @@ function keys_of(store: Store, report: Report, tour: Tour, transport: Transport,
 }
 
 function scene_tools(store: Store, report: Report, scene: Scene) {
-  const toggle = (text: string, label: string, on: boolean, action: () => void) => button(text, label, action, { 'aria-pressed': String(on) });
+  const toggle = (text: string, label: string, on: boolean, action: () => void) =>
+    button(text, label, action, { 'aria-pressed': String(on) });
   const ghost = toggle('Ghost', 'The golden as a ghost (g)', true, () => set_ghost());
   const set_ghost = () => {
     store.set_ghost(!store.ghost);
@@ -69,30 +88,79 @@ function scene_tools(store: Store, report: Report, scene: Scene) {
 function put_together(report: Report) {
   const store = new Store(report);
   const tour = new Tour(store, report);
-  const transport = new Transport(store, report, tour), timeline = new Timeline(store, report);
-  const scene = new Scene(store, report), cameras = new Cameras(store, report);
-  const plots = new Plots(store, report), channels = new Channels(store, report), table = new Table(store, report);
+  const transport = new Transport(store, report, tour),
+    timeline = new Timeline(store, report);
+  const scene = new Scene(store, report),
+    cameras = new Cameras(store, report);
+  const plots = new Plots(store, report),
+    channels = new Channels(store, report),
+    table = new Table(store, report);
   const { tools, set_ghost } = scene_tools(store, report, scene);
   const keys = keys_of(store, report, tour, transport, channels, () => dialog.showModal(), set_ghost);
   const dialog = help_dialog(keys);
   const count = report.data.divergences.length;
   const tabs = new Tabs([
     { name: 'values', title: 'Values', content: table.root },
-    { name: 'divergences', title: count > 0 ? `Divergences (${count})` : 'Divergences', content: new Divergences(store, report, (index) => tour.go_to(report.data.divergences[index]!)).root },
-    { name: 'messages', title: report.data.events.length > 0 ? `Messages (${report.data.events.length})` : 'Messages', content: new Messages(store, report).root },
+    {
+      name: 'divergences',
+      title: count > 0 ? `Divergences (${count})` : 'Divergences',
+      content: new Divergences(store, report, (index) => tour.go_to(report.data.divergences[index]!)).root,
+    },
+    {
+      name: 'messages',
+      title: report.data.events.length > 0 ? `Messages (${report.data.events.length})` : 'Messages',
+      content: new Messages(store, report).root,
+    },
     { name: 'provenance', title: 'Provenance', content: provenance(report) },
     { name: 'scenario', title: 'Scenario', content: scenario(report) },
   ]);
-  const legend = report.compared && element('p', { class: 'legend', 'aria-label': 'colours of the curves' },
-    element('span', { class: 'golden' }, 'golden'), element('span', { class: 'actual' }, 'this run'), element('span', { class: 'band' }, 'tolerance'), element('span', { class: 'bad' }, 'beyond it'));
+  const legend =
+    report.compared &&
+    element(
+      'p',
+      { class: 'legend', 'aria-label': 'colours of the curves' },
+      element('span', { class: 'golden' }, 'golden'),
+      element('span', { class: 'actual' }, 'this run'),
+      element('span', { class: 'band' }, 'tolerance'),
+      element('span', { class: 'bad' }, 'beyond it'),
+    );
   app.replaceChildren(
-    element('div', { class: 'top' }, verdict(report, () => dialog.showModal()), transport.root, timeline.root),
-    element('main', { class: report.data.cameras.length === 0 ? 'no-cameras' : '' },
-      element('div', { class: 'left' },
-        element('section', { class: 'panel', 'aria-label': 'robot' }, element('header', {}, element('h2', {}, 'Robot'), scene.note, element('div', { class: 'tools' }, ...tools)), scene.root),
-        element('section', { class: 'panel', 'aria-label': 'cameras' }, element('header', {}, element('h2', {}, 'Cameras'), cameras.tools), cameras.root)),
-      element('section', { class: 'panel right', 'aria-label': 'channels' }, element('header', {}, element('h2', {}, 'Channels'), channels.root, legend), plots.root)),
-    tabs.root, dialog);
+    element(
+      'div',
+      { class: 'top' },
+      verdict(report, () => dialog.showModal()),
+      transport.root,
+      timeline.root,
+    ),
+    element(
+      'main',
+      { class: report.data.cameras.length === 0 ? 'no-cameras' : '' },
+      element(
+        'div',
+        { class: 'left' },
+        element(
+          'section',
+          { class: 'panel', 'aria-label': 'robot' },
+          element('header', {}, element('h2', {}, 'Robot'), scene.note, element('div', { class: 'tools' }, ...tools)),
+          scene.root,
+        ),
+        element(
+          'section',
+          { class: 'panel', 'aria-label': 'cameras' },
+          element('header', {}, element('h2', {}, 'Cameras'), cameras.tools),
+          cameras.root,
+        ),
+      ),
+      element(
+        'section',
+        { class: 'panel right', 'aria-label': 'channels' },
+        element('header', {}, element('h2', {}, 'Channels'), channels.root, legend),
+        plots.root,
+      ),
+    ),
+    tabs.root,
+    dialog,
+  );
   add_splitters(app);
   document.title = `${report.data.title || 'Report'} – ${report.data.verdict.state} – Rehearse`;
   watch_theme(() => store.changed('theme'));
@@ -123,11 +191,13 @@ function say(sentence: string) {
 
 async function begin() {
   const report = await Report.load();
-  if (!report) return say('This page holds no data. Either it is the form that `rehearse report` fills, or the file was cut off.');
+  if (!report)
+    return say('This page holds no data. Either it is the form that `rehearse report` fills, or the file was cut off.');
   await put_together(report);
 }
 
 begin().catch((error: unknown) => {
-  if (app.childElementCount === 0) say(`This report can’t be shown: ${error instanceof Error ? error.message : String(error)}`);
+  if (app.childElementCount === 0)
+    say(`This report can’t be shown: ${error instanceof Error ? error.message : String(error)}`);
   throw error;
 });

@@ -12,14 +12,27 @@ export class Messages {
   private events: EventEntry[];
   private current = -1;
 
-  constructor(private readonly store: Store, private readonly report: Report) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
     this.events = report.data.events;
-    this.list = new VirtualList(24, () => this.make_row(), (row, i) => this.fill(row, i), { role: 'list', 'aria-label': 'messages' });
+    this.list = new VirtualList(
+      24,
+      () => this.make_row(),
+      (row, i) => this.fill(row, i),
+      { role: 'list', 'aria-label': 'messages' },
+    );
     if (report.data.events.length === 0) {
       this.root = absence('Nobody said anything during this run.');
       return;
     }
-    const input = element('input', { type: 'search', placeholder: 'Filter', 'aria-label': 'filter the messages', oninput: () => this.filter(input.value) });
+    const input = element('input', {
+      type: 'search',
+      placeholder: 'Filter',
+      'aria-label': 'filter the messages',
+      oninput: () => this.filter(input.value),
+    });
     this.root = element('div', { class: 'messages' }, element('div', { class: 'tools' }, input), this.list.root);
     store.on(['tick'], () => this.follow());
     this.list.set_count(this.events.length);
@@ -27,7 +40,9 @@ export class Messages {
 
   private filter(text: string) {
     const wanted = text.toLowerCase();
-    this.events = this.report.data.events.filter((event) => `${event.source} ${event.text} ${event.severity}`.toLowerCase().includes(wanted));
+    this.events = this.report.data.events.filter((event) =>
+      `${event.source} ${event.text} ${event.severity}`.toLowerCase().includes(wanted),
+    );
     this.current = -1;
     this.list.set_count(this.events.length);
     this.follow();
@@ -43,7 +58,11 @@ export class Messages {
   }
 
   private make_row(): HTMLElement {
-    const row = element('button', { type: 'button', class: 'message' }, ...['tick', 'time', 'run', 'severity', 'source', 'text'].map((name) => element('span', { class: name })));
+    const row = element(
+      'button',
+      { type: 'button', class: 'message' },
+      ...['tick', 'time', 'run', 'severity', 'source', 'text'].map((name) => element('span', { class: name })),
+    );
     row.addEventListener('click', () => {
       const event = this.events[Number(row.dataset.index)];
       if (event) this.store.go(event.tick);
@@ -52,13 +71,21 @@ export class Messages {
   }
 
   private fill(row: HTMLElement, index: number) {
-    const event = this.events[index]!, { report } = this;
+    const event = this.events[index]!,
+      { report } = this;
     row.dataset.index = String(index);
     row.classList.toggle('current', index === this.current);
     row.dataset.severity = event.severity;
     row.title = event.text;
     const run = report.compared ? (report.data.runs[event.run]?.role === 'golden' ? 'golden' : 'run') : '';
-    const texts = [String(event.tick), time_text(report.time(event.tick), report.data.time_step), run, event.severity, event.source, event.text];
+    const texts = [
+      String(event.tick),
+      time_text(report.time(event.tick), report.data.time_step),
+      run,
+      event.severity,
+      event.source,
+      event.text,
+    ];
     [...row.children].forEach((cell, i) => set_text(cell, texts[i]!));
   }
 }
@@ -68,17 +95,44 @@ export class Divergences {
   readonly root: HTMLElement;
   private readonly list: VirtualList<HTMLElement>;
 
-  constructor(private readonly store: Store, private readonly report: Report, private readonly go: (index: number) => void) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+    private readonly go: (index: number) => void,
+  ) {
     const { divergences } = report.data;
-    this.list = new VirtualList(24, () => this.make_row(), (row, i) => this.fill(row, i), { role: 'list', 'aria-label': 'divergences' });
+    this.list = new VirtualList(
+      24,
+      () => this.make_row(),
+      (row, i) => this.fill(row, i),
+      { role: 'list', 'aria-label': 'divergences' },
+    );
     if (divergences.length === 0) {
-      this.root = absence(report.compared ? 'Nothing differs: run and golden have the same bits.' : 'There is no golden to compare with.');
+      this.root = absence(
+        report.compared ? 'Nothing differs: run and golden have the same bits.' : 'There is no golden to compare with.',
+      );
       return;
     }
     const beyond = divergences.filter((entry) => entry.beyond).length;
-    const summary = element('span', { class: 'note' }, `${plural(divergences.length, 'place')}: of each channel the first beyond tolerance, ${beyond} of these, and the first in any bit`);
-    const head = element('div', { class: 'divergence head', 'aria-hidden': 'true' }, ...['tick', 'time', 'series', 'expected', 'actual', 'difference', 'tolerance', 'stage', 'note'].map((name) => element('span', { class: name }, name)));
-    this.root = element('div', { class: 'divergences' }, element('div', { class: 'tools' }, summary), head, this.list.root);
+    const summary = element(
+      'span',
+      { class: 'note' },
+      `${plural(divergences.length, 'place')}: of each channel the first beyond tolerance, ${beyond} of these, and the first in any bit`,
+    );
+    const head = element(
+      'div',
+      { class: 'divergence head', 'aria-hidden': 'true' },
+      ...['tick', 'time', 'series', 'expected', 'actual', 'difference', 'tolerance', 'stage', 'note'].map((name) =>
+        element('span', { class: name }, name),
+      ),
+    );
+    this.root = element(
+      'div',
+      { class: 'divergences' },
+      element('div', { class: 'tools' }, summary),
+      head,
+      this.list.root,
+    );
     store.on(['tick'], () => this.follow());
     this.list.set_count(divergences.length);
     // nothing can be scrolled to before it is shown
@@ -87,7 +141,8 @@ export class Divergences {
 
   /** The one at the cursor in sight, one beyond tolerance if there is. */
   private follow() {
-    const { divergences } = this.report.data, { tick } = this.store;
+    const { divergences } = this.report.data,
+      { tick } = this.store;
     const beyond = divergences.findIndex((entry) => entry.tick === tick && entry.beyond);
     const at = beyond >= 0 ? beyond : divergences.findIndex((entry) => entry.tick === tick);
     if (at >= 0) this.list.reveal(at);
@@ -95,7 +150,13 @@ export class Divergences {
   }
 
   private make_row(): HTMLElement {
-    const row = element('button', { type: 'button', class: 'divergence' }, ...['tick', 'time', 'series', 'expected', 'actual', 'difference', 'tolerance', 'stage', 'note'].map((name) => element('span', { class: name })));
+    const row = element(
+      'button',
+      { type: 'button', class: 'divergence' },
+      ...['tick', 'time', 'series', 'expected', 'actual', 'difference', 'tolerance', 'stage', 'note'].map((name) =>
+        element('span', { class: name }),
+      ),
+    );
     row.addEventListener('click', () => this.go(Number(row.dataset.index)));
     return row;
   }
@@ -107,12 +168,18 @@ export class Divergences {
     row.classList.toggle('first', index === this.report.data.first);
     row.classList.toggle('beyond', entry.beyond);
     row.title = `${divergence_name(entry)}${entry.note ? `: ${entry.note}` : ''}`;
-    const number = (value: DivergenceEntry['expected'], text: (value: number) => string) => (value === null ? '' : text(Number(value)));
+    const number = (value: DivergenceEntry['expected'], text: (value: number) => string) =>
+      value === null ? '' : text(Number(value));
     const texts = [
-      String(entry.tick), time_text(entry.time, this.report.data.time_step), divergence_name(entry),
-      entry.note ? '' : number(entry.expected, value_text), entry.note ? '' : number(entry.actual, value_text),
-      entry.note ? '' : difference_text(number_of(entry.difference)).replace('+', ''), entry.note ? '' : number(entry.tolerance, (value) => `±${short_text(value)}`),
-      entry.stage, entry.note || (entry.beyond ? 'beyond tolerance' : 'other bits'),
+      String(entry.tick),
+      time_text(entry.time, this.report.data.time_step),
+      divergence_name(entry),
+      entry.note ? '' : number(entry.expected, value_text),
+      entry.note ? '' : number(entry.actual, value_text),
+      entry.note ? '' : difference_text(number_of(entry.difference)).replace('+', ''),
+      entry.note ? '' : number(entry.tolerance, (value) => `±${short_text(value)}`),
+      entry.stage,
+      entry.note || (entry.beyond ? 'beyond tolerance' : 'other bits'),
     ];
     [...row.children].forEach((cell, i) => (i === 2 ? set_name(cell, texts[i]!) : set_text(cell, texts[i]!)));
   }

@@ -8,7 +8,10 @@ const kept = new Map<string, Promise<ImageBitmap>>();
 export function picture_of(blob: BlobReference): Promise<ImageBitmap> {
   let picture = kept.get(blob.id);
   if (picture) kept.delete(blob.id);
-  else picture = bytes_of(blob).then((bytes) => createImageBitmap(new Blob([bytes], { type: blob.media_type ?? 'image/png' })));
+  else
+    picture = bytes_of(blob).then((bytes) =>
+      createImageBitmap(new Blob([bytes], { type: blob.media_type ?? 'image/png' })),
+    );
   kept.set(blob.id, picture);
   if (kept.size > most_kept) kept.delete(kept.keys().next().value!);
   return picture;
@@ -25,7 +28,8 @@ export interface Shown {
 /** What each run's camera shows at that tick: its last picture until then. */
 export function shown_at(camera: CameraEntry, tick: number): Shown | null {
   const { pictures } = camera;
-  let low = 0, high = pictures.length;
+  let low = 0,
+    high = pictures.length;
   while (low < high) {
     const middle = (low + high) >> 1;
     if (pictures[middle]!.tick <= tick) low = middle + 1;
@@ -36,23 +40,31 @@ export function shown_at(camera: CameraEntry, tick: number): Shown | null {
   const shown: Shown = { entry, expected: null, actual: null, expected_tick: null, actual_tick: null };
   for (let i = low - 1; i >= 0 && (!shown.expected || !shown.actual) && i > low - 1 - 1000; --i) {
     const picture = pictures[i]!;
-    if (!shown.actual && picture.actual) (shown.actual = picture.actual), (shown.actual_tick = picture.tick);
+    if (!shown.actual && picture.actual) ((shown.actual = picture.actual), (shown.actual_tick = picture.tick));
     const golden = picture.golden === 'same' ? picture.actual : picture.golden;
-    if (!shown.expected && golden) (shown.expected = golden), (shown.expected_tick = picture.tick);
+    if (!shown.expected && golden) ((shown.expected = golden), (shown.expected_tick = picture.tick));
   }
   return shown;
 }
 
 /** |actual - expected| of each colour, times gain. */
-export function draw_difference(into: CanvasRenderingContext2D, expected: ImageBitmap, actual: ImageBitmap, gain: number) {
-  const width = Math.min(expected.width, actual.width), height = Math.min(expected.height, actual.height);
+export function draw_difference(
+  into: CanvasRenderingContext2D,
+  expected: ImageBitmap,
+  actual: ImageBitmap,
+  gain: number,
+) {
+  const width = Math.min(expected.width, actual.width),
+    height = Math.min(expected.height, actual.height);
   const pixels_of = (picture: ImageBitmap) => {
     const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })!;
     context.drawImage(picture, 0, 0);
     return context.getImageData(0, 0, width, height);
   };
-  const result = pixels_of(actual), other = pixels_of(expected);
-  const a = result.data, b = other.data;
+  const result = pixels_of(actual),
+    other = pixels_of(expected);
+  const a = result.data,
+    b = other.data;
   for (let i = 0; i < a.length; i += 4) {
     a[i] = Math.abs(a[i]! - b[i]!) * gain;
     a[i + 1] = Math.abs(a[i + 1]! - b[i + 1]!) * gain;

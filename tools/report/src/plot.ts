@@ -7,7 +7,9 @@ import { Columns, type Report, type Series } from './report';
 import type { Store } from './store';
 import { palette } from './theme';
 
-const values_height = 112, difference_height = 72, axis_width = 66;
+const values_height = 112,
+  difference_height = 72,
+  axis_width = 66;
 
 /** Zoom and cursor of all plots go through the store; the line under the mouse is shared by this key. */
 const sync_key = 'rehearse';
@@ -16,8 +18,8 @@ interface Chart {
   width: number;
   height: number;
   series: uPlot.Series[];
-  times: boolean;  // below it
-  space: number;   // between the numbers beside it, at least [pixels]
+  times: boolean; // below it
+  space: number; // between the numbers beside it, at least [pixels]
   range: () => [number, number];
 }
 
@@ -32,31 +34,41 @@ export class Plot {
   private curves: Curves | null = null;
   visible = false;
 
-  constructor(private readonly store: Store, private readonly report: Report, readonly series: Series) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+    readonly series: Series,
+  ) {
     const { name, unit } = series.entry;
     const title = element('h3', { title: name });
     set_name(title, name);
-    this.root = element('section', { class: 'plot', 'aria-label': `plot of ${name}`, 'data-series': name },
-      element('header', {},
+    this.root = element(
+      'section',
+      { class: 'plot', 'aria-label': `plot of ${name}`, 'data-series': name },
+      element(
+        'header',
+        {},
         title,
         element('span', { class: 'unit' }, unit ? `[${unit}]` : ''),
         this.readout,
-        button('×', `Close the plot of ${name}`, () => store.toggle(name), { class: 'quiet' })),
-      this.charts);
+        button('×', `Close the plot of ${name}`, () => store.toggle(name), { class: 'quiet' }),
+      ),
+      this.charts,
+    );
     this.charts.style.minHeight = `${this.height}px`;
     this.charts.append(element('p', { class: 'absence' }, 'Decoding…'));
   }
 
-  private get height() { return values_height + (this.series.compared ? difference_height : 22); }
+  private get height() {
+    return values_height + (this.series.compared ? difference_height : 22);
+  }
 
-  /** The tick at which this plot's line stands; null if it isn't drawn. */
-  get cursor_tick(): number | null { return this.values ? this.store.tick : null; }
-
-  /** Where the line is drawn, counted back from its pixels; null if it isn't in view. */
+  /** The tick at which the line stands, by where it is on the screen; null if it isn't in view. */
   get drawn_tick(): number | null {
     const marker = this.markers[0];
     if (!marker || !this.values || marker.hidden) return null;
-    return Math.round(this.report.tick_at(this.values.posToVal(Number(marker.dataset.left), 'x')));
+    const left = marker.getBoundingClientRect().left - this.values.over.getBoundingClientRect().left;
+    return Math.round(this.report.tick_at(this.values.posToVal(left, 'x')));
   }
 
   async load() {
@@ -64,7 +76,9 @@ export class Plot {
       this.columns = await this.series.load();
       if (this.visible) this.draw();
     } catch (error) {
-      this.charts.replaceChildren(element('p', { class: 'absence error' }, error instanceof Error ? error.message : String(error)));
+      this.charts.replaceChildren(
+        element('p', { class: 'absence error' }, error instanceof Error ? error.message : String(error)),
+      );
     }
   }
 
@@ -97,8 +111,23 @@ export class Plot {
     if (width === 0) return;
     this.cut_curves(width);
     const { compared } = this.series;
-    this.values = this.chart({ width, height: compared ? values_height : this.height, series: this.value_series(), times: !compared, space: 20, range: () => this.value_range() });
-    if (compared) this.difference = this.chart({ width, height: difference_height, series: this.difference_series(), times: true, space: 15, range: () => this.difference_range() });
+    this.values = this.chart({
+      width,
+      height: compared ? values_height : this.height,
+      series: this.value_series(),
+      times: !compared,
+      space: 20,
+      range: () => this.value_range(),
+    });
+    if (compared)
+      this.difference = this.chart({
+        width,
+        height: difference_height,
+        series: this.difference_series(),
+        times: true,
+        space: 15,
+        range: () => this.difference_range(),
+      });
     this.give_data();
     this.move_cursor();
   }
@@ -126,28 +155,51 @@ export class Plot {
     const colors = palette();
     const points = { show: (_: uPlot, __: number) => this.few_points, size: 4 };
     const stepped = this.series.entry.kind === 'floating' ? undefined : uPlot.paths.stepped!({ align: 1 });
-    const line = (stroke: string, width: number): uPlot.Series => ({ stroke, width, points, ...(stepped ? { paths: stepped } : {}) });
-    return [{}, { points: { show: false } }, { points: { show: false } }, line(colors.golden, 2.5), line(colors.actual, 1.25)];
+    const line = (stroke: string, width: number): uPlot.Series => ({
+      stroke,
+      width,
+      points,
+      ...(stepped ? { paths: stepped } : {}),
+    });
+    return [
+      {},
+      { points: { show: false } },
+      { points: { show: false } },
+      line(colors.golden, 2.5),
+      line(colors.actual, 1.25),
+    ];
   }
 
   private difference_series(): uPlot.Series[] {
     const colors = palette();
     const bound = { stroke: colors.golden, width: 1, dash: [4, 3], points: { show: false } };
-    return [{}, bound, bound, { stroke: colors.muted, width: 1, points: { show: false } },
-      { stroke: colors.bad, width: 1.5, points: { show: () => this.few_points, size: 4 } }];
+    return [
+      {},
+      bound,
+      bound,
+      { stroke: colors.muted, width: 1, points: { show: false } },
+      { stroke: colors.bad, width: 1.5, points: { show: () => this.few_points, size: 4 } },
+    ];
   }
 
-  private get few_points() { return this.curves!.raw && this.curves!.time.length < 120; }
+  private get few_points() {
+    return this.curves!.raw && this.curves!.time.length < 120;
+  }
 
   // As much of the tolerance as leaves the curves readable.
   private value_range(): [number, number] {
     const curves = this.curves!;
     if (curves.low > curves.high) return [-1, 1];
     const spread = curves.high - curves.low;
-    const room = Math.max(spread * 0.08, Math.abs(curves.high) * 1e-9, spread === 0 ? Math.max(Math.abs(curves.high) * 0.05, 1e-6) : 0);
+    const room = Math.max(
+      spread * 0.08,
+      Math.abs(curves.high) * 1e-9,
+      spread === 0 ? Math.max(Math.abs(curves.high) * 0.05, 1e-6) : 0,
+    );
     let { low, high } = curves;
     for (let i = 0; i < curves.time.length; ++i) {
-      const lower = curves.lower[i], upper = curves.upper[i];
+      const lower = curves.lower[i],
+        upper = curves.upper[i];
       if (typeof lower === 'number') low = Math.min(low, Math.max(lower, curves.low - spread));
       if (typeof upper === 'number') high = Math.max(high, Math.min(upper, curves.high + spread));
     }
@@ -158,7 +210,8 @@ export class Plot {
     const curves = this.curves!;
     let largest = curves.largest;
     for (const bound of curves.bound) {
-      if (typeof bound === 'number') largest = Math.max(largest, curves.largest > 0 ? Math.min(bound, 3 * curves.largest) : bound);
+      if (typeof bound === 'number')
+        largest = Math.max(largest, curves.largest > 0 ? Math.min(bound, 3 * curves.largest) : bound);
     }
     if (largest === 0) largest = 1e-6;
     return [-1.15 * largest, 1.15 * largest];
@@ -170,44 +223,68 @@ export class Plot {
     const font = `11px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
     const grid = { stroke: colors.line, width: 1 };
     const axis = { stroke: colors.muted, grid, font, ticks: { show: false } };
-    const chart = new uPlot({
-      width, height, series,
-      pxAlign: false,
-      padding: [6, 14, times ? 0 : 4, 0],
-      legend: { show: false },
-      scales: {
-        x: { time: false, range: () => [report.time(store.view.begin), report.time(store.view.end)] },
-        y: { range },
+    const chart = new uPlot(
+      {
+        width,
+        height,
+        series,
+        pxAlign: false,
+        padding: [6, 14, times ? 0 : 4, 0],
+        legend: { show: false },
+        scales: {
+          x: { time: false, range: () => [report.time(store.view.begin), report.time(store.view.end)] },
+          y: { range },
+        },
+        axes: [
+          {
+            ...axis,
+            show: times,
+            size: 22,
+            gap: 4,
+            space: 70,
+            values: (_, splits) => splits.map((split) => `${Number(split.toPrecision(9))} s`),
+          },
+          {
+            ...axis,
+            size: axis_width,
+            gap: 6,
+            space,
+            values: (_, splits) => splits.map((split) => short_text(Number(split.toPrecision(9)))),
+          },
+        ],
+        bands: [{ series: [2, 1], fill: colors.band }],
+        cursor: {
+          y: false,
+          points: { show: false },
+          drag: { x: true, y: false, setScale: false },
+          sync: { key: sync_key, scales: ['x', null] },
+          bind: { dblclick: () => () => (store.look_at_all(), null) },
+        },
+        hooks: {
+          draw: [() => this.move_cursor()],
+          setSelect: [
+            (self) => {
+              if (self.select.width < 3) return;
+              const [from, to] = [self.select.left, self.select.left + self.select.width].map((left) =>
+                report.tick_at(self.posToVal(left, 'x')),
+              );
+              self.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+              store.look_at(from!, to!);
+            },
+          ],
+        },
       },
-      axes: [
-        { ...axis, show: times, size: 22, gap: 4, space: 70, values: (_, splits) => splits.map((split) => `${Number(split.toPrecision(9))} s`) },
-        { ...axis, size: axis_width, gap: 6, space, values: (_, splits) => splits.map((split) => short_text(Number(split.toPrecision(9)))) },
-      ],
-      bands: [{ series: [2, 1], fill: colors.band }],
-      cursor: {
-        y: false,
-        points: { show: false },
-        drag: { x: true, y: false, setScale: false },
-        sync: { key: sync_key, scales: ['x', null] },
-        bind: { dblclick: () => () => (store.look_at_all(), null) },
-      },
-      hooks: {
-        draw: [() => this.move_cursor()],
-        setSelect: [(self) => {
-          if (self.select.width < 3) return;
-          const [from, to] = [self.select.left, self.select.left + self.select.width].map((left) => report.tick_at(self.posToVal(left, 'x')));
-          self.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-          store.look_at(from!, to!);
-        }],
-      },
-    }, [[], [], [], [], []] as uPlot.AlignedData, this.charts);
+      [[], [], [], [], []] as uPlot.AlignedData,
+      this.charts,
+    );
     const marker = element('div', { class: 'cursor-line', 'aria-hidden': 'true' });
     chart.over.append(marker);
     let pressed = 0;
     chart.over.addEventListener('mousedown', (event) => (pressed = event.clientX));
     chart.over.addEventListener('click', (event) => {
       // the end of a drag is a click, too
-      if (Math.abs(event.clientX - pressed) < 3) store.go(report.tick_at(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, 'x')));
+      if (Math.abs(event.clientX - pressed) < 3)
+        store.go(report.tick_at(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, 'x')));
     });
     this.markers.push(marker);
     return chart;
@@ -222,7 +299,6 @@ export class Plot {
     const outside = !(left >= -0.5 && left <= chart.over.clientWidth + 0.5);
     for (const marker of this.markers) {
       marker.hidden = outside;
-      marker.dataset.left = String(left);
       marker.style.transform = `translateX(${left.toFixed(2)}px)`;
     }
     if (columns) this.read_out(columns);
@@ -230,7 +306,8 @@ export class Plot {
 
   private read_out(columns: Columns) {
     const { store, series } = this;
-    const golden = Columns.sample(columns.golden, store.tick), actual = Columns.sample(columns.actual, store.tick);
+    const golden = Columns.sample(columns.golden, store.tick),
+      actual = Columns.sample(columns.actual, store.tick);
     const { kind } = series.entry;
     if (this.readout.childElementCount === 0) {
       this.readout.append(...['golden', 'actual', 'difference'].map((part) => element('span', { class: part })));
@@ -242,7 +319,14 @@ export class Plot {
     const beyond = difference !== null && series.entry.beyond > 0 && !(Math.abs(difference) <= (bound ?? 0));
     set_text(golden_part!, this.report.compared ? (golden?.text ?? value_text(golden?.value ?? null, kind)) : '');
     set_text(actual_part!, actual?.text ?? value_text(actual?.value ?? null, kind));
-    set_text(difference_part!, !series.compared ? '' : columns.same ? 'same bits' : `Δ ${difference_text(difference)}${bound === null ? '' : ` of ±${short_text(bound)}`}`);
+    set_text(
+      difference_part!,
+      !series.compared
+        ? ''
+        : columns.same
+          ? 'same bits'
+          : `Δ ${difference_text(difference)}${bound === null ? '' : ` of ±${short_text(bound)}`}`,
+    );
     difference_part!.classList.toggle('beyond', beyond);
   }
 }

@@ -9,10 +9,17 @@ export class Plots {
   private readonly plots = new Map<string, Plot>();
   private readonly observer: IntersectionObserver;
 
-  constructor(private readonly store: Store, private readonly report: Report) {
-    this.observer = new IntersectionObserver((entries) => {
-      for (const entry of entries) this.plots.get((entry.target as HTMLElement).dataset.series!)?.set_visible(entry.isIntersecting);
-    }, { root: this.root, rootMargin: '200px 0px' });
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
+    this.observer = new IntersectionObserver(
+      (entries) => {
+        for (const entry of entries)
+          this.plots.get((entry.target as HTMLElement).dataset.series!)?.set_visible(entry.isIntersecting);
+      },
+      { root: this.root, rootMargin: '200px 0px' },
+    );
     store.on(['shown'], () => this.arrange());
     store.on(['view'], () => this.each((plot) => plot.update_view()));
     store.on(['tick'], () => this.each((plot) => plot.move_cursor()));
@@ -55,8 +62,13 @@ export class Plots {
       this.root.append(plot.root);
     }
     if (shown.size === 0) {
-      this.root.append(absence(this.report.series.length === 0 ? 'The recording has no channels of numbers.'
-        : 'No channel is plotted. Choose some above ( / ), or click a row of the table below.'));
+      this.root.append(
+        absence(
+          this.report.series.length === 0
+            ? 'The recording has no channels of numbers.'
+            : 'No channel is plotted. Choose some above ( / ), or click a row of the table below.',
+        ),
+      );
     }
   }
 
@@ -68,13 +80,18 @@ export class Plots {
     event.preventDefault();
     const { begin, end } = this.store.view;
     const box = over.getBoundingClientRect();
-    this.store.zoom_by(Math.exp(event.deltaY * 0.002), begin + ((event.clientX - box.left) / box.width) * (end - begin));
+    this.store.zoom_by(
+      Math.exp(event.deltaY * 0.002),
+      begin + ((event.clientX - box.left) / box.width) * (end - begin),
+    );
   }
 
   /** Once what is on the screen is drawn. */
   async drawn() {
     await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
-    await Promise.all([...this.plots.values()].filter((plot) => plot.visible).map((plot) => plot.series.load().catch(() => null)));
+    await Promise.all(
+      [...this.plots.values()].filter((plot) => plot.visible).map((plot) => plot.series.load().catch(() => null)),
+    );
     await new Promise((resolve) => setTimeout(resolve));
   }
 

@@ -6,7 +6,11 @@ type Column = ReturnType<typeof as_doubles>;
 
 /** The ticks that a series has values at, ascending. */
 export class Axis {
-  private constructor(readonly begin: number, readonly count: number, private readonly ticks: Uint32Array | null) {}
+  private constructor(
+    readonly begin: number,
+    readonly count: number,
+    private readonly ticks: Uint32Array | null,
+  ) {}
 
   static async load(entry: AxisEntry): Promise<Axis> {
     if (!entry.ticks) return new Axis(entry.begin ?? 0, entry.count ?? 0, null);
@@ -21,7 +25,8 @@ export class Axis {
   /** Index of the last value at or before that tick, -1 if there is none. */
   index_at(tick: number): number {
     if (!this.ticks) return Math.min(Math.floor(tick) - this.begin, this.count - 1);
-    let low = 0, high = this.count;
+    let low = 0,
+      high = this.count;
     while (low < high) {
       const middle = (low + high) >> 1;
       if (this.ticks[middle]! <= tick) low = middle + 1;
@@ -49,7 +54,11 @@ export interface Sample {
 export class Columns {
   difference_: Float64Array | null = null;
 
-  constructor(readonly series: Series, readonly actual: Values | null, readonly golden: Values | null) {}
+  constructor(
+    readonly series: Series,
+    readonly actual: Values | null,
+    readonly golden: Values | null,
+  ) {}
 
   /** Golden and run are the same array: bit for bit equal. */
   get same(): boolean {
@@ -64,7 +73,11 @@ export class Columns {
     if (!values) return null;
     const index = values.axis.index_at(tick);
     if (index < 0) return null;
-    return { tick: values.axis.tick(index), value: values.numbers[index]!, text: values.exact ? String(values.exact[index]) : null };
+    return {
+      tick: values.axis.tick(index),
+      value: values.numbers[index]!,
+      text: values.exact ? String(values.exact[index]) : null,
+    };
   }
 
   /** Of each of the run's values, run minus golden; NaN where the golden has none. */
@@ -88,14 +101,23 @@ export class Series {
   private loading: Promise<Columns> | null = null;
   private columns_: Columns | null = null;
 
-  constructor(private readonly report: Report, readonly entry: SeriesEntry) {}
+  constructor(
+    private readonly report: Report,
+    readonly entry: SeriesEntry,
+  ) {}
 
-  get name() { return this.entry.name; }
+  get name() {
+    return this.entry.name;
+  }
 
-  get compared() { return this.entry.values !== null && this.entry.golden !== null; }
+  get compared() {
+    return this.entry.values !== null && this.entry.golden !== null;
+  }
 
   /** The values if they are decoded. */
-  get columns(): Columns | null { return this.columns_; }
+  get columns(): Columns | null {
+    return this.columns_;
+  }
 
   load(): Promise<Columns> {
     this.loading ??= this.decode();
@@ -161,24 +183,37 @@ export class Report {
     const text = await text_of('report');
     if (text === null) return null;
     const data = JSON.parse(text) as ReportData;
-    if (data.format !== 1) throw new Error(`the data of this report have format ${data.format}; this page knows format 1`);
+    if (data.format !== 1)
+      throw new Error(`the data of this report have format ${data.format}; this page knows format 1`);
     const report = new Report(data);
     report.axes = await Promise.all(data.axes.map((axis) => Axis.load(axis)));
     return report;
   }
 
-  find(name: string): Series | null { return this.by_name.get(name) ?? null; }
+  find(name: string): Series | null {
+    return this.by_name.get(name) ?? null;
+  }
 
-  get compared(): boolean { return this.data.runs.length > 1; }
+  get compared(): boolean {
+    return this.data.runs.length > 1;
+  }
 
-  get ticks(): number { return this.data.end - this.data.begin; }
+  get ticks(): number {
+    return this.data.end - this.data.begin;
+  }
 
-  get last(): number { return Math.max(this.data.begin, this.data.end - 1); }
+  get last(): number {
+    return Math.max(this.data.begin, this.data.end - 1);
+  }
 
   /** [s] */
-  time(tick: number): number { return tick / (1 / this.data.time_step); }
+  time(tick: number): number {
+    return tick / (1 / this.data.time_step);
+  }
 
-  tick_at(time: number): number { return time * (1 / this.data.time_step); }
+  tick_at(time: number): number {
+    return time * (1 / this.data.time_step);
+  }
 
   /** Forgets those that were decoded longest ago, if these are too many. Who uses them holds on to them. */
   keep(series: Series, columns: Columns) {

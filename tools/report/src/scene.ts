@@ -17,7 +17,11 @@ export class Scene {
   private readonly camera = new three.PerspectiveCamera(40, 1, 0.01, 500);
   private controls: OrbitControls | null = null;
   private grid: three.GridHelper | null = null;
-  private readonly ghost_material = new three.MeshLambertMaterial({ transparent: true, opacity: 0.35, depthWrite: false });
+  private readonly ghost_material = new three.MeshLambertMaterial({
+    transparent: true,
+    opacity: 0.35,
+    depthWrite: false,
+  });
   private readonly figures: Figure[] = [];
   private readonly ghosts: (Figure | null)[] = [];
   private readonly followed = new three.Vector3();
@@ -26,7 +30,10 @@ export class Scene {
   follow = true;
   drawings = 0;
 
-  constructor(private readonly store: Store, private readonly report: Report) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
     if (report.data.robots.length === 0) {
       this.root.append(absence('The recording says of no robot what it looks like.'));
       return;
@@ -62,17 +69,19 @@ export class Scene {
   async load() {
     const { robots, meshes: entries } = this.report.data;
     const meshes = new Meshes(entries ?? []);
-    await Promise.all(robots.map(async (robot, i) => {
-      const figure = new Figure(robot, new Kinematics(robot, 'actual'), null);
-      await Promise.all([figure.kinematics.load(this.report), figure.load(meshes)]);
-      this.figures[i] = figure;
-      this.ghosts[i] = null;
-      if (this.report.compared && series_of(robot).length > 0) {
-        const ghost = new Figure(robot, new Kinematics(robot, 'golden'), this.ghost_material);
-        await Promise.all([ghost.kinematics.load(this.report), ghost.load(meshes)]);
-        this.ghosts[i] = ghost;
-      }
-    }));
+    await Promise.all(
+      robots.map(async (robot, i) => {
+        const figure = new Figure(robot, new Kinematics(robot, 'actual'), null);
+        await Promise.all([figure.kinematics.load(this.report), figure.load(meshes)]);
+        this.figures[i] = figure;
+        this.ghosts[i] = null;
+        if (this.report.compared && series_of(robot).length > 0) {
+          const ghost = new Figure(robot, new Kinematics(robot, 'golden'), this.ghost_material);
+          await Promise.all([ghost.kinematics.load(this.report), ghost.load(meshes)]);
+          this.ghosts[i] = ghost;
+        }
+      }),
+    );
     for (const figure of [...this.figures, ...this.ghosts]) if (figure?.kinematics.present) this.scene.add(figure.root);
     this.main = this.find_main();
     this.color();
@@ -91,7 +100,9 @@ export class Scene {
   /** Whom one looks at: of those that move the one with most links; of none, likewise. */
   private find_main(): Figure | undefined {
     const moving = this.figures.filter((figure) => this.does_move(figure));
-    return [...(moving.length > 0 ? moving : this.figures)].sort((a, b) => b.robot.links.length - a.robot.links.length)[0];
+    return [...(moving.length > 0 ? moving : this.figures)].sort(
+      (a, b) => b.robot.links.length - a.robot.links.length,
+    )[0];
   }
 
   /** It, and what moves beside it and isn't much larger. */
@@ -114,7 +125,8 @@ export class Scene {
     this.scene.updateMatrixWorld(true);
     const box = this.box_to_look_at();
     if (box.isEmpty()) box.set(new three.Vector3(-1, -1, 0), new three.Vector3(1, 1, 1));
-    const centre = box.getCenter(new three.Vector3()), radius = Math.max(0.05, box.getSize(new three.Vector3()).length() / 2);
+    const centre = box.getCenter(new three.Vector3()),
+      radius = Math.max(0.05, box.getSize(new three.Vector3()).length() / 2);
     const narrow = Math.min(1, this.camera.aspect);
     const distance = (radius / Math.sin((this.camera.fov / 2) * (Math.PI / 180)) / narrow) * 1.08;
     this.camera.position.copy(centre).add(new three.Vector3(0.75, -0.62, 0.32).normalize().multiplyScalar(distance));
@@ -138,7 +150,11 @@ export class Scene {
     const line = new three.Color(palette().line);
     this.grid = new three.GridHelper(cell * 40, 40, line, line);
     this.grid.rotateX(Math.PI / 2);
-    this.grid.position.set(Math.round(this.followed.x / cell) * cell, Math.round(this.followed.y / cell) * cell, -0.001 * cell);
+    this.grid.position.set(
+      Math.round(this.followed.x / cell) * cell,
+      Math.round(this.followed.y / cell) * cell,
+      -0.001 * cell,
+    );
     this.scene.add(this.grid);
   }
 
@@ -146,7 +162,9 @@ export class Scene {
     const colors = palette();
     this.ghost_material.color.set(colors.golden);
     this.ghost_material.opacity = is_dark() ? 0.4 : 0.35;
-    if (this.grid) (this.grid.material as three.LineBasicMaterial).color.set(colors.line), this.make_grid(this.controls!.target.distanceTo(this.camera.position) / 3);
+    if (this.grid)
+      ((this.grid.material as three.LineBasicMaterial).color.set(colors.line),
+        this.make_grid(this.controls!.target.distanceTo(this.camera.position) / 3));
   }
 
   private followed_point(): three.Vector3 {
@@ -171,7 +189,8 @@ export class Scene {
     if (this.note.title !== note) this.note.title = note;
     set_text(this.note, note);
     if (this.follow && this.controls) {
-      const point = this.followed_point(), by = point.clone().sub(this.followed);
+      const point = this.followed_point(),
+        by = point.clone().sub(this.followed);
       by.z = 0;
       this.followed.copy(point);
       if (by.lengthSq() > 0) {
@@ -207,7 +226,8 @@ export class Scene {
   /** Joint displacements and root pose as drawn, by robot. */
   joints(side: 'actual' | 'golden' = 'actual'): Record<string, number> {
     const joints: Record<string, number> = {};
-    for (const figure of side === 'actual' ? this.figures : this.ghosts) Object.assign(joints, figure?.kinematics.joints);
+    for (const figure of side === 'actual' ? this.figures : this.ghosts)
+      Object.assign(joints, figure?.kinematics.joints);
     return joints;
   }
 

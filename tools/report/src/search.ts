@@ -2,7 +2,10 @@
 import type { Series } from './report';
 
 function glob_expression(glob: string): RegExp {
-  const escaped = glob.replace(/[.+^${}()|[\]\\]/g, '\\$&').replaceAll('*', '.*').replaceAll('?', '.');
+  const escaped = glob
+    .replace(/[.+^${}()|[\]\\]/g, '\\$&')
+    .replaceAll('*', '.*')
+    .replaceAll('?', '.');
   return new RegExp(`^${escaped}$`, 'i');
 }
 
@@ -24,5 +27,7 @@ export function search(series: readonly Series[], text: string): Series[] {
   }
   const words = wanted.split(/\s+/);
   const found = series.filter((one) => words.every((word) => one.name.toLowerCase().includes(word)));
-  return found.length > 0 ? found : series.filter((one) => has_letters_in_order(one.name.toLowerCase(), words.join('')));
+  return found.length > 0
+    ? found
+    : series.filter((one) => has_letters_in_order(one.name.toLowerCase(), words.join('')));
 }

@@ -1,9 +1,19 @@
 // What lies between the panels: dragged, or moved by arrow keys, it gives one of them more room.
 import { element } from './dom';
 
-function splitter(properties: { class: string; label: string; upright: boolean }, at: () => number, move: (to: number) => void): HTMLElement {
+function splitter(
+  properties: { class: string; label: string; upright: boolean },
+  at: () => number,
+  move: (to: number) => void,
+): HTMLElement {
   const { upright, label } = properties;
-  const bar = element('div', { class: `splitter ${properties.class}`, role: 'separator', tabindex: '0', 'aria-label': label, 'aria-orientation': upright ? 'vertical' : 'horizontal' });
+  const bar = element('div', {
+    class: `splitter ${properties.class}`,
+    role: 'separator',
+    tabindex: '0',
+    'aria-label': label,
+    'aria-orientation': upright ? 'vertical' : 'horizontal',
+  });
   let grip: number | null = null;
   const place = (event: PointerEvent) => (upright ? event.clientX : event.clientY);
   bar.addEventListener('pointerdown', (event) => {
@@ -31,11 +41,23 @@ function within(value: number, low: number, high: number): string {
 
 /** Between robot and plots, and above the tables. */
 export function add_splitters(app: HTMLElement) {
-  const main = app.querySelector('main')!, left = app.querySelector<HTMLElement>('.left')!, lower = app.querySelector<HTMLElement>('.lower')!;
-  const upright = splitter({ class: 'upright', label: 'between robot and plots', upright: true }, () => left.getBoundingClientRect().right,
-    (to) => app.style.setProperty('--left', within(to - main.getBoundingClientRect().left, 240, main.clientWidth - 360)));
+  const main = app.querySelector('main')!,
+    left = app.querySelector<HTMLElement>('.left')!,
+    lower = app.querySelector<HTMLElement>('.lower')!;
+  const upright = splitter(
+    { class: 'upright', label: 'between robot and plots', upright: true },
+    () => left.getBoundingClientRect().right,
+    (to) =>
+      app.style.setProperty('--left', within(to - main.getBoundingClientRect().left, 240, main.clientWidth - 360)),
+  );
   new ResizeObserver(() => (upright.style.left = `${left.offsetWidth}px`)).observe(left);
   main.append(upright);
-  lower.append(splitter({ class: 'level', label: 'above the tables', upright: false }, () => lower.getBoundingClientRect().top,
-    (to) => app.style.setProperty('--lower', within(lower.getBoundingClientRect().bottom - to, 90, app.clientHeight - 520))));
+  lower.append(
+    splitter(
+      { class: 'level', label: 'above the tables', upright: false },
+      () => lower.getBoundingClientRect().top,
+      (to) =>
+        app.style.setProperty('--lower', within(lower.getBoundingClientRect().bottom - to, 90, app.clientHeight - 520)),
+    ),
+  );
 }

@@ -26,11 +26,21 @@ export class Store {
     this.view_ = this.whole;
   }
 
-  get tick() { return this.tick_; }
-  get view() { return this.view_; }
-  get shown(): readonly string[] { return this.shown_; }
-  get playing() { return this.playing_; }
-  get ghost() { return this.ghost_; }
+  get tick() {
+    return this.tick_;
+  }
+  get view() {
+    return this.view_;
+  }
+  get shown(): readonly string[] {
+    return this.shown_;
+  }
+  get playing() {
+    return this.playing_;
+  }
+  get ghost() {
+    return this.ghost_;
+  }
 
   /** Everything there is; at least one tick wide. */
   get whole(): View {
@@ -53,7 +63,10 @@ export class Store {
     if (to < view.begin || to > view.end) {
       // keep the width of the view, and the cursor where it came in
       const width = view.end - view.begin;
-      this.look_at(to - width * (to < view.begin ? 0.1 : this.playing_ ? 0.02 : 0.9), to + width * (to < view.begin ? 0.9 : this.playing_ ? 0.98 : 0.1));
+      this.look_at(
+        to - width * (to < view.begin ? 0.1 : this.playing_ ? 0.02 : 0.9),
+        to + width * (to < view.begin ? 0.9 : this.playing_ ? 0.98 : 0.1),
+      );
     }
   }
 

@@ -34,17 +34,51 @@ export class Table {
   private rows: Series[] = [];
   private filled = new Map<HTMLElement, Series>();
 
-  constructor(private readonly store: Store, private readonly report: Report) {
-    this.input = element('input', { type: 'search', placeholder: 'Filter', 'aria-label': 'filter the table', autocomplete: 'off', spellcheck: 'false', oninput: () => this.refresh() });
-    const available = Object.entries(choices).filter(([name, choice]) => name === 'Everything' || report.series.some(choice));
-    this.select = element('select', { 'aria-label': 'which series', onchange: () => this.refresh() }, ...available.map(([name]) => element('option', { value: name }, name)));
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
+    this.input = element('input', {
+      type: 'search',
+      placeholder: 'Filter',
+      'aria-label': 'filter the table',
+      autocomplete: 'off',
+      spellcheck: 'false',
+      oninput: () => this.refresh(),
+    });
+    const available = Object.entries(choices).filter(
+      ([name, choice]) => name === 'Everything' || report.series.some(choice),
+    );
+    this.select = element(
+      'select',
+      { 'aria-label': 'which series', onchange: () => this.refresh() },
+      ...available.map(([name]) => element('option', { value: name }, name)),
+    );
     const compared = report.compared;
-    const head = element('div', { class: 'row head', role: 'row' },
-      ...['series', 'unit', ...(compared ? ['expected', 'actual', 'difference', 'tolerance'] : ['value'])].map((title) => element('span', { class: title, role: 'columnheader' }, title)));
-    this.list = new VirtualList(24, () => this.make_row(), (row, i) => this.fill(row, this.rows[i]!), { role: 'rowgroup', 'aria-label': 'values at the cursor' });
-    this.root = element('div', { class: `values ${compared ? 'compared' : 'alone'}` },
+    const head = element(
+      'div',
+      { class: 'row head', role: 'row' },
+      ...['series', 'unit', ...(compared ? ['expected', 'actual', 'difference', 'tolerance'] : ['value'])].map(
+        (title) => element('span', { class: title, role: 'columnheader' }, title),
+      ),
+    );
+    this.list = new VirtualList(
+      24,
+      () => this.make_row(),
+      (row, i) => this.fill(row, this.rows[i]!),
+      { role: 'rowgroup', 'aria-label': 'values at the cursor' },
+    );
+    this.root = element(
+      'div',
+      { class: `values ${compared ? 'compared' : 'alone'}` },
       element('div', { class: 'tools' }, this.select, this.input, this.summary),
-      element('div', { class: 'grid', role: 'table', 'aria-label': 'inputs and commands at the cursor' }, head, this.list.root));
+      element(
+        'div',
+        { class: 'grid', role: 'table', 'aria-label': 'inputs and commands at the cursor' },
+        head,
+        this.list.root,
+      ),
+    );
     store.on(['tick', 'data'], () => this.list.update());
     store.on(['shown'], () => this.list.update());
     this.refresh();
@@ -57,15 +91,23 @@ export class Table {
   private refresh() {
     const choice = choices[this.select.value] ?? (() => true);
     this.rows = Tour.in_order(this.report, search(this.report.series.filter(choice), this.input.value));
-    set_text(this.summary, this.report.series.length === 0 ? 'The recording has no channels of numbers.'
-      : `${plural(this.rows.length, 'series', 'series')}; a mark (•) says that the value is another than in the tick before`);
+    set_text(
+      this.summary,
+      this.report.series.length === 0
+        ? 'The recording has no channels of numbers.'
+        : `${plural(this.rows.length, 'series', 'series')}; a mark (•) says that the value is another than in the tick before`,
+    );
     this.list.root.scrollTop = 0;
     this.list.set_count(this.rows.length);
   }
 
   private make_row(): HTMLElement {
     const cell = (name: string) => element('span', { class: name, role: 'cell' });
-    const cells = ['series', 'unit', ...(this.report.compared ? ['expected', 'actual', 'difference', 'tolerance'] : ['actual'])];
+    const cells = [
+      'series',
+      'unit',
+      ...(this.report.compared ? ['expected', 'actual', 'difference', 'tolerance'] : ['actual']),
+    ];
     const row = element('div', { class: 'row', role: 'row' }, ...cells.map(cell));
     row.addEventListener('click', () => {
       const series = this.filled.get(row);
@@ -84,7 +126,10 @@ export class Table {
     const { columns } = series;
     if (!columns) {
       for (const cell of cells.slice(2)) set_text(cell, '…');
-      void series.load().then(() => this.store.changed('data'), (error) => set_text(cells[2]!, String(error)));
+      void series.load().then(
+        () => this.store.changed('data'),
+        (error) => set_text(cells[2]!, String(error)),
+      );
       return;
     }
     const at = this.values(series, columns);
@@ -96,8 +141,10 @@ export class Table {
   }
 
   private values(series: Series, columns: Columns) {
-    const { tick } = this.store, { kind } = series.entry;
-    const actual = Columns.sample(columns.actual, tick), golden = Columns.sample(columns.golden, tick);
+    const { tick } = this.store,
+      { kind } = series.entry;
+    const actual = Columns.sample(columns.actual, tick),
+      golden = Columns.sample(columns.golden, tick);
     const before = Columns.sample(columns.actual, tick - 1);
     const both = series.compared && actual !== null && golden !== null;
     const difference = both ? series.difference(golden.value, actual.value) : null;
@@ -120,12 +167,19 @@ export class Table {
       if (row.hidden || !series.columns) continue;
       const { expected, actual, difference, changed } = this.values(series, series.columns);
       const text = (name: string) => row.querySelector(`.${name}`)?.textContent ?? '';
-      shown[series.name] = { expected: this.report.compared ? text('expected') : expected, actual: text('actual') || actual, difference: this.report.compared ? text('difference') : difference, changed };
+      shown[series.name] = {
+        expected: this.report.compared ? text('expected') : expected,
+        actual: text('actual') || actual,
+        difference: this.report.compared ? text('difference') : difference,
+        changed,
+      };
     }
     return shown;
   }
 
   async drawn() {
-    await Promise.all([...this.filled].filter(([row]) => !row.hidden).map(([, series]) => series.load().catch(() => null)));
+    await Promise.all(
+      [...this.filled].filter(([row]) => !row.hidden).map(([, series]) => series.load().catch(() => null)),
+    );
   }
 }

@@ -13,10 +13,22 @@ export class Tabs {
   private readonly panels: HTMLElement[];
 
   constructor(private readonly tabs: Tab[]) {
-    this.buttons = tabs.map((tab, i) => element('button', {
-      type: 'button', role: 'tab', id: `tab-${tab.name}`, 'aria-controls': `panel-${tab.name}`, onclick: () => this.select(i),
-    }, tab.title));
-    this.panels = tabs.map((tab) => element('div', { role: 'tabpanel', id: `panel-${tab.name}`, 'aria-labelledby': `tab-${tab.name}` }, tab.content));
+    this.buttons = tabs.map((tab, i) =>
+      element(
+        'button',
+        {
+          type: 'button',
+          role: 'tab',
+          id: `tab-${tab.name}`,
+          'aria-controls': `panel-${tab.name}`,
+          onclick: () => this.select(i),
+        },
+        tab.title,
+      ),
+    );
+    this.panels = tabs.map((tab) =>
+      element('div', { role: 'tabpanel', id: `panel-${tab.name}`, 'aria-labelledby': `tab-${tab.name}` }, tab.content),
+    );
     const list = element('div', { role: 'tablist', 'aria-label': 'what is shown below' }, ...this.buttons);
     list.addEventListener('keydown', (event) => this.key(event));
     this.root = element('section', { class: 'lower' }, list, ...this.panels);
@@ -32,7 +44,12 @@ export class Tabs {
   }
 
   open(name: string) {
-    this.select(Math.max(0, this.tabs.findIndex((tab) => tab.name === name)));
+    this.select(
+      Math.max(
+        0,
+        this.tabs.findIndex((tab) => tab.name === name),
+      ),
+    );
   }
 
   private key(event: KeyboardEvent) {

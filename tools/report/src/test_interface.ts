@@ -5,7 +5,11 @@ import type { Scene } from './scene';
 import type { Store } from './store';
 import type { Table } from './table';
 
-export function test_interface(store: Store, ready: Promise<void>, parts: { scene: Scene; plots: Plots; cameras: Cameras; table: Table }) {
+export function test_interface(
+  store: Store,
+  ready: Promise<void>,
+  parts: { scene: Scene; plots: Plots; cameras: Cameras; table: Table },
+) {
   const { scene, plots, cameras, table } = parts;
 
   async function settled() {
@@ -16,7 +20,9 @@ export function test_interface(store: Store, ready: Promise<void>, parts: { scen
 
   return {
     ready,
-    get tick() { return store.tick; },
+    get tick() {
+      return store.tick;
+    },
     /** Once all that is shown belongs to that tick. */
     async go(tick: number) {
       store.go(tick);
@@ -25,14 +31,23 @@ export function test_interface(store: Store, ready: Promise<void>, parts: { scen
     settled,
     state() {
       return {
-        tick: store.tick, view: { ...store.view }, shown: [...store.shown], playing: store.playing,
-        table: table.shown(), frames: cameras.frames(), joints: scene.joints(), golden_joints: scene.joints('golden'), links: scene.links(),
-        plots: plots.cursors(), drawings: scene.drawings,
+        tick: store.tick,
+        view: { ...store.view },
+        shown: [...store.shown],
+        playing: store.playing,
+        table: table.shown(),
+        frames: cameras.frames(),
+        joints: scene.joints(),
+        golden_joints: scene.joints('golden'),
+        links: scene.links(),
+        plots: plots.cursors(),
+        drawings: scene.drawings,
       };
     },
     /** Frames a second while the cursor is moved through the whole run as fast as frames come, for that many of them. */
     async scrub_rate(frames = 60): Promise<number> {
-      const { begin } = store.report.data, { last } = store.report;
+      const { begin } = store.report.data,
+        { last } = store.report;
       const frame = () => new Promise<number>((resolve) => requestAnimationFrame(resolve));
       const tick = store.tick;
       store.go(begin);

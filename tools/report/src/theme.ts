@@ -17,7 +17,19 @@ export interface Palette {
 }
 
 const names: (keyof Palette)[] = [
-  'text', 'muted', 'line', 'panel', 'sunken', 'golden', 'band', 'actual', 'bad', 'bad_fill', 'warning', 'good', 'accent',
+  'text',
+  'muted',
+  'line',
+  'panel',
+  'sunken',
+  'golden',
+  'band',
+  'actual',
+  'bad',
+  'bad_fill',
+  'warning',
+  'good',
+  'accent',
 ];
 
 let cached: Palette | null = null;
@@ -26,7 +38,9 @@ let cached: Palette | null = null;
 export function palette(): Palette {
   if (cached) return cached;
   const style = getComputedStyle(document.documentElement);
-  return (cached = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name.replace('_', '-')}`).trim()])) as unknown as Palette);
+  return (cached = Object.fromEntries(
+    names.map((name) => [name, style.getPropertyValue(`--${name.replace('_', '-')}`).trim()]),
+  ) as unknown as Palette);
 }
 
 export function is_dark(): boolean {

@@ -7,8 +7,12 @@ import type { Store } from './store';
 import { palette, type Palette } from './theme';
 import { contact_spans, type ContactSpan } from './contacts';
 
-const gutter = 88, right = 12;
-const ruler = 22, lane = 16, contact_row = 9, strip = 12;
+const gutter = 88,
+  right = 12;
+const ruler = 22,
+  lane = 16,
+  contact_row = 9,
+  strip = 12;
 const most_contact_rows = 5;
 
 interface Hint {
@@ -23,7 +27,10 @@ interface Hint {
 export class Timeline {
   readonly root: HTMLElement;
   private readonly canvas = element('canvas', {
-    tabindex: '0', role: 'slider', 'aria-label': 'time line: the tick under the cursor', 'aria-orientation': 'horizontal',
+    tabindex: '0',
+    role: 'slider',
+    'aria-label': 'time line: the tick under the cursor',
+    'aria-orientation': 'horizontal',
   });
   private readonly band = element('div', { class: 'zoom-band', hidden: true });
   private readonly cursor = element('div', { class: 'cursor', 'aria-hidden': 'true' });
@@ -34,7 +41,10 @@ export class Timeline {
   private hints: Hint[] = [];
   private width = 0;
 
-  constructor(private readonly store: Store, private readonly report: Report) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+  ) {
     this.root = element('div', { class: 'timeline' }, this.canvas, this.band, this.cursor, this.strip_cursor);
     this.context = this.canvas.getContext('2d')!;
     this.contacts = contact_spans(report.data);
@@ -47,10 +57,18 @@ export class Timeline {
     this.listen();
   }
 
-  private get contacts_height() { return this.contact_rows.length > 0 ? this.contact_rows.length * contact_row + 5 : 0; }
-  private get differences_height() { return this.report.compared ? lane : 0; }
-  private get height() { return ruler + this.differences_height + this.contacts_height + lane + strip + 4; }
-  private get plain() { return Math.max(1, this.width - gutter - right); }
+  private get contacts_height() {
+    return this.contact_rows.length > 0 ? this.contact_rows.length * contact_row + 5 : 0;
+  }
+  private get differences_height() {
+    return this.report.compared ? lane : 0;
+  }
+  private get height() {
+    return ruler + this.differences_height + this.contacts_height + lane + strip + 4;
+  }
+  private get plain() {
+    return Math.max(1, this.width - gutter - right);
+  }
 
   x_of(tick: number): number {
     const { begin, end } = this.store.view;
@@ -96,14 +114,18 @@ export class Timeline {
   private place_cursor() {
     if (this.width === 0) return;
     const { tick, whole } = this.store;
-    const x = this.x_of(tick), top = this.height - strip - 2;
+    const x = this.x_of(tick),
+      top = this.height - strip - 2;
     this.cursor.hidden = x < gutter - 1 || x > this.width - right + 1;
     this.cursor.style.transform = `translateX(${x.toFixed(1)}px)`;
     this.cursor.style.height = `${top - 14}px`;
     this.strip_cursor.style.transform = `translate(${(gutter + ((tick - whole.begin) / (whole.end - whole.begin)) * this.plain).toFixed(1)}px, ${top}px)`;
     this.strip_cursor.style.height = `${strip}px`;
     this.canvas.setAttribute('aria-valuenow', String(tick));
-    this.canvas.setAttribute('aria-valuetext', `tick ${tick}, ${time_text(this.report.time(tick), this.report.data.time_step)}`);
+    this.canvas.setAttribute(
+      'aria-valuetext',
+      `tick ${tick}, ${time_text(this.report.time(tick), this.report.data.time_step)}`,
+    );
   }
 
   private label(colors: Palette, text: string, y: number) {
@@ -144,7 +166,8 @@ export class Timeline {
     context.clip();
     context.fillStyle = colors.bad_fill;
     for (const [begin, end] of report.data.spans) {
-      const x = Math.max(gutter, this.x_of(begin)), x_end = Math.min(this.x_of(end), this.width - right);
+      const x = Math.max(gutter, this.x_of(begin)),
+        x_end = Math.min(this.x_of(end), this.width - right);
       if (x_end >= x) context.fillRect(x, y + 3, Math.max(1, x_end - x), lane - 6);
     }
     // those within tolerance first, so that nothing covers what matters
@@ -159,7 +182,14 @@ export class Timeline {
       context.lineTo(x - 4, y + lane / 2);
       context.fill();
       const what = `${entry.series ?? `${entry.channel} ${entry.element}`.trim()}`;
-      this.hints.push({ x: x - 4, y, width: 8, height: lane, tick: entry.tick, text: `tick ${entry.tick}: ${what}, first ${entry.beyond ? 'beyond tolerance' : 'difference in any bit'}` });
+      this.hints.push({
+        x: x - 4,
+        y,
+        width: 8,
+        height: lane,
+        tick: entry.tick,
+        text: `tick ${entry.tick}: ${what}, first ${entry.beyond ? 'beyond tolerance' : 'difference in any bit'}`,
+      });
     }
     context.restore();
   }
@@ -176,12 +206,20 @@ export class Timeline {
     for (const span of this.contacts) {
       const row = this.contact_rows.indexOf(span.pair);
       if (row < 0 || span.end < this.store.view.begin || span.begin > this.store.view.end) continue;
-      const x = this.x_of(span.begin), width = Math.max(1, this.x_of(span.end) - x);
+      const x = this.x_of(span.begin),
+        width = Math.max(1, this.x_of(span.end) - x);
       const of_golden = this.report.data.runs[span.run]?.role === 'golden';
       const top = y + 2 + row * contact_row + (this.report.compared && !of_golden ? 4 : 0);
       context.fillStyle = of_golden ? colors.golden : colors.actual;
       context.fillRect(x, top, width, this.report.compared ? 3 : 6);
-      this.hints.push({ x, y: top - 2, width, height: 6, tick: span.begin, text: `${of_golden ? 'golden' : 'run'}: ${span.pair} touch, ticks ${span.begin} to ${span.end}` });
+      this.hints.push({
+        x,
+        y: top - 2,
+        width,
+        height: 6,
+        tick: span.begin,
+        text: `${of_golden ? 'golden' : 'run'}: ${span.pair} touch, ticks ${span.begin} to ${span.end}`,
+      });
     }
     context.restore();
   }
@@ -193,9 +231,17 @@ export class Timeline {
     for (const event of report.data.events) {
       if (event.tick < begin || event.tick > end) continue;
       const x = Math.round(this.x_of(event.tick));
-      context.fillStyle = event.severity === 'error' ? colors.bad : event.severity === 'warning' ? colors.warning : colors.muted;
+      context.fillStyle =
+        event.severity === 'error' ? colors.bad : event.severity === 'warning' ? colors.warning : colors.muted;
       context.fillRect(x - 1, y + 3, 2, lane - 6);
-      this.hints.push({ x: x - 3, y, width: 6, height: lane, tick: event.tick, text: `tick ${event.tick}, ${event.source}: ${event.text}` });
+      this.hints.push({
+        x: x - 3,
+        y,
+        width: 6,
+        height: lane,
+        tick: event.tick,
+        text: `tick ${event.tick}, ${event.source}: ${event.text}`,
+      });
     }
   }
 
@@ -207,15 +253,22 @@ export class Timeline {
     context.fillStyle = colors.sunken;
     context.fillRect(gutter, y, this.plain, strip);
     context.fillStyle = colors.bad_fill;
-    for (const [begin, end] of this.report.data.spans) context.fillRect(x_of(begin), y, Math.max(1, x_of(end) - x_of(begin)), strip);
+    for (const [begin, end] of this.report.data.spans)
+      context.fillRect(x_of(begin), y, Math.max(1, x_of(end) - x_of(begin)), strip);
     context.strokeStyle = store.zoomed ? colors.accent : colors.line;
     context.lineWidth = 1;
-    context.strokeRect(Math.round(x_of(view.begin)) + 0.5, y + 0.5, Math.max(3, Math.round(x_of(view.end) - x_of(view.begin)) - 1), strip - 1);
+    context.strokeRect(
+      Math.round(x_of(view.begin)) + 0.5,
+      y + 0.5,
+      Math.max(3, Math.round(x_of(view.end) - x_of(view.begin)) - 1),
+      strip - 1,
+    );
   }
 
   private listen() {
     const { canvas, store } = this;
-    let mode: 'scrub' | 'zoom' | 'move' | null = null, from = 0;
+    let mode: 'scrub' | 'zoom' | 'move' | null = null,
+      from = 0;
     canvas.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       canvas.setPointerCapture(event.pointerId);
@@ -244,16 +297,20 @@ export class Timeline {
     canvas.addEventListener('pointerup', finish);
     canvas.addEventListener('pointercancel', finish);
     canvas.addEventListener('dblclick', () => store.look_at_all());
-    canvas.addEventListener('wheel', (event) => {
-      event.preventDefault();
-      const { begin, end } = store.view;
-      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
-        const by = ((event.deltaX + event.deltaY) / this.plain) * (end - begin);
-        store.look_at(begin + by, end + by);
-      } else {
-        store.zoom_by(Math.exp(event.deltaY * 0.002), this.tick_at(event.offsetX));
-      }
-    }, { passive: false });
+    canvas.addEventListener(
+      'wheel',
+      (event) => {
+        event.preventDefault();
+        const { begin, end } = store.view;
+        if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+          const by = ((event.deltaX + event.deltaY) / this.plain) * (end - begin);
+          store.look_at(begin + by, end + by);
+        } else {
+          store.zoom_by(Math.exp(event.deltaY * 0.002), this.tick_at(event.offsetX));
+        }
+      },
+      { passive: false },
+    );
   }
 
   private centre(x: number) {
@@ -270,7 +327,9 @@ export class Timeline {
   }
 
   private found(x: number, y: number): Hint | undefined {
-    return this.hints.findLast((hint) => x >= hint.x && x <= hint.x + hint.width && y >= hint.y && y <= hint.y + hint.height);
+    return this.hints.findLast(
+      (hint) => x >= hint.x && x <= hint.x + hint.width && y >= hint.y && y <= hint.y + hint.height,
+    );
   }
 
   private nearest(x: number, y: number): number | null {

@@ -13,34 +13,71 @@ export class Transport {
   private readonly tick_field: HTMLInputElement;
   private readonly time = element('output', { class: 'time', 'aria-label': 'time at the cursor' });
   private readonly speed_field: HTMLSelectElement;
-  private exact = 0;  // the tick with its fraction, while playing
+  private exact = 0; // the tick with its fraction, while playing
 
-  constructor(private readonly store: Store, private readonly report: Report, tour: Tour) {
+  constructor(
+    private readonly store: Store,
+    private readonly report: Report,
+    tour: Tour,
+  ) {
     const { begin } = report.data;
     this.play_button = button('Play', 'Play or pause (space)', () => this.toggle(), { class: 'play' });
     this.tick_field = element('input', {
-      type: 'number', min: begin, max: report.last, value: begin, 'aria-label': 'tick at the cursor',
+      type: 'number',
+      min: begin,
+      max: report.last,
+      value: begin,
+      'aria-label': 'tick at the cursor',
       onchange: () => store.go(this.tick_field.valueAsNumber),
     });
-    this.speed_field = element('select', { 'aria-label': 'speed', onchange: () => (store.speed = Number(this.speed_field.value)) },
-      ...speeds.map((speed) => element('option', { value: speed, selected: speed === 1 }, `${speed} ×`)));
+    this.speed_field = element(
+      'select',
+      { 'aria-label': 'speed', onchange: () => (store.speed = Number(this.speed_field.value)) },
+      ...speeds.map((speed) => element('option', { value: speed, selected: speed === 1 }, `${speed} ×`)),
+    );
     const has_divergences = report.data.divergences.length > 0;
-    this.root = element('div', { class: 'transport', role: 'toolbar', 'aria-label': 'moving through the run' },
-      element('div', { class: 'group' },
-        button('|◀', 'First tick (Home)', () => store.go(begin)), button('◀', 'One tick back (←)', () => store.go(store.tick - 1)), this.play_button,
-        button('▶', 'One tick on (→)', () => store.go(store.tick + 1)), button('▶|', 'Last tick (End)', () => store.go(report.last)), this.speed_field),
-      element('div', { class: 'group where' }, element('label', {}, 'tick ', this.tick_field), element('span', { class: 'note' }, ` of ${count_text(report.last)}`), this.time),
-      has_divergences && element('div', { class: 'group' },
-        button('First divergence', 'To the first divergence (d)', () => tour.go_to_first(), { class: 'primary' }),
-        button('Previous', 'Previous divergence (p)', () => tour.previous()), button('Next', 'Next divergence (n)', () => tour.next())),
-      element('div', { class: 'group zoom' },
+    this.root = element(
+      'div',
+      { class: 'transport', role: 'toolbar', 'aria-label': 'moving through the run' },
+      element(
+        'div',
+        { class: 'group' },
+        button('|◀', 'First tick (Home)', () => store.go(begin)),
+        button('◀', 'One tick back (←)', () => store.go(store.tick - 1)),
+        this.play_button,
+        button('▶', 'One tick on (→)', () => store.go(store.tick + 1)),
+        button('▶|', 'Last tick (End)', () => store.go(report.last)),
+        this.speed_field,
+      ),
+      element(
+        'div',
+        { class: 'group where' },
+        element('label', {}, 'tick ', this.tick_field),
+        element('span', { class: 'note' }, ` of ${count_text(report.last)}`),
+        this.time,
+      ),
+      has_divergences &&
+        element(
+          'div',
+          { class: 'group' },
+          button('First divergence', 'To the first divergence (d)', () => tour.go_to_first(), { class: 'primary' }),
+          button('Previous', 'Previous divergence (p)', () => tour.previous()),
+          button('Next', 'Next divergence (n)', () => tour.next()),
+        ),
+      element(
+        'div',
+        { class: 'group zoom' },
         button('Zoom in', 'To the ticks around the cursor (z)', () => this.zoom_to_cursor()),
-        button('Whole run', 'The whole run (a, or a double click)', () => store.look_at_all())));
+        button('Whole run', 'The whole run (a, or a double click)', () => store.look_at_all()),
+      ),
+    );
     store.on(['tick'], () => this.update());
     store.on(['playing'], () => this.play());
     this.update();
     if (report.ticks === 0) {
-      this.root.querySelectorAll<HTMLButtonElement>('button, input, select').forEach((field) => (field.disabled = true));
+      this.root
+        .querySelectorAll<HTMLButtonElement>('button, input, select')
+        .forEach((field) => (field.disabled = true));
     }
   }
 

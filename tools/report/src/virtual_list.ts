@@ -8,8 +8,12 @@ export class VirtualList<Row extends HTMLElement> {
   private count = 0;
   first = 0;
 
-  constructor(private readonly row_height: number, private readonly make: () => Row, private readonly fill: (row: Row, index: number) => void,
-              properties: Record<string, string> = {}) {
+  constructor(
+    private readonly row_height: number,
+    private readonly make: () => Row,
+    private readonly fill: (row: Row, index: number) => void,
+    properties: Record<string, string> = {},
+  ) {
     this.root = element('div', { class: 'virtual', tabindex: '0', ...properties }, this.spacer);
     this.root.addEventListener('scroll', () => this.update(), { passive: true });
     new ResizeObserver(() => this.update()).observe(this.root);
@@ -42,9 +46,11 @@ export class VirtualList<Row extends HTMLElement> {
 
   /** Scrolls no more than is needed to have that row on the screen. */
   reveal(index: number) {
-    const top = index * this.row_height, { scrollTop, clientHeight } = this.root;
+    const top = index * this.row_height,
+      { scrollTop, clientHeight } = this.root;
     if (clientHeight === 0) return;
     if (top < scrollTop) this.root.scrollTop = Math.max(0, top - this.row_height);
-    else if (top + this.row_height > scrollTop + clientHeight) this.root.scrollTop = top - clientHeight + 2 * this.row_height;
+    else if (top + this.row_height > scrollTop + clientHeight)
+      this.root.scrollTop = top - clientHeight + 2 * this.row_height;
   }
 }
