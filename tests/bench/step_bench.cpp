@@ -68,12 +68,14 @@ BENCHMARK(open_over_reading)->UseManualTime()->Unit(benchmark::kMillisecond);
 /// Work: a question to all ticks of a minute. Base: Trace::load() of it.
 void search_over_reading(benchmark::State& state) {
   SteppedTrace& trace = *Minute::instance().trace;
-  const Expression expression = must(Expression::parse("abs(delta(output/RLEG_KNEE/u)) > 1e9 && contact(RLEG_ANKLE_R)", trace));
+  const Expression expression =
+      must(Expression::parse("abs(delta(output/RLEG_KNEE/u)) > 1e9 && contact(RLEG_ANKLE_R)", trace));
   Pairs pairs;
   for (auto _ : state)
     state.SetIterationTime(pairs.measure(
         [&] {
-          if (find_tick(expression, trace, trace.first_tick(), Direction::forwards)) state.SkipWithError("it never holds");
+          if (find_tick(expression, trace, trace.first_tick(), Direction::forwards))
+            state.SkipWithError("it never holds");
         },
         [&] { benchmark::DoNotOptimize(must(Trace::load(Minute::instance().file)).ticks()); }));
   pairs.report(state, 1.0, 1.0);

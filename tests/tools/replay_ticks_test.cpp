@@ -132,8 +132,9 @@ TEST_F(ReplayTicks, WatchInJsonIsAnObjectALine) {
 TEST_F(ReplayTicks, WhenFindsSpans) {
   const Outcome outcome = looks({"--when", "tick >= 10 && tick < 15 || tick == 40"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, ContainsRegex("^ +tick +time \\[s\\] +ticks\n +10 +0.01 +5\n +40 +0.04 +1\n2 spans, 6 of 100 "
-                                         "ticks\nat tick 10:\n$"));
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("^ +tick +time \\[s\\] +ticks\n +10 +0.01 +5\n +40 +0.04 +1\n2 spans, 6 of 100 "
+                            "ticks\nat tick 10:\n$"));
 }
 
 TEST_F(ReplayTicks, WhenTellsTheValuesAtTheFirstTick) {
@@ -174,18 +175,18 @@ TEST_F(ReplayTicks, AMistakeHasACaretBelow) {
 }
 
 TEST_F(ReplayTicks, WhatDoesNotGoTogetherIsRefused) {
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"--tick", "1", "--at", "0.1"},
-           {"--tick", "1", "--when", "true"},
-           {"--watch", "x", "--when", "true"},
-           {"--tick", "1", "--from", "0.1"},
-           {"--every", "2"},
-           {"--full"},
-           {"--tick", "-1"},
-           {"--watch", "no_such_series"},
-           {"--watch", "no*such*series"},
-           {"--tick", "1", "--controller", "Walker=x.so"},
-           {"--tick", "1", "--controller", "SR1Minimum=none.so"}}) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--tick", "1", "--at", "0.1"},
+                                             {"--tick", "1", "--when", "true"},
+                                             {"--watch", "x", "--when", "true"},
+                                             {"--tick", "1", "--from", "0.1"},
+                                             {"--every", "2"},
+                                             {"--full"},
+                                             {"--tick", "-1"},
+                                             {"--watch", "no_such_series"},
+                                             {"--watch", "no*such*series"},
+                                             {"--tick", "1", "--controller", "Walker=x.so"},
+                                             {"--tick", "1", "--controller", "SR1Minimum=none.so"}}) {
     const Outcome outcome = looks(arguments);
     EXPECT_EQ(outcome.status, 2) << outcome.out;
     EXPECT_EQ(outcome.out, "");
@@ -212,7 +213,8 @@ TEST_F(ReplayTicks, ALibraryThatIsGoneLeavesWhatWasRecorded) {
   const Outcome outcome = rehearse({"replay", "gone.mcap", "--tick", "10"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\nnot replayed: commands are those of the recording\n"));
-  EXPECT_THAT(outcome.err, HasSubstr("warning: the controllers can't be replayed: what is shown is what was recorded\n"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("warning: the controllers can't be replayed: what is shown is what was recorded\n"));
 }
 
 }  // namespace

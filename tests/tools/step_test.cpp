@@ -53,7 +53,8 @@ TEST_F(Step, PrintsNoPromptToAScript) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, Not(HasSubstr("(step)")));
-  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2) << outcome.out;  // where it was and is; then quit
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2)
+      << outcome.out;  // where it was and is; then quit
 }
 
 TEST_F(Step, SearchesInBothDirections) {
@@ -67,7 +68,8 @@ TEST_F(Step, ContinuesToWhereSomethingHappens) {
   record_sr1();
   // both feet come down
   EXPECT_THAT(last("continue\n"), ContainsRegex("^tick [0-9]+, [0-9.]+ s  Floor/Floor begins to touch SR1/"));
-  EXPECT_THAT(last("g 20\nback continue\n", with_changed_gain()), StartsWith("tick 0, 0 s  differs: SR1/SR1Minimum/output/"));
+  EXPECT_THAT(last("g 20\nback continue\n", with_changed_gain()),
+              StartsWith("tick 0, 0 s  differs: SR1/SR1Minimum/output/"));
 }
 
 TEST_F(Step, WatchesAndPrints) {
@@ -82,7 +84,8 @@ TEST_F(Step, WatchesAndPrints) {
   EXPECT_EQ(last("watch SR1/RLEG_KNEE/q\nunwatch\ng 11\n"), "tick 11, 0.011 s");
   EXPECT_EQ(last("g 11\np tick * 2\n"), "tick * 2 = 22");
   EXPECT_EQ(last("g 50\np contact(RLEG_ANKLE_R)\n"), "contact(RLEG_ANKLE_R) = true");
-  EXPECT_THAT(last("g 11\np output/RLEG_KNEE/u\n", with_changed_gain()), ContainsRegex(" N·m \\(replayed [-0-9.e]+\\)$"));
+  EXPECT_THAT(last("g 11\np output/RLEG_KNEE/u\n", with_changed_gain()),
+              ContainsRegex(" N·m \\(replayed [-0-9.e]+\\)$"));
 }
 
 TEST_F(Step, ShowsATickAsReplayDoes) {
@@ -117,7 +120,8 @@ TEST_F(Step, WritesAFrame) {
   EXPECT_EQ(none.status, 2);
   EXPECT_THAT(none.err, ContainsRegex("error: there are [0-9]+ cameras \\(one of "));
   write("notes.png", "mine");
-  const std::string camera = none.err.substr(none.err.find("one of ") + 7, none.err.find(',') - none.err.find("one of ") - 7);
+  const std::string camera =
+      none.err.substr(none.err.find("one of ") + 7, none.err.find(',') - none.err.find("one of ") - 7);
   const Outcome outcome = step("g end\nframe " + camera + " picture.png\nframe " + camera + " notes.png\n");
   EXPECT_EQ(outcome.status, 2) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("picture.png: /" + camera));
@@ -142,11 +146,34 @@ TEST_F(Step, CommandsAreFoundByTheirBeginning) {
 
 TEST_F(Step, MistakesAreToldAndTheSessionGoesOn) {
   record_sr1();
-  const std::vector<std::string> mistakes{
-      "foo", "goto", "goto x", "goto 100", "goto 7s", "goto -1", "goto nans", "next x", "next 0", "back x", "back",
-      "until", "until tick", "until tick >", "print", "print no_such", "watch no_such", "unwatch no_such", "plot",
-      "plot no_such", "plot SR1/RLEG_KNEE/q 30", "plot SR1/RLEG_KNEE/q 30 20", "info x", "frame", "frame x.png",
-      "help foo", "goto 99999999999999999999999", "next 99999999999999999999999"};
+  const std::vector<std::string> mistakes{"foo",
+                                          "goto",
+                                          "goto x",
+                                          "goto 100",
+                                          "goto 7s",
+                                          "goto -1",
+                                          "goto nans",
+                                          "next x",
+                                          "next 0",
+                                          "back x",
+                                          "back",
+                                          "until",
+                                          "until tick",
+                                          "until tick >",
+                                          "print",
+                                          "print no_such",
+                                          "watch no_such",
+                                          "unwatch no_such",
+                                          "plot",
+                                          "plot no_such",
+                                          "plot SR1/RLEG_KNEE/q 30",
+                                          "plot SR1/RLEG_KNEE/q 30 20",
+                                          "info x",
+                                          "frame",
+                                          "frame x.png",
+                                          "help foo",
+                                          "goto 99999999999999999999999",
+                                          "next 99999999999999999999999"};
   std::string script;
   for (const std::string& mistake : mistakes) script += mistake + "\n";
   const Outcome outcome = step(script + "next\n");
@@ -190,7 +217,9 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  void type(const std::string& keys) { EXPECT_EQ(write(terminal_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size())); }
+  void type(const std::string& keys) {
+    EXPECT_EQ(write(terminal_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
+  }
   /// Waits until that is on the screen, and forgets what was there up to it. A failure if it doesn't come.
   void expect(const std::string& text) {
     constexpr int patience = 20'000;  // [ms]; a busy machine

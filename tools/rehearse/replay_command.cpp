@@ -1,5 +1,5 @@
-// rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs of
-// a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h.
+// rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs
+// of a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h.
 #include <fmt/format.h>
 #include <rehearse/branch.h>
 #include <rehearse/replay.h>
@@ -26,7 +26,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr double longest_time = 1e9;                       // [s]
+constexpr double longest_time = 1e9;  // [s]
 
 struct Settings {
   std::string trace;
@@ -96,7 +96,8 @@ Exit run_in_gdb(const Settings& settings, const CLI::App& options) {
 
 /// What a log needs and a recording doesn't, or the other way around.
 Result<void> check_usage(const Settings& settings) {
-  if (settings.debugger.is_wanted() && (settings.ticks.at || !settings.ticks.watch.empty() || !settings.ticks.when.empty()))
+  if (settings.debugger.is_wanted() &&
+      (settings.ticks.at || !settings.ticks.watch.empty() || !settings.ticks.when.empty()))
     return error("--gdb goes with none of --at, --watch and --when", "--gdb --tick N stops at that tick");
   if (!settings.replay.set.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
     return error("--set with --tick, --at, --watch, --when or --gdb",
@@ -184,19 +185,21 @@ std::function<Exit()> declare(CLI::App& options) {
   add_number(options, "--until", "end there [s]", 0.0, longest_time,
              [=](double until) { settings->replay.until = until; });
   options
-      .add_option("--set", settings->replay.set,
-                  "alter what the controllers read, as 'Walker/KNEE/q=0.3@tick:1200..1300'; +=, *=, nan, 30deg; repeatable")
+      .add_option(
+          "--set", settings->replay.set,
+          "alter what the controllers read, as 'Walker/KNEE/q=0.3@tick:1200..1300'; +=, *=, nan, 30deg; repeatable")
       ->type_name("SERIES=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_host_options(options, settings->replay, &settings->controller);
-  add_integer(options, "--tick", "show this tick: what was read, commanded, measured, said; what changed, what differs; with --gdb: stop there", 0,
-              std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
+  add_integer(
+      options, "--tick",
+      "show this tick: what was read, commanded, measured, said; what changed, what differs; with --gdb: stop there", 0,
+      std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
   add_number(options, "--at", "the same by its time [s]", 0.0, longest_time,
              [=](double at) { settings->ticks.at = at; });
   options.add_flag("--full", settings->ticks.full, "of a tick: also what is as it was before");
-  options
-      .add_option("--watch", settings->ticks.watch, "print these series, a row a tick; of a tick: these only")
+  options.add_option("--watch", settings->ticks.watch, "print these series, a row a tick; of a tick: these only")
       ->type_name("GLOB");
   add_integer(options, "--every", "of --watch: a row each so many ticks", 1, 1'000'000'000,
               [=](std::int64_t every) { settings->ticks.every = every; });
@@ -206,7 +209,10 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_option("--model", settings->model, "of a log: the robot")->type_name("URDF");
   options.add_option("--map", settings->map, "of a log: the YAML file that says which topic is which input")
       ->type_name("FILE");
-  options.add_option("-o,--output", settings->output, "the trace to write: what was recorded, with what they do now (of a log: LOG.replay.mcap in this folder)")
+  options
+      .add_option(
+          "-o,--output", settings->output,
+          "the trace to write: what was recorded, with what they do now (of a log: LOG.replay.mcap in this folder)")
       ->type_name("TRACE");
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);
@@ -215,15 +221,16 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb replay_verb{"replay",
-                       "  rehearse replay sr1.mcap\n"
-                       "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n"
-                       "  rehearse replay failed.mcap --tick 3200\n"
-                       "  rehearse replay failed.mcap --watch 'Walker/KNEE/*' --from 3.0 --until 3.5 --every 10\n"
-                       "  rehearse replay failed.mcap --when 'Walker/KNEE/u > 100 && contact(LEFT_FOOT)'\n"
-                       "  rehearse replay failed.mcap --gdb --tick 3204\n"
-                       "  rehearse replay walk.mcap --set 'Walker/KNEE/q=nan@tick:1200' -o what_if.mcap\n"
-                       "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
-                       declare};
+const Verb replay_verb{
+    "replay",
+    "  rehearse replay sr1.mcap\n"
+    "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n"
+    "  rehearse replay failed.mcap --tick 3200\n"
+    "  rehearse replay failed.mcap --watch 'Walker/KNEE/*' --from 3.0 --until 3.5 --every 10\n"
+    "  rehearse replay failed.mcap --when 'Walker/KNEE/u > 100 && contact(LEFT_FOOT)'\n"
+    "  rehearse replay failed.mcap --gdb --tick 3204\n"
+    "  rehearse replay walk.mcap --set 'Walker/KNEE/q=nan@tick:1200' -o what_if.mcap\n"
+    "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
+    declare};
 
 }  // namespace rehearse::tool

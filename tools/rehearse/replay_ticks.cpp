@@ -42,9 +42,7 @@ Result<std::vector<Watched>> watched(const TickSettings& settings, SteppedTrace&
 }
 
 /// One object a line.
-void print_line(const Json& object) {
-  fmt::print("{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
+void print_line(const Json& object) { fmt::print("{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace)); }
 
 /// The ticks from --from up to --until.
 TickSpanFound ticks_of(const TickSettings& settings, const SteppedTrace& trace) {
@@ -122,8 +120,11 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
       Json operands = Json::object();
       for (const Expression::Operand& operand : expression->operands())
         operands[operand.text] = json_of(expression->number_of(operand, trace, span.first));
-      print_line({{"tick", span.first}, {"time", trace.time_at(span.first)}, {"ticks", length},
-             {"last_tick", span.last}, {"operands", operands}});
+      print_line({{"tick", span.first},
+                  {"time", trace.time_at(span.first)},
+                  {"ticks", length},
+                  {"last_tick", span.last},
+                  {"operands", operands}});
     } else {
       if (spans == 0) fmt::print("{:>8}  {:>10}  {:>8}\n", "tick", "time [s]", "ticks");
       fmt::print("{:>8}  {:>10.10g}  {:>8}\n", span.first, trace.time_at(span.first), length);
@@ -135,8 +136,8 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
   const TickSpanFound span = ticks_of(settings, trace);
   find_spans(*expression, trace, span.first, span.last, tell);
   if (!settings.json && first) {
-    fmt::print("{}, {} of {}\nat tick {}:", count_text(spans, "span"), ticks, count_text(span.last - span.first + 1, "tick"),
-               *first);
+    fmt::print("{}, {} of {}\nat tick {}:", count_text(spans, "span"), ticks,
+               count_text(span.last - span.first + 1, "tick"), *first);
     const char* separator = " ";
     for (const Expression::Operand& operand : expression->operands()) {
       fmt::print("{}{}", separator, operand_text(*expression, operand, trace, *first));
@@ -180,11 +181,13 @@ Exit print_tick(const TickSettings& settings, SteppedTrace& trace) {
 
 Result<void> check_usage(const TickSettings& settings) {
   if (settings.tick && settings.at) return error("--tick and --at say the same", "give one of them");
-  if (settings.shows_a_tick() && !settings.when.empty()) return error("--when looks for ticks, and --tick shows one", "give one of them");
+  if (settings.shows_a_tick() && !settings.when.empty())
+    return error("--when looks for ticks, and --tick shows one", "give one of them");
   if (!settings.when.empty() && !settings.watch.empty())
     return error("--when looks for ticks, and --watch shows series", "give one of them");
   const bool has_span = settings.from > 0.0 || settings.until;
-  if (settings.shows_a_tick() && has_span) return error("--tick shows one tick: --from and --until mean nothing with it");
+  if (settings.shows_a_tick() && has_span)
+    return error("--tick shows one tick: --from and --until mean nothing with it");
   if (settings.every != 1 && (settings.watch.empty() || settings.shows_a_tick()))
     return error("--every is for --watch", "a row each so many ticks");
   if (settings.full && !settings.shows_a_tick()) return error("--full is for --tick");
@@ -210,9 +213,9 @@ Exit show_ticks(const TickSettings& settings) {
     return SteppedTrace::open(settings.trace, options);
   }();
   if (!trace) return refuse(trace.errors());
-  const Exit ended = !settings.when.empty()     ? print_when(settings, **trace)
+  const Exit ended = !settings.when.empty()    ? print_when(settings, **trace)
                      : settings.shows_a_tick() ? print_tick(settings, **trace)
-                                                : print_watched(settings, **trace);
+                                               : print_watched(settings, **trace);
   tell_remarks(**trace);
   return ended;
 }

@@ -27,7 +27,8 @@ struct Settings {
 
 std::string command_line(const Settings& settings) {
   std::string text = settings.trace;
-  for (const auto& [name, library] : settings.stepping.libraries) text += fmt::format(" --controller {}={}", name, library);
+  for (const auto& [name, library] : settings.stepping.libraries)
+    text += fmt::format(" --controller {}={}", name, library);
   return text;
 }
 
@@ -61,8 +62,8 @@ Exit run(Settings& settings) {
   tell_remarks(**trace);
   const std::int64_t from = (*trace)->tick_at(settings.from);
   if (from > (*trace)->last_tick())
-    return refuse(error(fmt::format("{} ends before {} s: its last tick is {} ({:.10g} s)", settings.trace, settings.from,
-                                    (*trace)->last_tick(), (*trace)->time_at((*trace)->last_tick()))));
+    return refuse(error(fmt::format("{} ends before {} s: its last tick is {} ({:.10g} s)", settings.trace,
+                                    settings.from, (*trace)->last_tick(), (*trace)->time_at((*trace)->last_tick()))));
   StepSession session(**trace, command_line(settings), LineEditor::was_interrupted);
   session.go_to(from);
   return talk(**trace, session);

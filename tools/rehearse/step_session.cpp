@@ -67,7 +67,8 @@ const std::vector<StepSession::Command>& StepSession::commands() {
       {"back", "b", "[N | until EXPR | continue]", "a tick back, or N; or the other moves backwards", &S::back},
       {"goto", "g", "TICK | 3.2s | +N | -N | start | end", "to a tick, or to the one at a time", &S::go_to_place},
       {"until", "u", "EXPR", "on to where the expression begins to hold", &S::until, true},
-      {"continue", "c", "", "on to where the controllers begin to differ, something is said, or a contact changes", &S::go_on},
+      {"continue", "c", "", "on to where the controllers begin to differ, something is said, or a contact changes",
+       &S::go_on},
       {"watch", "w", "[GLOB]", "show these series after each move; without a name: which are", &S::watch, true},
       {"unwatch", "", "[GLOB]", "no longer; without a name: none", &S::unwatch, true},
       {"print", "p", "EXPR", "the value of an expression here", &S::print_value, true},
@@ -77,7 +78,8 @@ const std::vector<StepSession::Command>& StepSession::commands() {
       {"messages", "m", "", "what they say in this tick", &S::messages},
       {"contacts", "", "", "what touches in this tick", &S::contacts},
       {"diff", "d", "", "where they differ from the recording in this tick", &S::differences},
-      {"plot", "", "SERIES [FROM UNTIL]", "a picture of a series around this tick, or between two places", &S::plot, true},
+      {"plot", "", "SERIES [FROM UNTIL]", "a picture of a series around this tick, or between two places", &S::plot,
+       true},
       {"frame", "f", "[CAMERA] FILE.png", "writes the latest picture at or before this tick", &S::frame},
       {"gdb-hint", "", "", "the command that stops gdb in this tick", &S::gdb_hint},
       {"help", "h", "[COMMAND]", "this, or a command", &S::help},
@@ -166,11 +168,13 @@ std::string StepSession::where() {
   for (const ViewContact& contact : trace_.contacts(tick_))
     if (contact.began || !contact.touches) text += "  " + contact_text(contact);
   for (const ViewMessage& message : trace_.messages(tick_)) text += "  " + message_text(message);
-  if (trace_.failure() && tick_ > trace_.last_replayed().value_or(-1)) text += "  (as recorded: the replay failed before)";
+  if (trace_.failure() && tick_ > trace_.last_replayed().value_or(-1))
+    text += "  (as recorded: the replay failed before)";
   for (const std::size_t series : watched_) {
     const double value = trace_.value(series, tick_, CommandSide::recorded);
     const std::string unit = trace_.series_unit(series);
-    text += fmt::format("\n  {} = {}{}", trace_.series_name(series), text_of_number(value), unit.empty() ? "" : " " + unit);
+    text +=
+        fmt::format("\n  {} = {}{}", trace_.series_name(series), text_of_number(value), unit.empty() ? "" : " " + unit);
     if (!trace_.is_replayed(series)) continue;
     const double replayed = trace_.value(series, tick_, CommandSide::replayed);
     if (!identical(value, replayed)) text += fmt::format(" (replayed {})", text_of_number(replayed));
@@ -181,7 +185,8 @@ std::string StepSession::where() {
 StepSession::Answer StepSession::move(std::int64_t by) {
   const std::int64_t end = by > 0 ? trace_.last_tick() : trace_.first_tick();
   if (tick_ == end && by != 0)
-    return refuse(error(by > 0 ? fmt::format("this is the last tick, {}", end) : fmt::format("this is the first tick, {}", end)));
+    return refuse(
+        error(by > 0 ? fmt::format("this is the last tick, {}", end) : fmt::format("this is the first tick, {}", end)));
   arrive(tick_ + by);
   return Answer::done;
 }
@@ -190,7 +195,8 @@ StepSession::Answer StepSession::next(Words rest) {
   constexpr std::int64_t most = 1'000'000'000'000;
   if (rest.empty()) return move(1);
   const auto count = number<std::int64_t>(rest);
-  if (!count || *count < 1 || *count > most) return refuse(error(fmt::format("'{}' is no number of ticks", plain_text(rest))));
+  if (!count || *count < 1 || *count > most)
+    return refuse(error(fmt::format("'{}' is no number of ticks", plain_text(rest))));
   return move(*count);
 }
 
@@ -203,13 +209,15 @@ StepSession::Answer StepSession::back(Words rest) {
   if (std::string_view("continue").starts_with(word)) return to_happening(Direction::backwards);
   const auto count = number<std::int64_t>(rest);
   if (!count || *count < 1 || *count > most)
-    return refuse(error(fmt::format("'{}' is no number of ticks", plain_text(rest)), "back, back N, back until EXPR, back continue"));
+    return refuse(error(fmt::format("'{}' is no number of ticks", plain_text(rest)),
+                        "back, back N, back until EXPR, back continue"));
   return move(-*count);
 }
 
 StepSession::Answer StepSession::go_to_place(Words rest) {
   const auto tick = place(rest, tick_, trace_);
-  if (!tick) return refuse(error(fmt::format("'{}' is no place", plain_text(rest)), "goto 1200, goto 3.2s, goto +10, goto end"));
+  if (!tick)
+    return refuse(error(fmt::format("'{}' is no place", plain_text(rest)), "goto 1200, goto 3.2s, goto +10, goto end"));
   if (*tick < trace_.first_tick() || *tick > trace_.last_tick())
     return refuse(error(fmt::format("there is no tick {}: they are {} to {} ({:.10g} s)", *tick, trace_.first_tick(),
                                     trace_.last_tick(), trace_.time_at(trace_.last_tick()))));
@@ -232,8 +240,8 @@ StepSession::Answer StepSession::search(Words text, Direction direction) {
   } else if (interrupted_()) {
     fmt::print("interrupted; still at {}\n", tick_text(tick_, trace_.time_at(tick_)));
   } else {
-    fmt::print("it doesn't begin to hold {} here; still at {}\n",
-               direction == Direction::forwards ? "after" : "before", tick_text(tick_, trace_.time_at(tick_)));
+    fmt::print("it doesn't begin to hold {} here; still at {}\n", direction == Direction::forwards ? "after" : "before",
+               tick_text(tick_, trace_.time_at(tick_)));
   }
   return Answer::done;
 }
@@ -272,9 +280,8 @@ StepSession::Answer StepSession::unwatch(Words rest) {
   if (rest.empty()) return watched_.clear(), Answer::done;
   const auto found = trace_.find_all_series(rest);
   if (!found) return refuse(found.errors().front());
-  std::erase_if(watched_, [&](std::size_t series) {
-    return std::find(found->begin(), found->end(), series) != found->end();
-  });
+  std::erase_if(watched_,
+                [&](std::size_t series) { return std::find(found->begin(), found->end(), series) != found->end(); });
   return Answer::done;
 }
 
@@ -302,7 +309,8 @@ StepSession::Answer StepSession::print_value(Words rest) {
 StepSession::Answer StepSession::info(Words rest) {
   TickParts parts;
   parts.full = rest == "full";
-  if (!rest.empty() && !parts.full) return refuse(error(fmt::format("info takes 'full' or nothing, not '{}'", plain_text(rest))));
+  if (!rest.empty() && !parts.full)
+    return refuse(error(fmt::format("info takes 'full' or nothing, not '{}'", plain_text(rest))));
   fmt::print("{}", text_of(trace_.view(tick_), parts));
   return Answer::done;
 }
@@ -353,7 +361,8 @@ StepSession::Answer StepSession::plot(Words rest) {
   std::int64_t last = std::min(trace_.last_tick(), trace_.tick_at(trace_.time_at(tick_) + 0.5));
   if (!rest.empty()) {
     const auto from = place(take_word(rest), tick_, trace_), until = place(rest, tick_, trace_);
-    if (!from || !until || *from >= *until) return refuse(error("plot takes two places, the earlier one first", "plot SERIES 3s 3.5s"));
+    if (!from || !until || *from >= *until)
+      return refuse(error("plot takes two places, the earlier one first", "plot SERIES 3s 3.5s"));
     first = std::max(trace_.first_tick(), *from);
     last = std::min(trace_.last_tick(), *until);
   }
@@ -371,8 +380,9 @@ StepSession::Answer StepSession::plot(Words rest) {
     replayed.values.push_back(trace_.value(*series, tick, CommandSide::replayed));
   }
   const std::string unit = trace_.series_unit(*series);
-  fmt::print("{}{}, {:.7g} to {:.7g}, {} here{}{}\n", trace_.series_name(*series), unit.empty() ? "" : " [" + unit + "]",
-             low, high, text_of_number(trace_.value(*series, tick_, CommandSide::recorded)),
+  fmt::print("{}{}, {:.7g} to {:.7g}, {} here{}{}\n", trace_.series_name(*series),
+             unit.empty() ? "" : " [" + unit + "]", low, high,
+             text_of_number(trace_.value(*series, tick_, CommandSide::recorded)),
              step > 1 ? fmt::format(", each {}th tick", step) : "",
              replayed.times.empty() ? "" : "; ░ recorded, █ replayed, ▒ both");
   std::optional<double> here;
@@ -393,13 +403,15 @@ StepSession::Answer StepSession::frame(Words rest) {
   const std::filesystem::path path(file);
   if (path.extension() != "." + picture->extension)
     return refuse(error(fmt::format("'{}' doesn't end in .{}", plain_text(file), picture->extension)));
-  if (const auto replaceable = check_replaceable(path, picture->extension == "png" ? png_magic : "\xff\xd8", "picture"); !replaceable)
+  if (const auto replaceable = check_replaceable(path, picture->extension == "png" ? png_magic : "\xff\xd8", "picture");
+      !replaceable)
     return refuse(replaceable.errors().front());
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(picture->bytes.data()), static_cast<std::streamsize>(picture->bytes.size()));
   out.close();
   if (!out) return refuse(error(fmt::format("can't write {}", plain_text(file))));
-  fmt::print("{}: {}, of {}\n", plain_text(file), picture->topic, tick_text(picture->tick, trace_.time_at(picture->tick)));
+  fmt::print("{}: {}, of {}\n", plain_text(file), picture->topic,
+             tick_text(picture->tick, trace_.time_at(picture->tick)));
   return Answer::done;
 }
 
@@ -417,9 +429,12 @@ StepSession::Answer StepSession::help(Words rest) {
   }
   std::vector<TableRow> rows;
   for (const Command& command : commands())
-    rows.push_back({std::string(command.letter), fmt::format("{} {}", command.name, command.arguments), std::string(command.help)});
+    rows.push_back({std::string(command.letter), fmt::format("{} {}", command.name, command.arguments),
+                    std::string(command.help)});
   for (const TableRow& row : rows) fmt::print("  {:2} {:44} {}\n", row[0], row[1], row[2]);
-  fmt::print("An empty line does the last command again. EXPR: SR1/KNEE/u > 100 && contact(FOOT); tools/README.md has all of it.\n");
+  fmt::print(
+      "An empty line does the last command again. EXPR: SR1/KNEE/u > 100 && contact(FOOT); tools/README.md has all of "
+      "it.\n");
   return Answer::done;
 }
 

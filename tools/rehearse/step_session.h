@@ -13,7 +13,8 @@ namespace rehearse::tool {
 
 class StepSession {
  public:
-  /// `command_line`: how the trace and its controllers are named on a command line. `interrupted`: ends what takes long.
+  /// `command_line`: how the trace and its controllers are named on a command line. `interrupted`: ends what takes
+  /// long.
   StepSession(SteppedTrace& trace, std::string command_line, std::function<bool()> interrupted);
 
   enum class Answer {

@@ -155,7 +155,8 @@ std::string values_text(const ViewChannel& channel, const TickParts& parts) {
     }
   }
   if (shown == 0) return "";
-  if (rows.size() == 1) return fmt::format("  {}: {} unchanged\n", rows[0][0], count_text(static_cast<std::int64_t>(unchanged), "number"));
+  if (rows.size() == 1)
+    return fmt::format("  {}: {} unchanged\n", rows[0][0], count_text(static_cast<std::int64_t>(unchanged), "number"));
   return table_text(rows, "  ") + folded(unchanged, "unchanged number") +
          folded(more, "more changed number, --full shows them; number");
 }
@@ -185,8 +186,7 @@ std::vector<const ViewChannel*> in_order(const TickView& view, const TickParts& 
   for (const ViewChannel& channel : view.channels)
     if (is_asked_for(channel, parts)) channels.push_back(&channel);
   const auto key = [](const ViewChannel* channel) {
-    const bool of_controller =
-        channel->kind == ViewChannel::Kind::input || channel->kind == ViewChannel::Kind::output;
+    const bool of_controller = channel->kind == ViewChannel::Kind::input || channel->kind == ViewChannel::Kind::output;
     return std::tuple(!of_controller, channel->owner.empty(), std::string_view(channel->owner), channel->kind);
   };
   std::stable_sort(channels.begin(), channels.end(),
@@ -283,8 +283,8 @@ std::string difference_text(const Divergence& difference) {
   if (!difference.note.empty()) return fmt::format("{}: {}", plain_text(place), difference.note);
   const std::string unit = difference.unit.empty() ? "" : " " + difference.unit;
   const std::string ulps = ulps_text(difference.ulps);
-  return fmt::format("{}: replayed {}{}, recorded {} (difference {:+.3g}{})", plain_text(place),
-                     difference.actual, unit, difference.expected, difference.actual - difference.expected,
+  return fmt::format("{}: replayed {}{}, recorded {} (difference {:+.3g}{})", plain_text(place), difference.actual,
+                     unit, difference.expected, difference.actual - difference.expected,
                      ulps.empty() ? "" : ", " + ulps + (ulps == "1" ? " ULP" : " ULPs"));
 }
 
@@ -356,9 +356,8 @@ Json json_of(const TickView& view, const TickParts& parts) {
   for (const ViewPicture& picture : view.pictures)
     pictures.push_back({{"topic", picture.topic}, {"bytes", picture.bytes}});
   for (const Divergence& difference : view.differences) differences.push_back(tool::json_of(std::optional(difference)));
-  return {{"tick", view.tick},         {"time", view.time},         {"replayed", view.is_replayed},
-          {"channels", channels},      {"messages", messages},      {"contacts", contacts},
-          {"pictures", pictures},      {"differences", differences}};
+  return {{"tick", view.tick},    {"time", view.time},    {"replayed", view.is_replayed}, {"channels", channels},
+          {"messages", messages}, {"contacts", contacts}, {"pictures", pictures},         {"differences", differences}};
 }
 
 }  // namespace rehearse::tool

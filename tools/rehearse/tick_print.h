@@ -13,8 +13,8 @@ namespace rehearse::tool {
 
 /// What of a tick is shown.
 struct TickParts {
-  bool full = false;                // also what hasn't changed, and all of long arrays
-  std::vector<std::string> only;    // names of series; empty: all
+  bool full = false;              // also what hasn't changed, and all of long arrays
+  std::vector<std::string> only;  // names of series; empty: all
   bool inputs = true, outputs = true, rest = true, messages = true, contacts = true, differences = true;
 };
 

@@ -3,8 +3,9 @@
 //   SR1/RLEG_KNEE/u > 100 && contact(LEFT_FOOT)
 //   abs(delta(output/RLEG_KNEE/u)) > 5 || message("*slip*")
 //
-// An expression is read once, against the names of a recording, and then evaluated for any tick. It has a type, and each
-// of its parts has one; what doesn't fit is found when it is read, with the place. tools/README.md has the language.
+// An expression is read once, against the names of a recording, and then evaluated for any tick. It has a type, and
+// each of its parts has one; what doesn't fit is found when it is read, with the place. tools/README.md has the
+// language.
 //
 // Numbers are doubles. A comparison with NaN is false, but for !=. What looks at the tick before (prev, delta, changed)
 // finds NaN and false before the first one.

@@ -38,11 +38,11 @@ struct SteppingOptions : HostOptions {
 struct ViewValue {
   std::string element;  // within the channel: RLEG_KNEE/q
   std::string series;
-  std::string unit;                       // may be empty
-  double value = 0.0;                     // as recorded
-  std::optional<double> before = {};      // in the tick before; none: there is none
-  std::optional<double> replayed = {};    // if the controller gives something else now
-  std::uint64_t ulps = 0;                 // between both
+  std::string unit;                     // may be empty
+  double value = 0.0;                   // as recorded
+  std::optional<double> before = {};    // in the tick before; none: there is none
+  std::optional<double> replayed = {};  // if the controller gives something else now
+  std::uint64_t ulps = 0;               // between both
 
   bool changed() const { return before && !identical(value, *before); }
 };

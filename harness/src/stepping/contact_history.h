@@ -1,5 +1,5 @@
-// ContactHistory: which links touch at a time, out of the changes that a recording has. Read as far as is asked for, and
-// kept: 16 bytes a change. Internal.
+// ContactHistory: which links touch at a time, out of the changes that a recording has. Read as far as is asked for,
+// and kept: 16 bytes a change. Internal.
 #pragma once
 
 #include <cstdint>

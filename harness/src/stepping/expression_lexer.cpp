@@ -23,9 +23,9 @@ bool goes_on_name(char c) {
 
 /// Characters before that byte; bytes that continue one aren't counted.
 std::size_t characters_before(std::string_view text, std::size_t at) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(at, text.size())),
-      [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(text.begin(),
+                                                text.begin() + static_cast<std::ptrdiff_t>(std::min(at, text.size())),
+                                                [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 }  // namespace
@@ -95,13 +95,14 @@ ExpressionToken ExpressionLexer::name() {
 
 Result<ExpressionToken> ExpressionLexer::symbol() {
   const std::size_t begin = at_;
-  for (const std::string_view symbol : {"&&", "||", "==", "!=", "<=", ">=", "<", ">", "!", "+", "-", "*", "/", "(", ")", ","}) {
+  for (const std::string_view symbol :
+       {"&&", "||", "==", "!=", "<=", ">=", "<", ">", "!", "+", "-", "*", "/", "(", ")", ","}) {
     if (!text_.substr(at_).starts_with(symbol)) continue;
     at_ += symbol.size();
     return token(ExpressionToken::Kind::symbol, begin);
   }
   const char c = text_[begin];
-  const std::string hint = c == '=' ? "equality is written =="
+  const std::string hint = c == '='   ? "equality is written =="
                            : c == '&' ? "and is written &&"
                            : c == '|' ? "or is written ||"
                                       : "a name with other characters stands in quotes";

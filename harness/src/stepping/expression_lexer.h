@@ -12,8 +12,8 @@ namespace rehearse {
 struct ExpressionToken {
   enum class Kind { end, number, name, quoted, symbol };
   Kind kind = Kind::end;
-  std::string text;     // of a name without its quotes; of a symbol: "&&"
-  double number = 0.0;  // angles in degrees are in radians by now
+  std::string text;                // of a name without its quotes; of a symbol: "&&"
+  double number = 0.0;             // angles in degrees are in radians by now
   std::size_t begin = 0, end = 0;  // in the expression [bytes]
 };
 

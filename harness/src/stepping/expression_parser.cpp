@@ -17,7 +17,8 @@ std::string_view word_for(Expression::Type type) {
   return "";
 }
 
-constexpr std::string_view functions = "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, recorded, replayed, contact, message";
+constexpr std::string_view functions =
+    "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, recorded, replayed, contact, message";
 
 /// Counts how deep calls are in each other, as long as it lives.
 class Deeper {
@@ -232,8 +233,8 @@ ExpressionParser::Made ExpressionParser::series(const ExpressionToken& word) {
   const auto found = source_.find_series(word.text);
   if (!found) {
     const Diagnostic& why = found.errors().front();
-    const bool divides = word.kind == ExpressionToken::Kind::name && why.hint.empty() &&
-                         word.text.find('/') != std::string::npos;
+    const bool divides =
+        word.kind == ExpressionToken::Kind::name && why.hint.empty() && word.text.find('/') != std::string::npos;
     return fail(word.begin, why.message, divides ? "if it is a division, put blanks around the /" : why.hint);
   }
   const std::size_t made = add(Op::series, Type::number, word.begin, word.end);
@@ -282,7 +283,8 @@ ExpressionParser::Made ExpressionParser::arithmetic_call(const ExpressionToken& 
 ExpressionParser::Made ExpressionParser::shift_call(const ExpressionToken& word, Op op) {
   const Deeper deeper(shifts_);
   if (shifts_ > Expression::most_shifts)
-    return fail(word.begin, fmt::format("prev, delta and changed can be at most {} in each other", Expression::most_shifts));
+    return fail(word.begin,
+                fmt::format("prev, delta and changed can be at most {} in each other", Expression::most_shifts));
   const Made of = any_of();
   if (!of) return std::nullopt;
   if (op == Op::delta && !demand(*of, Type::number, word.text)) return std::nullopt;

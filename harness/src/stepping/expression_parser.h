@@ -42,8 +42,7 @@ enum class Expression::Op : std::uint8_t {
 
 class ExpressionParser {
  public:
-  ExpressionParser(std::string_view text, ExpressionSource& source)
-      : lexer_(text), source_(source) {
+  ExpressionParser(std::string_view text, ExpressionSource& source) : lexer_(text), source_(source) {
     expression_.text_ = text;
   }
   Result<Expression> parse();

@@ -117,8 +117,7 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
     const auto message = record.opcode == mcap::op::message ? mcap::parse_message_head(record.body) : std::nullopt;
     if (!message) continue;
     const std::uint64_t data = record.offset + mcap::record_head + mcap::message_head;
-    content->entries.push_back(
-        {message->channel, message->log_time, data, record.body.size() - mcap::message_head});
+    content->entries.push_back({message->channel, message->log_time, data, record.body.size() - mcap::message_head});
   }
   std::stable_sort(content->entries.begin(), content->entries.end(), before);
   return content;
@@ -135,8 +134,7 @@ std::vector<MessageFinder::Found> MessageFinder::at(std::uint16_t channel, std::
     for (std::size_t entry = begin; entry < end; ++entry) here.push_back(found(content, entry));
     if (!here.empty()) by_offset.emplace_back(at.chunk.offset, std::move(here));
   }
-  std::stable_sort(by_offset.begin(), by_offset.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(by_offset.begin(), by_offset.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Found> all;
   for (auto& [offset, here] : by_offset) all.insert(all.end(), here.begin(), here.end());
   return all;

@@ -1,8 +1,8 @@
 // MessageFinder: the messages of a file by channel and time, forwards and backwards, without a pass over it.
 //
-// Chunks are opened where they are asked for, and a few of them are kept; what the message indexes behind a chunk say of
-// its channels is learned when the chunk is first passed. So memory holds the same, however long the file is, but for
-// a few bytes a chunk. Messages that are in no chunk aren't found.
+// Chunks are opened where they are asked for, and a few of them are kept; what the message indexes behind a chunk say
+// of its channels is learned when the chunk is first passed. So memory holds the same, however long the file is, but
+// for a few bytes a chunk. Messages that are in no chunk aren't found.
 #pragma once
 
 #include <rehearse/mcap.h>

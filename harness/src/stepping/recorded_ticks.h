@@ -25,8 +25,8 @@ class RecordedTicks {
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   /// A row of numbers and when it was recorded.
   struct Row {
-    std::uint64_t time = never;   // log time [ns]
-    std::uint64_t until = 0;      // it is known to be the latest up to then [ns]
+    std::uint64_t time = never;  // log time [ns]
+    std::uint64_t until = 0;     // it is known to be the latest up to then [ns]
     std::uint64_t used = 0;
     std::vector<std::uint64_t> cells;
   };

@@ -132,16 +132,18 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
     return made;
   }
   if (!report->other_controllers.empty())
-    made->remarks_.push_back(warning(fmt::format("the library of {} isn't the one that was recorded: commands may differ for that",
-                                                 fmt::join(report->other_controllers, ", "))));
+    made->remarks_.push_back(
+        warning(fmt::format("the library of {} isn't the one that was recorded: commands may differ for that",
+                            fmt::join(report->other_controllers, ", "))));
   for (const Diagnostic& remark : report->remarks) made->remarks_.push_back(remark);
   made->failure_ = report->failure;
   // the tick in which a controller failed was begun
   const std::int64_t reached = report->ticks - 1;
   if (reached >= 0) made->last_tick_ = reached;
   const auto closed = (*writer)->close();
-  auto finder = writing.problems().empty() && closed ? MessageFinder::open(scratch.path())
-                                                     : Result<std::unique_ptr<MessageFinder>>(closed ? writing.problems() : closed.errors());
+  auto finder = writing.problems().empty() && closed
+                    ? MessageFinder::open(scratch.path())
+                    : Result<std::unique_ptr<MessageFinder>>(closed ? writing.problems() : closed.errors());
   if (finder) {
     made->finder_ = std::move(*finder);
   } else {

@@ -226,7 +226,8 @@ bool SteppedTrace::is_replayed(std::size_t series) const {
 Result<std::vector<std::size_t>> SteppedTrace::find_links(std::string_view name) {
   ContactHistory& contacts = impl_->contacts_;
   if (!contacts.is_recorded())
-    return error("the recording has no contacts", "recordings of this version have; of logs of robots nobody knows them");
+    return error("the recording has no contacts",
+                 "recordings of this version have; of logs of robots nobody knows them");
   std::vector<std::size_t> of_body;
   for (std::size_t i = 0; i < contacts.links().size(); ++i)
     if (contacts.links()[i].starts_with(std::string(name) + "/")) of_body.push_back(i);
@@ -242,8 +243,7 @@ double SteppedTrace::value(std::size_t series, std::int64_t tick, CommandSide si
     if (!last_replayed() || tick > *last_replayed()) return std::nan("");
     const TraceChannel& channel = impl_->recorded_.channel(place.channel);
     for (const Divergence& found : impl_->differences(tick))
-      if (found.channel == channel.topic && found.element == channel.columns[place.column].element)
-        return found.actual;
+      if (found.channel == channel.topic && found.element == channel.columns[place.column].element) return found.actual;
   }
   const RecordedTicks::Row* row = impl_->recorded_.row(place.channel, impl_->ns(tick));
   return row ? impl_->recorded_.number(place.channel, place.column, *row) : std::nan("");
@@ -256,7 +256,8 @@ bool SteppedTrace::touching(const std::vector<std::size_t>& links, const std::ve
 
 bool SteppedTrace::said(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
-  return std::any_of(all.begin(), all.end(), [&](const ViewMessage& message) { return matches(pattern, message.text); });
+  return std::any_of(all.begin(), all.end(),
+                     [&](const ViewMessage& message) { return matches(pattern, message.text); });
 }
 
 std::vector<std::string> SteppedTrace::picture_topics() const {

@@ -83,7 +83,8 @@ TEST_F(ExpressionOf, AndBindsTighterThanOr) {
 }
 
 TEST_F(ExpressionOf, ComparisonsWithNaNAreFalse) {
-  for (const char* symbol : {"<", "<=", ">", ">=", "=="}) EXPECT_FALSE(holds(std::string("Robot/blank ") + symbol + " 0"));
+  for (const char* symbol : {"<", "<=", ">", ">=", "=="})
+    EXPECT_FALSE(holds(std::string("Robot/blank ") + symbol + " 0"));
   EXPECT_TRUE(holds("Robot/blank != 0"));
   EXPECT_TRUE(holds("nan(Robot/blank)"));
   EXPECT_FALSE(holds("nan(q)"));
@@ -165,16 +166,19 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"!q", 2, "! takes true or false"}, Mistake{"-(q > 1)", 3, "- takes a number"},
         Mistake{"1 < true", 5, "< takes a number"}, Mistake{"true < 1", 1, "< takes a number"},
         Mistake{"(q > 1) == 2", 12, "== takes true or false"}, Mistake{"1 < q < 3", 7, "comparisons can't be chained"},
-        Mistake{"abs(true)", 5, "abs takes a number"}, Mistake{"min(1)", 6, "expected ',' in min: it takes two numbers"},
-        Mistake{"abs(1, 2)", 6, "expected ')' after what abs takes"}, Mistake{"median(1)", 1, "there is no function 'median'"},
-        Mistake{"delta(true)", 7, "delta takes a number"},
+        Mistake{"abs(true)", 5, "abs takes a number"},
+        Mistake{"min(1)", 6, "expected ',' in min: it takes two numbers"},
+        Mistake{"abs(1, 2)", 6, "expected ')' after what abs takes"},
+        Mistake{"median(1)", 1, "there is no function 'median'"}, Mistake{"delta(true)", 7, "delta takes a number"},
         Mistake{"prev(prev(prev(prev(prev(q)))))", 21, "at most 4 in each other"},
-        Mistake{"replayed(q)", 10, "there is only one value of this"}, Mistake{"recorded(1)", 10, "takes the name of a command"},
+        Mistake{"replayed(q)", 10, "there is only one value of this"},
+        Mistake{"recorded(1)", 10, "takes the name of a command"},
         Mistake{"contact(FOOOT)", 9, "there is no link 'FOOOT' (did you mean 'FOOT'?)"},
         Mistake{"contact()", 9, "contact takes the names of one or two links"},
-        Mistake{"message(step)", 9, "message takes a text in quotes"}, Mistake{"'KNEE/q > 1", 1, "this quote isn't closed"},
-        Mistake{"3 + 5m", 6, "'m' is no unit"}, Mistake{"1e999", 1, "beyond what a double can hold"},
-        Mistake{"'ö' + q", 1, "there is no series"}, Mistake{"1 + \x01", 5, "the byte 0x01 means nothing here"}));
+        Mistake{"message(step)", 9, "message takes a text in quotes"},
+        Mistake{"'KNEE/q > 1", 1, "this quote isn't closed"}, Mistake{"3 + 5m", 6, "'m' is no unit"},
+        Mistake{"1e999", 1, "beyond what a double can hold"}, Mistake{"'ö' + q", 1, "there is no series"},
+        Mistake{"1 + \x01", 5, "the byte 0x01 means nothing here"}));
 
 TEST_F(ExpressionOf, ACaretStandsUnderThePlace) {
   const std::string text = "KNEE/q > 1 && KNEEE/q < 2";
@@ -190,11 +194,13 @@ TEST_F(ExpressionOf, ACaretCountsCharactersAndNotBytes) {
   const std::string text = "message('größer')\t&& x";
   const auto expression = Expression::parse(text, source);
   ASSERT_FALSE(expression.ok());
-  EXPECT_THAT(with_caret(expression.errors().front(), text), HasSubstr("\n  message('größer') && x\n                       ^\n"));
+  EXPECT_THAT(with_caret(expression.errors().front(), text),
+              HasSubstr("\n  message('größer') && x\n                       ^\n"));
 }
 
 TEST_F(ExpressionOf, IsRefusedIfItIsTooDeepOrTooLong) {
-  for (const std::string& text : {std::string(4000, '('), std::string(4000, '!') + "true", std::string(4000, '-') + "1"}) {
+  for (const std::string& text :
+       {std::string(4000, '('), std::string(4000, '!') + "true", std::string(4000, '-') + "1"}) {
     const auto expression = Expression::parse(text, source);
     ASSERT_FALSE(expression.ok());
     EXPECT_THAT(expression.errors().front().message, HasSubstr("more than 100 deep"));

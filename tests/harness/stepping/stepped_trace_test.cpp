@@ -178,7 +178,8 @@ TEST_F(Stepped, ALibraryThatIsGoneLeavesWhatWasRecorded) {
   const auto trace = opened();
   ASSERT_NE(trace, nullptr);
   EXPECT_FALSE(trace->last_replayed());
-  EXPECT_THAT(to_string(trace->remarks()), HasSubstr("the controllers can't be replayed: what is shown is what was recorded"));
+  EXPECT_THAT(to_string(trace->remarks()),
+              HasSubstr("the controllers can't be replayed: what is shown is what was recorded"));
   EXPECT_FALSE(has_error(trace->remarks()));
   const TickView view = trace->view(50);
   EXPECT_FALSE(view.is_replayed);
@@ -262,7 +263,8 @@ TEST_F(Stepped, KnowsContactsAtEachTick) {
   ASSERT_FALSE(spans.empty());
   EXPECT_EQ(spans[0].first, *lands);
   EXPECT_EQ(find_tick(*expression, *trace, 0, Direction::forwards), lands);
-  EXPECT_EQ(find_tick(*expression, *trace, *lands, Direction::forwards), spans.size() > 1 ? std::optional(spans[1].first) : std::nullopt);
+  EXPECT_EQ(find_tick(*expression, *trace, *lands, Direction::forwards),
+            spans.size() > 1 ? std::optional(spans[1].first) : std::nullopt);
 }
 
 TEST_F(Stepped, ASearchCanBeInterrupted) {
