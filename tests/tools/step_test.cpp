@@ -186,8 +186,12 @@ TEST_F(Step, MistakesAreToldAndTheSessionGoesOn) {
 }
 
 TEST_F(Step, ARunThatFailedIsThereUpToItsEnd) {
-  done({"record", pendulum(MISBEHAVING, "").string(), "-o", "sr1.mcap"});
-  EXPECT_EQ(last("g end\n").substr(0, 8), "tick 49,");
+  EXPECT_EQ(rehearse({"record", pendulum(MISBEHAVING, "throw 7").string(), "-o", "sr1.mcap"}).status, 3);
+  const Outcome outcome = step("g end\nback\n");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("\ntick 7, 0.007 s  Pendulum/Swing: error: controller 'Pendulum/Swing' threw "));
+  EXPECT_THAT(outcome.out, HasSubstr("  (the replay failed here)\ntick 6, 0.006 s\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("\nthe replay ended at tick 7: from there on commands are those of the recording\n"));
 }
 
 TEST_F(Step, WhatIsNoRecordingIsRefused) {

@@ -196,7 +196,9 @@ Result<void> check_usage(const TickSettings& settings) {
 
 void tell_remarks(const SteppedTrace& trace) {
   std::fflush(stdout);
-  for (const Diagnostic& remark : trace.remarks()) fmt::print(stderr, "{}\n", to_string(remark));
+  for (const Diagnostic& remark : trace.remarks())
+    if (!trace.failure() || remark.message.find(trace.failure()->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
   if (trace.failure())
     fmt::print(stderr, "{}\nthe replay ended at tick {}: from there on commands are those of the recording\n",
                to_string(*trace.failure()), trace.last_replayed().value_or(-1) + 1);

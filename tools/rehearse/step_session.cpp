@@ -168,8 +168,9 @@ std::string StepSession::where() {
   for (const ViewContact& contact : trace_.contacts(tick_))
     if (contact.began || !contact.touches) text += "  " + contact_text(contact);
   for (const ViewMessage& message : trace_.messages(tick_)) text += "  " + message_text(message);
-  if (trace_.failure() && tick_ > trace_.last_replayed().value_or(-1))
-    text += "  (as recorded: the replay failed before)";
+  const std::int64_t failed = trace_.last_replayed().value_or(trace_.first_tick() - 1) + 1;
+  if (trace_.failure() && tick_ >= failed)
+    text += tick_ == failed ? "  (the replay failed here)" : "  (as recorded: the replay failed before)";
   for (const std::size_t series : watched_) {
     const double value = trace_.value(series, tick_, CommandSide::recorded);
     const std::string unit = trace_.series_unit(series);

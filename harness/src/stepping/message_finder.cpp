@@ -38,7 +38,7 @@ Result<std::unique_ptr<MessageFinder>> MessageFinder::open(const std::filesystem
   auto view = mcap::FileView::open(file);
   if (!view) return view.errors();
   std::unique_ptr<MessageFinder> finder(new MessageFinder(std::move(*view)));
-  auto reader = mcap::Reader::open_bytes(finder->file_.bytes(), finder->file_.name());
+  auto reader = mcap::Reader::open(file);  // with a view of its own, whose memory it lets go of
   if (!reader) return reader.errors();
   finder->reader_ = std::move(*reader);
   for (const mcap::Chunk& chunk : finder->reader_->chunks()) finder->places_.push_back({chunk, 0, false, false, {}});
@@ -56,6 +56,15 @@ std::size_t MessageFinder::begin_after(std::uint64_t time) const {
   return static_cast<std::size_t>(after - places_.begin());
 }
 
+/// A look at a few bytes of the file brings their neighbours into memory too, as many as the system sees fit.
+void MessageFinder::let_go(std::uint64_t begin, std::uint64_t end) const {
+  constexpr std::uint64_t neighbours = 128 * 1024;
+  const mcap::Bytes bytes = file_.bytes();
+  begin -= std::min(begin, neighbours);
+  end = std::min<std::uint64_t>(end + neighbours, bytes.size());
+  file_.forget(bytes.subspan(begin, end - begin));
+}
+
 /// By the message indexes that follow the chunk.
 bool MessageFinder::may_have(Place& place, std::uint16_t channel) {
   if (!place.learned) {
@@ -71,6 +80,7 @@ bool MessageFinder::may_have(Place& place, std::uint16_t channel) {
       place.channels.push_back(id);
     }
     std::sort(place.channels.begin(), place.channels.end());
+    let_go(place.chunk.offset, walker.offset());
   }
   return !place.has_index || std::binary_search(place.channels.begin(), place.channels.end(), channel);
 }
@@ -112,6 +122,8 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
     return content;
   }
   content->records = *records;
+  if (!head->compression.empty())  // else they are the file's own
+    let_go(place.chunk.offset, walker.offset());
   mcap::RecordWalker inside(*records);
   while (inside.next(record)) {
     const auto message = record.opcode == mcap::op::message ? mcap::parse_message_head(record.body) : std::nullopt;

@@ -69,6 +69,7 @@ class MessageFinder {
     std::shared_ptr<const Content> content;
   };
 
+  void let_go(std::uint64_t begin, std::uint64_t end) const;
   bool may_have(Place& place, std::uint16_t channel);
   std::shared_ptr<const Content> content(std::size_t place);
   std::shared_ptr<const Content> open_chunk(const Place& place);
