@@ -206,6 +206,24 @@ TEST_F(ReplayTicks, ACutRecordingIsShownUpToTheCut) {
   EXPECT_THAT(late.err, ContainsRegex("there is no tick 1999: the last is [0-9]+"));
 }
 
+TEST_F(ReplayTicks, APartOfARecordingIsShownAsItWasRecorded) {
+  done({"filter", "sr1.mcap", "-o", "part.mcap", "--from", "0.05"});
+  const Outcome outcome = rehearse({"replay", "part.mcap", "--tick", "60"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nnot replayed: commands are those of the recording\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("controllers can't begin in the middle"));
+  EXPECT_THAT(outcome.err, HasSubstr("it begins at tick 50: what touched before isn't in it, only what changes since"));
+  EXPECT_THAT(rehearse({"replay", "part.mcap", "--tick", "3"}).err,
+              HasSubstr("there is no tick 3: the first is 50 (0.05 s)"));
+}
+
+TEST_F(ReplayTicks, ARecordingWithoutTicksIsRefused) {
+  done({"filter", "sr1.mcap", "-o", "none.mcap", "--exclude", "/tick"});
+  const Outcome outcome = rehearse({"replay", "none.mcap", "--watch", "SR1/RLEG_KNEE/q"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "none.mcap: error: it has no ticks: nothing of the run was recorded\n");
+}
+
 TEST_F(ReplayTicks, ALibraryThatIsGoneLeavesWhatWasRecorded) {
   fs::copy_file(MISBEHAVING, folder() / "gone.so");
   done({"record", pendulum((folder() / "gone.so").string()).string(), "-o", "gone.mcap"});

@@ -89,6 +89,12 @@ Result<void> SteppedTrace::Impl::find_ticks() {
   last_tick_ = *last;
   if (const auto stated = stated_ticks(reader)) last_tick_ = std::min(last_tick_, *stated - 1);
   if (last_tick_ < first_tick_) return nothing;
+  if (first_tick_ > 1 && contacts_.is_recorded()) {  // tick 1 has those that touch from the beginning
+    Diagnostic& remark = remarks_.emplace_back(in_trace(
+        reader, error(fmt::format("it begins at tick {}: what touched before isn't in it, only what changes since",
+                                  first_tick_))));
+    remark.severity = Severity::warning;
+  }
   return {};
 }
 
