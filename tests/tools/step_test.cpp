@@ -191,7 +191,8 @@ TEST_F(Step, ARunThatFailedIsThereUpToItsEnd) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_THAT(outcome.out, HasSubstr("\ntick 7, 0.007 s  Pendulum/Swing: error: controller 'Pendulum/Swing' threw "));
   EXPECT_THAT(outcome.out, HasSubstr("  (the replay failed here)\ntick 6, 0.006 s\n"));
-  EXPECT_THAT(outcome.err, HasSubstr("\nthe replay ended at tick 7: from there on commands are those of the recording\n"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("\nthe replay ended at tick 7: from there on commands are those of the recording\n"));
 }
 
 TEST_F(Step, WhatIsNoRecordingIsRefused) {
@@ -273,7 +274,10 @@ TEST_F(Step, AtATerminalHasAPromptHistoryAndCompletion) {
   terminal.type("print SR1/RLEG_KNEE/d\t\r");
   terminal.expect("SR1/RLEG_KNEE/dq = ");
   terminal.expect("(step) ");
-  terminal.type("\x1b[A\x1b[A\x1b[A\r");  // up, to: next
+  terminal.type("print RLEG_KNEE/d\t\r");  // the end of a name
+  terminal.expect("RLEG_KNEE/dq = ");
+  terminal.expect("(step) ");
+  terminal.type("\x1b[A\x1b[A\x1b[A\x1b[A\r");  // up, to: next
   terminal.expect("tick 51, 0.051 s");
   terminal.expect("(step) ");
   terminal.type("half a li\x03");  // Ctrl-C

@@ -34,7 +34,8 @@ std::string command_line(const Settings& settings) {
 
 /// Until quit or the end of the input. A command that wasn't understood ends a script as bad input, when it is through.
 Exit talk(SteppedTrace& trace, StepSession& session) {
-  LineEditor editor("(step) ", [&](std::string_view before, std::string_view) { return session.candidates(before); });
+  LineEditor editor("(step) ",
+                    [&](std::string_view before, std::string_view word) { return session.candidates(before, word); });
   if (editor.is_interactive())
     fmt::print("{}: {} ticks; help lists the commands\n", trace.file(), trace.last_tick() - trace.first_tick() + 1);
   fmt::print("{}\n", session.where());

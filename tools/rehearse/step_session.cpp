@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 
 #include "export/replaceable.h"
 #include "output.h"
@@ -132,21 +133,31 @@ StepSession::Answer StepSession::refuse(const Diagnostic& diagnostic) const {
   return Answer::not_understood;
 }
 
-std::vector<std::string> StepSession::candidates(std::string_view before) const {
+std::vector<std::string> StepSession::candidates(std::string_view before, std::string_view word) const {
   std::string_view rest = before;
-  const std::string_view word = take_word(rest);
+  const std::string_view first = take_word(rest);
   std::vector<std::string> all;
-  if (word.empty() || word == "help" || word == "h") {
+  if (first.empty() || first == "help" || first == "h") {
     for (const Command& command : commands()) all.emplace_back(command.name);
     return all;
   }
-  for (const Command& command : commands())
-    if ((command.name.starts_with(word) || command.letter == word) && command.takes_series)
-      return trace_.series_names();
-  if (std::string_view("back").starts_with(word)) {
-    all = trace_.series_names();
-    all.insert(all.end(), {"until", "continue"});
+  const auto means = [first](std::string_view name, std::string_view letter) {
+    return name.starts_with(first) || first == letter;
+  };
+  bool takes_series = false;
+  for (const Command& command : commands()) takes_series |= means(command.name, command.letter) && command.takes_series;
+  const bool goes_back = means("back", "b");
+  if (goes_back) all = {"until", "continue"};
+  if (!takes_series && !goes_back) return all;
+  std::set<std::string> endings;
+  bool begins_a_name = false;
+  for (const std::string& name : trace_.series_names()) {
+    begins_a_name |= name.starts_with(word);
+    all.push_back(name);
+    for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1))
+      endings.insert(name.substr(slash + 1));
   }
+  if (!begins_a_name) all.insert(all.end(), endings.begin(), endings.end());
   return all;
 }
 
@@ -296,8 +307,9 @@ StepSession::Answer StepSession::print_value(Words rest) {
   const double value = expression->number(trace_, tick_);
   const bool is_boolean = expression->type() == Expression::Type::boolean;
   fmt::print("{} = {}", rest, is_boolean ? (value != 0.0 ? "true" : "false") : text_of_number(value));
-  const auto series = trace_.find_series(rest);
-  if (series) {
+  const auto operands = expression->operands();
+  const bool is_a_name = operands.size() == 1 && operands[0].text == rest && rest.find_first_of("('\"") == Words::npos;
+  if (const auto series = is_a_name ? trace_.find_series(rest) : Result<std::size_t>(error("no name")); series) {
     const std::string unit = trace_.series_unit(*series);
     if (!unit.empty()) fmt::print(" {}", unit);
     const double replayed = trace_.is_replayed(*series) ? trace_.value(*series, tick_, CommandSide::replayed) : value;

@@ -29,8 +29,8 @@ class StepSession {
   void go_to(std::int64_t tick);
   std::int64_t tick() const { return tick_; }
 
-  /// What may stand there in a line, for completion.
-  std::vector<std::string> candidates(std::string_view before) const;
+  /// What may stand behind `before` in a line, if `word` is how it begins: for completion.
+  std::vector<std::string> candidates(std::string_view before, std::string_view word) const;
 
  private:
   using Words = std::string_view;
