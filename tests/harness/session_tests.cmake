@@ -14,6 +14,7 @@ endfunction()
 rehearse_add_test(session_tests LABEL sim
   SOURCES
     session/actuation_test.cpp
+    session/branch_test.cpp
     session/contacts_test.cpp
     session/controller_watch_test.cpp
     session/failures_test.cpp

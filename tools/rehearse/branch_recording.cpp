@@ -44,14 +44,12 @@ void add_branch_options(CLI::App& options, BranchSettings& settings) {
       .add_option("--set", settings.options.set,
                   "of a branch: alter what controllers read, as 'Walker/KNEE/q+=0.05@3.2s..3.4s'; repeatable")
       ->type_name("SERIES=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);
   options
       .add_option("--push", settings.options.push,
                   "of a branch: push a link, as 'Walker/TRUNK force=0,0,50 @3.2s..3.3s'; torque=, at=; repeatable")
       ->type_name("PUSH")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);
 }
 
 bool is_about_a_branch(const BranchSettings& settings) {

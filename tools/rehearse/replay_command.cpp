@@ -189,8 +189,7 @@ std::function<Exit()> declare(CLI::App& options) {
           "--set", settings->replay.set,
           "alter what the controllers read, as 'Walker/KNEE/q=0.3@tick:1200..1300'; +=, *=, nan, 30deg; repeatable")
       ->type_name("SERIES=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->allow_extra_args(false);
   add_host_options(options, settings->replay, &settings->controller);
   add_integer(
       options, "--tick",

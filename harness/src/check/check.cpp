@@ -11,6 +11,7 @@
 #include "plant_level.h"
 #include "recording/provenance.h"
 #include "compare/report_json.h"
+#include "replay/branch_origin.h"
 
 namespace rehearse {
 namespace {
@@ -222,9 +223,16 @@ void Check::judge_tolerances() {
                                          *scenario.horizon, *noise->horizon()));
 }
 
-bool is_of_a_log(const Trace& trace) {
-  const mcap::StringMap* facts = trace.find_metadata("rehearse");
-  return facts && facts->count("source") && facts->at("source") == "log";
+/// Why the golden's world doesn't follow its commands, or isn't what was read of it: then only its controllers can be
+/// checked. Empty: it can be simulated again.
+std::string why_no_world(const Trace& golden) {
+  const mcap::StringMap* facts = golden.find_metadata("rehearse");
+  if (facts && facts->count("source") && facts->at("source") == "log")
+    return "the golden was recorded from a log: there is no physics to repeat";
+  const auto origin = BranchOrigin::of(golden.find_metadata(branch_record));
+  if (origin && !origin->simulated) return "the golden is a replay: its world didn't follow its commands";
+  if (origin && !origin->set.empty()) return "the golden is a branch whose inputs were altered: nothing makes them again";
+  return {};
 }
 
 }  // namespace
@@ -257,10 +265,9 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& gol
   if (!expected) return expected.errors();
   CheckOptions options = asked;
   Check check{scenario, *expected, actual, options, simulation, {}};
-  if (is_of_a_log(*expected)) {
+  if (const std::string why = why_no_world(*expected); !why.empty()) {
     options.plant = options.closed = false;
-    check.report.remarks.push_back("the golden was recorded from a log: there is no physics to repeat, so the levels "
-                                   "plant and closed are skipped");
+    check.report.remarks.push_back(why + ", so the levels plant and closed are skipped");
   }
   check.find_noise();
   if (options.closed) {

@@ -160,6 +160,28 @@ std::optional<AlteredInputs::Target> AlteredInputs::find(const std::string& seri
   return std::nullopt;
 }
 
+/// Names that may have been meant: that are like it as a whole, or but for the body, or some that end like it.
+std::string AlteredInputs::near_inputs(const std::string& series, const Scenario& scenario) {
+  std::vector<std::pair<std::string, Target>> known;
+  add_names(scenario, known);
+  const auto without_body = [](const std::string& name) { return name.substr(std::min(name.find('/') + 1, name.size())); };
+  std::vector<std::string> names, rests, alike;
+  for (const auto& [name, target] : known) {
+    names.push_back(name);
+    rests.push_back(without_body(name));
+    if (alike.size() < 3 && name.ends_with(series.substr(std::min(series.rfind('/'), series.size())))) alike.push_back(name);
+  }
+  std::vector<std::string> near = near_names(series, names);
+  if (near.empty()) {
+    const std::vector<std::string> near_rests = near_names(without_body(series), rests);
+    for (std::size_t i = 0; i < names.size() && near.size() < 3; ++i)
+      if (std::find(near_rests.begin(), near_rests.end(), rests[i]) != near_rests.end()) near.push_back(names[i]);
+  }
+  if (!near.empty()) return fmt::format("near it: {}", fmt::join(near, ", "));
+  if (alike.empty()) alike.assign(names.begin(), names.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names)));
+  return fmt::format("there is, for instance: {}", fmt::join(alike, ", "));
+}
+
 Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& text, const Scenario& scenario) {
   Alteration found;
   found.text = text;
@@ -171,14 +193,8 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
   const std::string series = text.substr(0, end_of_name);
   const auto target = find(of_the_body(series, scenario), scenario);
   if (!target) {
-    std::vector<std::pair<std::string, Target>> known;
-    add_names(scenario, known);
-    std::vector<std::string> names;
-    for (const auto& [name, of] : known) names.push_back(name);
-    const std::vector<std::string> near = near_names(of_the_body(series, scenario), names);
-    return error_at({text, 0, series.size()},
-                    fmt::format("there is no input '{}'{}", series,
-                                near.empty() ? "" : fmt::format("; near it: {}", fmt::join(near, ", "))));
+    return error_at({text, 0, series.size()}, fmt::format("there is no input '{}'; {}", series,
+                                                          near_inputs(of_the_body(series, scenario), scenario)));
   }
   found.target = *target;
 

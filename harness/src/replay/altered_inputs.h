@@ -64,6 +64,7 @@ class AlteredInputs {
   static Result<Alteration> parse_one(const std::string& text, const Scenario& scenario);
   static std::optional<Target> find(const std::string& series, const Scenario& scenario);
   static void add_names(const Scenario& scenario, std::vector<std::pair<std::string, Target>>& names);
+  static std::string near_inputs(const std::string& series, const Scenario& scenario);
   static bool is_read(const Target& target, const ControllerHost& host);
   static bool apply(const Alteration& alteration, Observation& observation);
 
