@@ -59,6 +59,8 @@ class BranchTest : public RunTest {
     return report ? *report : ReplayReport{};
   }
 
+  std::vector<std::string> lines_and_warnings(const std::string& file) const { return said(loaded(file)); }
+
   /// The commands of the recording alone move the world as they did.
   void expect_plant_repeats(const std::string& file) const {
     auto scenario = Scenario::load(path("run.yaml"));
@@ -159,6 +161,25 @@ TEST_F(BranchTest, SaysWhereItCameFrom) {
   EXPECT_EQ(origin.at("push.1"), options.push[0]);
   EXPECT_EQ(origin.count("set.1"), 0u);
   EXPECT_EQ(origin.count("controller.1"), 0u);
+}
+
+TEST_F(BranchTest, IsItsSourceWithNoiseCamerasVariablesAndJoystick) {
+  const std::string noise =
+      "noise:\n  - {joint: Rig/SHOULDER, displacement: {stddev: 0.001}}\n"
+      "  - {sensor: Rig/Gyro, angular_velocity: {stddev: 0.02}, dropout: 0.2}\n"
+      "  - {sensor: Rig/Camera, depth: {stddev: 0.05}, dropout: 0.3}\n";
+  const std::string joystick = "joystick:\n  - {at: 0.05, axes: {L_STICK_V: 0.5}}\n";
+  for (const std::string& controller :
+       {behaviour("C", "all"), behaviour("C", "variables 0.5"), behaviour("C", "lines")}) {
+    record_run(rig(controller, "cameras: [Rig/Camera]\n", "0.25") + noise + joystick);
+    for (const std::int64_t tick : {0, 1, 101, 249}) {
+      branched(tick);
+      const Comparison comparison = compare(loaded("run.mcap"), loaded("branch.mcap"), {});
+      EXPECT_TRUE(comparison.equal) << controller << " at " << tick << ": " << verdict(comparison);
+      EXPECT_THAT(comparison.remarks, IsEmpty());
+      EXPECT_EQ(lines_and_warnings("run.mcap"), lines_and_warnings("branch.mcap")) << tick;
+    }
+  }
 }
 
 TEST_F(BranchTest, APushMovesTheWorldFromItsTickOnAndTheBranchRepeatsItself) {
