@@ -52,6 +52,22 @@ TEST_F(Branch, GoesItsOwnWayUnderAPush) {
   EXPECT_THAT(done({"replay", "pushed.mcap"}).out, HasSubstr("\nequal bit for bit: 80 ticks, "));
 }
 
+TEST_F(Branch, IsAGoldenLikeAnyOther) {
+  record_sr1();
+  const std::string other = "SR1Minimum=" + std::string(CHANGED_GAIN);
+  rehearse({"record", "--from-checkpoint", "sr1.mcap@0.05s", "--controller", other, "-o", "other.mcap"});
+  const Outcome checked = rehearse({"check", "sr1.yaml", "--golden", "other.mcap", "--controller", other});
+  EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr("controller on recorded inputs: equal; world under recorded commands: equal; closed "
+                                     "loop: skipped"));
+  EXPECT_THAT(checked.out, HasSubstr("until tick 50 other controllers moved its world"));
+
+  done({"record", "--from-checkpoint", "sr1.mcap@0.05s", "--push", "SR1/WAIST force=0,80,0 @0.06s..0.07s", "-o", "pushed.mcap"});
+  const Outcome pushed = rehearse({"check", "sr1.yaml", "--golden", "pushed.mcap"});
+  EXPECT_EQ(pushed.status, 0) << pushed.out << pushed.err;
+  EXPECT_THAT(pushed.out, HasSubstr("closed loop: equal"));
+}
+
 TEST_F(Branch, TellsWhatIsWrongWithItsWords) {
   record_sr1();
   expect_refused({"replay", "sr1.mcap", "--set", "SR1/RLEG_KNE/q=1"},

@@ -235,6 +235,17 @@ std::string why_no_world(const Trace& golden) {
   return {};
 }
 
+/// A branch was pushed beside what its scenario says.
+Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scenario scenario) {
+  if (!origin) return scenario;
+  for (const std::string& text : origin->push) {
+    const auto push = parse_push(text, scenario);
+    if (!push) return push.errors();
+    scenario.pushes.push_back(*push);
+  }
+  return scenario;
+}
+
 }  // namespace
 
 std::string_view to_string(LevelState state) {
@@ -259,15 +270,24 @@ bool CheckReport::within() const {
   return true;
 }
 
-Result<CheckReport> check_scenario(const Scenario& scenario, const fs::path& golden, const fs::path& actual,
+Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
                                    const CheckOptions& asked, const Simulation& simulation) {
   const auto expected = Trace::load(golden);
   if (!expected) return expected.errors();
+  const auto origin = BranchOrigin::of(expected->find_metadata(branch_record));
+  const auto pushed = with_pushes_of(origin, plain);
+  if (!pushed) return pushed.errors();
+  const Scenario& scenario = *pushed;
   CheckOptions options = asked;
   Check check{scenario, *expected, actual, options, simulation, {}};
   if (const std::string why = why_no_world(*expected); !why.empty()) {
     options.plant = options.closed = false;
     check.report.remarks.push_back(why + ", so the levels plant and closed are skipped");
+  } else if (origin && origin->acted_until) {
+    options.closed = false;
+    check.report.remarks.push_back(fmt::format("the golden is a branch: until tick {} other controllers moved its world, so the "
+                                               "level closed is skipped",
+                                               *origin->acted_until));
   }
   check.find_noise();
   if (options.closed) {
