@@ -1,6 +1,6 @@
 """Commands and printers for controllers that run in Rehearse: `source` this in gdb.
 
-`rehearse replay TRACE --gdb` does it by itself. In the gdb of a test program, or of anything else that runs controllers:
+`rehearse replay TRACE --gdb` does it by itself. In the gdb of a test program, or of anything that runs controllers:
 
     (gdb) source share/rehearse/gdb/rehearse_gdb.py
     (gdb) rehearse-tick 120

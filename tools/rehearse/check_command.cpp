@@ -340,6 +340,7 @@ std::function<Exit()> declare(CLI::App& options) {
   add_debugger_options(options, settings->debugger);
   add_integer(options, "--tick", "with --gdb: where to stop in the closed loop (0)", 0,
               std::numeric_limits<std::uint32_t>::max(), [=](std::int64_t tick) { settings->tick = tick; });
+  options.get_option("--tick")->needs("--gdb");
   return [settings, &options] { return run(*settings, options); };
 }
 

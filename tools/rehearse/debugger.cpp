@@ -69,8 +69,7 @@ std::vector<NamedController> controllers_of(const Scenario& scenario) {
   for (const ScenarioBody& body : scenario.bodies)
     for (const ScenarioController& controller : body.controllers) {
       all.push_back({body.name + "/" + controller.name, &controller});
-      for (const ScenarioController& child : controller.children)
-        all.push_back({body.name + "/" + child.name, &child});
+      for (const ScenarioController& child : controller.children) all.push_back({body.name + "/" + child.name, &child});
     }
   return all;
 }
@@ -181,16 +180,17 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
 void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {
   options.add_flag("--gdb", debugger.gdb,
                    "in gdb, stopped in control() at --tick; --gdb=NAME: of that controller (NAME or BODY/NAME)");
-  options.add_option("--gdb-arg", debugger.gdb_arguments, "a word for gdb, as --gdb-arg=-batch; or all of them behind --")
+  options
+      .add_option("--gdb-arg", debugger.gdb_arguments, "a word for gdb, as --gdb-arg=-batch; or all of them behind --")
       ->type_name("WORD")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->needs("--gdb");
 }
 
 void spell_out_gdb_arguments(std::vector<std::string>& arguments) {
   const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
-  const bool is_for_gdb = std::any_of(arguments.begin(), dashes, [](const std::string& word) {
-    return word == "--gdb" || word.starts_with("--gdb=");
-  });
+  const bool is_for_gdb = std::any_of(
+      arguments.begin(), dashes, [](const std::string& word) { return word == "--gdb" || word.starts_with("--gdb="); });
   if (!is_for_gdb || dashes == arguments.end()) return;
   for (auto word = dashes + 1; word != arguments.end(); ++word) word->insert(0, "--gdb-arg=");
   arguments.erase(dashes);
@@ -215,13 +215,13 @@ std::vector<std::string> words_without_debugger(std::string_view verb, const CLI
 Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& scenario) {
   if (find_program("gdb").empty()) return no_gdb();
   const std::vector<NamedController> known = controllers_of(scenario);
-  if (known.empty()) return error(fmt::format("--gdb stops in a controller, and {} has none", scenario.name));
+  if (known.empty()) return error("--gdb stops in a controller, and this run has none");
   const std::string wanted = debugger.controller();
   const auto is_it = [&](const NamedController& controller) { return controller.is_called(wanted); };
   if (wanted.empty() || std::any_of(known.begin(), known.end(), is_it)) return {};
   std::vector<std::string> names;
   for (const NamedController& controller : known) names.push_back(controller.label);
-  return error(fmt::format("--gdb={}: there is no such controller in {}", wanted, scenario.name),
+  return error(fmt::format("--gdb={}: there is no such controller", wanted),
                fmt::format("there is: {}", fmt::join(names, ", ")));
 }
 
@@ -236,8 +236,8 @@ Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>&
   const fs::path gdb = find_program("gdb");
   const auto script = find_script();
   if (!script) return refuse(script.errors());
-  std::vector<std::string> line{"gdb", "-q", "-x", script->string(), "-ex",
-                                fmt::format("rehearse-start {} {}", tick, debugger.controller())};
+  std::vector<std::string> line{
+      "gdb", "-q", "-x", script->string(), "-ex", fmt::format("rehearse-start {} {}", tick, debugger.controller())};
   line.insert(line.end(), debugger.gdb_arguments.begin(), debugger.gdb_arguments.end());
   line.insert(line.end(), {"--args", own_program().string()});
   line.insert(line.end(), words.begin(), words.end());

@@ -1,7 +1,7 @@
 // --gdb of replay, record and check: the verb goes on in gdb, stopped in control() of a controller at a tick.
 //
-// The process becomes gdb, which starts the same command again without --gdb, pinned as this process is, with the commands of
-// tools/gdb loaded.
+// The process becomes gdb, which starts the same command again without --gdb, pinned as this process is, with the
+// commands of tools/gdb loaded.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -33,8 +33,8 @@ struct DebuggerOptions {
 /// --gdb and --gdb-arg. The verb has a --tick of its own.
 void add_debugger_options(CLI::App& options, DebuggerOptions& debugger);
 
-/// Behind `--` stand words for gdb, if --gdb stands before it: makes --gdb-arg=WORD of them. `arguments`: of the verb, in
-/// their order.
+/// Behind `--` stand words for gdb, if --gdb stands before it: makes --gdb-arg=WORD of them. `arguments`: of the verb,
+/// in their order.
 void spell_out_gdb_arguments(std::vector<std::string>& arguments);
 
 /// The verb and the arguments that it was given, without those of the debugger and --tick.
@@ -44,12 +44,12 @@ std::vector<std::string> words_without_debugger(std::string_view verb, const CLI
 Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& scenario);
 /// A mistake if the run has no such tick.
 Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step);
-/// Becomes gdb, which starts this program with these words (the verb comes first) and stops at the tick. Comes back only if
-/// it can't.
+/// Becomes gdb, which starts this program with these words (the verb comes first) and stops at the tick. Comes back
+/// only if it can't.
 Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick);
 
-/// `rehearse replay TRACE --gdb`: at that tick; if none is given, where a controller fails, else where its commands differ
-/// first from the recorded ones, else at tick 0. Says of controllers that aren't the recorded ones.
+/// `rehearse replay TRACE --gdb`: at that tick; if none is given, where a controller fails, else where its commands
+/// differ first from the recorded ones, else at tick 0. Says of controllers that aren't the recorded ones.
 Exit replay_in_gdb(DebuggerOptions debugger, const std::filesystem::path& trace, const HostOptions& host,
                    std::vector<std::string> words, std::optional<std::int64_t> tick);
 /// The same of a robot's log, of which nothing is known before.

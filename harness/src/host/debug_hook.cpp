@@ -10,7 +10,7 @@ extern "C" {
 [[gnu::visibility("default")]] volatile long rehearse_stop_tick = 0;
 
 [[gnu::noinline, gnu::used, gnu::visibility("default")]] void rehearse_at_tick(long tick, const char* controller,
-                                                                              cnoid::SimpleController* object) {
+                                                                               cnoid::SimpleController* object) {
   asm volatile("" : : "r"(tick), "r"(controller), "r"(object));  // so that a debugger finds them
 }
 

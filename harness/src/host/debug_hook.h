@@ -1,4 +1,5 @@
-// Where a debugger stops, and what it reads to know where it is: rehearse_at_tick() is called right before each control().
+// Where a debugger stops, and what it reads to know where it is: rehearse_at_tick() is called right before each
+// control().
 //
 // In gdb `break rehearse_at_tick` stops there; with rehearse_stop_tick set nothing is called before that tick, and the
 // run goes on at full speed until then. tools/gdb/ makes commands of it. The names are C's, so that they can be typed.
@@ -16,14 +17,14 @@ class ControllerIo;
 
 /// Where the process is. tools/gdb reads it at these offsets, also where there is no debug information.
 struct DebugPlace {
-  long run = 0;                                 // the process's runs are counted from 1; 0: none has begun
-  long tick = 0;                                // 0 until the first control()
-  double time = 0.0;                            // [s] of simulation
-  const char* controller = nullptr;             // "SR1/SR1Minimum"; null: no controller is being called
-  const char* function = nullptr;               // "initialize", "control", ...
-  cnoid::SimpleController* object = nullptr;    // null until it is made
-  ControllerIo* io = nullptr;                   // what it reads and writes
-  cnoid::Body* body = nullptr;                  // its own; null until initialize()
+  long run = 0;                               // the process's runs are counted from 1; 0: none has begun
+  long tick = 0;                              // 0 until the first control()
+  double time = 0.0;                          // [s] of simulation
+  const char* controller = nullptr;           // "SR1/SR1Minimum"; null: no controller is being called
+  const char* function = nullptr;             // "initialize", "control", ...
+  cnoid::SimpleController* object = nullptr;  // null until it is made
+  ControllerIo* io = nullptr;                 // what it reads and writes
+  cnoid::Body* body = nullptr;                // its own; null until initialize()
 };
 
 }  // namespace rehearse

@@ -60,8 +60,8 @@ class Prefix(gdb.Command):
     rehearse-inputs         what the controller sees
     rehearse-commands       what it has commanded so far
 
-    Bodies, links, devices, value trees, and Eigen's vectors and matrices are printed as what they mean; `print /r` shows
-    them raw."""
+    Bodies, links, devices, value trees, and Eigen's vectors and matrices are printed as what they mean; `print /r`
+    shows them raw."""
 
     def __init__(self) -> None:
         super().__init__("rehearse", gdb.COMMAND_USER, gdb.COMPLETE_NONE, prefix=True)
@@ -74,8 +74,8 @@ class Tick(gdb.Command):
     """rehearse-tick [N [CONTROLLER]]: where the process is, or to the beginning of control() at tick N.
 
     Without N: tick, simulated time, controller, and which of its functions is being called.
-    With N it runs until control() is called at tick N, forwards if that is still to come (other breakpoints stop it on the
-    way), else by starting the program again (other breakpoints don't). If no program runs it is started.
+    With N it runs until control() is called at tick N, forwards if that is still to come (other breakpoints stop it on
+    the way), else by starting the program again (other breakpoints don't). If no program runs it is started.
     CONTROLLER (NAME or BODY/NAME) is which one, if there are several; else it is the one at hand, or the first."""
 
     def __init__(self) -> None:
@@ -110,8 +110,9 @@ class NextTick(gdb.Command):
 class Back(gdb.Command):
     """rehearse-back [N]: to control() of the same controller in the tick before, or N ticks back.
 
-    0 is the beginning of this tick. A run is the same every time, so the program is started again and runs at full speed
-    until there. Other breakpoints are kept, and don't stop it on the way. A recording that it writes is written anew."""
+    0 is the beginning of this tick. A run is the same every time, so the program is started again and runs at full
+    speed until there. Other breakpoints are kept, and don't stop it on the way. A recording that it writes is written
+    anew."""
 
     def __init__(self) -> None:
         super().__init__("rehearse-back", gdb.COMMAND_RUNNING, gdb.COMPLETE_NONE)
@@ -140,8 +141,8 @@ class Inputs(gdb.Command):
 class Commands(gdb.Command):
     """rehearse-commands: what the controller has commanded so far, in this tick, and in the one before.
 
-    What its outputs hold now is what it would command if control() returned here. A star marks what has changed since the
-    tick before."""
+    What its outputs hold now is what it would command if control() returned here. A star marks what has changed since
+    the tick before."""
 
     def __init__(self) -> None:
         super().__init__("rehearse-commands", gdb.COMMAND_DATA, gdb.COMPLETE_NONE)
@@ -172,5 +173,5 @@ class Start(gdb.Command):
 def register() -> None:
     for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Start):
         command()
-    # a call that takes too long isn't ended under a debugger (guarded_call.cpp), but one that is only traced may have been
+    # by which the watchdog (guarded_call.cpp) ends a call; it doesn't while a debugger holds the process
     gdb.execute("handle SIGXCPU nostop noprint pass", to_string=True)

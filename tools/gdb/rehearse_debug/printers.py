@@ -1,9 +1,9 @@
 """Pretty printers of Eigen's types and of cnoid's Body, Link, Device, ref_ptr and value trees.
 
-A printer may meet memory that isn't initialised, null pointers, and objects that the optimiser took away: then it says so.
+A printer may meet memory that isn't initialised, null pointers, and objects that the optimiser took away: then it says
+so.
 """
 
-import functools
 from typing import Any, Callable, Iterator, Optional, Tuple
 
 import gdb
@@ -13,7 +13,7 @@ from . import values
 from .values import Unreadable
 
 Children = Iterator[Tuple[str, Any]]
-_SHOWN = 100  # links or nodes; more are counted
+_DEEPEST = 20  # value trees
 
 
 class Printer:
@@ -119,7 +119,7 @@ class Body(PrinterWithParts):
         if root is not None:
             yield "root", Transform(root["T_"]).to_string()
         for i, element in enumerate(values.elements(self.value["joints_"])):
-            if i == _SHOWN:
+            if i == values.SHOWN:
                 yield "...", "more joints"
                 return
             link = values.pointee(element)
@@ -201,7 +201,7 @@ class Node(Printer):
     """A value tree, as YAML writes it in one line."""
 
     def summary(self) -> str:
-        return self._node(self.value, _SHOWN)
+        return self._node(self.value, _DEEPEST)
 
     def _node(self, value: gdb.Value, depth: int) -> str:
         value = values.as_it_is(value)
@@ -214,7 +214,7 @@ class Node(Printer):
             return self._mapping(value.cast(gdb.lookup_type("cnoid::Mapping")), depth - 1)
         if kind == 4:
             nodes = values.elements(value.cast(gdb.lookup_type("cnoid::Listing"))["values_"])
-            return values.in_brackets([self._pointed(node, depth - 1) for node in nodes], _SHOWN)
+            return values.in_brackets([self._pointed(node, depth - 1) for node in nodes])
         return "(none)"
 
     def _mapping(self, value: gdb.Value, depth: int) -> str:
@@ -247,19 +247,6 @@ _BY_BASE: "dict[str, Callable[[gdb.Value], Printer]]" = {
 }
 
 
-@functools.lru_cache(maxsize=None)
-def _known_class(name: str) -> Optional[Callable[[gdb.Value], Printer]]:
-    """By the name of a class that isn't a template: what it derives from is looked up once."""
-    try:
-        kind = gdb.lookup_type(name)
-    except gdb.error:
-        return None
-    for base, printer in _BY_BASE.items():
-        if values.derives_from(kind, base):
-            return printer
-    return None
-
-
 def find(value: gdb.Value) -> Optional[Printer]:
     """The printer of a value; None: gdb's own will do."""
     kind = value.type
@@ -272,7 +259,7 @@ def find(value: gdb.Value) -> Optional[Printer]:
     if arguments:
         printer = _BY_TEMPLATE.get(template)
     else:
-        printer = _known_class(kind.name)
+        printer = next((known for base, known in _BY_BASE.items() if values.derives_from(kind, base)), None)
     return printer(values.plain(value)) if printer else None
 
 

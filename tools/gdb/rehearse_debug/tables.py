@@ -1,7 +1,7 @@
 """Inputs and commands of the controller that is being called, as tables.
 
-What is an input or a command is what the harness moves: the tables of its ControllerIo (harness/src/host/io_layout.h). The
-numbers are those in the controller's own body.
+What is an input or a command is what the harness moves: the tables of its ControllerIo (harness/src/host/io_layout.h).
+The numbers are those in the controller's own body.
 """
 
 import enum
@@ -57,7 +57,7 @@ class Io:
             self.io = gdb.Value(now.io).cast(gdb.lookup_type("rehearse::ControllerIo").pointer()).dereference()
             self.body = gdb.Value(now.body).cast(gdb.lookup_type("cnoid::Body").pointer()).dereference()
         except gdb.error as problem:
-            raise gdb.GdbError("Rehearse was built without debug information: what is an input can't be told") from problem
+            raise gdb.GdbError("Rehearse has no debug information here: what is an input can't be told") from problem
         if not bool(self.io["frozen_"]):
             raise gdb.GdbError(f"{now}: inputs and outputs are known once all controllers have initialized")
         self.links = [values.pointee(link) for link in values.elements(self.body["links_"])]

@@ -7,8 +7,10 @@ import gdb
 from . import place
 
 HOOK = "rehearse_at_tick"
-# Slots of the virtual table of cnoid::SimpleController in the Itanium ABI: two destructors, configure, initialize, start.
+# In the virtual table of cnoid::SimpleController (Itanium ABI) it comes behind two destructors, configure, initialize and
+# start.
 _SLOT_OF_CONTROL = 5
+_FOLDERS_OF_LIBRARIES = ("/usr/include/", "/usr/lib/", "/eigen3/", "/include/cnoid/")
 _THUNKS = ("non-virtual thunk to ", "virtual thunk to ")
 
 
@@ -45,7 +47,7 @@ class Hook(gdb.Breakpoint):
 
 
 def go(target: Target, again: bool) -> None:
-    """Runs until there; `again`: from the beginning of the program, past the user's breakpoints. Says where it came to."""
+    """Runs until there, and says where it came to. `again`: from the program's beginning, past the user's breakpoints."""
     resting = _rest_breakpoints() if again else []
     hook = _quietly(lambda: Hook(target))  # gdb would say that it is pending
     try:
@@ -115,24 +117,39 @@ def _enter_control() -> str:
 
 
 def first_lines_of(address: int) -> List[int]:
-    """Where the function that begins there, or, of a thunk, that it leads to, has its first line behind the prologue: the
-    first of these that is met. Without debug information: the address itself."""
-    name = _function_at(address)
-    is_thunk = _block_of(address) is None
-    for location in _locations_of(name) if name else []:
+    """Where the function that begins there (or that it leads to, if it is a thunk) has its first line behind the
+    prologue: the first of these that is met. Without debug information: the address itself."""
+    block = _block_of(address)
+    if block is not None:
+        return _lines_of(block)
+    for location in _behind_thunk(address):
         block = _block_of(location)
-        if block is None or gdb.solib_name(location) != gdb.solib_name(address):
-            continue
-        if is_thunk or block.start == address:  # else it is another function of that name
-            return [location] if _is_in_own_source(location, block) else _own_lines(block) or [location]
+        if block is not None and gdb.solib_name(location) == gdb.solib_name(address):
+            return _lines_of(block)
     return [address]
 
 
-def _own_lines(block: gdb.Block) -> List[int]:
-    """All lines of a function that are its own. One that is optimised may begin with others, inlined from a header."""
-    lines = [line for line in block.function.symtab.linetable() or [] if block.start <= line.pc < block.end]
-    own = {line.pc for line in lines if line.line > block.function.line and _is_in_own_source(line.pc, block)}
-    return sorted(own)
+def _lines_of(block: gdb.Block) -> List[int]:
+    """All beginnings of lines in the function's own file, but for the one that has its head. A function that is
+    optimised may begin with something that is inlined: to stop in a header of a library helps nobody."""
+    function = block.function
+    if _file_of(block.start) != function.symtab.filename and not _is_in_a_library(block.start):
+        return [block.start]
+    lines = [line for line in function.symtab.linetable() or [] if block.start <= line.pc < block.end]
+    own = {line.pc for line in lines if line.line != function.line}
+    own = {address for address in own if _file_of(address) == function.symtab.filename}
+    behind_prologue = [line.pc for line in lines if line.pc > block.start]
+    return sorted(own) or behind_prologue[:1] or [block.start]
+
+
+def _file_of(address: int) -> str:
+    source = gdb.find_pc_line(address).symtab
+    return source.filename if source is not None else ""
+
+
+def _is_in_a_library(address: int) -> bool:
+    """What stands there is inlined from a header that isn't the user's."""
+    return any(folder in _file_of(address) for folder in _FOLDERS_OF_LIBRARIES)
 
 
 def _block_of(address: int) -> Optional[gdb.Block]:
@@ -145,30 +162,17 @@ def _block_of(address: int) -> Optional[gdb.Block]:
     return outermost
 
 
-def _is_in_own_source(address: int, block: gdb.Block) -> bool:
-    source = gdb.find_pc_line(address).symtab
-    return source is not None and source.filename == block.function.symtab.filename
-
-
-def _function_at(address: int) -> str:
-    """As it can be asked for again, with its parameters."""
-    block = _block_of(address)
-    if block is not None and block.start == address:
-        return block.function.print_name
+def _behind_thunk(address: int) -> List[int]:
+    """Where gdb would stop in functions of the name that the thunk there has; empty: it is none."""
     symbol = gdb.execute(f"info symbol {address:#x}", to_string=True).partition(" in section ")[0].strip()
     for thunk in _THUNKS:
         if symbol.startswith(thunk):
-            return symbol[len(thunk) :]
-    return ""
-
-
-def _locations_of(function: str) -> List[int]:
-    """Where gdb would stop in functions of that name."""
-    probe = gdb.Breakpoint(function=function, internal=True)
-    try:
-        return [location.address for location in probe.locations]
-    finally:
-        probe.delete()
+            probe = gdb.Breakpoint(function=symbol[len(thunk) :], internal=True)
+            try:
+                return [location.address for location in probe.locations]
+            finally:
+                probe.delete()
+    return []
 
 
 def _tell_arrival(target: Target, told: str) -> None:

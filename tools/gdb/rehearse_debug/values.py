@@ -1,10 +1,14 @@
-"""Reads C++ objects of the inferior: strings, vectors, Eigen's types. What isn't there raises Unreadable, never more."""
+"""Reads C++ objects of the inferior: strings, vectors, Eigen's types.
+
+What isn't there raises gdb.error, and what can't be such an object Unreadable.
+"""
 
 from typing import Iterator, List, Optional
 
 import gdb
 
 LONGEST_TEXT = 200
+SHOWN = 100  # numbers, or rows; more are counted
 _MOST_ELEMENTS = 1_000_000
 _REFERENCES = (gdb.TYPE_CODE_REF, gdb.TYPE_CODE_RVALUE_REF)
 
@@ -63,15 +67,10 @@ def scalar(value: gdb.Value) -> str:
     return shortest[:-2] if shortest.endswith(".0") else shortest
 
 
-def numbers(first: gdb.Value, count: int, step: int = 1) -> List[str]:
-    """`count` numbers from a pointer on, each `step` elements behind the one before."""
-    return [scalar((first + i * step).dereference()) for i in range(count)]
-
-
-def in_brackets(texts: List[str], at_most: int = 100) -> str:
-    """As [1, 2, 3]."""
-    more = len(texts) - at_most
-    return "[" + ", ".join(texts[:at_most] + ([f"... {more} more"] if more > 0 else [])) + "]"
+def in_brackets(texts: List[str], count: Optional[int] = None) -> str:
+    """As [1, 2, 3]. `count`: of all that there are, if the texts are only the first of them."""
+    more = (len(texts) if count is None else count) - min(len(texts), SHOWN)
+    return "[" + ", ".join(texts[:SHOWN] + ([f"... {more} more"] if more > 0 else [])) + "]"
 
 
 class EigenMatrix:
@@ -84,12 +83,9 @@ class EigenMatrix:
         self.columns = self._extent(kind, 2, storage, "m_cols")
         self.by_rows = bool(int(kind.template_argument(3)) & 1)
         data = storage["m_data"]
-        scalar_type = kind.template_argument(0)
-        if data.type.strip_typedefs().code == gdb.TYPE_CODE_PTR:
-            self.first = data
-        else:  # a fixed number of numbers, in the object itself
-            self.first = data.address.cast(scalar_type.pointer()) if data.address else data["array"][0].address
-        if self.rows * self.columns > 0 and not int(self.first):
+        is_elsewhere = data.type.strip_typedefs().code == gdb.TYPE_CODE_PTR
+        self.numbers = data if is_elsewhere else data["array"]
+        if is_elsewhere and self.rows * self.columns > 0 and not int(data):
             raise Unreadable("a matrix without memory")
 
     @staticmethod
@@ -101,19 +97,22 @@ class EigenMatrix:
         return extent
 
     def row(self, index: int) -> List[str]:
-        """The numbers of a row."""
+        """The numbers of a row, as far as they are shown."""
+        shown = range(min(self.columns, SHOWN + 1))
         if self.by_rows:
-            return numbers(self.first + index * self.columns, self.columns)
-        return numbers(self.first + index, self.columns, self.rows)
+            return [scalar(self.numbers[index * self.columns + column]) for column in shown]
+        return [scalar(self.numbers[index + column * self.rows]) for column in shown]
 
     def flat(self) -> List[str]:
-        """All numbers of a vector, at most one more than are shown."""
-        return numbers(self.first, self.rows * self.columns)
+        """All numbers of a vector."""
+        return [scalar(self.numbers[i]) for i in range(self.rows * self.columns)]
 
     def __str__(self) -> str:
         if self.rows == 1 or self.columns == 1:
-            return in_brackets(self.flat())
-        return in_brackets([in_brackets(self.row(i)) for i in range(self.rows)], 20)
+            count = self.rows * self.columns
+            return in_brackets([scalar(self.numbers[i]) for i in range(min(count, SHOWN))], count)
+        rows = [in_brackets(self.row(i), self.columns) for i in range(min(self.rows, SHOWN))]
+        return in_brackets(rows, self.rows)
 
 
 def derives_from(kind: gdb.Type, base: str) -> bool:
