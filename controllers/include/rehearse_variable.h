@@ -6,10 +6,10 @@
  * a weak symbol, and nothing has to be linked.
  *
  * To be called by a controller in createSimpleController(), configure(), initialize(), start() and control(), on the
- * thread that called it; what was set before the first control() is recorded with tick 0. Of several values in one tick
- * the last counts. `name`: UTF-8, not empty, at most 200 bytes; a controller may have 1000 of them. `value`: any double,
- * NaN and infinities too; its unit is yours. What is set against these rules is left out, and a warning in the recording
- * says so once.
+ * thread that called it; what was set before the first control() is recorded with tick 0. Of several values in one
+ * tick the last counts. `name`: UTF-8, not empty, at most 200 bytes; a controller may have 1000 of them. `value`: any
+ * double, NaN and infinities too; its unit is yours. What is set against these rules is left out, and a warning in the
+ * recording says so once.
  *
  * C99 or C++. */
 #ifndef REHEARSE_VARIABLE_H

@@ -116,7 +116,8 @@ TEST_P(Branches, WithoutAnyChangeAreTheirSource) {
     BranchPoint from{source, std::nullopt, tick};
     BranchOptions options;
     const fs::path copy = fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().scenario + ".yaml");
-    if (has_meshes && other_solver) GTEST_SKIP() << "its meshes come with the scenario's file, which has its own solver";
+    if (has_meshes && other_solver)
+      GTEST_SKIP() << "its meshes come with the scenario's file, which has its own solver";
     if (has_meshes) options.scenario = copy;
     const auto made = record_branch(from, branch, options);
     ASSERT_TRUE(made.ok()) << to_string(made.errors());

@@ -23,7 +23,8 @@ class Branch : public Command {
 
 TEST_F(Branch, ShowsWhatTheControllerDoesOfAnAlteredInput) {
   record_sr1();
-  const Outcome outcome = rehearse({"replay", "sr1.mcap", "--set", "SR1/RLEG_KNEE/q+=0.01@tick:40..59", "-o", "if.mcap"});
+  const Outcome outcome =
+      rehearse({"replay", "sr1.mcap", "--set", "SR1/RLEG_KNEE/q+=0.01@tick:40..59", "-o", "if.mcap"});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\nwith inputs altered: differs at tick 40 (0.04 s): "
                                      "/SR1/SR1Minimum/output/joints RLEG_KNEE/u is "));
@@ -38,7 +39,8 @@ TEST_F(Branch, IsItsSourceWithoutAChange) {
   record_sr1();
   const Outcome outcome = done({"record", "--from-checkpoint", "sr1.mcap@tick:50"});
   EXPECT_THAT(outcome.out, StartsWith("branched off sr1.mcap at tick 50 (0.05 s): "));
-  EXPECT_THAT(outcome.out, HasSubstr("\nbefore it the controllers, on the recorded inputs, did what they did, bit for bit\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("\nbefore it the controllers, on the recorded inputs, did what they did, bit for bit\n"));
   EXPECT_THAT(outcome.out, HasSubstr("\n50 ticks simulated from there"));
   EXPECT_THAT(done({"diff", "sr1.mcap", "sr1.branch.mcap"}).out, StartsWith("equal bit for bit"));
   EXPECT_THAT(done({"info", "sr1.branch.mcap"}).out, HasSubstr("rehearse.branch"));
@@ -58,11 +60,13 @@ TEST_F(Branch, IsAGoldenLikeAnyOther) {
   rehearse({"record", "--from-checkpoint", "sr1.mcap@0.05s", "--controller", other, "-o", "other.mcap"});
   const Outcome checked = rehearse({"check", "sr1.yaml", "--golden", "other.mcap", "--controller", other});
   EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
-  EXPECT_THAT(checked.out, HasSubstr("controller on recorded inputs: equal; world under recorded commands: equal; closed "
-                                     "loop: skipped"));
+  EXPECT_THAT(checked.out,
+              HasSubstr("controller on recorded inputs: equal; world under recorded commands: equal; closed "
+                        "loop: skipped"));
   EXPECT_THAT(checked.out, HasSubstr("until tick 50 other controllers moved its world"));
 
-  done({"record", "--from-checkpoint", "sr1.mcap@0.05s", "--push", "SR1/WAIST force=0,80,0 @0.06s..0.07s", "-o", "pushed.mcap"});
+  done({"record", "--from-checkpoint", "sr1.mcap@0.05s", "--push", "SR1/WAIST force=0,80,0 @0.06s..0.07s", "-o",
+        "pushed.mcap"});
   const Outcome pushed = rehearse({"check", "sr1.yaml", "--golden", "pushed.mcap"});
   EXPECT_EQ(pushed.status, 0) << pushed.out << pushed.err;
   EXPECT_THAT(pushed.out, HasSubstr("closed loop: equal"));
@@ -73,9 +77,11 @@ TEST_F(Branch, TellsWhatIsWrongWithItsWords) {
   expect_refused({"replay", "sr1.mcap", "--set", "SR1/RLEG_KNE/q=1"},
                  "error: there is no input 'SR1/RLEG_KNE/q'; near it: SR1/RLEG_KNEE/q");
   expect_refused({"record", "--from-checkpoint", "sr1.mcap"}, "error: --from-checkpoint: that names no moment");
-  expect_refused({"record", "--from-checkpoint", "sr1.mcap@7s"}, "sr1.mcap: error: its last whole tick is 99 (0.099 s)");
+  expect_refused({"record", "--from-checkpoint", "sr1.mcap@7s"},
+                 "sr1.mcap: error: its last whole tick is 99 (0.099 s)");
   expect_refused({"record", "--from-checkpoint", "sr1.mcap@tick:5", "--seed", "3"}, "--seed with --from-checkpoint");
-  expect_refused({"record", "--from-checkpoint", "sr1.mcap@tick:5", "--until", "1", "--duration", "1"}, "a branch has one end");
+  expect_refused({"record", "--from-checkpoint", "sr1.mcap@tick:5", "--until", "1", "--duration", "1"},
+                 "a branch has one end");
   expect_refused({"record", "sr1.yaml", "--push", "SR1/WAIST force=0,0,1 @1s..2s"}, "are for branches");
   expect_refused({"record", "--from-checkpoint", "sr1.yaml@0.05s"}, "sr1.yaml: error: not an MCAP file");
 }

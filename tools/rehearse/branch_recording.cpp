@@ -18,13 +18,12 @@ namespace rehearse::tool {
 namespace {
 
 void tell(const BranchSettings& settings, const BranchSummary& branch, double seconds) {
-  fmt::print("branched off {} at tick {} ({:g} s): {}\n", settings.from.substr(0, settings.from.rfind('@')), branch.tick,
-             branch.time, branch.world);
+  fmt::print("branched off {} at tick {} ({:g} s): {}\n", settings.from.substr(0, settings.from.rfind('@')),
+             branch.tick, branch.time, branch.world);
   const ReplayReport& before = branch.before;
   if (before.ticks > 0)
     fmt::print("before it the controllers, on the recorded inputs, {}\n",
-               before.equal() ? "did what they did, bit for bit"
-                              : "differ first at " + to_string(*before.first));
+               before.equal() ? "did what they did, bit for bit" : "differ first at " + to_string(*before.first));
   fmt::print("{} simulated from there, in {:.2f} s\n", count_text(branch.run.ticks - branch.tick, "tick"), seconds);
   fmt::print("{}, {}, {}, {} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
              count_text(branch.run.frames, "camera frame"), file_size_text(branch.run.bytes), settings.trace);
@@ -34,9 +33,10 @@ void tell(const BranchSettings& settings, const BranchSummary& branch, double se
 
 void add_branch_options(CLI::App& options, BranchSettings& settings) {
   options
-      .add_option("--from-checkpoint", settings.from,
-                  "begin as this recording and go on from the moment, as TRACE@3.2s or TRACE@tick:640; scenario and models "
-                  "are the recording's (SCENARIO only if these have meshes), --duration counts from the moment")
+      .add_option(
+          "--from-checkpoint", settings.from,
+          "begin as this recording and go on from the moment, as TRACE@3.2s or TRACE@tick:640; scenario and models "
+          "are the recording's (SCENARIO only if these have meshes), --duration counts from the moment")
       ->type_name("TRACE@MOMENT");
   add_number(options, "--until", "of a branch: the end as time of the run [s]", 0.0, Scenario::max_duration,
              [&settings](double until) { settings.options.until = until; });
@@ -60,7 +60,8 @@ Exit record_branch_of(BranchSettings settings) {
   const auto from = BranchPoint::parse(settings.from);
   if (!from) return refuse(error("--from-checkpoint: " + from.errors()[0].message));
   if (settings.trace.empty()) settings.trace = from->trace.stem().string() + ".branch.mcap";
-  if (const auto allowed = check_replaceable(settings.trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  if (const auto allowed = check_replaceable(settings.trace, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
   if (const auto ready = virtualise_process_like(from->trace.string()); !ready) return refuse(ready.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.options.watch = &watch;

@@ -103,8 +103,10 @@ Exit run_in_gdb(const Settings& settings, const Scenario& scenario, const CLI::A
 
 /// A recording that begins as another one.
 Exit run_branch(Settings& settings) {
-  for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"), {settings.no_frames, "--no-frames"},
-                                     {settings.verify, "--verify"}, {settings.checkpoints.has_value(), "--checkpoints"}})
+  for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"),
+                                     {settings.no_frames, "--no-frames"},
+                                     {settings.verify, "--verify"},
+                                     {settings.checkpoints.has_value(), "--checkpoints"}})
     if (said)
       return refuse(error(fmt::format("{} with --from-checkpoint: a branch goes on as it was recorded", option)));
   if (settings.debugger.is_wanted())
@@ -124,7 +126,8 @@ Exit run(Settings& settings, const CLI::App& options) {
   if (settings.scenario.empty())
     return refuse(error("rehearse record: SCENARIO is required (see rehearse record --help)"));
   if (is_about_a_branch(settings.branch))
-    return refuse(error("--until, --set and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
+    return refuse(
+        error("--until, --set and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
   if (settings.checkpoints) settings.record.checkpoint_period = *settings.checkpoints;
   const Result<Scenario> scenario = load(settings);
   if (!scenario) return refuse(scenario.errors());
@@ -186,10 +189,11 @@ std::function<Exit()> declare(CLI::App& options) {
 
 }  // namespace
 
-const Verb record_verb{"record",
-                       "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
-                       "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n"
-                       "  rehearse record --from-checkpoint walk.mcap@3.2s --push 'Walker/TRUNK force=0,80,0 @3.2s..3.3s'\n",
-                       declare};
+const Verb record_verb{
+    "record",
+    "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
+    "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n"
+    "  rehearse record --from-checkpoint walk.mcap@3.2s --push 'Walker/TRUNK force=0,80,0 @3.2s..3.3s'\n",
+    declare};
 
 }  // namespace rehearse::tool

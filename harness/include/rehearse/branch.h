@@ -23,7 +23,7 @@ namespace rehearse {
 /// "TRACE@3.2s" or "TRACE@tick:640".
 struct BranchPoint {
   std::filesystem::path trace;
-  std::optional<double> time;        // [s]; else:
+  std::optional<double> time;  // [s]; else:
   std::optional<std::int64_t> tick;
 
   /// Fails with a caret under what can't be read.
@@ -38,7 +38,8 @@ struct BranchOptions : HostOptions {
   std::optional<double> until, duration;
   /// Inputs that are altered before controllers see them, as ReplayOptions::set; those before the moment, too.
   std::vector<std::string> set;
-  /// "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN": beside those of the scenario. None may begin before the moment.
+  /// "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN": beside those of the scenario. None may begin before the
+  /// moment.
   std::vector<std::string> push;
   /// Called about every hundredth of what is simulated, with the ticks done and all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
@@ -46,9 +47,9 @@ struct BranchOptions : HostOptions {
 
 struct BranchSummary {
   RunSummary run;
-  std::int64_t tick = 0;         // where it branches
-  double time = 0.0;             // of it [s]
-  std::string world;             // how the world came to be there: a sentence
+  std::int64_t tick = 0;  // where it branches
+  double time = 0.0;      // of it [s]
+  std::string world;      // how the world came to be there: a sentence
   /// What the controllers did before the moment that they did not when the source was recorded.
   ReplayReport before;
 };

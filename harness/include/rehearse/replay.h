@@ -40,8 +40,9 @@ struct OutputField {
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before it are not compared [s]
   std::optional<double> until;  // the replay ends there [s]
-  /// Inputs that are altered before the controllers see them, each as SERIES=VALUE@SPAN: Walker/KNEE/q=0.3@tick:1200..1300
-  /// (src/replay/altered_inputs.h has the forms). What differs then is what they do of it.
+  /// Inputs that are altered before the controllers see them, each as SERIES=VALUE@SPAN:
+  /// Walker/KNEE/q=0.3@tick:1200..1300 (src/replay/altered_inputs.h has the forms). What differs then is what they do
+  /// of it.
   std::vector<std::string> set;
   /// How far a command may be from the recorded one and still count as within; empty: not asked, no command may.
   std::optional<std::vector<ToleranceRule>> tolerances;
@@ -54,15 +55,15 @@ struct ReplayOptions : HostOptions {
   /// Called with each variable that a controller set in a tick (rehearse_variable.h), after on_outputs; null: not.
   /// `series` as in a recording: SR1/Walker/variable/phase.
   std::function<void(std::int64_t tick, const std::string& series, double value)> on_variable;
-  /// Called with each event of the replay as it happens, the controllers' lines among them (severity note, the source is
-  /// the controller); null: not. Those of initialize() and start() have tick 0.
+  /// Called with each event of the replay as it happens, the controllers' lines among them (severity note, the source
+  /// is the controller); null: not. Those of initialize() and start() have tick 0.
   std::function<void(const msg::Event&)> on_event;
   /// Called about every hundredth of the recording with the ticks done and all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// What the controllers said beside their commands: lines to os(), and variables. It makes no verdict, but for variables
-/// that a tolerance rule of the recording's scenario asks for: these are compared like commands.
+/// What the controllers said beside their commands: lines to os(), and variables. It makes no verdict, but for
+/// variables that a tolerance rule of the recording's scenario asks for: these are compared like commands.
 struct ReplayedWords {
   std::int64_t lines = 0;      // compared
   std::int64_t variables = 0;  // numbers compared

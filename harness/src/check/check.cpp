@@ -8,9 +8,9 @@
 #include <rehearse/noise_floor.h>
 
 #include "blame.h"
+#include "compare/report_json.h"
 #include "plant_level.h"
 #include "recording/provenance.h"
-#include "compare/report_json.h"
 #include "replay/branch_origin.h"
 
 namespace rehearse {
@@ -231,7 +231,8 @@ std::string why_no_world(const Trace& golden) {
     return "the golden was recorded from a log: there is no physics to repeat";
   const auto origin = BranchOrigin::of(golden.find_metadata(branch_record));
   if (origin && !origin->simulated) return "the golden is a replay: its world didn't follow its commands";
-  if (origin && !origin->set.empty()) return "the golden is a branch whose inputs were altered: nothing makes them again";
+  if (origin && !origin->set.empty())
+    return "the golden is a branch whose inputs were altered: nothing makes them again";
   return {};
 }
 
@@ -285,9 +286,10 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
     check.report.remarks.push_back(why + ", so the levels plant and closed are skipped");
   } else if (origin && origin->acted_until) {
     options.closed = false;
-    check.report.remarks.push_back(fmt::format("the golden is a branch: until tick {} other controllers moved its world, so the "
-                                               "level closed is skipped",
-                                               *origin->acted_until));
+    check.report.remarks.push_back(
+        fmt::format("the golden is a branch: until tick {} other controllers moved its world, so the "
+                    "level closed is skipped",
+                    *origin->acted_until));
   }
   check.find_noise();
   if (options.closed) {

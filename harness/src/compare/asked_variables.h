@@ -1,5 +1,5 @@
-// Which of the controllers' variables are compared. They are a controller's inside, and nobody's promise: only those that
-// a tolerance rule names as what they are, by a pattern with "/variable/" in it, decide anything.
+// Which of the controllers' variables are compared. They are a controller's inside, and nobody's promise: only those
+// that a tolerance rule names as what they are, by a pattern with "/variable/" in it, decide anything.
 #pragma once
 
 #include <rehearse/glob.h>

@@ -363,7 +363,8 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     if (by_hash && !result.first_bit) channels.pop_back();
   }
   if (options.takes(Stage::controller))
-    if (std::string remark = remark_on_variables(traces); !remark.empty()) comparison.remarks.push_back(std::move(remark));
+    if (std::string remark = remark_on_variables(traces); !remark.empty())
+      comparison.remarks.push_back(std::move(remark));
   channels.insert(channels.end(), of_events.begin(), of_events.end());
   comparison.ticks = compared_ticks(traces);
   conclude(comparison, std::move(channels));

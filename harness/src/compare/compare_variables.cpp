@@ -45,7 +45,8 @@ std::string remark_on_variables(const ComparedTraces& traces) {
   std::vector<Found> found;
   const auto look_at = [&](const Trace& of, const Trace& other, const char* which) {
     for (const TraceChannel& channel : of.channels()) {
-      if (!is_variable(channel) || asks_for_variable(series_of(channel), traces.rules) || channel.times.empty()) continue;
+      if (!is_variable(channel) || asks_for_variable(series_of(channel), traces.rules) || channel.times.empty())
+        continue;
       const std::string series(series_of(channel));
       const TraceChannel* there = other.find_channel(channel.topic);
       if (!there && channel.times[0] <= traces.end)
@@ -58,8 +59,8 @@ std::string remark_on_variables(const ComparedTraces& traces) {
   look_at(traces.golden, traces.actual, "golden");
   look_at(traces.actual, traces.golden, "run");
   if (found.empty()) return {};
-  const auto first = std::min_element(found.begin(), found.end(),
-                                      [](const Found& a, const Found& b) { return a.time < b.time; });
+  const auto first =
+      std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.time < b.time; });
   const std::size_t others = found.size() - 1;
   return fmt::format("controllers' variables, which no rule asks to compare: {}{}", first->text,
                      others == 0   ? ""

@@ -465,7 +465,8 @@ void ControllerHost::stop() {
   keep_libraries_of_threads();
   if (ControllerVariables::take_strays())
     event(Severity::warning, "rehearse_variable",
-          "was called where no controller is called in a tick (while a library is loaded, in stop() or after it, by another "
+          "was called where no controller is called in a tick (while a library is loaded, in stop() or after it, by "
+          "another "
           "thread): what it set there isn't recorded");
 }
 

@@ -61,14 +61,15 @@ void ControllerVariables::refuse(Mistake mistake, const char* name) {
     case Mistake::none: break;
     case Mistake::no_name: findings_.push_back("set a variable without a name: it isn't recorded"); break;
     case Mistake::too_long:
-      findings_.push_back(fmt::format("set a variable whose name begins with '{}' and has more than {} bytes: it isn't "
-                                      "recorded",
-                                      is_utf8({name, 20}) ? std::string(name, 20) : "...", longest_name));
+      findings_.push_back(
+          fmt::format("set a variable whose name begins with '{}' and has more than {} bytes: it isn't "
+                      "recorded",
+                      is_utf8({name, 20}) ? std::string(name, 20) : "...", longest_name));
       break;
     case Mistake::not_text: findings_.push_back("set a variable whose name isn't UTF-8: it isn't recorded"); break;
     case Mistake::too_many:
-      findings_.push_back(fmt::format("set more than {} variables: '{}' and those that come after it aren't recorded", most,
-                                      name));
+      findings_.push_back(
+          fmt::format("set more than {} variables: '{}' and those that come after it aren't recorded", most, name));
       break;
   }
 }

@@ -1,9 +1,9 @@
-// ControllerVariables: the numbers that a controller sets by rehearse_variable() (controllers/include/rehearse_variable.h)
-// while it is called.
+// ControllerVariables: the numbers that a controller sets by rehearse_variable()
+// (controllers/include/rehearse_variable.h) while it is called.
 //
 // The function behind that name is defined here, for all libraries that are loaded after this one. It knows which
-// controller speaks because a call into one opens its ControllerVariables, in the thread that makes the call. What comes
-// where none is open is a stray, and isn't kept.
+// controller speaks because a call into one opens its ControllerVariables, in the thread that makes the call. What
+// comes where none is open is a stray, and isn't kept.
 #pragma once
 
 #include <cstddef>

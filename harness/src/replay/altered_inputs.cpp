@@ -146,7 +146,8 @@ std::optional<AlteredInputs::Target> AlteredInputs::find(const std::string& seri
       const auto beam = number_behind(series, owner + "ranges/"), value = number_behind(series, owner + "values/");
       if (laser && beam && *beam < static_cast<std::size_t>(laser->beams()))
         return Target{Kind::ranges, index, static_cast<int>(i), *beam};
-      if (std::holds_alternative<Light>(device.kind) && value) return Target{Kind::device, index, static_cast<int>(i), *value};
+      if (std::holds_alternative<Light>(device.kind) && value)
+        return Target{Kind::device, index, static_cast<int>(i), *value};
     }
     for (std::size_t link = 0; link < body.model->links.size(); ++link) {
       const std::string owner = body.name + "/" + topic_segment(body.model->links[link].name) + "/contacts/";
@@ -164,12 +165,15 @@ std::optional<AlteredInputs::Target> AlteredInputs::find(const std::string& seri
 std::string AlteredInputs::near_inputs(const std::string& series, const Scenario& scenario) {
   std::vector<std::pair<std::string, Target>> known;
   add_names(scenario, known);
-  const auto without_body = [](const std::string& name) { return name.substr(std::min(name.find('/') + 1, name.size())); };
+  const auto without_body = [](const std::string& name) {
+    return name.substr(std::min(name.find('/') + 1, name.size()));
+  };
   std::vector<std::string> names, rests, alike;
   for (const auto& [name, target] : known) {
     names.push_back(name);
     rests.push_back(without_body(name));
-    if (alike.size() < 3 && name.ends_with(series.substr(std::min(series.rfind('/'), series.size())))) alike.push_back(name);
+    if (alike.size() < 3 && name.ends_with(series.substr(std::min(series.rfind('/'), series.size()))))
+      alike.push_back(name);
   }
   std::vector<std::string> near = near_names(series, names);
   if (near.empty()) {
@@ -187,7 +191,8 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
   found.text = text;
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    return error_at({text, 0, text.size()}, "that alters nothing: expected SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE");
+    return error_at({text, 0, text.size()},
+                    "that alters nothing: expected SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE");
   std::size_t end_of_name = equals;
   if (text[equals - 1] == '+' || text[equals - 1] == '*') found.operation = text[--end_of_name];
   const std::string series = text.substr(0, end_of_name);
@@ -246,8 +251,7 @@ bool AlteredInputs::is_read(const Target& target, const ControllerHost& host) {
       case Kind::joint:
       case Kind::link:
         for (const IoField& field : hosted.io->inputs().fields)
-          if (field.quantity == target.quantity &&
-              is_target(target.kind == Kind::joint ? field.joint : field.link))
+          if (field.quantity == target.quantity && is_target(target.kind == Kind::joint ? field.joint : field.link))
             return true;
         break;
       case Kind::device:
@@ -269,9 +273,9 @@ Result<void> AlteredInputs::check_read_by(const ControllerHost& host) const {
   for (const Alteration& alteration : alterations_) {
     if (is_read(alteration.target, host)) continue;
     const std::size_t end = alteration.text.find('=') - (alteration.operation == '=' ? 0 : 1);
-    findings.push_back(error_at({alteration.text, 0, end},
-                                fmt::format("no controller reads '{}': to alter it changes nothing",
-                                            alteration.text.substr(0, end))));
+    findings.push_back(
+        error_at({alteration.text, 0, end},
+                 fmt::format("no controller reads '{}': to alter it changes nothing", alteration.text.substr(0, end))));
   }
   if (!findings.empty()) return findings;
   return {};

@@ -1,5 +1,5 @@
-// AlteredInputs: what controllers read, other than it was. "Walker/KNEE/q=0.3@tick:1200..1300": the series, what becomes
-// of its number, and when.
+// AlteredInputs: what controllers read, other than it was. "Walker/KNEE/q=0.3@tick:1200..1300": the series, what
+// becomes of its number, and when.
 //
 // Series are named as in a trace: of a body's joints, links and devices, and of the joystick. A name of a controller's
 // input (Walker/Gait/input/KNEE/q) means the same quantity of its body: all controllers of a body read one.
@@ -21,8 +21,8 @@ namespace rehearse {
 
 class AlteredInputs {
  public:
-  /// SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE, then @SPAN or nothing, which is all ticks; a VALUE is a number, which
-  /// of an angle may end in deg, or nan, or inf. Each mistake is an error with its place in the text.
+  /// SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE, then @SPAN or nothing, which is all ticks; a VALUE is a number,
+  /// which of an angle may end in deg, or nan, or inf. Each mistake is an error with its place in the text.
   static Result<AlteredInputs> parse(const std::vector<std::string>& texts, const Scenario& scenario);
 
   /// The first tick in which any of them acts; 0 if there are none.
@@ -46,11 +46,11 @@ class AlteredInputs {
   struct Target {
     Kind kind = Kind::joint;
     int body = 0;
-    int owner = 0;                      // joint id, link or device index
-    std::size_t element = 0;            // by kind: of the quantity, of the values, beam, axis
-    std::size_t contact = 0;            // number of the contact point
-    Quantity quantity = Quantity::q;    // of joints and links
-    bool is_angle = false;              // [rad]
+    int owner = 0;                    // joint id, link or device index
+    std::size_t element = 0;          // by kind: of the quantity, of the values, beam, axis
+    std::size_t contact = 0;          // number of the contact point
+    Quantity quantity = Quantity::q;  // of joints and links
+    bool is_angle = false;            // [rad]
   };
   struct Alteration {
     std::string text;

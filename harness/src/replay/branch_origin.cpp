@@ -127,7 +127,8 @@ std::string find_link(const std::string& name, const Scenario& scenario, Push& p
 
 Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
   Push push;
-  const std::size_t end_of_name = std::min({text.find(" force="), text.find(" torque="), text.find(" at="), text.size()});
+  const std::size_t end_of_name =
+      std::min({text.find(" force="), text.find(" torque="), text.find(" at="), text.size()});
   const auto wrong = [&](std::size_t begin, std::size_t size, const std::string& message) {
     return error_at({text, begin, size}, message);
   };
@@ -144,9 +145,11 @@ Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
     const std::string_view word = std::string_view(text).substr(begin, end - begin);
     const std::array<std::pair<std::string_view, Eigen::Vector3d*>, 3> known{
         {{"force=", &push.force}, {"torque=", &push.torque}, {"at=", &push.point}}};
-    const auto key = std::find_if(known.begin(), known.end(), [&](const auto& one) { return word.starts_with(one.first); });
+    const auto key =
+        std::find_if(known.begin(), known.end(), [&](const auto& one) { return word.starts_with(one.first); });
     if (key == known.end() || !parse_vector(word.substr(key->first.size()), *key->second))
-      return wrong(begin, word.size(), fmt::format("'{}' is none of force=X,Y,Z [N], torque=X,Y,Z [N·m], at=X,Y,Z [m]", word));
+      return wrong(begin, word.size(),
+                   fmt::format("'{}' is none of force=X,Y,Z [N], torque=X,Y,Z [N·m], at=X,Y,Z [m]", word));
     has_effect = has_effect || key->second != &push.point;
     begin = end;
   }

@@ -67,7 +67,7 @@ void RecordedWords::end(const OnDifference& differs) {
   Divergence found;
   found.channel = "/events";
   found.stage = Stage::controller;
-  found.note = now == said.end()         ? fmt::format("this line is missing: \"{}\"", *then)
+  found.note = now == said.end()        ? fmt::format("this line is missing: \"{}\"", *then)
                : then == recorded.end() ? fmt::format("this line is extra: \"{}\"", *now)
                                         : fmt::format("the line is \"{}\", recorded \"{}\"", *now, *then);
   differs(std::move(found));

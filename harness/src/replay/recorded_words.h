@@ -34,8 +34,8 @@ class RecordedWords {
   void begin_tick(const OnDifference& differs);
   /// The same of the last tick.
   void end(const OnDifference& differs);
-  /// Calls `differs` for each variable of this tick that isn't the same bits now. Tick and time are the caller's to fill
-  /// in. Returns how many were compared.
+  /// Calls `differs` for each variable of this tick that isn't the same bits now. Tick and time are the caller's to
+  /// fill in. Returns how many were compared.
   std::int64_t compare_variables(const OnDifference& differs) const;
   /// Lines compared so far.
   std::int64_t lines() const { return lines_; }

@@ -17,12 +17,12 @@
 #include "host/float_mode.h"
 #include "mcap/whole_input.h"
 #include "output_record.h"
-#include "recording/provenance.h"
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
 #include "recorded_words.h"
-#include "replay_recording.h"
+#include "recording/provenance.h"
 #include "recording/variable_topics.h"
+#include "replay_recording.h"
 #include "trace_scenario.h"
 
 namespace rehearse {
@@ -85,9 +85,9 @@ class Replayer {
   bool tick_here_ = false;
   std::uint64_t now_ = 0;  // log time of the tick being gathered [ns]
   std::uint64_t from_ = 0, until_ = std::numeric_limits<std::uint64_t>::max();  // [ns]
-  Observation altered_observation_;  // used only if something is altered
+  Observation altered_observation_;                                             // used only if something is altered
   bool tick_differs_ = false;
-  bool cut_short_ = false;  // the recording goes on
+  bool cut_short_ = false;              // the recording goes on
   std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
   Diagnostics errors_;
   ReplayReport report_;

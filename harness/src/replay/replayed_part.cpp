@@ -73,7 +73,8 @@ void ReplayedPart::keep_acted(std::optional<std::int64_t> until, std::optional<s
 }
 
 Result<void> ReplayedPart::run(std::optional<std::int64_t> end) {
-  const std::uint64_t end_time = end ? nanoseconds_of(*end, scenario_.time_step) : std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t end_time =
+      end ? nanoseconds_of(*end, scenario_.time_step) : std::numeric_limits<std::uint64_t>::max();
   Result<void> taken;
   bool going_on = end_time > 0;
   const auto close = [&] {
@@ -114,11 +115,13 @@ Result<void> ReplayedPart::take(const mcap::Message& message) {
       return take_output(message, *schema,
                          std::llround(static_cast<double>(message.log_time) * 1e-9 / scenario_.time_step));
     case Part::tick:
-      if (!msg::decode(reader, tick_.emplace())) return error(fmt::format("a message on /tick at {} ns is not of its type", now_));
+      if (!msg::decode(reader, tick_.emplace()))
+        return error(fmt::format("a message on /tick at {} ns is not of its type", now_));
       return {};
     case Part::events: {
       msg::Event event;
-      if (!msg::decode(reader, event)) return error(fmt::format("a message on /events at {} ns is not of its type", now_));
+      if (!msg::decode(reader, event))
+        return error(fmt::format("a message on /events at {} ns is not of its type", now_));
       const bool of_the_host = event.source != "world" && event.source != "log";
       return of_the_host ? Result<void>() : recorder_.copy(message, *schema, message.channel->topic);
     }
@@ -160,7 +163,8 @@ Result<bool> ReplayedPart::close_tick() {
   }
   const std::int64_t tick = recorded.tick;
   if (tick != ticks_) {
-    Diagnostic missing = error(fmt::format("tick {} comes where tick {} should be: what is between isn't in it", tick, ticks_));
+    Diagnostic missing =
+        error(fmt::format("tick {} comes where tick {} should be: what is between isn't in it", tick, ticks_));
     missing.file = source_.name();
     return missing;
   }
@@ -173,10 +177,8 @@ Result<bool> ReplayedPart::close_tick() {
   }
   const bool alive = host_.control(tick, *seen);
   host_.output(ControllerHost::Timing::same_step, unheard_);  // says what isn't finite
-  const std::uint64_t inputs = host_.input_hash(*seen);
-  if (inputs != recorded.input_hash && !other_inputs_) other_inputs_ = tick;
-  if (auto done = recorder_.record_tick(tick, &host_, {recorded.state_hash, inputs, host_.output_hash()}); !done)
-    return done.errors();
+  const TickHashes hashes{recorded.state_hash, host_.input_hash(*seen), host_.output_hash()};
+  if (auto done = recorder_.record_tick(tick, &host_, hashes); !done) return done.errors();
   if (auto done = recorder_.record_events(host_.take_events()); !done) return done.errors();
   if (!alive) return false;
   host_.output(ControllerHost::Timing::next_step, unheard_);

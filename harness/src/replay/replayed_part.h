@@ -32,9 +32,6 @@ class ReplayedPart {
   /// the host's to tell.
   Result<void> run(std::optional<std::int64_t> end);
   std::int64_t ticks() const { return ticks_; }
-  /// The first tick whose recorded inputs aren't those that were hashed when it was recorded, while nothing is altered
-  /// and the controllers read the same; none: there is none.
-  std::optional<std::int64_t> other_inputs() const { return other_inputs_; }
   /// The message that ends a complete recording: the state after its last tick.
   const std::optional<msg::Tick>& last_state() const { return last_state_; }
 
@@ -61,7 +58,6 @@ class ReplayedPart {
   std::optional<msg::Tick> tick_;
   std::uint64_t now_ = 0;  // [ns]
   std::int64_t ticks_ = 0;
-  std::optional<std::int64_t> other_inputs_;
   std::optional<msg::Tick> last_state_;
 };
 

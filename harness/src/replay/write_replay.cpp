@@ -56,7 +56,8 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
   if (auto done = part.run(std::nullopt); !done) return done;
   (*host)->stop();
   if (part.last_state())
-    if (auto done = (*recorder)->record_tick(part.last_state()->tick, nullptr, {part.last_state()->state_hash, 0, 0}); !done)
+    if (auto done = (*recorder)->record_tick(part.last_state()->tick, nullptr, {part.last_state()->state_hash, 0, 0});
+        !done)
       return done;
   if (auto done = (*recorder)->record_events((*host)->take_events()); !done) return done;
   mcap::StringMap outcome{{"ticks", std::to_string(part.ticks())},

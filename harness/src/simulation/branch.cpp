@@ -9,10 +9,10 @@
 
 #include "closed_loop.h"
 #include "host/float_mode.h"
-#include "recording/provenance.h"
 #include "recorded_checkpoints.h"
 #include "recorded_commands.h"
 #include "recording/mesh_digests.h"
+#include "recording/provenance.h"
 #include "replay/branch_origin.h"
 #include "replay/replay_recording.h"
 #include "replay/replayed_part.h"
@@ -48,7 +48,8 @@ RecordedTicks ticks_of(const Trace& recording) {
   ticks.whole = static_cast<std::int64_t>(ticks.state_hashes.size());
   const mcap::StringMap* outcome = recording.find_metadata("rehearse.outcome");
   const auto complete = outcome ? outcome->find("complete") : mcap::StringMap::const_iterator();
-  if (outcome && complete != outcome->end() && complete->second == "true") --ticks.whole;  // the last is the end's state
+  if (outcome && complete != outcome->end() && complete->second == "true")
+    --ticks.whole;  // the last is the end's state
   return ticks;
 }
 
@@ -59,7 +60,8 @@ std::int64_t lead_of(const Scenario& scenario) {
   for (const ScenarioBody& body : scenario.bodies) {
     for (const Device& device : body.model->devices) {
       if (const auto* camera = std::get_if<Camera>(&device.kind)) longest = std::max(longest, 1.0 / camera->frame_rate);
-      if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) longest = std::max(longest, 1.0 / laser->scan_rate);
+      if (const auto* laser = std::get_if<RangeSensor>(&device.kind))
+        longest = std::max(longest, 1.0 / laser->scan_rate);
     }
   }
   constexpr std::int64_t for_contacts = 2;  // what touched is known after a step
@@ -120,9 +122,9 @@ Result<void> Branch::open() {
     return in_file(file_, error(of_a_log ? "it was recorded from a log: there is no world to go on with"
                                          : "it is a replay: its world didn't follow its commands, and can't go on",
                                 "branch from the recording of a simulation"));
-  const bool has_pictures = std::any_of(
-      recording_->channels().begin(), recording_->channels().end(),
-      [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  const bool has_pictures =
+      std::any_of(recording_->channels().begin(), recording_->channels().end(),
+                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
   scenario_->record_frames = scenario_->record_frames && has_pictures;
   ticks_ = ticks_of(*recording_);
   if (ticks_.whole > 0) return {};
@@ -167,12 +169,12 @@ Result<void> Branch::find_moment() {
   const double step = scenario_->time_step;
   const double wanted = from_.tick ? static_cast<double>(*from_.tick) : std::round(*from_.time / step);
   if (!(wanted <= static_cast<double>(ticks_.whole)))
-    return in_file(file_, error(fmt::format("its last whole tick is {} ({:g} s){}, before {}", ticks_.whole - 1,
-                                            time_of(ticks_.whole - 1, step),
-                                            recording_->damage().empty() ? "" : ", where it is cut or damaged",
-                                            from_.tick ? fmt::format("tick {}", *from_.tick)
-                                                       : fmt::format("{:g} s", *from_.time)),
-                                fmt::format("branch from @tick:{} at the latest", ticks_.whole)));
+    return in_file(
+        file_, error(fmt::format("its last whole tick is {} ({:g} s){}, before {}", ticks_.whole - 1,
+                                 time_of(ticks_.whole - 1, step),
+                                 recording_->damage().empty() ? "" : ", where it is cut or damaged",
+                                 from_.tick ? fmt::format("tick {}", *from_.tick) : fmt::format("{:g} s", *from_.time)),
+                     fmt::format("branch from @tick:{} at the latest", ticks_.whole)));
   origin_.tick = static_cast<std::int64_t>(wanted);
   origin_.time = time_of(origin_.tick, step);
   return {};
@@ -183,12 +185,13 @@ Result<void> Branch::set_end() {
   if (options_.duration) scenario_->duration = origin_.time + *options_.duration;
   const bool too_long = !(scenario_->duration <= Scenario::max_duration);
   if (!too_long && scenario_->ticks() > origin_.tick) return {};
-  return in_file(file_, error(too_long ? fmt::format("a run to {:g} s is too long", scenario_->duration)
-                                       : fmt::format("there is nothing to simulate: the branch begins at {:g} s and ends "
-                                                     "at {:g} s",
-                                                     origin_.time, scenario_->duration),
-                              too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
-                                       : "say until when: --until S, or for how long: --duration S"));
+  return in_file(file_,
+                 error(too_long ? fmt::format("a run to {:g} s is too long", scenario_->duration)
+                                : fmt::format("there is nothing to simulate: the branch begins at {:g} s and ends "
+                                              "at {:g} s",
+                                              origin_.time, scenario_->duration),
+                       too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
+                                : "say until when: --until S, or for how long: --duration S"));
 }
 
 Result<void> Branch::add_pushes() {
@@ -198,9 +201,10 @@ Result<void> Branch::add_pushes() {
     if (!push) {
       findings.insert(findings.end(), push.errors().begin(), push.errors().end());
     } else if (push->from < origin_.time) {
-      findings.push_back(error(fmt::format("the push '{}' begins at {:g} s, before the moment {:g} s: what happened until then "
-                                           "is recorded already",
-                                           text, push->from, origin_.time)));
+      findings.push_back(
+          error(fmt::format("the push '{}' begins at {:g} s, before the moment {:g} s: what happened until then "
+                            "is recorded already",
+                            text, push->from, origin_.time)));
     } else {
       scenario_->pushes.push_back(*push);
     }
@@ -230,11 +234,12 @@ Result<void> Branch::choose_checkpoint() {
       if (tick <= latest) checkpoint_ = std::max(checkpoint_, tick);
   origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
   summary_.world = checkpoint_ > 0
-                       ? fmt::format("the world was set to the checkpoint of tick {} and led to tick {} by the recorded "
-                                     "commands",
-                                     checkpoint_, origin_.tick)
-                       : fmt::format("the world was led from the start to tick {} by the recorded commands{}", origin_.tick,
-                                     objection->empty() ? "" : ": " + *objection);
+                       ? fmt::format(
+                             "the world was set to the checkpoint of tick {} and led to tick {} by the recorded "
+                             "commands",
+                             checkpoint_, origin_.tick)
+                       : fmt::format("the world was led from the start to tick {} by the recorded commands{}",
+                                     origin_.tick, objection->empty() ? "" : ": " + *objection);
   return {};
 }
 
@@ -310,14 +315,16 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
     commands->put(tick, Timing::same_step, moved_);
     loop.recorder->begin_with_contacts(plant.world().touching());
     if (!plant.step(moved_))
-      return in_file(file_, error(fmt::format("led by the recorded commands, the simulation exploded after tick {}", tick)));
+      return in_file(file_,
+                     error(fmt::format("led by the recorded commands, the simulation exploded after tick {}", tick)));
     commands->put(tick, Timing::next_step, moved_);
     plant.obey(tick, moved_);
   }
   const auto moment = static_cast<std::size_t>(origin_.tick);
   if (moment >= ticks_.state_hashes.size() || plant.world().state_hash() == ticks_.state_hashes[moment]) return {};
   Diagnostic& remark = summary_.run.remarks.emplace_back(
-      error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit", origin_.tick),
+      error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
+                        origin_.tick),
             "another version or another arithmetic recorded it, or it doesn't repeat itself: rehearse check tells"));
   remark.severity = Severity::warning;
   return {};
@@ -402,8 +409,7 @@ Result<BranchPoint> BranchPoint::parse(const std::string& text) {
   constexpr double most = 1e15;
   if (!has_form || !parse_double(digits, number) || !(number >= 0.0 && number <= most) ||
       (is_tick && number != std::floor(number)))
-    return error_at({text, at + 1, moment.size()},
-                    fmt::format("'{}' is no moment: expected 3.2s or tick:640", moment));
+    return error_at({text, at + 1, moment.size()}, fmt::format("'{}' is no moment: expected 3.2s or tick:640", moment));
   if (is_tick)
     point.tick = static_cast<std::int64_t>(number);
   else

@@ -18,8 +18,7 @@ Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOp
   if (!hosting) return hosting.errors();
   host = std::move(*hosting);
   auto recording = Recorder::create(
-      trace, scenario,
-      provenance(scenario, host.get(), World::engine_description(), plant->renderer_description()));
+      trace, scenario, provenance(scenario, host.get(), World::engine_description(), plant->renderer_description()));
   if (!recording) return recording.errors();
   recorder = std::move(*recording);
   descriptor.emplace(recorder->descriptor(), "the recording");
@@ -113,8 +112,7 @@ Result<RunSummary> ClosedLoop::finish() {
   if (!summary.failure && host->failure()) summary.failure = *host->failure();
   if (!summary.failure) {  // the state after the last step closes a complete run
     plant->sense();
-    if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done)
-      return done.errors();
+    if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done.errors();
     if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done) return done.errors();
     if (auto done = recorder->record_tick(tick, nullptr, {plant->world().state_hash(), 0, 0}); !done)
       return done.errors();

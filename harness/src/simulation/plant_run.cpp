@@ -6,9 +6,9 @@
 
 #include "host/float_mode.h"
 #include "plant.h"
-#include "recording/provenance.h"
 #include "recorded_checkpoints.h"
 #include "recorded_commands.h"
+#include "recording/provenance.h"
 #include "recording/recorder.h"
 
 namespace rehearse {

@@ -31,8 +31,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   if (auto created = loop.create(trace, options); !created) return created.errors();
   if (options.nudge) loop.plant->world().nudge(*options.nudge);
   if (options.checkpoint_period > 0.0)
-    loop.checkpoint_interval =
-        std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
+    loop.checkpoint_interval = std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
   loop.command = loop.host->initialize(initial_observation(scenario));
   loop.watch_contacts();
   loop.plant->obey(-1, loop.command);

@@ -1,5 +1,5 @@
-/* A program that knows nothing of Rehearse, and loads a library that sets variables: plain_program LIBRARY. With LISTENS
-   it defines what the harness defines. */
+/* A program that knows nothing of Rehearse, and loads a library that sets variables: plain_program LIBRARY. With
+   LISTENS it defines what the harness defines. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>

@@ -70,7 +70,8 @@ class Speaking : public Pusher {
  public:
   explicit Speaking(const Words& words) : Pusher(1.0), words_(words) {}
   bool initialize(cnoid::SimpleControllerIO* io) override {
-    io->os() << "before\n" << "the run\n";
+    io->os() << "before\n"
+             << "the run\n";
     return Pusher::initialize(io);
   }
   bool control() override {

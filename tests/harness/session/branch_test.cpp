@@ -310,7 +310,8 @@ TEST_F(BranchTest, ReadsAMoment) {
   EXPECT_EQ(*BranchPoint::parse("a@b.mcap@3.2s")->time, 3.2);
   EXPECT_EQ(BranchPoint::parse("a@b.mcap@3.2s")->trace, "a@b.mcap");
   EXPECT_EQ(*BranchPoint::parse("a.mcap@tick:640")->tick, 640);
-  for (const char* wrong : {"a.mcap", "a.mcap@3.2", "a.mcap@tick:1.5", "a.mcap@tick:-1", "a.mcap@-1s", "@1s", "a.mcap@"})
+  for (const char* wrong :
+       {"a.mcap", "a.mcap@3.2", "a.mcap@tick:1.5", "a.mcap@tick:-1", "a.mcap@-1s", "@1s", "a.mcap@"})
     EXPECT_FALSE(BranchPoint::parse(wrong).ok()) << wrong;
 }
 

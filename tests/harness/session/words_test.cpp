@@ -37,9 +37,8 @@ class WordsTest : public RunTest {
 
 TEST_F(WordsTest, VariablesAreChannelsWithAMessageInEachTickThatSetsThem) {
   const Trace trace = record_run(rig(behaviour("C", "variables 0.25"), "cameras: none\n", "0.005"));
-  EXPECT_THAT(topics(trace, "/Rig/C/variable/"),
-              ElementsAre("/Rig/C/variable/gain", "/Rig/C/variable/phase", "/Rig/C/variable/even",
-                          "/Rig/C/variable/odd%2Fname%25"));
+  EXPECT_THAT(topics(trace, "/Rig/C/variable/"), ElementsAre("/Rig/C/variable/gain", "/Rig/C/variable/phase",
+                                                             "/Rig/C/variable/even", "/Rig/C/variable/odd%2Fname%25"));
   EXPECT_EQ(trace.find_channel("/Rig/C/variable/phase")->type, "std_msgs/msg/Float64");
   EXPECT_THAT(ticks_of(trace, "Rig/C/variable/gain"), ElementsAre(0));
   EXPECT_EQ(trace.first("Rig/C/variable/gain"), 2.5);
@@ -71,15 +70,16 @@ TEST_F(WordsTest, WhatMayNotBeAVariableIsOneWarning) {
 TEST_F(WordsTest, WhatIsSetOutsideOfATickIsOneWarning) {
   for (const char* how : {"thread", "stop"}) {
     const Trace trace = record_run(rig_with(std::string("stray ") + how));
-    EXPECT_THAT(said(trace), ElementsAre(HasSubstr("rehearse_variable: was called where no controller is called"))) << how;
+    EXPECT_THAT(said(trace), ElementsAre(HasSubstr("rehearse_variable: was called where no controller is called")))
+        << how;
     EXPECT_THAT(topics(trace, "/Rig/C/variable/"), IsEmpty());
   }
 }
 
 TEST_F(WordsTest, LinesHaveTheirTickWhateverTheirEnd) {
   const Trace trace = record_run(rig_with("lines"));
-  EXPECT_THAT(lines(trace), ElementsAre("0: before", "0: the run", "0: one 0", "0: ", "0: three 0", "1: one 1", "1: ",
-                                        "1: three 1", "2: last words", "19: over"));
+  EXPECT_THAT(lines(trace), ElementsAre("0: before", "0: the run", "0: one 0", "0: ", "0: three 0", "1: one 1",
+                                        "1: ", "1: three 1", "2: last words", "19: over"));
 }
 
 TEST_F(WordsTest, TheLastWordsOfAControllerThatFailsAreRecorded) {
