@@ -1,8 +1,10 @@
 #include "line_editor.h"
 
 #include <editline/readline.h>
+#include <poll.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -38,6 +40,32 @@ char** complete_line(const char* word, int begin, int) {
   return rl_completion_matches(word, next_candidate);
 }
 
+/// Ctrl-C reaches us nowhere else than in read_key() while this lives. Else one that comes right before a key is waited
+/// for would be noticed only with that key.
+class InterruptsHeld {
+ public:
+  InterruptsHeld() {
+    sigset_t held;
+    sigemptyset(&held);
+    sigaddset(&held, SIGINT);
+    pthread_sigmask(SIG_BLOCK, &held, &before);
+  }
+  ~InterruptsHeld() { pthread_sigmask(SIG_SETMASK, &before, nullptr); }
+  InterruptsHeld(const InterruptsHeld&) = delete;
+  InterruptsHeld& operator=(const InterruptsHeld&) = delete;
+
+  static inline sigset_t before;
+};
+
+/// -1, which ends the line: there is none, or Ctrl-C came.
+int read_key(FILE*) {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  while (ppoll(&input, 1, nullptr, &InterruptsHeld::before) < 0)
+    if (interrupted || errno != EINTR) return -1;
+  unsigned char key = 0;
+  return read(STDIN_FILENO, &key, 1) == 1 ? key : -1;
+}
+
 /// Calls to the system are interrupted by Ctrl-C, and not taken up again.
 void catch_interrupts() {
   struct sigaction action {};
@@ -58,6 +86,7 @@ LineEditor::LineEditor(std::string prompt, Complete complete)
   rl_basic_word_break_characters = breaks;
   rl_completer_word_break_characters = breaks;
   rl_attempted_completion_function = complete_line;
+  rl_getc_function = read_key;
   using_history();
   stifle_history(1000);
   catch_interrupts();
@@ -78,8 +107,12 @@ std::optional<std::string> LineEditor::next() {
     std::string line;
     return std::getline(std::cin, line) ? std::optional(line) : std::nullopt;
   }
-  char* line = readline(prompt_.c_str());
-  catch_interrupts();  // libedit has put handlers of its own in their places
+  char* line = nullptr;
+  {
+    const InterruptsHeld held;
+    line = readline(prompt_.c_str());
+    catch_interrupts();  // libedit has put handlers of its own in their places
+  }
   if (!line) {
     std::puts("");
     return interrupted ? std::optional<std::string>("") : std::nullopt;
