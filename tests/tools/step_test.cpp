@@ -6,6 +6,8 @@
 #include <pty.h>
 #include <rehearse/trace.h>
 #include <signal.h>
+#include <termios.h>
+#include <unistd.h>
 
 namespace rehearse::test {
 namespace {
@@ -222,7 +224,10 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
+  /// Keys, as soon as the line editor takes each by itself: it shows its prompt before it says so to the terminal.
   void type(const std::string& keys) {
+    termios modes{};
+    for (int i = 0; i < 20'000 && (tcgetattr(terminal_, &modes) != 0 || (modes.c_lflag & ICANON)); ++i) usleep(1000);
     EXPECT_EQ(write(terminal_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   }
   /// Waits until that is on the screen, and forgets what was there up to it. A failure if it doesn't come.
