@@ -46,6 +46,8 @@ class ExpressionSource {
   /// Whether any of `links` touches any of `others`, or anything if that is empty.
   virtual bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
                         std::int64_t tick) = 0;
+  /// The controllers gave something else in that tick than in the recording.
+  virtual bool differs_at(std::int64_t tick) = 0;
   /// Whether anything that was said in the tick matches the pattern (glob.h).
   virtual bool said(std::string_view pattern, std::int64_t tick) = 0;
 };
@@ -73,7 +75,7 @@ class Expression {
     std::string text;  // as it was written
     std::size_t node = 0;
   };
-  /// In the order of the text, each once; tick and time aren't among them.
+  /// In the order of the text, each once; tick, time and differs aren't among them.
   std::vector<Operand> operands() const;
   double number_of(const Operand& operand, ExpressionSource& source, std::int64_t tick) const;
 

@@ -152,6 +152,7 @@ class SteppedTrace : public ExpressionSource {
   double value(std::size_t series, std::int64_t tick, CommandSide side) override;
   bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
                 std::int64_t tick) override;
+  bool differs_at(std::int64_t tick) override;
   bool said(std::string_view pattern, std::int64_t tick) override;
 
  private:

@@ -49,6 +49,7 @@ double Expression::evaluate(std::size_t index, ExpressionSource& source, std::in
     case Op::number: return node.number;
     case Op::tick: return static_cast<double>(tick);
     case Op::time: return source.time_at(tick);
+    case Op::differs: return source.differs_at(tick) ? 1.0 : 0.0;
     case Op::series: return source.value(node.series, tick, node.side);
     case Op::contact: return source.touching(node.links, node.others, tick) ? 1.0 : 0.0;
     case Op::message: return source.said(node.pattern, tick) ? 1.0 : 0.0;

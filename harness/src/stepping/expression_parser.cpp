@@ -221,6 +221,7 @@ ExpressionParser::Made ExpressionParser::primary() {
 ExpressionParser::Made ExpressionParser::name(const ExpressionToken& word) {
   if (word.text == "tick") return add(Op::tick, Type::number, word.begin, word.end);
   if (word.text == "time") return add(Op::time, Type::number, word.begin, word.end);
+  if (word.text == "differs") return add(Op::differs, Type::boolean, word.begin, word.end);
   if (word.text == "true" || word.text == "false") {
     const std::size_t made = add(Op::number, Type::boolean, word.begin, word.end);
     expression_.nodes_[made].number = word.text == "true" ? 1.0 : 0.0;

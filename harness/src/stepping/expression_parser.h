@@ -11,6 +11,7 @@ enum class Expression::Op : std::uint8_t {
   number,
   tick,
   time,
+  differs,
   series,
   contact,
   message,

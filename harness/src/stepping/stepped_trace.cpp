@@ -260,6 +260,8 @@ bool SteppedTrace::touching(const std::vector<std::size_t>& links, const std::ve
   return impl_->contacts_.touching(links, others, impl_->ns(tick));
 }
 
+bool SteppedTrace::differs_at(std::int64_t tick) { return impl_->replayed_->differs_at(impl_->ns(tick)); }
+
 bool SteppedTrace::said(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
   return std::any_of(all.begin(), all.end(),

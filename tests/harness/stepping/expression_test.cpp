@@ -68,6 +68,11 @@ TEST_F(ExpressionOf, TicksAndTimesAreNumbers) {
   EXPECT_EQ(number("time"), 0.007);
 }
 
+TEST_F(ExpressionOf, TicksInWhichControllersDiffer) {
+  EXPECT_FALSE(holds("differs", 2));
+  EXPECT_TRUE(holds("differs && !prev(differs)", 3));
+}
+
 TEST_F(ExpressionOf, FunctionsOfNumbers) {
   EXPECT_EQ(number("abs(-3) + min(1, 2) + max(1, 2) + sqrt(16)"), 10.0);
   EXPECT_EQ(number("sin(0) + cos(0)"), 1.0);

@@ -51,6 +51,7 @@ class MadeUpSource : public ExpressionSource {
     const bool floor = has(some, 2) && (others.empty() || has(others, 0));
     return tick % 2 == 0 && (foot || floor);
   }
+  bool differs_at(std::int64_t tick) override { return tick >= 3; }
   bool said(std::string_view pattern, std::int64_t tick) override { return tick % 10 == 0 && matches(pattern, "step"); }
 };
 
