@@ -57,8 +57,10 @@ Result<fs::path> report_page() {
     }
   }
   return error(
-      "the page of reports was not built: npm was not found when Rehearse was configured",
-      "install nodejs and npm, then configure and build Rehearse again; in its sources tools/setup does all of it");
+      "the page of reports was not built: Node.js, npm, or what npm fetches for it, was missing when Rehearse was "
+      "configured",
+      "install nodejs and npm, run npm ci in tools/report, then configure and build again; tools/setup does the first "
+      "two");
 }
 
 std::string report_link(const fs::path& report, std::optional<std::int64_t> tick) {
