@@ -46,3 +46,6 @@ set_source_files_properties(src/recording/provenance.cpp PROPERTIES
 target_link_libraries(rehearse_harness
   PUBLIC Rehearse::scenario Rehearse::trace
   PRIVATE Rehearse::cnoid Rehearse::png fmt::fmt Threads::Threads ${CMAKE_DL_LIBS})
+# Functions are found when the library is loaded. Found at their first call, they would leave the processor's registers on
+# the stack, right where a controller's uninitialised variables come to lie, and an audit paints that.
+target_link_options(rehearse_harness PRIVATE -Wl,-z,now)

@@ -4,37 +4,58 @@
 #include <bit>
 #include <cmath>
 
+#include "recording/variable_topics.h"
+
 namespace rehearse {
 
-RecordedTicks::RecordedTicks(MessageFinder& finder) : finder_(finder) {
-  mcap::Reader& reader = finder.reader();
-  for (const auto& [id, channel] : reader.channels()) {
-    const mcap::Schema* schema = reader.schema_of(channel);
-    auto source = std::make_unique<Source>();
-    source->id = id;
-    source->table.topic = channel.topic;
-    source->table.type = schema ? schema->name : "";
-    source->table.encoding = channel.message_encoding;
-    source->table.metadata = channel.metadata;
-    auto rows = make_row_reader(source->table, schema);
-    if (rows) source->rows = std::move(*rows);
-    source->varies = source->rows && (make_typed_row_reader(source->table) == nullptr ||
-                                      source->table.type == msg::Contacts::type_name);
-    sources_.push_back(std::move(source));
-  }
+RecordedTicks::RecordedTicks(MessageFinder& finder) {
+  for (const auto& [id, channel] : finder.reader().channels()) sources_.push_back(make_source(finder, channel));
+  recorded_channels_ = sources_.size();
   for (const std::unique_ptr<Source>& source : sources_) learn(*source);
+  name_all();
+}
+
+std::unique_ptr<RecordedTicks::Source> RecordedTicks::make_source(MessageFinder& finder, const mcap::Channel& channel) {
+  const mcap::Schema* schema = finder.reader().schema_of(channel);
+  auto source = std::make_unique<Source>();
+  source->finder = &finder;
+  source->id = channel.id;
+  source->table.topic = channel.topic;
+  source->table.type = schema ? schema->name : "";
+  source->table.encoding = channel.message_encoding;
+  source->table.metadata = channel.metadata;
+  auto rows = make_row_reader(source->table, schema);
+  if (rows) source->rows = std::move(*rows);
+  source->varies = source->rows &&
+                   (make_typed_row_reader(source->table) == nullptr || source->table.type == msg::Contacts::type_name);
+  return source;
+}
+
+void RecordedTicks::add_replayed(MessageFinder& variables) {
+  for (const auto& [id, channel] : variables.reader().channels()) {
+    if (variable_of_topic(channel.topic).empty()) continue;
+    std::unique_ptr<Source> source = make_source(variables, channel);
+    learn(*source);
+    const auto same = [&](const std::unique_ptr<Source>& known) { return known->table.topic == channel.topic; };
+    const auto known = std::find_if(sources_.begin(), sources_.end(), same);
+    if (known == sources_.end()) {
+      sources_.push_back(std::move(source));
+    } else if ((*known)->table.type == source->table.type) {
+      (*known)->replayed = std::move(source);
+    }
+  }
   name_all();
 }
 
 /// The first message, the last, and one between.
 void RecordedTicks::learn(Source& source) {
   if (!source.rows) return;
-  const auto first = finder_.next(source.id, 0);
+  const auto first = source.finder->next(source.id, 0);
   if (!first) return;
   read(source, *first);
-  const auto last = finder_.latest(source.id, never);
+  const auto last = source.finder->latest(source.id, never);
   if (!last || last->time == first->time) return;
-  if (const auto middle = finder_.latest(source.id, first->time + (last->time - first->time) / 2, first->time))
+  if (const auto middle = source.finder->latest(source.id, first->time + (last->time - first->time) / 2, first->time))
     read(source, *middle);
   read(source, *last);
 }
@@ -44,7 +65,8 @@ void RecordedTicks::learn_all() {
   learned_all_ = true;
   for (const std::unique_ptr<Source>& source : sources_) {
     if (!source->varies) continue;
-    for (auto found = finder_.next(source->id, 0); found; found = finder_.next(source->id, found->time + 1))
+    for (auto found = source->finder->next(source->id, 0); found;
+         found = source->finder->next(source->id, found->time + 1))
       read(*source, *found);
   }
   name_all();
@@ -72,7 +94,14 @@ bool RecordedTicks::read(Source& source, const MessageFinder::Found& found) {
 }
 
 const RecordedTicks::Row* RecordedTicks::row(std::size_t channel, std::uint64_t time) {
-  Source& source = *sources_[channel];
+  return row(*sources_[channel], time);
+}
+
+const RecordedTicks::Row* RecordedTicks::replayed_row(std::size_t channel, std::uint64_t time) {
+  return has_replayed_rows(channel) ? row(*sources_[channel]->replayed, time) : nullptr;
+}
+
+const RecordedTicks::Row* RecordedTicks::row(Source& source, std::uint64_t time) {
   if (!source.rows) return nullptr;
   Row* best = nullptr;  // the latest that isn't later
   Row* oldest = &source.recent.front();
@@ -84,7 +113,7 @@ const RecordedTicks::Row* RecordedTicks::row(std::size_t channel, std::uint64_t 
   if (best && time <= best->until) return best;
   if (!best && time < source.none_until) return nullptr;
   const std::uint64_t earliest = best ? best->until + 1 : source.none_until;
-  const auto found = finder_.latest(source.id, time, earliest);
+  const auto found = source.finder->latest(source.id, time, earliest);
   if (!found) {
     if (best) best->until = time;
     if (!best) source.none_until = std::max(source.none_until, time + 1);

@@ -33,6 +33,9 @@ class RecordedTicks {
 
   /// Learns the names of all series from a few messages of each channel.
   explicit RecordedTicks(MessageFinder& finder);
+  /// The variables that the controllers set when they are replayed: those that the recording hasn't become series like
+  /// its own, the others are its channels' replayed rows.
+  void add_replayed(MessageFinder& variables);
 
   std::size_t channels() const { return sources_.size(); }
   const TraceChannel& channel(std::size_t index) const { return sources_[index]->table; }
@@ -40,6 +43,11 @@ class RecordedTicks {
 
   /// The latest row at or before that time; null: there is none. Valid until the next call for this channel.
   const Row* row(std::size_t channel, std::uint64_t time);
+  /// What the controllers set in a replay, if that is a variable that the recording has too; else null.
+  const Row* replayed_row(std::size_t channel, std::uint64_t time);
+  bool has_replayed_rows(std::size_t channel) const { return sources_[channel]->replayed != nullptr; }
+  /// The recording has the channel; else it is of a replay alone.
+  bool is_recorded(std::size_t channel) const { return channel < recorded_channels_; }
   /// A cell of a row as a double; NaN where the row has none, because the column came later.
   double number(std::size_t channel, std::size_t column, const Row& row) const;
 
@@ -51,19 +59,23 @@ class RecordedTicks {
 
  private:
   struct Source {
+    MessageFinder* finder = nullptr;
     std::uint16_t id = 0;
     TraceChannel table;  // of one row: the one that was read last
     std::unique_ptr<RowReader> rows;
     std::array<Row, 4> recent;
     std::uint64_t none_until = 0;  // there is no message before that time [ns]
     bool varies = false;           // messages needn't have the same numbers
+    std::unique_ptr<Source> replayed;
   };
+  static std::unique_ptr<Source> make_source(MessageFinder& finder, const mcap::Channel& channel);
+  const Row* row(Source& source, std::uint64_t time);
   bool read(Source& source, const MessageFinder::Found& found);
   void learn(Source& source);
   void name_all();
 
-  MessageFinder& finder_;
   std::vector<std::unique_ptr<Source>> sources_;
+  std::size_t recorded_channels_ = 0;  // the first of sources_
   std::map<std::string, SeriesPlace, std::less<>> series_;
   std::vector<std::string> names_;
   std::uint64_t uses_ = 0;

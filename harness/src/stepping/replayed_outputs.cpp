@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/clock.h>
+#include <rehearse/float64_message.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -69,11 +70,14 @@ class ReplayedOutputs::Writing {
     if (!pending_.empty() && pending_.front().tick != found.tick) flush();
     pending_.push_back({place_of(found), found.tick, found.expected, found.actual});
   }
-  void add(const msg::Event& event) {
-    cdr_.reset();
-    msg::encode(event, cdr_);
-    const std::uint64_t time = nanoseconds_of(event.tick, time_step_);
-    keep(writer_.write(outputs_.events_, time, time, cdr_.bytes()));
+  void add(const msg::Event& event) { write(outputs_.events_, event.tick, event); }
+  void add_variable(std::int64_t tick, const std::string& series, double value) {
+    const auto [entry, is_new] = variables_.try_emplace(series, std::uint16_t{0});
+    if (is_new) {
+      const auto schema = writer_.add_schema(msg::Float64::type_name, "ros2msg", msg::schema_text<msg::Float64>());
+      entry->second = writer_.add_channel(schema, "/" + series, "cdr");
+    }
+    write(entry->second, tick, msg::Float64{value});
   }
   void flush() {
     if (pending_.empty()) return;
@@ -84,6 +88,13 @@ class ReplayedOutputs::Writing {
   const Diagnostics& problems() const { return problems_; }
 
  private:
+  template <class T>
+  void write(std::uint16_t channel, std::int64_t tick, const T& message) {
+    cdr_.reset();
+    msg::encode(message, cdr_);
+    const std::uint64_t time = nanoseconds_of(tick, time_step_);
+    keep(writer_.write(channel, time, time, cdr_.bytes()));
+  }
   std::uint64_t place_of(const Divergence& found) {
     const auto [entry, is_new] =
         known_.try_emplace({found.channel, found.element, found.note}, outputs_.places_.size());
@@ -100,6 +111,7 @@ class ReplayedOutputs::Writing {
   CdrWriter cdr_;
   std::vector<StoredDifference> pending_;
   std::map<std::tuple<std::string, std::string, std::string>, std::uint64_t> known_;
+  std::map<std::string, std::uint16_t> variables_;  // channels by series
   Diagnostics problems_;
 };
 
@@ -122,6 +134,9 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   replaying.until = until;
   replaying.progress = options.progress;
   replaying.on_difference = [&writing](const Divergence& found) { writing.add(found); };
+  replaying.on_variable = [&writing](std::int64_t tick, const std::string& series, double value) {
+    writing.add_variable(tick, series, value);
+  };
   replaying.on_event = [&writing](const msg::Event& event) { writing.add(event); };
   const Result<ReplayReport> report = replay_recording(trace, scenario, replaying, Damage::tolerate);
   writing.flush();

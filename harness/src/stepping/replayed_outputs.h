@@ -28,6 +28,8 @@ class ReplayedOutputs {
   const Diagnostics& remarks() const { return remarks_; }
   const std::optional<Diagnostic>& failure() const { return failure_; }
   std::optional<std::int64_t> last_tick() const { return last_tick_; }
+  /// Where the variables are that the controllers set, each on its topic; null: nothing was replayed.
+  MessageFinder* variables() const { return finder_.get(); }
 
   bool differs() const { return !places_.empty(); }
   /// In the order in which they were found.

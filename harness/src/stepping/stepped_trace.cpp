@@ -124,6 +124,7 @@ Result<void> SteppedTrace::Impl::replay(const SteppingOptions& options) {
     if (!known) remarks_.push_back(remark);
   };
   for (const Diagnostic& remark : replayed_->remarks()) add(remark);
+  if (MessageFinder* variables = replayed_->variables()) recorded_.add_replayed(*variables);
   return {};
 }
 
@@ -226,7 +227,9 @@ Result<std::vector<std::size_t>> SteppedTrace::find_all_series(std::string_view 
 }
 
 bool SteppedTrace::is_replayed(std::size_t series) const {
-  return last_replayed() && impl_->is_command(impl_->recorded_.channel(series_place(series).channel).topic);
+  const std::size_t channel = series_place(series).channel;
+  return last_replayed() &&
+         (impl_->is_command(impl_->recorded_.channel(channel).topic) || impl_->recorded_.has_replayed_rows(channel));
 }
 
 Result<std::vector<std::size_t>> SteppedTrace::find_links(std::string_view name) {
@@ -245,9 +248,14 @@ Result<std::vector<std::size_t>> SteppedTrace::find_links(std::string_view name)
 
 double SteppedTrace::value(std::size_t series, std::int64_t tick, CommandSide side) {
   const SeriesPlace place = series_place(series);
+  const bool of_replay = side == CommandSide::replayed || !impl_->recorded_.is_recorded(place.channel);
+  if (of_replay && (!last_replayed() || tick > *last_replayed())) return std::nan("");
   if (side == CommandSide::replayed) {
-    if (!last_replayed() || tick > *last_replayed()) return std::nan("");
     const TraceChannel& channel = impl_->recorded_.channel(place.channel);
+    if (impl_->recorded_.has_replayed_rows(place.channel)) {
+      const RecordedTicks::Row* row = impl_->recorded_.replayed_row(place.channel, impl_->ns(tick));
+      return row ? impl_->recorded_.number(place.channel, place.column, *row) : std::nan("");
+    }
     for (const Divergence& found : impl_->differences(tick))
       if (found.channel == channel.topic && found.element == channel.columns[place.column].element) return found.actual;
   }

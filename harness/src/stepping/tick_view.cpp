@@ -80,6 +80,15 @@ ViewChannel SteppedTrace::Impl::channel_at(std::size_t index, std::int64_t tick,
         value.ulps = found->ulps;
       }
     }
+    if (const RecordedTicks::Row* again = replayed_->last_tick() && tick <= *replayed_->last_tick()
+                                              ? recorded_.replayed_row(index, ns(tick))
+                                              : nullptr) {
+      const double number = recorded_.number(index, column, *again);
+      if (!identical(number, value.value)) {
+        value.replayed = number;
+        value.ulps = ulps_between(number, value.value);
+      }
+    }
     shown.values.push_back(std::move(value));
   }
   return shown;

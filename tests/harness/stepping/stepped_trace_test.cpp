@@ -308,5 +308,43 @@ TEST_F(Stepped, GivesTheLatestPictureAtOrBeforeATick) {
   EXPECT_FALSE(trace->picture("Cammera", 19).ok());
 }
 
+/// Of a behaviour with other options than the recorded ones.
+SteppingOptions as(const std::string& behaviour) {
+  SteppingOptions options;
+  options.controller_options["Rig/C"] = behaviour;
+  return options;
+}
+
+TEST_F(Stepped, HasVariablesThatOnlyTheReplayedControllersSet) {
+  record_run(rig(behaviour("C", "lines quietly famous"), "cameras: none\n", "0.005"));
+  const auto trace = opened(as("variables 0.25"));
+  ASSERT_NE(trace, nullptr);
+  const std::size_t phase = series(*trace, "variable/phase"), even = series(*trace, "Rig/C/variable/even");
+  EXPECT_EQ(trace->value(phase, 4, CommandSide::recorded), 1.0);
+  EXPECT_TRUE(std::isnan(trace->value(phase, 3, CommandSide::recorded)));
+  EXPECT_EQ(trace->value(phase, 2, CommandSide::recorded), 0.5);
+  EXPECT_EQ(trace->value(even, 3, CommandSide::recorded), 2.0);  // the latest
+  const TickView view = trace->view(3);
+  ASSERT_NE(channel(view, "/Rig/C/variable/phase"), nullptr);
+  EXPECT_EQ(channel(view, "/Rig/C/variable/even"), nullptr);  // not set in that tick
+}
+
+TEST_F(Stepped, ShowsVariablesAsTheyWereAndAsTheyAreNow) {
+  record_run(rig(behaviour("C", "variables 0.25"), "cameras: none\n", "0.005"));
+  const auto trace = opened(as("variables 0.5"));
+  ASSERT_NE(trace, nullptr);
+  const std::size_t phase = series(*trace, "variable/phase");
+  EXPECT_TRUE(trace->is_replayed(phase));
+  EXPECT_EQ(trace->value(phase, 4, CommandSide::recorded), 1.0);
+  EXPECT_EQ(trace->value(phase, 4, CommandSide::replayed), 2.0);
+  const TickView view = trace->view(4);
+  const ViewChannel* shown = channel(view, "/Rig/C/variable/phase");
+  ASSERT_NE(shown, nullptr);
+  ASSERT_THAT(shown->values, SizeIs(1));
+  EXPECT_EQ(shown->values[0].value, 1.0);
+  EXPECT_EQ(shown->values[0].replayed, 2.0);
+  EXPECT_FALSE(channel(view, "/Rig/C/variable/even")->values[0].replayed) << "it is the same";
+}
+
 }  // namespace
 }  // namespace rehearse
