@@ -1,5 +1,6 @@
 // Builds one file that needs nothing else: scripts and styles stand in the page.
 import { readFileSync } from 'node:fs';
+import { deflateSync } from 'node:zlib';
 import { defineConfig, type Plugin } from 'vite';
 
 const marker = '<!-- REHEARSE DATA -->';
@@ -10,6 +11,24 @@ function notices(): string {
     (name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`,
   );
   return `<!--\nThis page contains libraries.\n\n${texts.join('\n\n')}\n-->`;
+}
+
+// A report of a second is smaller than the page's code: so that stands in the page deflated.
+function packed(code: string): string {
+  const text = deflateSync(`${code.trim()}\n//# sourceURL=rehearse_report.js`, { level: 9 }).toString('base64');
+  return `<script type="text/plain" id="page_code">${text}</script>
+<script>
+async function start_page() {
+  const text = atob(document.getElementById('page_code').textContent);
+  const bytes = new Blob([Uint8Array.from(text, (c) => c.charCodeAt(0))]);
+  const script = document.createElement('script');
+  script.textContent = await new Response(bytes.stream().pipeThrough(new DecompressionStream('deflate'))).text();
+  document.head.append(script);
+}
+start_page().catch((error) => {
+  document.getElementById('app').textContent = 'This report can’t be shown: ' + error.message;
+});
+</script>`;
 }
 
 // What the page loads is put into it. A classic script, in front of the data: it starts before the browser has read them.
@@ -27,8 +46,7 @@ function inline(): Plugin {
         if (!reference.test(html)) this.error(`report.html doesn't load ${name}`);
         html = html.replace(reference, '');
         if (file.type === 'chunk') {
-          const code = file.code.replaceAll('</script', '<\\/script').replaceAll('<!--', '\\x3C!--').trim();
-          html = html.replace(marker, () => `<script>${code}</script>\n${marker}`);
+          html = html.replace(marker, () => `${packed(file.code)}\n${marker}`);
         } else {
           html = html.replace('</head>', () => `<style>${String(file.source).trim()}</style>\n</head>`);
         }
