@@ -1,5 +1,5 @@
 // rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs
-// of a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h.
+// of a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h. In gdb: debugger.h.
 #include <fmt/format.h>
 #include <rehearse/branch.h>
 #include <rehearse/replay.h>
@@ -32,11 +32,11 @@ struct Settings {
   std::string trace;
   bool json = false;
   ReplayOptions replay;
+  std::string output;
   TickSettings ticks;
-  // of a log
-  std::string controller, model, map, output;
-
   DebuggerOptions debugger;
+  // of a log
+  std::string controller, model, map;
 
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
@@ -102,6 +102,8 @@ Result<void> check_usage(const Settings& settings) {
   if (!settings.replay.set.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
     return error("--set with --tick, --at, --watch, --when or --gdb",
                  "write what happens then with -o BRANCH, and look at that");
+  if (!settings.output.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
+    return error("-o with --tick, --at, --watch, --when or --gdb: these write nothing", "say it without one of both");
   if (!settings.is_of_a_log()) {
     if (!settings.controller.empty())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
@@ -136,6 +138,11 @@ Exit run_ticks(Settings& settings) {
     return refuse(error("a robot's log has no ticks before it is replayed",
                         "replay it into a recording, and look at that: rehearse replay LOG.replay.mcap --tick N"));
   TickSettings& ticks = settings.ticks;
+  ticks.trace = settings.trace;
+  ticks.host = settings.replay;
+  ticks.from = settings.replay.from;
+  ticks.until = settings.replay.until;
+  ticks.json = settings.json;
   if (const auto usable = check_usage(ticks); !usable) return refuse(usable.errors());
   return show_ticks(ticks);
 }
@@ -147,13 +154,7 @@ Exit run(Settings& settings, const CLI::App& options) {
   if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
-  TickSettings& ticks = settings.ticks;
-  ticks.trace = settings.trace;
-  ticks.host = settings.replay;
-  ticks.from = settings.replay.from;
-  ticks.until = settings.replay.until;
-  ticks.json = settings.json;
-  if (ticks.is_asked() || ticks.every != 1 || ticks.full) return run_ticks(settings);
+  if (settings.ticks.is_asked() || settings.ticks.every != 1 || settings.ticks.full) return run_ticks(settings);
   const Stopwatch stopwatch;
   const Result<ReplayReport> report = [&] {
     Progress progress("replaying");
