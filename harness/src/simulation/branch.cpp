@@ -31,13 +31,13 @@ Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
 
 /// The ticks that a recording holds whole, and the hash of the state at the beginning of each of them and of the one
 /// after the last, if it has that.
-struct RecordedTicks {
+struct WholeTicks {
   std::int64_t whole = 0;
   std::vector<std::uint64_t> state_hashes;
 };
 
-RecordedTicks ticks_of(const Trace& recording) {
-  RecordedTicks ticks;
+WholeTicks ticks_of(const Trace& recording) {
+  WholeTicks ticks;
   const TraceChannel* channel = recording.find_channel("/tick");
   if (!channel) return ticks;
   std::size_t state = channel->columns.size();
@@ -97,7 +97,7 @@ class Branch {
   std::optional<Trace> recording_;
   std::optional<Scenario> scenario_;
   std::optional<BranchOrigin> source_origin_;
-  RecordedTicks ticks_;
+  WholeTicks ticks_;
   BranchOrigin origin_;
   std::int64_t checkpoint_ = 0;  // tick at which the world begins
   Command moved_;                // what moved the world before the moment
