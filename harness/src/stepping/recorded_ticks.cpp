@@ -36,7 +36,9 @@ void RecordedTicks::add_replayed(MessageFinder& variables) {
     if (variable_of_topic(channel.topic).empty()) continue;
     std::unique_ptr<Source> source = make_source(variables, channel);
     learn(*source);
-    const auto same = [&](const std::unique_ptr<Source>& known) { return known->table.topic == channel.topic; };
+    const auto same = [&topic = channel.topic](const std::unique_ptr<Source>& other) {
+      return other->table.topic == topic;
+    };
     const auto known = std::find_if(sources_.begin(), sources_.end(), same);
     if (known == sources_.end()) {
       sources_.push_back(std::move(source));
