@@ -14,19 +14,13 @@
 #include <string>
 #include <vector>
 
+#include "fixture_scenarios.h"
+
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 using Method = SolverSettings::Method;
-
-std::vector<std::string> scenarios() {
-  std::vector<std::string> names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(FIXTURES_DIR "/scenarios"))
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 struct Case {
   std::string scenario;
@@ -55,7 +49,7 @@ class Checkpoints : public ::testing::TestWithParam<Case> {
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const std::string& scenario : scenarios())
+  for (const std::string& scenario : fixture_scenarios())
     for (const Method solver : {Method::exact, Method::quick}) all.push_back({scenario, solver});
   return all;
 }

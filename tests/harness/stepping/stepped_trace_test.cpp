@@ -116,6 +116,8 @@ TEST_F(Stepped, HasWhatAChangedControllerGivesNow) {
   EXPECT_THAT(trace->remarks()[0].message, HasSubstr("the library of Rig/C isn't the one that was recorded"));
   EXPECT_TRUE(trace->differs());
   EXPECT_THAT(trace->differences(changed_from - 1), IsEmpty());
+  EXPECT_FALSE(trace->differs_at(changed_from - 1));
+  EXPECT_TRUE(trace->differs_at(changed_from));
   ASSERT_THAT(trace->differences(changed_from), SizeIs(1));
   const Divergence found = trace->differences(changed_from)[0];
   EXPECT_EQ(found.channel, "/Rig/C/output/joints");
