@@ -2,15 +2,12 @@
 import { existsSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 
-const places = [
-  process.env.REHEARSE_CHROMIUM,
-  '/usr/bin/chromium',
-  '/usr/bin/chromium-browser',
-  '/usr/bin/google-chrome',
-];
+const places = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
+/** The one that REHEARSE_CHROMIUM names, and no other then; null: there is none. */
 export function chromium_path() {
-  return places.find((place) => place && existsSync(place)) ?? null;
+  const named = process.env.REHEARSE_CHROMIUM;
+  return (named ? [named] : places).find((place) => existsSync(place)) ?? null;
 }
 
 /** 3D is drawn by the processor, the same everywhere; letters without the screen's subpixels. */
