@@ -14,6 +14,7 @@ rehearse_add_library(harness
   src/host/debug_hook.cpp
   src/recording/device_recorder.cpp
   src/compare/divergence.cpp
+  src/host/file_tripwires.cpp
   src/host/float_mode.cpp
   src/host/guarded_call.cpp
   src/recording/hashing.cpp
@@ -22,6 +23,7 @@ rehearse_add_library(harness
   src/host/joint_arrays.cpp
   src/recording/mesh_digests.cpp
   src/replay/output_record.cpp
+  src/host/opened_files.cpp
   src/host/pin.cpp
   src/host/process_guard.cpp
   src/host/process_tripwires.cpp

@@ -5,6 +5,8 @@ target_sources(rehearse_harness PRIVATE
   src/golden/acceptance.cpp
   src/check/blame.cpp
   src/check/check.cpp
+  src/check/check_golden.cpp
+  src/check/check_json.cpp
   src/compare/compare.cpp
   src/compare/compare_envelope.cpp
   src/compare/compare_events.cpp
@@ -27,11 +29,14 @@ target_sources(rehearse_harness PRIVATE
   src/check/noise_floor.cpp
   src/check/noise_measurement.cpp
   src/golden/partial_candidate.cpp
+  src/golden/pending_verdict.cpp
   src/check/perturbed_run.cpp
   src/compare/picture_difference.cpp
   src/check/plant_level.cpp
   src/compare/recorded_picture.cpp
+  src/check/replayed_twice.cpp
   src/check/reproduction.cpp
+  src/check/scenario_changes.cpp
   src/compare/series_plot.cpp)
 find_package(yaml-cpp 0.7 REQUIRED)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json yaml-cpp)

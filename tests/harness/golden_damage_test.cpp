@@ -16,6 +16,7 @@ namespace rehearse {
 namespace {
 
 using testing::bytes_of;
+using ::testing::AllOf;
 using ::testing::ExitedWithCode;
 using ::testing::HasSubstr;
 using testing::SmallTrace;
@@ -57,7 +58,8 @@ TEST_F(GoldenDamage, OfOneBitIsFoundAndKeepsTheHistoryThatCanBeRead) {
   EXPECT_THAT(settled(), HasSubstr("the golden can't be used: "));
   EXPECT_EQ(accepted(), "");
   EXPECT_THAT(digest(),
-              HasSubstr("  1. 2025-11-20 first\n  2. 2025-11-20 replaced: the golden before it can't be read"));
+              AllOf(HasSubstr("\naccepted 2025-11-20, replaced: the golden before it can't be read"),
+                    HasSubstr("\naccepted before\n  1. 2025-11-20 first\n")));
 }
 
 TEST_F(GoldenDamage, NoneIsAGoldenOfANewerFormatButItIsNotUsed) {

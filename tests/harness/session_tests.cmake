@@ -22,6 +22,7 @@ rehearse_add_test(session_tests LABEL sim
     session/lifecycle_test.cpp
     session/lights_test.cpp
     session/noise_test.cpp
+    session/opened_files_test.cpp
     session/partial_acceptance_test.cpp
     session/plant_test.cpp
     session/process_guard_test.cpp

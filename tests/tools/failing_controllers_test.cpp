@@ -104,13 +104,12 @@ TEST_F(FailingController, ThatNeverReturnsEndsTheRun) {
   expect_failure("hang", "did not return within 0.3", {"--call-limit", "0.3"});
 }
 
-TEST_F(FailingController, ThatRefusesIsDroppedAndTheRunGoesOn) {
+TEST_F(FailingController, ThatRefusesEndsTheRunBeforeItsFirstTick) {
   const Outcome outcome = record("refuse");
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_EQ(outcome.err,
-            "error: Pendulum/Swing: initialize() returned false: the run goes on without this controller\n");
-  EXPECT_THAT(outcome.out, HasSubstr("\n50 ticks, "));
-  EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
+  EXPECT_THAT(outcome.err,
+              HasSubstr("error: controller 'Pendulum/Swing' refuses to take part: initialize() returned false"));
+  EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
 }
 
 TEST_F(FailingController, ThatCrashesInInitializeLeavesAReadableTrace) {

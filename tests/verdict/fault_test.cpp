@@ -1,73 +1,18 @@
 // The table of faults: each is made in a robot that stands, and has to be found by the right level of a check and blamed
 // on the right part of the loop. Printed when all have run.
-#include <rehearse/check.h>
-#include <rehearse/plant_run.h>
-#include <rehearse/session.h>
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <regex>
 
 #include "mutilate.h"
-#include "small_traces.h"
+#include "standing_robot.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-/// A wall with a camera that looks at the robot, and two lamps.
-constexpr const char* watcher_urdf = R"(<?xml version="1.0"?>
-<robot name="Watcher">
-  <link name="WALL"/>
-  <gazebo reference="WALL">
-    <light name="Lamp" type="point"><pose>0 1 1 0 0 0</pose><intensity>0.5</intensity></light>
-    <light name="SecondLamp" type="point"><pose>0 -1 1 0 0 0</pose><intensity>0.5</intensity></light>
-    <sensor name="Eye" type="camera">
-      <pose>0 0 0 0 0 0</pose>
-      <update_rate>20</update_rate>
-      <camera><horizontal_fov>1.0471975511965976</horizontal_fov><image><width>96</width><height>72</height></image></camera>
-    </sensor>
-  </gazebo>
-</robot>
-)";
-
-constexpr const char* scenario_yaml = R"(rehearse: 1
-duration: 0.6
-seed: 7
-solver: {friction: 1}
-bodies:
-  - name: Floor
-    box: {size: [10, 10, 0.2], color: [0.2, 0.4, 0.8]}
-    fixed: true
-    position: [0, 0, -0.1]
-  - name: Watcher
-    model: watcher.urdf
-    position: [2, 0, 1]
-    rotation: [0, 0, 180 deg]
-  - name: SR1
-    model: sr1.urdf
-    position: [0, 0, 0.7135]
-    joints: {RLEG_HIP_P: -2.1 deg, RLEG_KNEE: 4.50001 deg, RLEG_ANKLE_P: -2.40001 deg, LLEG_HIP_P: -2.1 deg,
-             LLEG_KNEE: 4.50001 deg, LLEG_ANKLE_P: -2.40001 deg, RARM_ELBOW: -90 deg, LARM_ELBOW: -90 deg}
-    controllers: [{name: Stand, library: StandWith_none}]
-noise:
-  - {sensor: SR1/WaistGyro, angular_velocity: {stddev: 0.001}}
-cameras: [Watcher/Eye]
-)";
-
-/// A change of a text of the scratch folder.
-struct Edit {
-  const char* file;
-  const char* from;
-  const char* to;
-};
 
 enum class Broken { nothing, dropped_frame, missing_tick, stale_input };
 
@@ -82,7 +27,7 @@ struct Fault {
 };
 void PrintTo(const Fault& fault, std::ostream* stream) { *stream << fault.name; }
 
-constexpr LevelState equal = LevelState::equal, differs = LevelState::differs;
+constexpr LevelState equal = LevelState::equal, differs = LevelState::differs, skipped = LevelState::skipped;
 
 Fault controller_fault(const char* name, const char* library) {
   return {name, differs, equal, differs, Stage::controller, "the controller changed", library};
@@ -102,10 +47,47 @@ std::vector<Fault> faults() {
       {"a limit that a controller reads", equal, equal, differs, Stage::controller,
        "the controller goes by what changed in sr1.urdf", nullptr,
        Edit{"sr1.urdf", R"(<limit lower="0" upper="2.61799")", R"(<limit lower="0" upper="2.61")"}},
+      {"the no-delay mode entered", differs, equal, differs, Stage::controller, "its commands act one tick earlier",
+       "StandWith_no_delay"},
+      {"the no-delay mode by the scenario", differs, equal, differs, Stage::controller,
+       "its commands act one tick earlier", nullptr,
+       Edit{"scenario.yaml", "library: StandWith_none", "library: StandWith_none, delay: false"}},
+      {"another library in the scenario", differs, equal, differs, Stage::controller, "the controller changed", nullptr,
+       Edit{"scenario.yaml", "library: StandWith_none", "library: StandWith_gain"}},
+      {"a controller under another name", differs, differs, differs, Stage::controller,
+       "has no controller 'SR1/Stand', and the golden has", nullptr,
+       Edit{"scenario.yaml", "name: Stand,", "name: Standing,"}},
+      {"a smaller time step", skipped, skipped, differs, Stage::inputs,
+       "the scenario's time step changed: it is 0.0008 s, and the golden's 0.001 s", nullptr,
+       Edit{"scenario.yaml", "seed: 7", "seed: 7\ntime_step: 0.0008"}},
+      {"a larger time step", skipped, skipped, differs, Stage::inputs,
+       "the scenario's time step changed: it is 0.002 s, and the golden's 0.001 s", nullptr,
+       Edit{"scenario.yaml", "seed: 7", "seed: 7\ntime_step: 0.002"}},
+      {"a shorter duration", equal, equal, differs, Stage::inputs,
+       "the scenario's duration changed: it is 0.4 s, and the golden's 0.6 s; up to 0.399 s equal bit for bit", nullptr,
+       Edit{"scenario.yaml", "duration: 0.6", "duration: 0.4"}},
+      {"a longer duration", equal, equal, differs, Stage::inputs,
+       "the scenario's duration changed: it is 0.7 s, and the golden's 0.6 s; up to 0.599 s equal bit for bit", nullptr,
+       Edit{"scenario.yaml", "duration: 0.6", "duration: 0.7"}},
+      {"another box in the world", equal, differs, differs, Stage::physics, "body 'Box' isn't in the state", nullptr,
+       Edit{"scenario.yaml", "bodies:", "bodies:\n  - {name: Box, box: {size: [1, 1, 1]}, mass: 1, position: [5, 5, 0.499]}"}},
       {"friction off by 1 %", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
        Edit{"scenario.yaml", "friction: 1}", "friction: 0.99}"}},
+      {"gravity off by 0.1 %", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
+       Edit{"scenario.yaml", "seed: 7", "seed: 7\ngravity: [0, 0, -9.8165]"}},
+      {"one iteration of the solver less", equal, differs, differs, Stage::physics, "it is because of scenario.yaml",
+       nullptr, Edit{"scenario.yaml", "friction: 1}", "friction: 1, iterations: 49}"}},
+      {"a robot placed 1 mm higher", equal, differs, differs, Stage::physics, "differs at tick 0", nullptr,
+       Edit{"scenario.yaml", "0.7135]", "0.7145]"}},
+      {"a joint placed 0.1 deg aside", equal, differs, differs, Stage::physics, "differs at tick 0", nullptr,
+       Edit{"scenario.yaml", "RARM_ELBOW: -90 deg", "RARM_ELBOW: -89.9 deg"}},
+      {"a push that nobody gave before", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
+       Edit{"scenario.yaml", "noise:", "pushes: [{body: SR1, link: WAIST, force: [1, 0, 0], from: 0.2, until: 0.21}]\nnoise:"}},
       {"a link's mass off by 1 g", equal, differs, differs, Stage::physics, "it is because of sr1.urdf", nullptr,
        Edit{"sr1.urdf", R"(<mass value="5.1"/>)", R"(<mass value="5.101"/>)"}},
+      {"a centre of mass off by 1 mm", equal, differs, differs, Stage::physics, "it is because of sr1.urdf", nullptr,
+       Edit{"sr1.urdf", "<origin xyz=\"0 -0.04 0\"/>\n      <mass value=\"5.1\"/>",
+            "<origin xyz=\"0 -0.039 0\"/>\n      <mass value=\"5.1\"/>"}},
       {"a sensor's frame turned by 0.1 deg", equal, differs, differs, Stage::sensors, "it is because of sr1.urdf",
        nullptr,
        Edit{"sr1.urdf", R"(<sensor name="WaistIMU" type="imu">)",
@@ -138,31 +120,7 @@ class Faults : public ::testing::TestWithParam<Fault> {
     rows().clear();
   }
 
-  Faults() {
-    setenv("REHEARSE_CONTROLLER_PATH", VERDICT_CONTROLLERS, 1);
-    write("watcher.urdf", watcher_urdf);
-    write("scenario.yaml", scenario_yaml);
-    std::ifstream sr1(FIXTURES_DIR "/models/sr1.urdf", std::ios::binary);
-    write("sr1.urdf", {std::istreambuf_iterator<char>(sr1), {}});
-  }
-
-  void write(const std::string& file, const std::string& text) const {
-    std::ofstream(folder_ / file, std::ios::binary) << text;
-  }
-  void apply(const Edit& edit) const {
-    std::ifstream stream(folder_ / edit.file, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(stream), {}};
-    const std::size_t at = text.find(edit.from);
-    ASSERT_NE(at, std::string::npos) << edit.from << " is not in " << edit.file;
-    write(edit.file, text.replace(at, std::string(edit.from).size(), edit.to));
-  }
-  Scenario scenario() const {
-    auto loaded = Scenario::load(folder_ / "scenario.yaml");
-    EXPECT_TRUE(loaded.ok()) << to_string(loaded.errors());
-    return *std::move(loaded);
-  }
-
-  testing::TemporaryFolder folder_;
+  StandingRobot robot_;
 };
 
 /// A loop that breaks what it records.
@@ -199,10 +157,9 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
   const bool chance = fault.name == std::string("uninitialised memory");
   RecordOptions original;
   if (chance) original.libraries["Stand"] = fault.library;  // it was always like this
-  const auto made = record(scenario(), folder_ / "golden.mcap", original);
-  ASSERT_TRUE(made.ok() && !made->failure) << to_string(made.ok() ? Diagnostics{*made->failure} : made.errors());
+  robot_.record_golden(original);
 
-  if (fault.edit) apply(*fault.edit);
+  if (fault.edit) robot_.apply(*fault.edit);
   CheckOptions options;
   if (fault.library) options.run.libraries["Stand"] = fault.library;
   const Simulation simulation{
@@ -212,7 +169,7 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
       [&](const Scenario& of, const Trace& recording, const fs::path& trace, const PlantOptions& with) {
         return broken(run_plant(of, recording, trace, with), trace, fault.loop);
       }};
-  const auto report = check_scenario(scenario(), folder_ / "golden.mcap", folder_ / "actual.mcap", options, simulation);
+  const auto report = robot_.check(options, simulation);
   ASSERT_TRUE(report.ok()) << to_string(report.errors());
   EXPECT_EQ(report->controller, fault.controller) << report->verdict;
   EXPECT_EQ(report->plant, fault.plant) << report->verdict;

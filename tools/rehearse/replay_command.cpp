@@ -43,7 +43,9 @@ struct Settings {
 
 std::string verdict(const ReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
-  if (report.first) return "differs at " + to_string(*report.first);
+  std::string files;
+  for (const std::string& change : report.changed_files) files += "; " + change;
+  if (report.first) return "differs at " + to_string(*report.first) + files;
   if (report.values == 0) return "equal, but nothing was compared: no controller commanded anything in that time";
   return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
                      count_text(report.values, "commanded number"));
@@ -65,6 +67,7 @@ Json report_json(const ReplayReport& report) {
             {"different", report.words.different},
             {"first", json_of(report.words.first)}}},
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
+          {"changed_files", report.changed_files},
           {"controller_refused", report.controller_refused},
           {"remarks", json_of(report.remarks)}};
 }

@@ -29,7 +29,7 @@ inline constexpr std::string_view acceptance_prefix = "rehearse.acceptance.";
 /// Today in UTC, or the day that SOURCE_DATE_EPOCH states [s since 1970]. An error if that is no number.
 Result<std::string> date_of_today();
 
-/// What moved: a line for each channel, worst first, and what else explains it; at most sixteen lines.
+/// What moved: a line for each channel, worst first, and what else explains it; at most fourteen lines.
 std::vector<std::string> moved_lines(const Comparison& comparison);
 
 /// The acceptances that stand in a file, oldest first.
@@ -37,6 +37,9 @@ std::vector<Acceptance> history_of(const std::vector<mcap::Metadata>& metadata);
 
 /// The records of a history.
 std::vector<mcap::Metadata> records_of(const std::vector<Acceptance>& history);
+
+/// For the head of the digest: the verdict and the lines of what moved.
+std::string acceptance_text(const Acceptance& acceptance);
 
 /// For the digest: two lines and more an acceptance; empty without any.
 std::string history_text(const std::vector<Acceptance>& history);

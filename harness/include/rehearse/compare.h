@@ -115,6 +115,8 @@ struct Comparison {
   /// All that the traces say they come from is the same: scenario, models, controllers, the very same programs. Then
   /// their bits have to be. False if one of them doesn't say.
   bool same_origin = false;
+  /// Nothing differs but lines that controllers write, which no rule asks to compare.
+  bool words_alone = false;
   /// What explains a difference or makes one likely: another scenario, model, controller, library. Sentences.
   std::vector<std::string> remarks;
   /// What whoever asked will want to mend: rules that match nothing.

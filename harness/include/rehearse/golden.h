@@ -84,6 +84,10 @@ class GoldenStore {
   GoldenResult settle(const std::string& name, const Trace& actual, const std::vector<ToleranceRule>& rules,
                       GoldenMode mode, const SettleOptions& options = {});
 
+  /// What a check has said of the run that waits under that name, a sentence; acceptances state it. Empty: none has.
+  std::string pending_verdict(const std::string& name) const;
+  Result<void> keep_pending_verdict(const std::string& name, const std::string& verdict) const;
+
   /// The runs that wait, by name.
   std::vector<std::string> pending() const;
 
@@ -113,7 +117,8 @@ class GoldenStore {
  private:
   Result<void> keep_pending(const std::string& name, const Trace& actual) const;
   GoldenResult fail_and_keep(const std::string& name, const Trace& actual, std::string message) const;
-  Result<Accepted> replace(const std::string& name, const std::filesystem::path& trace, const std::string& part);
+  Result<Accepted> replace(const std::string& name, const std::filesystem::path& trace, const std::string& part,
+                           const std::string& judged);
   Result<void> find_pending(const std::string& name) const;
   std::filesystem::path folder_;
   std::filesystem::path pending_;
@@ -123,8 +128,12 @@ class GoldenStore {
 /// what the error calls it.
 Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file);
 
-/// The digest of a recording: provenance; when and why it was accepted; for each channel its messages and their hash,
-/// for each of its series unit, first, last, smallest and largest value; pictures; events. Text, a line each.
+/// The first words of a digest name its form.
+inline constexpr const char* digest_form = "digest 2";
+
+/// The digest of a recording: when and why it was accepted, and what moved; provenance, outcome and a hash of all that
+/// was recorded; earlier acceptances; events; for each channel its messages, for each of its series unit, first, last,
+/// smallest and largest value, to five digits and no finer than the unit's tolerance. Text, a line each.
 Result<std::string> digest_of(const Trace& trace);
 
 /// One golden, as a list shows it.

@@ -83,6 +83,9 @@ struct ReplayReport {
   ReplayedWords words;
   bool controller_refused = false;
   std::vector<std::string> other_controllers;  // BODY/NAME of those whose library isn't, byte by byte, the recorded one
+  /// Files beside the recording that the controllers read now, or read when it was made, with other content: a sentence
+  /// each.
+  std::vector<std::string> changed_files;
   bool same_controllers = false;  // every controller's file is, byte by byte, the one that was recorded; so are options
   Diagnostics remarks;
 

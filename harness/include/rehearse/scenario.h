@@ -37,6 +37,7 @@ struct ScenarioController {
   std::string library;                      // a name (SR1MinimumController) or a path relative to the scenario
   std::string options;                      // the controller's own option string
   bool delay = true;                        // commands act one tick late
+  bool optional = false;                    // the run goes on without it if it refuses to take part
   std::vector<ScenarioController> children;  // share their parent's body; one level
   Place place;                              // of its library
 };

@@ -12,6 +12,7 @@
 #include "compare/compare_parts.h"
 #include "plant_level.h"
 #include "replay/trace_scenario.h"
+#include "replayed_twice.h"
 
 namespace rehearse {
 namespace {
@@ -32,8 +33,10 @@ class Detective {
   Evidence gather(const CheckReport& report);
   Blame controller(const Evidence& evidence) const;
   Blame plant(const Evidence& evidence);
+  Blame loop(const Comparison& comparison, const Evidence& evidence) const;
 
  private:
+  Blame same_controller(const Divergence& first, const ReplayReport& replayed) const;
   std::optional<Comparison> plant_again(const Scenario& scenario, const PlantOptions& options);
   bool is_noise(const Divergence& place, const Scenario& recorded);
   std::string origin(const Divergence& place, const Comparison& comparison);
@@ -81,19 +84,42 @@ Evidence Detective::gather(const CheckReport& report) {
   return evidence;
 }
 
+/// What the controllers read beside their inputs that may explain it; empty: nothing is known.
+std::string files_text(const ReplayReport& replayed) {
+  return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
+}
+
 Blame Detective::controller(const Evidence& evidence) const {
   if (!evidence.replay)
     return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
   if (!evidence.replay->first)
-    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message, std::nullopt};
+    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
+                files_text(*evidence.replay),
+            std::nullopt};
   const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
   if (first.stage == Stage::inputs) return {"the golden is not what was recorded: at " + to_string(first), first};
-  if (evidence.replay->same_controllers)
-    return {"the controller is the one that was recorded, but fed with the golden's inputs it differs at " +
-                to_string(first) +
-                "; it depends on something that is no input of its: uninitialised memory, the clock, chance",
+  if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
+  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first) +
+              files_text(*evidence.replay),
+          first};
+}
+
+/// The library is the recorded one, and commands otherwise.
+Blame Detective::same_controller(const Divergence& first, const ReplayReport& replayed) const {
+  const auto unrepeated = first_unrepeated_tick(with_.golden.file(), with_.host);
+  if (unrepeated && *unrepeated)
+    return {fmt::format("the controller is no function of its inputs: it is the one that was recorded, and two replays of "
+                        "the golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
+                        "depends on uninitialised memory, the clock or chance, and `rehearse audit` tells on which",
+                        **unrepeated, to_string(first)),
             first};
-  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first), first};
+  const std::string files = files_text(replayed);
+  return {fmt::format("something beside the controller's inputs has changed since the recording: it is the one that was "
+                      "recorded, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
+                      to_string(first),
+                      files.empty() ? "; `rehearse audit` tells whether it depends on files, variables or uninitialised memory"
+                                    : files),
+          first};
 }
 
 /// What sensors and cameras tell follows from the state, and may leave its tolerance before the state does. Where bits
@@ -180,7 +206,7 @@ Blame Detective::plant(const Evidence& evidence) {
 }
 
 /// Neither part differs by itself, but the whole does.
-Blame of_the_loop(const Comparison& comparison, const Evidence& evidence) {
+Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) const {
   const Divergence& first = *comparison.first;
   const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
   if (!both_known) return {verdict(comparison), first};
@@ -199,8 +225,13 @@ Blame of_the_loop(const Comparison& comparison, const Evidence& evidence) {
                         "commands, with that of now it doesn't; the run differs at {}",
                         changed_files(comparison), to_string(place)),
             place};
-  return {"the controller repeats its recorded commands, but in a run of its own it doesn't: it depends on something "
-          "that is no input of its; it differs at " + to_string(place),
+  const auto unrepeated = first_unrepeated_tick(with_.actual, with_.host);
+  if (unrepeated && *unrepeated)
+    return {fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
+                        "tick {}; the run differs at {}; `rehearse audit` tells what it depends on",
+                        **unrepeated, to_string(place)),
+            place};
+  return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
           first};
 }
 
@@ -230,7 +261,7 @@ Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
   }
   if (controller_differs) return detective.controller(evidence);
   if (plant_differs) return detective.plant(evidence);
-  if (report.closed == LevelState::differs) return of_the_loop(*report.comparison, evidence);
+  if (report.closed == LevelState::differs) return detective.loop(*report.comparison, evidence);
   std::optional<Divergence> bit;
   if (report.comparison) bit = report.comparison->first_bit;
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;

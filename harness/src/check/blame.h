@@ -16,6 +16,7 @@ struct Suspects {
   const Trace& golden;
   const Simulation& simulation;
   HostOptions host;               // of replays
+  std::filesystem::path actual;   // the trace of level closed
   std::filesystem::path scratch;  // a trace of parts done again; removed
 };
 

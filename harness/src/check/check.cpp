@@ -1,17 +1,17 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/picture_difference.h>
-#include <rehearse/reproduction.h>
-
-#include <nlohmann/json.hpp>
-
+#include <rehearse/clock.h>
 #include <rehearse/noise_floor.h>
 
+#include <algorithm>
+
 #include "blame.h"
-#include "compare/report_json.h"
+#include "check_run.h"
 #include "plant_level.h"
 #include "recording/provenance.h"
 #include "replay/branch_origin.h"
+#include "scenario_changes.h"
 
 namespace rehearse {
 namespace {
@@ -21,27 +21,6 @@ namespace fs = std::filesystem;
 LevelState state_of(const Comparison& comparison) {
   if (comparison.equal) return LevelState::equal;
   return comparison.within ? LevelState::within : LevelState::differs;
-}
-
-/// Libraries and options of the scenario as it is now. The golden's own scenario knows names of libraries only, not where
-/// paths begin, and other options are a change of the controller.
-HostOptions host_options(const Scenario& scenario, const HostOptions& given) {
-  HostOptions options = given;
-  const auto add = [&](const ScenarioBody& body, const ScenarioController& controller) {
-    const fs::path file = fs::path(scenario.file).parent_path() / controller.library;
-    std::error_code ignored;
-    if (given.libraries.count(controller.name) == 0 && fs::is_regular_file(file, ignored))
-      options.libraries.emplace(body.name + "/" + controller.name, fs::absolute(file, ignored).string());
-    options.controller_options.emplace(body.name + "/" + controller.name, controller.options);
-  };
-  options.run_options = scenario.options;
-  for (const ScenarioBody& body : scenario.bodies) {
-    for (const ScenarioController& controller : body.controllers) {
-      add(body, controller);
-      for (const ScenarioController& child : controller.children) add(body, child);
-    }
-  }
-  return options;
 }
 
 /// One check under way.
@@ -60,26 +39,13 @@ struct Check {
   Result<void> check_closed();
   void blame();
   Result<void> certify(const Trace& fresh);
+  Result<void> tell_time_step(const Divergence& change);
+  void tell_duration(const Divergence& change, const Trace& fresh);
   void judge_by_expectations(const Trace& fresh);
   void find_noise();
   void judge_tolerances();
   void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
 };
-
-/// The run that closed compares. First of all, because it knows best why a run can't begin.
-Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
-                            const Simulation& simulation) {
-  if (auto made = make_folder_of(actual); !made) return made.errors();
-  return simulation.record(scenario, actual, options.run);
-}
-
-/// Whether a run repeats itself; what the world does meanwhile is written beside it.
-Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,
-                                      const HostOptions& host, const Simulation& simulation) {
-  ReproductionOptions trying;
-  static_cast<HostOptions&>(trying) = host_options(scenario, host);
-  return reproduce(scenario, run, fs::path(file).concat(".again"), trying, simulation);
-}
 
 /// Whether the same program gives the same bits here as where the golden was recorded.
 bool computes_alike(const Scenario& scenario, const Trace& golden) {
@@ -90,8 +56,12 @@ bool computes_alike(const Scenario& scenario, const Trace& golden) {
 /// The bits have to be the same, unless the arithmetic isn't: a controller that calls sin() then commands other last
 /// bits, and is judged within tolerance.
 Result<void> Check::check_controller() {
+  if (report.controller_problem = changed_controllers(scenario, golden); !report.controller_problem.empty()) {
+    report.controller = LevelState::differs;
+    return {};
+  }
   ReplayOptions replaying;
-  static_cast<HostOptions&>(replaying) = host_options(scenario, options.run);
+  static_cast<HostOptions&>(replaying) = with_controllers_of(scenario, options.run);
   if (!computes_alike(scenario, golden)) replaying.tolerances = scenario.tolerances;
   auto replayed = replay(golden.file(), replaying);
   if (!replayed && !options.closed) return replayed.errors();
@@ -134,6 +104,8 @@ Result<void> Check::check_closed() {
   if (!fresh) return fresh.errors();
   const std::optional<double> measured = estimated_horizon(golden);
   report.horizon = horizon_of(scenario, options.estimated_horizon ? options.estimated_horizon : measured);
+  const auto duration = changed_duration(scenario, golden);
+  if (duration) report.horizon = std::min(duration->time, report.horizon.value_or(duration->time));
   CompareOptions what;
   what.until = report.horizon;
   report.comparison = compare(golden, *fresh, scenario.tolerances, what);
@@ -144,14 +116,42 @@ Result<void> Check::check_closed() {
   blame();
   if (auto done = certify(*fresh); !done) return done;
   if (report.not_reproduced) tell_files(*fresh, *report.comparison, actual, "this run");
+  if (duration) tell_duration(*duration, *fresh);
   judge_by_expectations(*fresh);
   return {};
+}
+
+/// No tick is compared; but the run may become the next golden, and is judged by what is expected of it.
+Result<void> Check::tell_time_step(const Divergence& change) {
+  report.verdict = fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
+                               change.actual, change.expected);
+  report.first = change;
+  (options.closed ? report.closed : options.plant ? report.plant : report.controller) = LevelState::differs;
+  if (!options.closed) return {};
+  const auto fresh = Trace::load(actual);
+  if (!fresh) return fresh.errors();
+  report.message = fmt::format("this run: {}", actual.string());
+  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  judge_by_expectations(*fresh);
+  return {};
+}
+
+/// The runs were compared up to the end of the shorter one.
+void Check::tell_duration(const Divergence& change, const Trace& fresh) {
+  const std::string sentence =
+      fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
+  const bool is_alone = report.within();
+  report.verdict = is_alone ? sentence + "; " + report.verdict : report.verdict + "; besides, " + sentence;
+  if (!is_alone) return;
+  report.first = change;
+  report.closed = LevelState::differs;
+  tell_files(fresh, *report.comparison, actual, "this run");
 }
 
 /// Tolerances are for what changed. Where nothing did, or where a run doesn't repeat itself, other bits are chance, and
 /// a golden that is met by chance certifies nothing.
 Result<void> Check::certify(const Trace& fresh) {
-  if (report.closed != LevelState::within) return {};
+  if (report.closed != LevelState::within || report.comparison->words_alone) return {};
   auto found = try_reproduction(scenario, fresh, actual, options.run, simulation);
   if (!found) return found.errors();
   const Divergence& bit = *report.comparison->first_bit;
@@ -193,9 +193,12 @@ void Check::tell_files(const Trace& fresh, const Comparison& comparison, const f
 /// Names the part that changed.
 void Check::blame() {
   const Blame found = find_guilty(
-      {scenario, golden, simulation, host_options(scenario, options.run), plant_trace().concat(".again")}, report);
+      {scenario, golden, simulation, with_controllers_of(scenario, options.run), actual, plant_trace().concat(".again")}, report);
   report.verdict = found.sentence;
   report.first = found.place;
+  if (report.first || !report.comparison) return;
+  report.first = report.comparison->first;  // a part that couldn't be tried alone has no place of its own
+  if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;
 }
 
 /// A golden without a measurement is fine.
@@ -249,6 +252,39 @@ Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scena
 
 }  // namespace
 
+Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                            const Simulation& simulation) {
+  if (auto made = make_folder_of(actual); !made) return made.errors();
+  return simulation.record(scenario, actual, options.run);
+}
+
+HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given) {
+  HostOptions options = given;
+  const auto add = [&](const ScenarioBody& body, const ScenarioController& controller) {
+    const fs::path file = fs::path(scenario.file).parent_path() / controller.library;
+    std::error_code ignored;
+    const bool is_beside = fs::is_regular_file(file, ignored);  // the recording doesn't know where its paths begin
+    options.controllers[body.name + "/" + controller.name] = {
+        is_beside ? fs::absolute(file, ignored).string() : controller.library, controller.options, controller.delay,
+        controller.optional};
+  };
+  options.run_options = scenario.options;
+  for (const ScenarioBody& body : scenario.bodies) {
+    for (const ScenarioController& controller : body.controllers) {
+      add(body, controller);
+      for (const ScenarioController& child : controller.children) add(body, child);
+    }
+  }
+  return options;
+}
+
+Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,
+                                      const HostOptions& host, const Simulation& simulation) {
+  ReproductionOptions trying;
+  static_cast<HostOptions&>(trying) = with_controllers_of(scenario, host);
+  return reproduce(scenario, run, fs::path(file).concat(".again"), trying, simulation);
+}
+
 std::string_view to_string(LevelState state) {
   switch (state) {
     case LevelState::equal: return "equal";
@@ -297,6 +333,10 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
     if (!run) return run.errors();
     check.report.run = std::move(*run);
   }
+  if (const auto change = changed_time_step(scenario, *expected)) {
+    if (auto done = check.tell_time_step(*change); !done) return done.errors();
+    return std::move(check.report);
+  }
   if (options.controller)
     if (auto done = check.check_controller(); !done) return done.errors();
   if (options.plant)
@@ -313,164 +353,6 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
     remove_picture_differences(actual);
   }
   return std::move(check.report);
-}
-
-namespace {
-
-/// A run that no golden speaks of: what the scenario expects of it is all there is to judge.
-Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
-                                          const Simulation& simulation) {
-  CheckReport report;
-  auto run = make_run(scenario, actual, options, simulation);
-  if (!run) return run.errors();
-  report.run = std::move(*run);
-  if (scenario.expectations.empty()) return report;
-  const auto fresh = Trace::load(actual);
-  if (!fresh) return fresh.errors();
-  report.expectations = judge_expectations(scenario.expectations, *fresh);
-  report.verdict = verdict(report.expectations);
-  report.closed = LevelState::within;
-  if (const ExpectationResult* violation = first_violation(report.expectations)) {
-    report.closed = LevelState::differs;
-    report.first = divergence_of(*violation, *fresh);
-    report.message = fmt::format("this run: {}{}", actual.string(), violation_lines(report.expectations));
-  }
-  return report;
-}
-
-/// Whether a run that is to become a golden repeats itself. If not, the report says so.
-Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual, const HostOptions& host,
-                               const Simulation& simulation, CheckReport& report) {
-  const auto candidate = Trace::load(actual);
-  if (!candidate) return candidate.errors();
-  const auto found = try_reproduction(scenario, *candidate, actual, host, simulation);
-  if (!found) return found.errors();
-  if (found->reproduced()) return true;
-  report.closed = LevelState::differs;
-  report.not_reproduced = true;
-  report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
-  report.first = found->first;
-  report.message = fmt::format("this run: {}", actual.string());
-  return false;
-}
-
-/// There is no golden yet: the run becomes it, or waits to be.
-Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
-                                 const CheckOptions& options, const Simulation& simulation) {
-  const fs::path actual = store.pending_file(scenario.golden);
-  auto report = check_by_expectations(scenario, actual, options, simulation);
-  if (!report) return report;
-  const bool violated = !report->within();
-  const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
-  if (mode == GoldenMode::check || violated) {
-    report->closed = LevelState::differs;
-    report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
-    if (!violated)
-      report->message =
-          fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), scenario.golden);
-    return report;
-  }
-  auto certified = certify_candidate(scenario, actual, options.run, simulation, *report);
-  if (!certified) return certified.errors();
-  if (!*certified) return report;
-  if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
-  report->closed = LevelState::skipped;  // there was nothing to compare with
-  report->golden_written = true;
-  report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
-  return report;
-}
-
-/// No golden is named, but something is expected.
-Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
-                                         const Simulation& simulation) {
-  auto report = check_by_expectations(scenario, actual, options, simulation);
-  std::error_code ignored;
-  if (report && report->within()) fs::remove(actual, ignored);
-  return report;
-}
-
-/// What becomes of a run that waits.
-Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
-                            const Simulation& simulation, CheckReport& report) {
-  const std::string& name = scenario.golden;
-  if (first_violation(report.expectations)) {
-    report.message += fmt::format("\nif it is right, {} expects what is wrong", scenario.file);
-  } else if (mode == GoldenMode::accept) {
-    auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);
-    if (!certified) return certified.errors();
-    if (!*certified) return {};
-    if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
-    report.golden_written = true;
-    report.message = fmt::format("replaced {}", store.trace_file(name).string());
-  } else {
-    report.message +=
-        fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
-  }
-  return {};
-}
-
-}  // namespace
-
-Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
-                                 const CheckOptions& options, const Simulation& simulation) {
-  const std::string& name = scenario.golden;
-  if (name.empty() && options.closed && !scenario.expectations.empty())
-    return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
-  if (name.empty()) {
-    Diagnostic finding = error("the scenario names no golden to compare with, and expects nothing of a run",
-                               "golden: Suite.Test, or expect: what has to be true");
-    finding.file = scenario.file;
-    return finding;
-  }
-  if (!store.has(name)) return first_golden(scenario, store, mode, options, simulation);
-  const fs::path actual = store.pending_file(name);
-  auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
-  if (!report) return report;
-  if (options.closed && !report->within()) {
-    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done) return done.errors();
-  } else if (const auto digest = store.check_digest(name); !digest) {
-    return digest.errors();
-  }
-  return report;
-}
-
-namespace {
-
-nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
-  return comparison ? json_of(*comparison) : nlohmann::ordered_json();
-}
-
-nlohmann::ordered_json json_of(const ExpectationResult& result) {
-  nlohmann::ordered_json object{
-      {"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}, {"first", nullptr}};
-  if (result.first)
-    object["first"] = {{"series", result.series},
-                       {"tick", result.first->tick},
-                       {"time", result.first->time},
-                       {"value", result.first->value ? number_json(*result.first->value) : nlohmann::ordered_json()}};
-  return object;
-}
-
-}  // namespace
-
-std::string to_json(const CheckReport& report) {
-  nlohmann::ordered_json object{{"verdict", report.verdict},
-                                {"equal", report.equal()},
-                                {"within", report.within()},
-                                {"not_reproduced", report.not_reproduced},
-                                {"levels",
-                                 {{"controller", to_string(report.controller)},
-                                  {"plant", to_string(report.plant)},
-                                  {"closed", to_string(report.closed)}}},
-                                {"first", json_of(report.first)},
-                                {"comparisons",
-                                 {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
-                                {"horizon", nullptr},
-                                {"expectations", nlohmann::ordered_json::array()},
-                                {"remarks", report.remarks}};
-  if (report.horizon) object["horizon"] = *report.horizon;
-  for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
-  return text_of(object);
 }
 
 }  // namespace rehearse

@@ -286,6 +286,10 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
     (channel.first_bit ? comparison.channels : comparison.same).push_back(std::move(channel));
   comparison.equal = !comparison.first_bit;
   comparison.within = !comparison.first;
+  comparison.words_alone = comparison.within && !comparison.equal &&
+                           std::ranges::all_of(comparison.channels, [](const ChannelComparison& channel) {
+                             return channel.channel == "/events";
+                           });
   comparison.agreement = agreement_of(comparison);
   std::stable_sort(
       comparison.channels.begin(), comparison.channels.end(),

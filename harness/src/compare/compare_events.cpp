@@ -142,34 +142,47 @@ bool say_the_same(const msg::Event& a, const msg::Event& b) {
   return a.severity == b.severity && a.source == b.source && a.text == b.text;
 }
 
-/// What was said, one after the other: the first that isn't what was said in the golden.
+/// A controller's own line, which no rule asks to compare.
+bool is_mere_word(const msg::Event& event, const std::vector<ToleranceRule>& rules) {
+  return event.severity == to_string(Severity::note) &&
+         std::ranges::none_of(rules, [&](const ToleranceRule& rule) {
+           return rule.channel.starts_with("events/") && matches(rule.channel, "events/" + event.source);
+         });
+}
+
+/// Messages of one kind, one after the other: the first that isn't the golden's.
 class MessageJudge {
  public:
-  MessageJudge(const ComparedTraces& traces, ChannelComparison& result, std::vector<EventDifference>& differences)
-      : traces_(traces), findings_(result), differences_(differences) {}
+  enum class Kind { judged, words };  // words differ without being wrong
+
+  MessageJudge(const ComparedTraces& traces, Kind kind, ChannelFindings& findings,
+               std::vector<EventDifference>& differences)
+      : traces_(traces), kind_(kind), findings_(findings), differences_(differences) {}
 
   void judge() {
-    const std::vector<msg::Event>&golden = traces_.golden.events(), &actual = traces_.actual.events();
+    const std::vector<msg::Event> golden = of_kind(traces_.golden), actual = of_kind(traces_.actual);
     std::size_t i = 0;
     for (; i < std::min(golden.size(), actual.size()); ++i) {
       if (std::max(golden[i].stamp.to_ns(), actual[i].stamp.to_ns()) > traces_.end) break;
       if (!say_the_same(golden[i], actual[i])) break;
       if (golden[i].tick != actual[i].tick && !is_near(golden[i], actual[i])) break;
     }
-    findings_.result().values = static_cast<std::int64_t>(i);
+    findings_.result().values += static_cast<std::int64_t>(i);
     const bool expected = i < golden.size() && golden[i].stamp.to_ns() <= traces_.end;
     const bool there = i < actual.size() && actual[i].stamp.to_ns() <= traces_.end;
     if (!expected && !there) return;  // only one of the runs came so far
     const msg::Event& event = there && (!expected || actual[i].tick <= golden[i].tick) ? actual[i] : golden[i];
     const bool both_say_it = i < golden.size() && i < actual.size() && say_the_same(golden[i], actual[i]);
     if (both_say_it && there != expected && is_near(golden[i], actual[i])) return;  // once after the end
-    Divergence divergence = place_of_event(event);
-    divergence.note =
-        fmt::format("event {} is {}, expected {}{}", i + 1, there ? "\"" + text_of(actual[i]) + "\"" : "missing",
-                    expected ? "\"" + text_of(golden[i]) + "\"" : "none", reason(golden, actual, i));
-    findings_.structure(divergence);
     ++findings_.result().values;
     ++findings_.result().differing;
+    Divergence divergence = place_of_event(event);
+    divergence.note = fmt::format(
+        "{} {} is {}, expected {}{}", kind_ == Kind::words ? "line" : "event", i + 1,
+        there ? "\"" + text_of(actual[i]) + "\"" : "missing", expected ? "\"" + text_of(golden[i]) + "\"" : "none",
+        reason(golden, actual, i));
+    if (kind_ == Kind::words) return findings_.mark(divergence);
+    findings_.structure(divergence);
     ++findings_.result().beyond;
     if (differences_.size() < most_differences)
       differences_.push_back({"events/" + event.source, "message",
@@ -178,6 +191,13 @@ class MessageJudge {
   }
 
  private:
+  std::vector<msg::Event> of_kind(const Trace& trace) const {
+    std::vector<msg::Event> events;
+    for (const msg::Event& event : trace.events())
+      if (is_mere_word(event, traces_.rules) == (kind_ == Kind::words)) events.push_back(event);
+    return events;
+  }
+
   /// Whether they are no further from each other than a rule allows; counts them as differing.
   bool is_near(const msg::Event& golden, const msg::Event& actual) {
     const int allowed = tolerance_of("events/" + golden.source, "", traces_.rules).ticks.value_or(0);
@@ -213,14 +233,19 @@ class MessageJudge {
   }
 
   const ComparedTraces& traces_;
-  ChannelFindings findings_;
+  const Kind kind_;
+  ChannelFindings& findings_;
   std::vector<EventDifference>& differences_;
 };
 
 }  // namespace
 
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences) {
-  if (traces.options.takes(stage_of("/events"))) MessageJudge(traces, add("/events"), differences).judge();
+  if (traces.options.takes(stage_of("/events"))) {
+    ChannelFindings findings(add("/events"));
+    for (const auto kind : {MessageJudge::Kind::judged, MessageJudge::Kind::words})
+      MessageJudge(traces, kind, findings, differences).judge();
+  }
   const EventSequences sequences = event_sequences(traces.golden, traces.actual, traces.end);
   std::map<std::string, std::vector<const EventSequences::value_type*>> by_channel;
   for (const auto& sequence : sequences)

@@ -209,10 +209,12 @@ std::string verdict(const Comparison& comparison) {
   if (comparison.equal && !has_ticks(comparison))
     return fmt::format("equal bit for bit: {}, {}", counted(comparison.values - comparison.pictures, "value"),
                        counted(comparison.pictures, "picture"));
-  if (comparison.equal)
-    return fmt::format("equal bit for bit: {}, {}, {}", counted(comparison.ticks, "tick"),
-                       counted(comparison.values - comparison.pictures - comparison.events, "number"),
-                       counted(comparison.pictures, "picture"));
+  const std::string counts = fmt::format("equal bit for bit: {}, {}, {}", counted(comparison.ticks, "tick"),
+                                         counted(comparison.values - comparison.pictures - comparison.events, "number"),
+                                         counted(comparison.pictures, "picture"));
+  if (comparison.equal) return counts;
+  if (comparison.words_alone)
+    return fmt::format("{}; the controllers' lines differ from tick {} on", counts, comparison.first_bit->tick);
   const std::string since = fmt::format("bits differ from {} on", place_text(comparison, *comparison.first_bit));
   const std::string how = comparison.agreement == Agreement::in_noise ? "within the noise floor" : "within tolerance";
   if (!comparison.worst)

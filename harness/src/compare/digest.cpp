@@ -4,6 +4,7 @@
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
+#include <rehearse/tolerance.h>
 
 #include <algorithm>
 #include <bit>
@@ -19,10 +20,21 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
+/// Five digits, and none below the tolerance of the unit: a line is another one only if the run is.
+std::string number_text(double value, const std::string& series, const std::string& unit) {
+  if (!std::isfinite(value)) return fmt::format("{}", value);
+  const double least = tolerance_of(series, unit, {}).atol;
+  const double rounded = least > 0.0 ? std::round(value / least) * least : value;
+  const std::string text = fmt::format("{:.5g}", rounded);
+  return text == "-0" ? "0" : text;
+}
+
 std::string cell_text(const TraceChannel& channel, std::size_t row, std::size_t column) {
   const std::uint64_t bits = channel.bits(row, column);
-  switch (channel.columns[column].kind) {
-    case CellKind::floating: return fmt::format("{}", std::bit_cast<double>(bits));
+  const TraceColumn& series = channel.columns[column];
+  switch (series.kind) {
+    case CellKind::floating:
+      return number_text(std::bit_cast<double>(bits), series_of(channel, series), unit_of(channel, series.element));
     case CellKind::signed_integer: return fmt::format("{}", static_cast<std::int64_t>(bits));
     case CellKind::unsigned_integer: return fmt::format("{}", bits);
     case CellKind::boolean: return bits ? "true" : "false";
@@ -72,7 +84,8 @@ void describe_contacts(const TraceChannel& channel, std::string& text) {
       if (depth && value > deepest) deepest = value;
     }
   }
-  if (any) fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", most, deepest);
+  if (any) fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n",
+                          number_text(most, "", "N"), number_text(deepest, "", "m"));
 }
 
 /// One line for all beams of a range sensor: how near and how far they met something, and how often nothing.
@@ -91,13 +104,13 @@ void describe_ranges(const TraceChannel& channel, std::string& text) {
     }
   }
   if (beams > 0)
-    fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams, nearest, farthest,
-                   nothing);
+    fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams,
+                   number_text(nearest, "", "m"), number_text(farthest, "", "m"), nothing);
 }
 
 bool is_hash(const TraceColumn& column) { return column.element.ends_with("_hash"); }
 
-std::uint64_t hash_of_table(const TraceChannel& channel) {
+Result<std::uint64_t> hash_of_table(const TraceChannel& channel) {
   const std::uint64_t times = hash_bytes(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
   return hash_bytes(channel.cells.data(), channel.cells.size() * sizeof(std::uint64_t), times);
 }
@@ -112,24 +125,26 @@ Result<std::uint64_t> hash_of_payloads(const Trace& trace, const TraceChannel& c
   return hash;
 }
 
-Result<void> describe_channel(const Trace& trace, const TraceChannel& channel, std::string& text) {
-  std::uint64_t hash = 0;
-  if (channel.columns.empty()) {
-    const auto of_payloads = hash_of_payloads(trace, channel);
-    if (!of_payloads) return of_payloads.errors();
-    hash = *of_payloads;
-  } else {
-    hash = hash_of_table(channel);
-  }
-  fmt::format_to(Out(text), "\n{} {}: {} {}, hash {}\n", channel.topic, channel.type, channel.messages(),
-                 is_picture(channel) ? "pictures" : "messages", hash_text(hash));
+void describe_channel(const TraceChannel& channel, std::string& text) {
+  fmt::format_to(Out(text), "\n{} {}: {} {}\n", channel.topic, channel.type, channel.messages(),
+                 is_picture(channel) ? "pictures" : "messages");
   for (std::size_t column = 0; column < channel.columns.size(); ++column)
     if (!is_hash(channel.columns[column]) && !is_range(channel.columns[column]) &&
         !is_contact(channel, channel.columns[column]))
       describe_series(channel, column, text);
   describe_ranges(channel, text);
   describe_contacts(channel, text);
-  return {};
+}
+
+/// Of all that was recorded, so that the text belongs to this recording and no other.
+Result<std::uint64_t> hash_of_channels(const Trace& trace) {
+  std::uint64_t hash = 0;
+  for (const TraceChannel& channel : trace.channels()) {
+    const auto of_channel = channel.columns.empty() ? hash_of_payloads(trace, channel) : hash_of_table(channel);
+    if (!of_channel) return of_channel;
+    hash = hash_bytes(&*of_channel, sizeof *of_channel, hash);
+  }
+  return hash;
 }
 
 void describe_facts(const Trace& trace, const char* metadata, std::string& text) {
@@ -141,17 +156,24 @@ void describe_facts(const Trace& trace, const char* metadata, std::string& text)
 }  // namespace
 
 Result<std::string> digest_of(const Trace& trace) {
-  std::string text = "digest 1 of a recording; derived from it, not to be edited\n\nprovenance\n";
+  const auto hash = hash_of_channels(trace);
+  if (!hash) return hash.errors();
+  std::string text = fmt::format("{} of a recording; derived from it, not to be edited\n\n", digest_form);
+  std::vector<Acceptance> history = history_of(trace.metadata());
+  if (!history.empty()) text += acceptance_text(history.back()) + "\n";
+  text += "provenance\n";
   describe_facts(trace, "rehearse", text);
   text += "\noutcome\n";
   describe_facts(trace, "rehearse.outcome", text);
-  if (const std::string history = history_text(history_of(trace.metadata())); !history.empty())
-    text += "\naccepted\n" + history;
+  fmt::format_to(Out(text), "  content: {}\n", hash_text(*hash));
+  if (history.size() > 1) {
+    history.pop_back();
+    text += "\naccepted before\n" + history_text(history);
+  }
   text += "\nevents\n";
   for (const msg::Event& event : trace.events())
     fmt::format_to(Out(text), "  tick {} {} {}: {}\n", event.tick, event.severity, event.source, event.text);
-  for (const TraceChannel& channel : trace.channels())
-    if (auto done = describe_channel(trace, channel, text); !done) return done.errors();
+  for (const TraceChannel& channel : trace.channels()) describe_channel(channel, text);
   return text;
 }
 

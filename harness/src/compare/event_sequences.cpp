@@ -45,7 +45,13 @@ class SequenceMaker {
     for (const msg::ContactChange& change : trace.contact_changes()) {
       const std::uint64_t time = change.stamp.to_ns();
       if (time > end_) break;
-      EventSequence& sequence = sequences_["contacts/" + change.link + "/" + change.other];
+      const std::string reversed = "contacts/" + change.other + "/" + change.link;  // the scenario's order is another
+      const bool is_known = sequences_.count(reversed) > 0;
+      EventSequence& sequence = sequences_[is_known ? reversed : "contacts/" + change.link + "/" + change.other];
+      if (is_known) {
+        (sequence.*edges).push_back({change.tick, time, change.begins});
+        continue;
+      }
       sequence.source = {EventKind::contact,
                          "/contacts",
                          change.link + " " + change.other,

@@ -14,7 +14,7 @@
 namespace rehearse {
 namespace {
 
-constexpr std::size_t channels_listed = 12, remarks_listed = 3;
+constexpr std::size_t channels_listed = 10, remarks_listed = 3;  // with the verdict at most fifteen lines
 
 /// Infinite where no tolerance allows any.
 double times_tolerance_of(const Divergence& worst) {
@@ -126,6 +126,15 @@ std::vector<mcap::Metadata> records_of(const std::vector<Acceptance>& history) {
     records.push_back({fmt::format("{}{}", acceptance_prefix, records.size() + 1), std::move(values), 0});
   }
   return records;
+}
+
+std::string acceptance_text(const Acceptance& acceptance) {
+  std::string text = fmt::format("accepted {}, {}", acceptance.date, acceptance.kind);
+  if (!acceptance.accepted.empty()) text += ", of it " + acceptance.accepted;
+  if (!acceptance.verdict.empty()) text += ": " + acceptance.verdict;
+  text += '\n';
+  for (const std::string& line : acceptance.moved) text += "  " + line + '\n';
+  return text;
 }
 
 std::string history_text(const std::vector<Acceptance>& history) {

@@ -121,6 +121,12 @@ Result<void> GoldenStore::check_digest(const std::string& name) const {
   if (stated && *stated == *expected) return {};
   std::error_code ignored;
   const bool interrupted = fs::exists(digest_file(name).string() + ".new", ignored);
+  if (stated && stated->starts_with("digest ") && !stated->starts_with(digest_form)) {
+    Diagnostic older = error(fmt::format("the digest of {} is in an older form", trace_file(name).string()),
+                             "REHEARSE_GOLDEN=accept writes it anew, and leaves the recording as it is");
+    older.file = digest_file(name).string();
+    return older;
+  }
   Diagnostic finding = error(stated ? fmt::format("the digest doesn't describe {}", trace_file(name).string())
                                     : fmt::format("the digest of {} is missing", trace_file(name).string()),
                              interrupted ? "an acceptance was interrupted: accept the run again"

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "golden_files.h"
+#include "pending_verdict.h"
 #include "report/stale_report.h"
 
 namespace rehearse {
@@ -89,6 +90,12 @@ Result<void> GoldenStore::find_pending(const std::string& name) const {
   return error(fmt::format("nothing waits to be accepted as '{}': there is no {}", name, waiting.string()), hint);
 }
 
+std::string GoldenStore::pending_verdict(const std::string& name) const { return kept_verdict(pending_file(name)); }
+
+Result<void> GoldenStore::keep_pending_verdict(const std::string& name, const std::string& verdict) const {
+  return keep_verdict(pending_file(name), verdict);
+}
+
 std::vector<std::string> GoldenStore::pending() const {
   std::set<std::string> names;
   std::error_code ignored;
@@ -100,7 +107,9 @@ std::vector<std::string> GoldenStore::pending() const {
   return {names.begin(), names.end()};
 }
 
-Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& trace_path, const std::string& part) {
+/// `judged`: what a check has said of it; empty: the two recordings are compared as they are.
+Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& trace_path, const std::string& part,
+                                      const std::string& judged) {
   const auto run = load_run(trace_path);
   if (!run) return run.errors();
   const auto today = date_of_today();
@@ -115,7 +124,7 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
       acceptance.verdict = "the golden before it can't be read: " + golden.errors()[0].message;
     } else {
       accepted.moved = compare_by_its_tolerances(*golden, *run);
-      acceptance.verdict = verdict(*accepted.moved);
+      acceptance.verdict = judged.empty() ? verdict(*accepted.moved) : judged;
       acceptance.moved = moved_lines(*accepted.moved);
       if (is_same_run(*golden, *run, *accepted.moved)) {
         accepted.changed = !check_digest(name);
@@ -137,12 +146,12 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
 }
 
 Result<Accepted> GoldenStore::accept(const std::string& name, const fs::path& trace) {
-  return replace(name, trace, "");
+  return replace(name, trace, "", "");
 }
 
 Result<Accepted> GoldenStore::accept_pending(const std::string& name) {
   if (auto found = find_pending(name); !found) return found.errors();
-  auto accepted = replace(name, pending_file(name), "");
+  auto accepted = replace(name, pending_file(name), "", pending_verdict(name));
   if (!accepted) return accepted;
   if (auto gone = reject(name); !gone) return gone.errors();
   return accepted;
@@ -164,7 +173,7 @@ Result<Accepted> GoldenStore::accept_pending(const std::string& name, const Sele
   const auto made = make_partial(*golden, *run, selection, candidate, again);
   if (!made) return made.errors();
   if (*made != candidate) return accept_pending(name);
-  auto accepted = replace(name, candidate, to_string(selection));
+  auto accepted = replace(name, candidate, to_string(selection), "");
   std::error_code ignored;
   fs::remove(candidate, ignored);
   if (accepted) accepted->whole = false;
@@ -176,6 +185,7 @@ Result<void> GoldenStore::reject(const std::string& name) {
   std::error_code failed;
   fs::remove(pending_file(name), failed);
   if (failed) return error(fmt::format("{} can't be removed: {}", pending_file(name).string(), failed.message()));
+  remove_verdict(pending_file(name));
   remove_picture_differences(pending_file(name));
   remove_report(pending_file(name));
   const fs::path plant = pending_ / "plant" / (name + ".mcap");  // what a check has found on the plant level

@@ -12,6 +12,7 @@
 #include "debug_hook.h"
 #include "recording/hashing.h"
 #include "info_text.h"
+#include "opened_files.h"
 #include "usable_outputs.h"
 
 namespace rehearse {
@@ -115,16 +116,18 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   hosted.label = owner.name + "/" + specification.name;
   hosted.body = body;
   hosted.parent = parent;
-  const auto stated = options_.controller_options.find(hosted.label);
-  const std::string& own_options = stated == options_.controller_options.end() ? specification.options : stated->second;
+  const auto given = options_.controllers.find(hosted.label);
+  const bool is_given = given != options_.controllers.end();
+  const std::string& own_options = is_given ? given->second.options : specification.options;
   const std::string& run_options = options_.run_options ? *options_.run_options : scenario_->options;
   other_options_ = other_options_ || own_options != specification.options || run_options != scenario_->options;
   hosted.io = std::make_unique<ControllerIo>(specification.name, run_options, own_options, scenario_->time_step);
-  hosted.io->setNoDelayMode(!specification.delay);
+  hosted.optional = is_given ? given->second.optional : specification.optional;
+  hosted.io->setNoDelayMode(!(is_given ? given->second.delay : specification.delay));
   if (scenario_->joystick) hosted.joystick = std::make_unique<HostJoystick>();
 
   std::filesystem::path directory = std::filesystem::path(scenario_->file).parent_path();
-  std::string library = specification.library;
+  std::string library = is_given ? given->second.library : specification.library;
   for (const std::string& name : {specification.name, hosted.label}) {
     const auto replaced = options_.libraries.find(name);
     if (replaced == options_.libraries.end()) continue;
@@ -203,6 +206,7 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
     const ControllerVariables::Open variables(stopped_ ? nullptr : &hosted.variables);
     return guarded_call(code, options_.call_limit);
   }();
+  take_opened_files(hosted);
   tell_trespasses(hosted, function, outcome);
   collect_messages(hosted, outcome.end);
   if (outcome.end == CallEnd::returned) return true;
@@ -222,10 +226,27 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
 }
 
 void ControllerHost::refuse(HostedController& hosted, const char* function) {
-  event(Severity::error, hosted.label,
-        fmt::format("{}() returned false: the run goes on without this controller", function));
   hosted.running = false;
+  if (hosted.optional)
+    return event(Severity::warning, hosted.label,
+                 fmt::format("{}() returned false: the run goes on without this controller", function));
+  std::string text = fmt::format("controller '{}' refuses to take part: {}() returned false", hosted.label, function);
+  for (const auto& [file, content] : hosted.files)
+    if (content == missing_file) text += fmt::format("; {} wasn't there", file);
+  event(Severity::error, hosted.label, text);
+  if (!failure_) failure_ = error(std::move(text), "a run goes on without a controller that is `optional: true`");
   refused_ = true;
+}
+
+void ControllerHost::take_opened_files(HostedController& hosted) {
+  for (OpenedFile& file : take_files_opened()) hosted.files.emplace(std::move(file.name), std::move(file.content));
+}
+
+std::map<std::string, std::string> ControllerHost::files_read() const {
+  std::map<std::string, std::string> files;
+  for (const HostedController& hosted : controllers_)
+    for (const auto& [file, content] : hosted.files) files.emplace(hosted.label + ": " + file, content);
+  return files;
 }
 
 void ControllerHost::show_joystick(const Observation& seen) {
@@ -242,8 +263,7 @@ void ControllerHost::configure(HostedController& hosted) {
   if (!made) return;
   if (!hosted.controller) {
     event(Severity::error, hosted.label, "createSimpleController() returned a null pointer");
-    refused_ = true;
-    return;
+    return refuse(hosted, "createSimpleController");
   }
   bool accepted = false;
   if (!call(hosted, "configure", [&] { accepted = hosted.controller->configure(hosted.config.get()); })) return;
@@ -350,16 +370,21 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     hosted.has_input = hosted.running;
     if (hosted.running) hosted.io->input(body);
   }
+  bool alive = true;
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;
     const auto control = [&] {
       stop_for_debugger();
       hosted.result = hosted.controller->control();
     };
-    if (!call(hosted, "control", control, HowOften::in_ticks)) return false;
-    hosted.io->output();
-    hosted.has_output = true;
+    alive = alive && call(hosted, "control", control, HowOften::in_ticks);
+    hosted.has_output = alive;
+    if (!alive) break;
   }
+  // a child may write to a joint that its parent commands: both are read when all have returned, as Choreonoid does
+  for (HostedController& hosted : controllers_)
+    if (hosted.has_output) hosted.io->output();
+  if (!alive) return false;
   for (HostedController& hosted : controllers_)
     if (hosted.parent < 0 && hosted.io_body) take_device_outputs(hosted);
   return true;

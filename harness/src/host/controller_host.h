@@ -13,6 +13,7 @@
 #include <cnoid/SimpleController>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -39,6 +40,7 @@ struct HostedController {
   std::unique_ptr<ControllerIo> io;
   std::unique_ptr<cnoid::SimpleControllerConfig> config;
   std::shared_ptr<IoBody> io_body;
+  bool optional = false;                     // the run goes on if it refuses
   bool configured = false;
   bool running = false;                      // takes part: it initialised and started
   bool has_input = false;                    // its inputs were handed over in this tick
@@ -48,6 +50,7 @@ struct HostedController {
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
   ControllerVariables variables;             // as it set them in this tick
   std::set<Trespass::Kind> trespasses;       // of which one was told
+  std::map<std::string, std::string> files;  // that it opened to read: content by name (opened_files.h)
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };
 
@@ -78,13 +81,15 @@ class ControllerHost {
   void stop();
 
   const std::vector<HostedController>& controllers() const { return controllers_; }
+  /// Files that the controllers have opened to read, as "BODY/NAME: file" and what was in them.
+  std::map<std::string, std::string> files_read() const;
   /// Hash of all that the controllers read (or wrote) in this tick.
   std::uint64_t input_hash(const Observation& seen) const;
   std::uint64_t output_hash() const;
 
-  /// The first failure that ends the run: a controller threw, crashed or hung.
+  /// The first failure that ends the run: a controller threw, crashed, hung or refused.
   const std::optional<Diagnostic>& failure() const { return failure_; }
-  /// A controller refused to configure, initialise or start; the run goes on without it.
+  /// A controller that isn't optional refused to configure, initialise or start; that is the failure().
   bool any_refused() const { return refused_; }
   /// Some controller was given other options than the scenario's.
   bool has_other_options() const { return other_options_; }
@@ -100,6 +105,7 @@ class ControllerHost {
   void tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome);
   void keep_libraries_of_threads();
   void refuse(HostedController& hosted, const char* function);
+  void take_opened_files(HostedController& hosted);
   void show_joystick(const Observation& seen);
   void event(Severity severity, const std::string& source, std::string text);
   void collect_messages(HostedController& hosted, CallEnd end);

@@ -83,6 +83,9 @@ class Recorder {
   std::unique_ptr<Impl> impl_;
 };
 
+/// The metadata record of the files that controllers read (ControllerHost::files_read).
+inline constexpr const char* files_record = "rehearse.files";
+
 /// Names the layout of a checkpoint's bytes: changes with every change of World::save().
 inline constexpr const char* checkpoint_format = "rehearse-ode-state-1";
 

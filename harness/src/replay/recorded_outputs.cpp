@@ -208,6 +208,17 @@ std::int64_t RecordedOutputs::compare(const OnDifference& differs) const {
   return compared;
 }
 
+void RecordedOutputs::compare_delay(bool delayed, const OnDifference& differs) const {
+  for (const auto& [id, channel] : by_id_) {
+    const auto stated = channel.metadata.find("delay");
+    if (stated == channel.metadata.end() || (stated->second == "true") == delayed) continue;
+    Divergence found = divergence(channel.topic, "");
+    found.note = delayed ? "its commands act one tick later than the recorded ones: it has left the no-delay mode"
+                         : "its commands act one tick earlier than the recorded ones: it has entered the no-delay mode";
+    return differs(std::move(found));
+  }
+}
+
 std::int64_t RecordedOutputs::compare_device(const Channel& channel, const OnDifference& differs) const {
   const DeviceOutput* now = nullptr;
   for (const DeviceOutput& output : hosted_.device_outputs)

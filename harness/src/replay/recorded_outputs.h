@@ -31,6 +31,8 @@ class RecordedOutputs {
   /// Calls `differs` for each number that isn't the same bits now: joints, then links, then devices. Tick and time are
   /// the caller's to fill in. Returns how many numbers were compared.
   std::int64_t compare(const OnDifference& differs) const;
+  /// Calls `differs` if the commands act a tick later, or earlier, than the recorded ones did.
+  void compare_delay(bool delayed, const OnDifference& differs) const;
 
  private:
   /// A recorded number and the place in output_values() that it must equal.

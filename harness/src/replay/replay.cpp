@@ -15,12 +15,14 @@
 #include "compare/asked_variables.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
+#include "host/opened_files.h"
 #include "mcap/whole_input.h"
 #include "output_record.h"
 #include "recorded_inputs.h"
 #include "recorded_outputs.h"
 #include "recorded_words.h"
 #include "recording/provenance.h"
+#include "recording/recorder.h"
 #include "recording/variable_topics.h"
 #include "replay_recording.h"
 #include "trace_scenario.h"
@@ -54,6 +56,7 @@ class Replayer {
   bool finish_tick();
   bool follows_on();
   void compare_inputs();
+  void compare_delays();
   void compare_results();
   void compare_variables();
   void say_differs(Divergence&& found);
@@ -61,6 +64,7 @@ class Replayer {
   const Observation& inputs_of_tick();
   void tell_unused_alterations();
   std::vector<std::string> other_controllers() const;
+  std::vector<std::string> changed_files() const;
   void end_at_damage(Diagnostics damage);
   double tolerance_for(const Divergence& found) const;
   void differs(Divergence&& found);
@@ -202,6 +206,7 @@ Result<ReplayReport> Replayer::run() {
   report_.failure = host_.failure();
   report_.controller_refused = host_.any_refused();
   report_.other_controllers = other_controllers();
+  report_.changed_files = changed_files();
   report_.same_controllers = report_.other_controllers.empty() && !host_.has_other_options();
   return report_;
 }
@@ -247,6 +252,7 @@ bool Replayer::finish_tick() {
   if (output_record_) options_.on_outputs(tick_.tick, output_record_->row());
   if (options_.on_variable) tell_variables();
   if (altered_.empty()) compare_inputs();
+  if (report_.ticks == 0) compare_delays();
   if (now_ >= from_) {
     for (const RecordedOutputs& outputs : outputs_)
       report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
@@ -323,6 +329,36 @@ std::vector<std::string> Replayer::other_controllers() const {
       others.push_back(hosted.label);
   }
   return others;
+}
+
+/// What a run ended by a failure would have read later isn't known. A recording from before files were recorded says
+/// nothing of what was in them.
+std::vector<std::string> Replayer::changed_files() const {
+  const mcap::StringMap* recorded = nullptr;
+  for (const mcap::Metadata& metadata : trace_.metadata())
+    if (metadata.name == files_record) recorded = &metadata.values;
+  std::vector<std::string> changes;
+  for (const auto& [file, content] : host_.files_read()) {
+    const auto before = recorded ? recorded->find(file) : mcap::StringMap::const_iterator();
+    const bool is_known = recorded && before != recorded->end();
+    if (is_known && before->second == content) continue;
+    if (content == missing_file)
+      changes.push_back(fmt::format("{} wasn't found", file));
+    else if (is_known)
+      changes.push_back(fmt::format("{} has changed since the recording", file));
+    else
+      changes.push_back(fmt::format("{} is read, and the recording doesn't say what was in it", file));
+  }
+  return changes;
+}
+
+/// The same numbers a tick later, or earlier, are other commands.
+void Replayer::compare_delays() {
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    const HostedController& hosted = host_.controllers()[i];
+    if (!hosted.running) continue;
+    outputs_[i].compare_delay(host_.is_delayed(hosted), [this](Divergence&& found) { differs(std::move(found)); });
+  }
 }
 
 void Replayer::compare_results() {

@@ -25,7 +25,7 @@ class ControllerReader {
 
  private:
   ScenarioController read(const YamlNode& node, bool is_child) {
-    const Keys keys(findings_, node, "a controller", {"name", "library", "options", "delay", "children"});
+    const Keys keys(findings_, node, "a controller", {"name", "library", "options", "delay", "optional", "children"});
     ScenarioController controller;
     controller.place = {file_, node.line, node.column};
     if (!keys.is_map()) return controller;
@@ -39,6 +39,7 @@ class ControllerReader {
     read_name(keys, library, controller);
     keys.text("options", controller.options);
     keys.flag("delay", controller.delay);
+    keys.flag("optional", controller.optional);
     if (const YamlNode* children = keys.find("children")) {
       if (is_child) {
         findings_.error(*children, "a child controller has children", "they nest one level deep");

@@ -123,6 +123,8 @@ Result<RunSummary> ClosedLoop::finish() {
   if (summary.failure) outcome["failure"] = summary.failure->message;
   outcome["checkpoints"] = checkpoint_interval > 0 ? trial.verdict() : "none";
   descriptor.reset();
+  if (const auto files = host->files_read(); !files.empty())
+    if (auto done = recorder->add_metadata(files_record, files); !done) return done.errors();
   if (auto done = recorder->close(outcome); !done) return done.errors();
   summary.ticks = size.ticks;
   summary.channels = size.channels;

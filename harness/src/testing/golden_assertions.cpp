@@ -202,6 +202,9 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   ComparedTest compared;
   TestVerdict verdict = judge(trace, test, options, compared);
   if (compared.golden.empty()) return verdict;  // nothing was compared: the question was wrong
+  if (!verdict.passed && fs::exists(golden_store().pending_file(test)))
+    if (auto kept = golden_store().keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
+      verdict.message += "\n" + to_string(kept.errors());
   const std::string told = keep_test_report(trace, test, verdict, compared);
   if (!verdict.passed) verdict.message += told;
   return verdict;

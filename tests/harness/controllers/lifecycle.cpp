@@ -1,5 +1,6 @@
 // Controllers that talk about their calls: in what order they come, what they answer, what time it is.
 
+#include <fstream>
 #include <iomanip>
 
 #include "behaviours.h"
@@ -74,6 +75,31 @@ class ConstantPusher : public Pusher {
   Words words_;
 };
 const Add<ConstantPusher> constant_pusher("push");
+
+/// file PATH: the effort that stands in the file; refuses if there is none.
+class FileReader : public Pusher {
+ public:
+  explicit FileReader(const Words& words) : Pusher(0.0), path_(words.at(0)) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    std::ifstream stream(path_);
+    return stream >> effort_ && Pusher::initialize(io);
+  }
+
+ private:
+  std::string path_;
+};
+const Add<FileReader> file_reader("file");
+
+/// add EFFORT: to what another controller of the body commands.
+class Adder : public Pusher {
+ public:
+  explicit Adder(const Words& words) : Pusher(std::stod(words.at(0))) {}
+  bool control() override {
+    shoulder_->u() += effort_;
+    return true;
+  }
+};
+const Add<Adder> adder("add");
 
 /// Writes an effort in initialize() and start() only.
 class EarlyPusher : public Pusher {

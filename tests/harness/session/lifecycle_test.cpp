@@ -36,32 +36,45 @@ TEST_F(Lifecycle, MessagesCarryTheTickInWhichTheyWereSaid) {
 class Refusals : public RunTest, public ::testing::WithParamInterface<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Function, Refusals, ::testing::Values("configure", "initialize", "start"));
 
-TEST_P(Refusals, DropThatControllerAndTheRunGoesOn) {
+TEST_P(Refusals, EndTheRunBeforeItsFirstTick) {
   const std::string function = GetParam();
-  const Trace trace = record_run(rig(behaviour("Bad", "refuse " + function) + ", " + behaviour("Good", "push 1")));
-  EXPECT_EQ(summary_.ticks, 20);
+  record_run(rig(behaviour("Bad", "refuse " + function) + ", " + behaviour("Good", "push 1")));
+  EXPECT_EQ(summary_.ticks, 0);
   EXPECT_TRUE(summary_.controller_refused);
+  ASSERT_TRUE(summary_.failure);
+  EXPECT_EQ(summary_.failure->message,
+            "controller 'Rig/Bad' refuses to take part: " + function + "() returned false");
+  EXPECT_THAT(summary_.failure->hint, HasSubstr("`optional: true`"));
+}
+
+TEST_P(Refusals, OfAnOptionalControllerDropItAndTheRunGoesOn) {
+  const std::string function = GetParam();
+  const Trace trace =
+      record_run(rig(behaviour("Bad", "refuse " + function, ", optional: true") + ", " + behaviour("Good", "push 1")));
+  EXPECT_EQ(summary_.ticks, 20);
+  EXPECT_FALSE(summary_.controller_refused);
   EXPECT_FALSE(summary_.failure.has_value());
   EXPECT_THAT(said(trace),
               ElementsAre("Rig/Bad: " + function + "() returned false: the run goes on without this controller"));
   ASSERT_EQ(summary_.remarks.size(), 1u);
-  EXPECT_EQ(summary_.remarks[0].severity, Severity::error);
+  EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);
   EXPECT_GT(trace.last("Rig/SHOULDER/dq"), 0.03);
   EXPECT_EQ(trace.last("controller_results/0"), 0.0);
 }
 
 TEST_P(Refusals, AreRepeatedByAReplay) {
-  record_run(rig(behaviour("Bad", std::string("refuse ") + GetParam()) + ", " + behaviour("Good", "push 1")));
+  record_run(rig(behaviour("Bad", std::string("refuse ") + GetParam(), ", optional: true") + ", " +
+                 behaviour("Good", "push 1")));
   const auto report = replay_run();
   ASSERT_TRUE(report.ok()) << to_string(report.errors());
   EXPECT_TRUE(report->equal());
-  EXPECT_TRUE(report->controller_refused);
+  EXPECT_FALSE(report->controller_refused);
   EXPECT_EQ(report->ticks, 20);
 }
 
 TEST_F(Lifecycle, AParentThatRefusesLeavesItsChildrenRunning) {
   const std::string family =
-      "{name: P, library: Behaviours, options: refuse initialize, children: [" + behaviour("Child", "push 1") + "]}";
+      "{name: P, library: Behaviours, optional: true, options: refuse initialize, children: [" + behaviour("Child", "push 1") + "]}";
   EXPECT_GT(record_run(rig(family)).last("Rig/SHOULDER/dq"), 0.03);
 }
 

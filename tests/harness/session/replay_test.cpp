@@ -139,9 +139,8 @@ TEST_F(Replay, OfACameraThatDidNotRunNeedsNoPictures) { expect_equal(rig(behavio
 TEST_F(Replay, SaysThatACommandIsMissing) {
   record_run(hinge_pd());
   ReplayOptions options;
-  options.libraries["C"] = "Behaviours";  // without options it refuses
+  options.controllers["Rig/C"] = {"Behaviours", "", true, true};  // without options it refuses
   const ReplayReport report = replayed(options);
-  EXPECT_TRUE(report.controller_refused);
   ASSERT_TRUE(report.first.has_value());
   EXPECT_EQ(report.first->tick, 0);
   EXPECT_THAT(report.first->note, HasSubstr("no longer commands it"));

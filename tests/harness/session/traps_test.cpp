@@ -201,6 +201,14 @@ TEST_F(Traps, ChildrenShareTheBodySiblingsDoNot) {
   EXPECT_THAT(trace.values("Rig/Sibling/output/SHOULDER/u"), Each(0.0));
 }
 
+TEST_F(Traps, AChildAddsToWhatItsParentCommands) {
+  const std::string family =
+      "{name: P, library: Behaviours, options: \"push 1\", children: [" + behaviour("Child", "add 10") + "]}";
+  const Trace trace = record_run(rig(family));
+  EXPECT_THAT(trace.values("Rig/P/output/SHOULDER/u"), Each(11.0));
+  EXPECT_THAT(trace.values("Rig/Child/output/SHOULDER/u"), Each(11.0));
+}
+
 TEST_F(Traps, ALinkCannotBeMovedByItsPosition) {
   const Trace trace = record_run(rig_with("teleport"));
   EXPECT_THAT(said(trace), Contains(HasSubstr("link 'world' can't be moved by command")));

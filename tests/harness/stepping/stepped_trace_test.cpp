@@ -225,8 +225,7 @@ TEST_F(Stepped, AControllerThatFailsLeavesTheTicksBehindAsRecorded) {
   record_hinge();
   // the same names, and another library that throws in tick 7
   SteppingOptions options;
-  options.libraries["C"] = "Behaviours";
-  options.controller_options["Rig/C"] = "fail throw control 7";
+  options.controllers["Rig/C"] = {"Behaviours", "fail throw control 7"};
   const auto trace = opened(options);
   ASSERT_NE(trace, nullptr);
   ASSERT_TRUE(trace->failure());
@@ -313,7 +312,7 @@ TEST_F(Stepped, GivesTheLatestPictureAtOrBeforeATick) {
 /// Of a behaviour with other options than the recorded ones.
 SteppingOptions as(const std::string& behaviour) {
   SteppingOptions options;
-  options.controller_options["Rig/C"] = behaviour;
+  options.controllers["Rig/C"] = {"Behaviours", behaviour};
   return options;
 }
 

@@ -12,7 +12,7 @@
 
 namespace {
 
-enum Fault { none, gain, sign, late, swapped, stale, uninitialised };
+enum Fault { none, gain, sign, late, swapped, stale, uninitialised, no_delay, words };
 
 /// Memory that was used before, and is handed out again as it is.
 double* used_memory() {
@@ -42,11 +42,13 @@ class Stand : public cnoid::SimpleController {
     effort_.assign(wanted_.size(), 0.0);
     last_ = wanted_;
     if (FAULT == uninitialised) offset_ = used_memory();
+    if (FAULT == no_delay) io->setNoDelayMode(true);
     if (!io->optionString().empty()) strength_ = std::stod(io->optionString());
     return true;
   }
 
   bool control() override {
+    if (FAULT == words && body_->joint(0)->dq() < 0.0) io_->os() << "leaning back" << std::endl;
     const std::vector<double> before = effort_;
     for (int i = 0; i < body_->numJoints(); ++i) {
       const cnoid::Link* joint = body_->joint(i);

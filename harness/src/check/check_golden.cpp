@@ -1,0 +1,131 @@
+// A scenario against the golden that it names, and that golden's life.
+#include <fmt/format.h>
+#include <rehearse/picture_difference.h>
+
+#include "check_run.h"
+
+namespace rehearse {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A run that no golden speaks of: what the scenario expects of it is all there is to judge.
+Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                                          const Simulation& simulation) {
+  CheckReport report;
+  auto run = make_run(scenario, actual, options, simulation);
+  if (!run) return run.errors();
+  report.run = std::move(*run);
+  if (scenario.expectations.empty()) return report;
+  const auto fresh = Trace::load(actual);
+  if (!fresh) return fresh.errors();
+  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  report.verdict = verdict(report.expectations);
+  report.closed = LevelState::within;
+  if (const ExpectationResult* violation = first_violation(report.expectations)) {
+    report.closed = LevelState::differs;
+    report.first = divergence_of(*violation, *fresh);
+    report.message = fmt::format("this run: {}{}", actual.string(), violation_lines(report.expectations));
+  }
+  return report;
+}
+
+/// Whether a run that is to become a golden repeats itself. If not, the report says so.
+Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual, const HostOptions& host,
+                               const Simulation& simulation, CheckReport& report) {
+  const auto candidate = Trace::load(actual);
+  if (!candidate) return candidate.errors();
+  const auto found = try_reproduction(scenario, *candidate, actual, host, simulation);
+  if (!found) return found.errors();
+  if (found->reproduced()) return true;
+  report.closed = LevelState::differs;
+  report.not_reproduced = true;
+  report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
+  report.first = found->first;
+  report.message = fmt::format("this run: {}", actual.string());
+  return false;
+}
+
+/// There is no golden yet: the run becomes it, or waits to be.
+Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
+                                 const CheckOptions& options, const Simulation& simulation) {
+  const fs::path actual = store.pending_file(scenario.golden);
+  auto report = check_by_expectations(scenario, actual, options, simulation);
+  if (!report) return report;
+  const bool violated = !report->within();
+  const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
+  if (mode == GoldenMode::check || violated) {
+    report->closed = LevelState::differs;
+    report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
+    if (!violated)
+      report->message =
+          fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), scenario.golden);
+    return report;
+  }
+  auto certified = certify_candidate(scenario, actual, options.run, simulation, *report);
+  if (!certified) return certified.errors();
+  if (!*certified) return report;
+  if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
+  report->closed = LevelState::skipped;  // there was nothing to compare with
+  report->golden_written = true;
+  report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
+  return report;
+}
+
+/// No golden is named, but something is expected.
+Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                                         const Simulation& simulation) {
+  auto report = check_by_expectations(scenario, actual, options, simulation);
+  std::error_code ignored;
+  if (report && report->within()) fs::remove(actual, ignored);
+  return report;
+}
+
+/// What becomes of a run that waits.
+Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
+                            const Simulation& simulation, CheckReport& report) {
+  const std::string& name = scenario.golden;
+  if (first_violation(report.expectations)) {
+    report.message += fmt::format("\nif it is right, {} expects what is wrong", scenario.file);
+  } else if (mode == GoldenMode::accept) {
+    auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);
+    if (!certified) return certified.errors();
+    if (!*certified) return {};
+    if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
+    report.golden_written = true;
+    report.message = fmt::format("replaced {}", store.trace_file(name).string());
+  } else {
+    report.message +=
+        fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
+                                 const CheckOptions& options, const Simulation& simulation) {
+  const std::string& name = scenario.golden;
+  if (name.empty() && options.closed && !scenario.expectations.empty())
+    return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
+  if (name.empty()) {
+    Diagnostic finding = error("the scenario names no golden to compare with, and expects nothing of a run",
+                               "golden: Suite.Test, or expect: what has to be true");
+    finding.file = scenario.file;
+    return finding;
+  }
+  if (!store.has(name)) return first_golden(scenario, store, mode, options, simulation);
+  const fs::path actual = store.pending_file(name);
+  auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
+  if (!report) return report;
+  if (options.closed && !report->within()) {
+    if (auto kept = store.keep_pending_verdict(name, report->verdict); !kept) return kept.errors();
+    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done) return done.errors();
+  } else if (const auto digest = store.check_digest(name); !digest) {
+    if (mode != GoldenMode::accept) return digest.errors();
+    if (auto renewed = store.accept(name, store.trace_file(name)); !renewed) return renewed.errors();
+  }
+  return report;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,48 @@
+// A check's report as JSON.
+#include <rehearse/check.h>
+
+#include <nlohmann/json.hpp>
+
+#include "compare/report_json.h"
+
+namespace rehearse {
+namespace {
+
+nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
+  return comparison ? json_of(*comparison) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json json_of(const ExpectationResult& result) {
+  nlohmann::ordered_json object{
+      {"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}, {"first", nullptr}};
+  if (result.first)
+    object["first"] = {{"series", result.series},
+                       {"tick", result.first->tick},
+                       {"time", result.first->time},
+                       {"value", result.first->value ? number_json(*result.first->value) : nlohmann::ordered_json()}};
+  return object;
+}
+
+}  // namespace
+
+std::string to_json(const CheckReport& report) {
+  nlohmann::ordered_json object{{"verdict", report.verdict},
+                                {"equal", report.equal()},
+                                {"within", report.within()},
+                                {"not_reproduced", report.not_reproduced},
+                                {"levels",
+                                 {{"controller", to_string(report.controller)},
+                                  {"plant", to_string(report.plant)},
+                                  {"closed", to_string(report.closed)}}},
+                                {"first", json_of(report.first)},
+                                {"comparisons",
+                                 {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
+                                {"horizon", nullptr},
+                                {"expectations", nlohmann::ordered_json::array()},
+                                {"remarks", report.remarks}};
+  if (report.horizon) object["horizon"] = *report.horizon;
+  for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
+  return text_of(object);
+}
+
+}  // namespace rehearse

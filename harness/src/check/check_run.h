@@ -1,0 +1,22 @@
+// What a check does with a run: makes it, and asks whether it repeats itself. Internal to check*.cpp.
+#pragma once
+
+#include <rehearse/check.h>
+#include <rehearse/reproduction.h>
+
+#include <filesystem>
+
+namespace rehearse {
+
+/// Records the scenario into `actual`, whose folder is made if there is none.
+Result<RunSummary> make_run(const Scenario& scenario, const std::filesystem::path& actual, const CheckOptions& options,
+                            const Simulation& simulation);
+
+/// For replays of any recording: the controllers of the scenario as it is now, whatever the recording names.
+HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given);
+
+/// Whether a run repeats itself; what the world does meanwhile is written beside it, and removed.
+Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const std::filesystem::path& file,
+                                      const HostOptions& host, const Simulation& simulation);
+
+}  // namespace rehearse

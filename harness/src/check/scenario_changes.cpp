@@ -1,0 +1,87 @@
+#include "scenario_changes.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/mcap.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+namespace rehearse {
+namespace {
+
+/// A number of the recording's provenance; none: it states none.
+std::optional<double> recorded_number(const Trace& recording, const char* fact) {
+  const mcap::StringMap* facts = recording.find_metadata("rehearse");
+  const auto found = facts ? facts->find(fact) : mcap::StringMap::const_iterator();
+  if (!facts || found == facts->end()) return std::nullopt;
+  double number = 0.0;
+  const char* const end = found->second.data() + found->second.size();
+  const auto read = std::from_chars(found->second.data(), end, number);
+  return read.ec == std::errc() && read.ptr == end ? std::optional(number) : std::nullopt;
+}
+
+Divergence change_of(const char* key, double recorded, double stated) {
+  Divergence change;
+  change.channel = "scenario";
+  change.element = key;
+  change.expected = recorded;
+  change.actual = stated;
+  change.difference = std::abs(stated - recorded);
+  change.ulps = ulps_between(recorded, stated);
+  change.unit = "s";
+  change.stage = Stage::inputs;
+  return change;
+}
+
+std::set<std::string> controllers_of(const Scenario& scenario) {
+  std::set<std::string> labels;
+  for (const ScenarioBody& body : scenario.bodies) {
+    for (const ScenarioController& controller : body.controllers) {
+      labels.insert(body.name + "/" + controller.name);
+      for (const ScenarioController& child : controller.children) labels.insert(body.name + "/" + child.name);
+    }
+  }
+  return labels;
+}
+
+std::set<std::string> controllers_of(const Trace& recording) {
+  constexpr std::string_view prefix = "controller.";
+  std::set<std::string> labels;
+  if (const mcap::StringMap* facts = recording.find_metadata("rehearse"))
+    for (const auto& [fact, value] : *facts)
+      if (fact.starts_with(prefix)) labels.insert(fact.substr(prefix.size()));
+  return labels;
+}
+
+}  // namespace
+
+std::optional<Divergence> changed_time_step(const Scenario& scenario, const Trace& recording) {
+  const auto recorded = recorded_number(recording, "time_step");
+  if (!recorded || *recorded == scenario.time_step) return std::nullopt;
+  return change_of("time_step", *recorded, scenario.time_step);
+}
+
+std::optional<Divergence> changed_duration(const Scenario& scenario, const Trace& recording) {
+  const auto recorded = recorded_number(recording, "duration");
+  const auto ticks_of = [&](double duration) { return std::llround(duration / scenario.time_step); };
+  if (!recorded || ticks_of(*recorded) == scenario.ticks()) return std::nullopt;
+  Divergence change = change_of("duration", *recorded, scenario.duration);
+  change.tick = std::min<std::int64_t>(ticks_of(*recorded), scenario.ticks()) - 1;
+  change.time = time_of(change.tick, scenario.time_step);
+  return change;
+}
+
+std::string changed_controllers(const Scenario& scenario, const Trace& recording) {
+  const std::set<std::string> now = controllers_of(scenario), then = controllers_of(recording);
+  for (const std::string& label : then)
+    if (now.count(label) == 0) return fmt::format("{} has no controller '{}', and the golden has", scenario.name, label);
+  for (const std::string& label : now)
+    if (then.count(label) == 0) return fmt::format("{} has a controller '{}', and the golden hasn't", scenario.name, label);
+  return "";
+}
+
+}  // namespace rehearse

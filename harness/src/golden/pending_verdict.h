@@ -1,0 +1,20 @@
+// The verdict on a run that waits to be accepted, kept beside its trace: what a person reads when he decides, and what is
+// written into the golden, is what the check said.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <filesystem>
+#include <string>
+
+namespace rehearse {
+
+/// Writes it beside the trace, as NAME.verdict. Fails if it can't be written, or the trace can't be read.
+Result<void> keep_verdict(const std::filesystem::path& trace, const std::string& verdict);
+
+/// Empty: no check has judged this trace, byte by byte.
+std::string kept_verdict(const std::filesystem::path& trace);
+
+void remove_verdict(const std::filesystem::path& trace);
+
+}  // namespace rehearse

@@ -1,0 +1,78 @@
+// Files that controllers read: recorded by their content, and named where they explain a difference.
+#include <rehearse/check.h>
+
+#include "runs.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class OpenedFiles : public RunTest {
+ protected:
+  std::string reader() const { return rig_with("file " + path("gain.txt").string()); }
+  ReplayReport replayed() const {
+    const auto report = replay_run();
+    EXPECT_TRUE(report.ok()) << to_string(report.errors());
+    return report ? *report : ReplayReport();
+  }
+};
+
+TEST_F(OpenedFiles, StandInTheRecordingWithTheirContent) {
+  write("gain.txt", "1.5\n");
+  const Trace trace = record_run(reader());
+  const mcap::StringMap* files = trace.find_metadata("rehearse.files");
+  ASSERT_NE(files, nullptr);
+  ASSERT_EQ(files->size(), 1u);
+  EXPECT_EQ(files->begin()->first, "Rig/C: gain.txt");
+  EXPECT_THAT(files->begin()->second, ::testing::MatchesRegex("4 bytes, [0-9a-f]+"));
+  EXPECT_THAT(replayed().changed_files, IsEmpty());
+}
+
+TEST_F(OpenedFiles, NoneLeaveNoRecord) {
+  EXPECT_EQ(record_run(rig_with("push 1")).find_metadata("rehearse.files"), nullptr);
+}
+
+TEST_F(OpenedFiles, ThatHaveChangedAreNamedByAReplay) {
+  write("gain.txt", "1.5\n");
+  record_run(reader());
+  write("gain.txt", "1.6\n");
+  const ReplayReport report = replayed();
+  EXPECT_FALSE(report.equal());
+  EXPECT_THAT(report.changed_files, ElementsAre("Rig/C: gain.txt has changed since the recording"));
+}
+
+TEST_F(OpenedFiles, ThatHaveChangedAreNamedByACheckWhichAccusesNobodyOfChance) {
+  write("gain.txt", "1.5\n");
+  record_run(reader(), "golden.mcap");
+  write("gain.txt", "1.6\n");
+  const auto report = check_scenario(load(reader()), path("golden.mcap"), path("actual.mcap"), {}, {record, run_plant});
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_EQ(report->controller, LevelState::differs);
+  EXPECT_THAT(report->verdict, HasSubstr("; Rig/C: gain.txt has changed since the recording"));
+  EXPECT_THAT(report->verdict, Not(HasSubstr("chance")));
+}
+
+TEST_F(OpenedFiles, ThatAreMissingAreNamedByTheRefusal) {
+  record_run(reader());
+  EXPECT_EQ(summary_.ticks, 0);
+  ASSERT_TRUE(summary_.failure);
+  EXPECT_EQ(summary_.failure->message,
+            "controller 'Rig/C' refuses to take part: initialize() returned false; gain.txt wasn't there");
+}
+
+TEST_F(OpenedFiles, ThatAreMissingNowAreNamedByAReplay) {
+  write("gain.txt", "1.5\n");
+  record_run(reader());
+  std::filesystem::remove(path("gain.txt"));
+  const ReplayReport report = replayed();
+  ASSERT_TRUE(report.failure);
+  EXPECT_THAT(report.failure->message, HasSubstr("gain.txt wasn't there"));
+  EXPECT_THAT(report.changed_files, ElementsAre("Rig/C: gain.txt wasn't found"));
+}
+
+}  // namespace
+}  // namespace rehearse
