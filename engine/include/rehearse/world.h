@@ -109,6 +109,11 @@ class World {
   std::vector<std::byte> save() const;
   /// Fails if `state` is not of a world like this one.
   Result<void> restore(std::span<const std::byte> state);
+  /// The same from another world, whose bodies, links, joints and devices may be others or stand in another order: each
+  /// part is taken from the one of its name. Links come to be where they are there, whatever their centres of mass.
+  /// Fails, naming them, if parts of this world aren't in the other; its state is good for nothing then. A device that
+  /// the other hasn't keeps its last measurement.
+  Result<void> take_state(const World& other);
 
   /// Moves what moves freely by a last bit: each coordinate of each rigid body's position to the next number above or
   /// below, as the bits of a hash of `pattern` say; zeros stay. What that makes of a run is what rounding can make of it.

@@ -142,9 +142,14 @@ bool KinematicBody::finite() const {
 }
 
 void KinematicBody::visit_state(StateVisitor& visitor) {
-  for (JointReading& joint : joints_)
+  for (std::size_t id = 0; id < joints_.size(); ++id) {
+    JointReading& joint = joints_[id];
+    visitor.begin_part(name(), model().links[model().joints[id]].joint.name, StatePart::displacement);
     for (double* number : {&joint.q, &joint.dq, &joint.ddq}) visitor.visit(*number);
-  for (LinkReading& link : links_) {
+  }
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    LinkReading& link = links_[i];
+    visitor.begin_part(name(), model().links[i].name, StatePart::motion);
     visitor.visit(link.position);
     visitor.visit(link.rotation);
     for (Vector3d* numbers : {&link.velocity, &link.angular_velocity, &link.acceleration, &link.angular_acceleration})

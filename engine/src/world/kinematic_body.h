@@ -26,6 +26,7 @@ class KinematicBody final : public SimulatedBody {
   bool finite() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override { place(); }
+  void take_centers(const SimulatedBody&) override {}  // its links are where they are, whatever their masses
   void nudge(std::uint64_t) override {}  // it moves exactly as it is told
 
  private:

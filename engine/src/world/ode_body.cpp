@@ -337,6 +337,7 @@ bool OdeBody::finite() const {
 void OdeBody::visit_state(StateVisitor& visitor) {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;
+    visitor.begin_part(name(), model().links[group.first_link].name, StatePart::motion);
     // ODE hands out pointers to its own numbers. Its setters would normalise the quaternion and so change bits.
     visitor.visit(const_cast<dReal*>(dBodyGetPosition(group.body)), 3 * sizeof(dReal));
     visitor.visit(const_cast<dReal*>(dBodyGetQuaternion(group.body)), 4 * sizeof(dReal));
@@ -346,11 +347,23 @@ void OdeBody::visit_state(StateVisitor& visitor) {
     visitor.visit(group.acceleration);
     visitor.visit(group.angular_acceleration);
   }
-  for (OdeJoint& joint : joints_) joint.visit_turns(visitor);
-  for (OdeJoint& joint : joints_) joint.visit_effort(visitor);
-  for (OdeJoint& joint : joints_) joint.visit_acceleration(visitor);
-  for (auto& wrench : wrenches_) visitor.visit(wrench.data(), 6 * sizeof(double));
-  for (Track& track : tracks_) visitor.visit(track.speed);
+  const auto visit_joints = [&](StatePart part, void (OdeJoint::*visit)(StateVisitor&)) {
+    for (OdeJoint& joint : joints_) {
+      visitor.begin_part(name(), joint.joint().name, part);
+      (joint.*visit)(visitor);
+    }
+  };
+  visit_joints(StatePart::displacement, &OdeJoint::visit_turns);
+  visit_joints(StatePart::effort, &OdeJoint::visit_effort);
+  visit_joints(StatePart::acceleration, &OdeJoint::visit_acceleration);
+  for (std::size_t device = 0; device < wrenches_.size(); ++device) {
+    visitor.begin_part(name(), model().devices[device].name, StatePart::wrench);
+    visitor.visit(wrenches_[device].data(), 6 * sizeof(double));
+  }
+  for (Track& track : tracks_) {
+    visitor.begin_part(name(), model().links[track.link].joint.name, StatePart::belt);
+    visitor.visit(track.speed);
+  }
   visit_contact_sensors(visitor);
 }
 
@@ -364,6 +377,24 @@ void OdeBody::nudge(std::uint64_t bits) {
       bits = bits >> 1 | bits << 63;
     }
     dBodySetPosition(group.body, position.x(), position.y(), position.z());
+  }
+}
+
+void OdeBody::take_centers(const SimulatedBody& other) {
+  const auto* recorded = dynamic_cast<const OdeBody*>(&other);
+  if (!recorded) return;
+  for (RigidGroup& group : groups_) {
+    const int link = recorded->model().find_link(model().links[group.first_link].name);
+    if (!group.body || link < 0) continue;
+    const Vector3d moved = group.center - recorded->group_of(link).center;
+    if (moved.isZero(0.0)) continue;
+    const Vector3d arm = rotation(dBodyGetRotation(group.body)) * moved;
+    const Vector3d w = vector(dBodyGetAngularVel(group.body));
+    const Vector3d position = vector(dBodyGetPosition(group.body)) + arm;
+    const Vector3d velocity = vector(dBodyGetLinearVel(group.body)) + w.cross(arm);
+    dBodySetPosition(group.body, position.x(), position.y(), position.z());
+    dBodySetLinearVel(group.body, velocity.x(), velocity.y(), velocity.z());
+    group.acceleration += group.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
   }
 }
 

@@ -58,6 +58,7 @@ class OdeBody final : public SimulatedBody {
   bool finite() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override;
+  void take_centers(const SimulatedBody& other) override;
   void nudge(std::uint64_t bits) override;
 
  private:

@@ -91,6 +91,7 @@ std::vector<double> SimulatedBody::contact_reading(std::size_t device, const Lin
 void SimulatedBody::visit_contact_sensors(StateVisitor& visitor) {
   for (std::size_t i = 0; i < contact_sums_.size(); ++i) {
     if (!std::holds_alternative<ContactSensor>(model().devices[i].kind)) continue;
+    visitor.begin_part(name(), model().devices[i].name, StatePart::contact);
     visitor.visit(contact_sums_[i].points);
     visitor.visit(contact_sums_[i].force);
   }

@@ -18,10 +18,25 @@
 
 namespace rehearse {
 
+/// What an owner has of the state.
+enum class StatePart {
+  clock,         // of the world: ticks and random numbers
+  motion,        // of a rigid group, by its first link, or of a kinematic link
+  displacement,  // of a joint
+  effort,        // of a joint
+  acceleration,  // of a joint
+  belt,          // of a track
+  wrench,        // that a force sensor measured in the last step; the next step doesn't depend on it
+  contact,       // that a contact sensor measured in the last step, likewise
+};
+
 /// Reads or writes pieces of state.
 class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
+  /// What follows, until the next call, is this part of the body of that name: `owner` is one of its links, joints or
+  /// devices. A part has the same name and size in every world that has that owner.
+  virtual void begin_part(const std::string& body, const std::string& owner, StatePart part) = 0;
   virtual void visit(void* data, std::size_t size) = 0;
 
   void visit(double& number) { visit(&number, sizeof number); }
@@ -80,6 +95,9 @@ class SimulatedBody {
   /// may read or write. After writing, call after_restore().
   virtual void visit_state(StateVisitor& visitor) = 0;
   virtual void after_restore() = 0;
+  /// The state was taken part by part from another body, whose links may have other centres of mass: moves the links to
+  /// where the other's links are. Before after_restore().
+  virtual void take_centers(const SimulatedBody& other) = 0;
   /// Moves its rigid bodies by a last bit, up or down as the bits say.
   virtual void nudge(std::uint64_t bits) = 0;
 
@@ -104,6 +122,7 @@ class SimulatedBody {
 
  protected:
   const Model& model() const { return *description_.model; }
+  const std::string& name() const { return description_.name; }
   struct AddedGeom {
     dGeomID geom;
     Eigen::Isometry3d in_link;

@@ -12,6 +12,7 @@
 #include "kinematic_body.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
+#include "state_by_name.h"
 #include "touches.h"
 
 namespace rehearse {
@@ -21,6 +22,7 @@ class Saver final : public StateVisitor {
  public:
   explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) {}
   using StateVisitor::visit;
+  void begin_part(const std::string&, const std::string&, StatePart) override {}
   void visit(void* data, std::size_t size) override {
     const std::size_t at = bytes_.size();
     bytes_.resize(at + size);
@@ -35,6 +37,7 @@ class Restorer final : public StateVisitor {
  public:
   explicit Restorer(std::span<const std::byte> bytes) : bytes_(bytes) {}
   using StateVisitor::visit;
+  void begin_part(const std::string&, const std::string&, StatePart) override {}
   void visit(void* data, std::size_t size) override {
     if (size > 0) std::memcpy(data, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
@@ -76,10 +79,12 @@ struct World::Impl {
   void apply_command();
 
   void visit_state(StateVisitor& visitor) {
+    visitor.begin_part("", "", StatePart::clock);
     visitor.visit(&tick, sizeof tick);
     visitor.visit(&random, sizeof random);
     for (auto& body : bodies) body->visit_state(visitor);
   }
+  void after_restore();
   void save_to(std::vector<std::byte>& bytes) {
     bytes.clear();
     Saver saver(bytes);
@@ -240,13 +245,30 @@ Result<void> World::restore(std::span<const std::byte> state) {
                  std::to_string(impl_->scratch.size()) + ": it is of another robot or version");
   Restorer restorer(state);
   impl_->visit_state(restorer);
-  for (auto& body : impl_->bodies) {
+  impl_->after_restore();
+  return {};
+}
+
+Result<void> World::take_state(const World& other) {
+  StateByName state;
+  other.impl_->visit_state(state);
+  StateTaker taker(std::move(state));
+  impl_->visit_state(taker);
+  if (Diagnostics missing = taker.missing(); !missing.empty()) return missing;
+  for (auto& body : impl_->bodies)
+    for (const auto& same : other.impl_->bodies)
+      if (same->description().name == body->description().name) body->take_centers(*same);
+  impl_->after_restore();
+  return {};
+}
+
+void World::Impl::after_restore() {
+  for (auto& body : bodies) {
     body->after_restore();
     body->forget_touches();
   }
-  impl_->touching.clear();
-  impl_->observed = false;
-  return {};
+  touching.clear();
+  observed = false;
 }
 
 void World::nudge(std::uint32_t pattern) {

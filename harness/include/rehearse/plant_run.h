@@ -44,7 +44,8 @@ struct PlantSummary {
 /// Runs the scenario's world under the recorded commands and writes what it did into a trace: state, sensors, frames and
 /// the hash of the state. If the recording has no checkpoints, or says that they aren't exact, or they are of a kind
 /// that this version can't restore, it runs from the start without them and says so. Fails if the recording commands
-/// something that the scenario hasn't, or if the run can't begin.
+/// something that the scenario hasn't, if the scenario has another time step or parts that the checkpoints have no state
+/// of, or if the run can't begin.
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options = {});
 

@@ -305,10 +305,10 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
     plant.obey(tick, moved_);
   }
   if (checkpoint_ > 0) {
-    const auto state = RecordedCheckpoints(*recording_, *scenario_).at(checkpoint_);
-    if (!state) return state.errors();
-    REHEARSE_ASSERT(state->has_value(), "it was chosen from those there are");
-    if (auto begun = plant.begin_at(checkpoint_, **state); !begun) return begun;
+    const auto restored = RecordedCheckpoints(*recording_, *scenario_).restore(checkpoint_, plant.world());
+    if (!restored) return restored.errors();
+    REHEARSE_ASSERT(*restored, "it was chosen from those there are");
+    plant.begin_at(checkpoint_);
   }
   for (std::int64_t tick = checkpoint_; tick < origin_.tick; ++tick) {
     plant.sense();

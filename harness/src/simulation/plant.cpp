@@ -105,14 +105,10 @@ void Plant::obey(std::int64_t tick, Command& command) {
   }
 }
 
-Result<void> Plant::begin_at(std::int64_t tick, std::span<const std::byte> state) {
-  if (auto restored = world_->restore(state); !restored) return restored;
-  if (world_->tick() != tick)
-    return error("the checkpoint of tick " + std::to_string(tick) + " holds the state of tick " +
-                 std::to_string(world_->tick()));
+void Plant::begin_at(std::int64_t tick) {
+  REHEARSE_ASSERT(world_->tick() == tick, "the world is at the beginning of that tick");
   if (vision_) vision_->begin_at(tick);
   scanner_->begin_at(tick);
-  return {};
 }
 
 }  // namespace rehearse

@@ -43,9 +43,9 @@ class Plant {
   /// is what it reads there, to those who listen. The words are used up.
   void obey(std::int64_t tick, Command& command);
 
-  /// The bodies' state at the beginning of a tick that is still to come, out of a checkpoint of this scenario. Cameras
-  /// and range sensors capture from there on as if they had never stopped, but what they had captured before is lost.
-  Result<void> begin_at(std::int64_t tick, std::span<const std::byte> state);
+  /// The world has been set to the state at the beginning of this tick. Cameras and range sensors capture from there on
+  /// as if they had never stopped, but what they had captured before is lost.
+  void begin_at(std::int64_t tick);
 
  private:
   Plant(const Scenario& scenario, const Scenario& noise_of) : scenario_(scenario), noise_(noise_of) {}

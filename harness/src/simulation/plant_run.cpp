@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "check/scenario_changes.h"
 #include "host/float_mode.h"
 #include "plant.h"
 #include "recorded_checkpoints.h"
@@ -50,10 +51,10 @@ Result<void> PlantRun::begin() {
     commands.put(tick, RecordedCommands::Timing::next_step, command);
     plant->obey(tick, command);
   }
-  const auto state = checkpoints.at(options.from);
-  if (!state) return state.errors();
-  if (!*state) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
-  if (auto begun = plant->begin_at(options.from, **state); !begun) return begun;
+  const auto restored = checkpoints.restore(options.from, plant->world());
+  if (!restored) return restored.errors();
+  if (!*restored) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
+  plant->begin_at(options.from);
   ++summary.restored;
   return {};
 }
@@ -61,13 +62,9 @@ Result<void> PlantRun::begin() {
 /// To the recorded state, if there is a checkpoint at this tick.
 Result<void> PlantRun::set_back() {
   if (!options.resync || !summary.from_the_start.empty()) return {};
-  const auto state = checkpoints.at(plant->tick());
-  if (!state) return state.errors();
-  if (!*state) return {};
-  if (auto restored = plant->world().restore(**state); !restored) {
-    summary.from_the_start = "a checkpoint doesn't fit: " + restored.errors()[0].message;
-    return {};
-  }
+  const auto restored = checkpoints.restore(plant->tick(), plant->world());
+  if (!restored) return restored.errors();
+  if (!*restored) return {};
   ++summary.restored;
   if (options.nudge) plant->world().nudge(*options.nudge + static_cast<std::uint32_t>(plant->tick()));
   return {};
@@ -103,6 +100,12 @@ Result<bool> PlantRun::step(std::int64_t last) {
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options) {
   const StandardFloatMode float_mode;
+  if (const auto change = changed_time_step(scenario, recording)) {
+    Diagnostic finding = error(fmt::format("its time step is {} s, and that of {} is {} s: no tick of it can be repeated",
+                                           change->expected, scenario.name, change->actual));
+    finding.file = recording.file();
+    return finding;
+  }
   auto commands = RecordedCommands::find(scenario, recording);
   if (!commands) return commands.errors();
   auto plant = options.noise_of ? Plant::create(scenario, *options.noise_of) : Plant::create(scenario);

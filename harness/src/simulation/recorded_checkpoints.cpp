@@ -7,9 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "checkpoint_trial.h"
+#include "plant.h"
 #include "recording/recorder.h"
+#include "replay/trace_scenario.h"
 
 namespace rehearse {
 
@@ -38,23 +43,60 @@ Result<std::string> RecordedCheckpoints::objection() const {
   return std::string();
 }
 
-Result<std::optional<std::vector<std::byte>>> RecordedCheckpoints::at(std::int64_t tick) const {
-  using State = std::optional<std::vector<std::byte>>;
-  if (!channel_) return State();
-  const std::uint64_t time = nanoseconds_of(tick, time_step_);
+/// The files that decide which parts a state has, and in which order.
+bool RecordedCheckpoints::has_its_own_scenario() const {
+  const auto is_attached = [&](const std::string& name, const std::string& text) {
+    const mcap::Attachment* attachment = recording_.find_attachment(name);
+    return attachment && std::ranges::equal(std::as_bytes(std::span(text)), attachment->data);
+  };
+  return is_attached("scenario.yaml", scenario_.text) && std::ranges::all_of(scenario_.bodies, [&](const auto& body) {
+           return body.model_file.empty() || is_attached(body.model_file, body.model->source_text);
+         });
+}
+
+Result<void> RecordedCheckpoints::make_recorded_world() {
+  const auto recorded = recorded_scenario(recording_);
+  if (!recorded) return recorded.errors();
+  std::vector<WorldBody> bodies = world_bodies(*recorded);
+  for (WorldBody& body : bodies) {  // a recording has no meshes, and a state nothing of shapes
+    Model model = *body.model;
+    for (Link& link : model.links) link.collisions.clear();
+    body.model = std::make_shared<const Model>(std::move(model));
+    body.trimesh = false;
+  }
+  auto world = World::create(world_settings(*recorded), std::move(bodies));
+  if (!world) return world.errors();
+  recorded_world_ = *std::move(world);
+  return {};
+}
+
+Result<bool> RecordedCheckpoints::restore(std::int64_t tick, World& world) {
+  if (!channel_) return false;
+  const std::uint64_t time = nanoseconds_of(tick, scenario_.time_step);
   const auto found = std::lower_bound(channel_->times.begin(), channel_->times.end(), time);
-  if (found == channel_->times.end() || *found != time) return State();
+  if (found == channel_->times.end() || *found != time) return false;
   const auto checkpoint = read(static_cast<std::size_t>(found - channel_->times.begin()));
   if (!checkpoint) return checkpoint.errors();
-  const auto* data = reinterpret_cast<const std::byte*>(checkpoint->data.data());
-  return State(std::in_place, data, data + checkpoint->data.size());
+  if (!std::exchange(prepared_, true) && !has_its_own_scenario())
+    if (auto made = make_recorded_world(); !made) return made.errors();
+  const auto state = std::as_bytes(std::span(checkpoint->data));
+  auto restored = recorded_world_ ? recorded_world_->restore(state) : world.restore(state);
+  if (restored && recorded_world_) restored = world.take_state(*recorded_world_);
+  if (!restored) {
+    Diagnostic finding = restored.errors()[0];
+    finding.message = fmt::format("the checkpoint of tick {} doesn't fit: {}", tick, finding.message);
+    finding.file = recording_.file();
+    return finding;
+  }
+  if (world.tick() == tick) return true;
+  return error(fmt::format("the checkpoint of tick {} holds the state of tick {}", tick, world.tick()));
 }
 
 std::vector<std::int64_t> RecordedCheckpoints::ticks() const {
   std::vector<std::int64_t> ticks;
   if (!channel_) return ticks;
   for (const std::uint64_t time : channel_->times)
-    ticks.push_back(std::llround(static_cast<double>(time) * 1e-9 / time_step_));
+    ticks.push_back(std::llround(static_cast<double>(time) * 1e-9 / scenario_.time_step));
   return ticks;
 }
 

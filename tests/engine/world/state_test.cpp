@@ -133,6 +133,70 @@ TEST_P(State, KeepsTheTurnsOfAJoint) {
   EXPECT_GT(joint_of(*copy).q, 19.0);
 }
 
+/// A box that turns and falls, with an arm on a hinge. `offset`: of the box's centre of mass from its link's frame [m].
+WorldBody box_with_arm(const std::string& name, const Eigen::Vector3d& position, double offset = 0.0) {
+  RobotBuilder robot(JointType::free, inertial(2.0, {0.1, 0.2, 0.3}, {offset, 0.0, 0.0}));
+  robot.add("ARM", 0, JointType::revolute, Eigen::Vector3d::UnitY(), inertial(1.0, {0.1, 0.1, 0.1}, {0.2, 0.0, 0.0}));
+  WorldBody body = body_of(robot.build(), position);
+  body.name = name;
+  return body;
+}
+
+TEST_P(State, IsTakenByTheNamesOfBodiesThatStandInAnotherOrder) {
+  const auto original =
+      make_world(settings_of(GetParam()), {box_with_arm("One", {0, 0, 1}), box_with_arm("Two", {3, 0, 5})});
+  Command command = idle(*original);
+  command.bodies[0].joints[0] = {drive_effort, 0.0, 0.0, 0.5};
+  command.bodies[1].joints[0] = {drive_effort, 0.0, 0.0, -0.7};
+  for (int tick = 0; tick < 50; ++tick) {
+    original->actuate(command);
+    ASSERT_TRUE(original->step());
+  }
+  const auto other = make_world(settings_of(GetParam()), {box_with_arm("Two", {}), box_with_arm("One", {})});
+  const auto taken = other->take_state(*original);
+  ASSERT_TRUE(taken.ok()) << to_string(taken.errors());
+  EXPECT_EQ(other->tick(), 50);
+  for (const int body : {0, 1}) {
+    const BodyObservation &expected = original->sense().bodies[body], &actual = other->sense().bodies[1 - body];
+    EXPECT_EQ(actual.joints[0].q, expected.joints[0].q);
+    EXPECT_EQ(actual.joints[0].dq, expected.joints[0].dq);
+    for (const int link : {0, 1}) {
+      EXPECT_EQ(actual.links[link].position, expected.links[link].position);
+      EXPECT_EQ(actual.links[link].rotation.coeffs(), expected.links[link].rotation.coeffs());
+      EXPECT_EQ(actual.links[link].velocity, expected.links[link].velocity);
+      EXPECT_EQ(actual.links[link].acceleration, expected.links[link].acceleration);
+    }
+  }
+}
+
+TEST_P(State, IsTakenWithTheLinksWhereTheyAreThoughTheirCentresOfMassAreOthers) {
+  const auto original = make_world(settings_of(GetParam()), {box_with_arm("One", {0, 0, 1})});
+  Command command = idle(*original);
+  command.bodies[0].joints[0] = {drive_effort, 0.0, 0.0, 0.5};
+  for (int tick = 0; tick < 50; ++tick) {
+    original->actuate(command);
+    ASSERT_TRUE(original->step());
+  }
+  const auto other = make_world(settings_of(GetParam()), {box_with_arm("One", {}, 0.05)});
+  ASSERT_TRUE(other->take_state(*original).ok());
+  const LinkReading &expected = original->sense().bodies[0].links[0], &actual = other->sense().bodies[0].links[0];
+  EXPECT_LT((actual.position - expected.position).norm(), 1e-15);
+  EXPECT_LT((actual.velocity - expected.velocity).norm(), 1e-15);
+  EXPECT_LT((actual.acceleration - expected.acceleration).norm(), 1e-12);
+}
+
+TEST_P(State, ThatHasNoPartOfThatNameIsRefusedByIt) {
+  const auto original = make_world(settings_of(GetParam()), {box_with_arm("One", {0, 0, 1})});
+  const auto other =
+      make_world(settings_of(GetParam()), {box_with_arm("One", {}), free_box("Box", {1, 1, 1}, 1.0, {5, 0, 0})});
+  const auto refused = other->take_state(*original);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.errors()[0].message, "body 'Box' isn't in the state");
+  WorldBody kinematic = box_with_arm("One", {});
+  kinematic.kinematic = true;
+  EXPECT_FALSE(make_world(settings_of(GetParam()), {kinematic})->take_state(*original).ok());
+}
+
 TEST(StateHash, TellsTicksAndSeedsApart) {
   const auto world = make_world({}, {free_box("Box", {1, 1, 1}, 1.0, {0, 0, 0})});
   const std::uint64_t first = world->state_hash();

@@ -112,12 +112,13 @@ TEST_F(PlantRun, OfCheckpointsInAnotherFormRunsFromTheStart) {
   EXPECT_THAT(run_.from_the_start, StartsWith("its checkpoints are in the form 'rehearse-ode-state-9'"));
 }
 
-TEST_F(PlantRun, OfAnotherWorldRunsFromTheStart) {
+TEST_F(PlantRun, EndsWhereTheCheckpointsHaveNoStateOfABody) {
   const Trace recording = record_run(swinging());
   std::string larger = swinging();
   larger.insert(larger.find("bodies:\n") + 8, "  - {name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 5]}\n");
-  moved(load(larger), recording);
-  EXPECT_THAT(run_.from_the_start, HasSubstr("a checkpoint doesn't fit"));
+  const auto refused = run_plant(load(larger), recording, folder_ / "plant.mcap");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.errors()[0].message, HasSubstr("the checkpoint of tick 0 doesn't fit: body 'Ball' isn't in the state"));
 }
 
 TEST_F(PlantRun, NamesCommandsToWhatTheScenarioHasNot) {

@@ -1,0 +1,58 @@
+// The state of a world by the names of what has it. Private to the world library.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstddef>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "simulated_body.h"
+
+namespace rehearse {
+
+/// Reads the state of a world.
+class StateByName final : public StateVisitor {
+ public:
+  using Name = std::tuple<std::string, std::string, StatePart>;  // body, owner, part
+
+  using StateVisitor::visit;
+  void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
+  void visit(void* data, std::size_t size) override;
+
+  /// Null: there is no such part.
+  const std::vector<std::byte>* find(const Name& name) const;
+  bool has_body(const std::string& body) const;
+
+ private:
+  std::map<Name, std::vector<std::byte>> parts_;
+  std::vector<std::byte>* current_ = nullptr;
+};
+
+/// Writes it into another world. A part that the state hasn't, or that has another size, stays as it is.
+class StateTaker final : public StateVisitor {
+ public:
+  explicit StateTaker(StateByName state) : state_(std::move(state)) {}
+
+  using StateVisitor::visit;
+  void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
+  void visit(void* data, std::size_t size) override;
+
+  /// What the next step depends on and the state hasn't: an error for each body, link or joint.
+  const Diagnostics& missing();
+
+ private:
+  void end_part();
+
+  StateByName state_;
+  StateByName::Name name_{"", "", StatePart::clock};  // of the current part
+  const std::vector<std::byte>* current_ = nullptr;
+  std::size_t at_ = 0;  // bytes of the current part that were asked for
+  std::set<std::string> told_;
+  Diagnostics missing_;
+};
+
+}  // namespace rehearse
