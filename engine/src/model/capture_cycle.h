@@ -1,8 +1,9 @@
 // CaptureCycle: when a vision sensor captures, and when what it captured arrives. Private to the engine.
 //
-// A sensor that is on captures at tick 0 and then at the first tick at or after each multiple of its period; a capture
-// arrives one period later, but no more than a second, at the first tick at or after it (Choreonoid's vision cycle, in
-// its form that always waits). All of it follows from the tick number alone.
+// A sensor that is on captures at tick 0 and then at the first tick at or after each multiple of its period. A capture
+// arrives one period, but at most a second, after that multiple, at the first tick at or after it: at 30 Hz and 1 ms,
+// captures of ticks 0, 34, 67 and 100 arrive at ticks 34, 67, 100 and 134 (Choreonoid's vision cycle, which always
+// waits and carries over what a capture was late). All of it follows from the tick number alone.
 #pragma once
 
 #include <rehearse/clock.h>
@@ -42,8 +43,9 @@ class CaptureCycle {
     return on_ && tick - first_tick_ >= tick_at_or_after(static_cast<double>(captures_) * period_);
   }
   void capture(std::int64_t tick, Capture what) {
-    const std::int64_t latency = std::max<std::int64_t>(1, tick_at_or_after(std::min(period_, 1.0)));
-    under_way_.push_back({tick, tick + latency, std::move(what)});
+    const double wanted = static_cast<double>(captures_) * period_;
+    const std::int64_t arrives = first_tick_ + tick_at_or_after(wanted + std::min(period_, 1.0));
+    under_way_.push_back({tick, std::max(tick + 1, arrives), std::move(what)});
     ++captures_;
   }
 

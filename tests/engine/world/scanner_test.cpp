@@ -59,7 +59,7 @@ class ScannerTest : public ::testing::Test {
 
 TEST_F(ScannerTest, AScanArrivesAPeriodAfterItWasMade) {
   create(30.0);
-  EXPECT_EQ(arrivals(140), (Ticks{34, 68, 101, 134}));
+  EXPECT_EQ(arrivals(140), (Ticks{34, 67, 100, 134}));
   EXPECT_EQ(reading().measured_at, time_of(100, 0.001));
 }
 
