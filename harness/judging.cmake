@@ -8,6 +8,7 @@ target_sources(rehearse_harness PRIVATE
   src/compare/compare.cpp
   src/compare/compare_envelope.cpp
   src/compare/compare_events.cpp
+  src/compare/compare_fields.cpp
   src/compare/compare_json.cpp
   src/compare/compare_numbers.cpp
   src/compare/compare_pictures.cpp
