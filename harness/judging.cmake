@@ -22,6 +22,8 @@ target_sources(rehearse_harness PRIVATE
   src/golden/golden.cpp
   src/golden/golden_accept.cpp
   src/golden/golden_files.cpp
+  src/golden/run_folder.cpp
+  src/golden/golden_owners.cpp
   src/golden/golden_list.cpp
   src/golden/golden_partial.cpp
   src/check/noise_file.cpp
