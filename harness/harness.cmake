@@ -17,7 +17,6 @@ rehearse_add_library(harness
   src/host/file_tripwires.cpp
   src/host/float_mode.cpp
   src/host/guarded_call.cpp
-  src/recording/hashing.cpp
   src/host/host_joystick.cpp
   src/host/io_body.cpp
   src/host/joint_arrays.cpp

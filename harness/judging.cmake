@@ -10,6 +10,7 @@ target_sources(rehearse_harness PRIVATE
   src/compare/compare.cpp
   src/compare/compare_envelope.cpp
   src/compare/compare_events.cpp
+  src/compare/compare_fields.cpp
   src/compare/compare_json.cpp
   src/compare/compare_numbers.cpp
   src/compare/compare_pictures.cpp
@@ -23,6 +24,8 @@ target_sources(rehearse_harness PRIVATE
   src/golden/golden.cpp
   src/golden/golden_accept.cpp
   src/golden/golden_files.cpp
+  src/golden/run_folder.cpp
+  src/golden/golden_owners.cpp
   src/golden/golden_list.cpp
   src/golden/golden_partial.cpp
   src/check/noise_file.cpp

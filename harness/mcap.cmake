@@ -14,6 +14,7 @@ rehearse_add_library(mcap
   src/mcap/codec.cpp
   src/mcap/contents.cpp
   src/mcap/copy.cpp
+  src/mcap/cut_files.cpp
   src/mcap/damage_log.cpp
   src/mcap/doctor.cpp
   src/mcap/doctor_chunks.cpp

@@ -3,8 +3,10 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json 3.10 REQUIRED)
 
 rehearse_add_library(trace
+  src/recording/hashing.cpp
   src/trace/message_json.cpp
   src/trace/message_print.cpp
+  src/trace/message_rest.cpp
   src/trace/range_messages.cpp
   src/trace/ros2msg_parse.cpp
   src/trace/ros2msg_decode.cpp

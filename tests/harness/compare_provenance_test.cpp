@@ -93,8 +93,8 @@ TEST_F(Compare, RefusesARecordingOfAVersionItDoesNotKnow) {
   EXPECT_TRUE(comparison.channels.empty());
   EXPECT_THAT(verdict(comparison), HasSubstr("can't be compared: "));
   EXPECT_THAT(verdict(comparison),
-              HasSubstr("golden.mcap: it is of trace version 2, and this program compares version 1"));
-  EXPECT_THAT(verdict(comparison), HasSubstr("compare it with the version of Rehearse that wrote it"));
+              HasSubstr("golden.mcap: it is of trace version 2, and this program reads version 1"));
+  EXPECT_THAT(verdict(comparison), HasSubstr("install the version of Rehearse that wrote it: 0.1.0"));
 }
 
 TEST_F(Compare, ComparesWhatNoneOfOursHasWritten) {

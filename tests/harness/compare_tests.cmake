@@ -4,6 +4,7 @@ rehearse_add_test(judging_test LABEL unit
   SOURCES
     compare_test.cpp
     compare_events_test.cpp
+    compare_fields_test.cpp
     compare_provenance_test.cpp
     compare_structure_test.cpp
     compare_time_test.cpp

@@ -19,6 +19,8 @@ using testing::bytes_of;
 using ::testing::AllOf;
 using ::testing::ExitedWithCode;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 using testing::SmallTrace;
 using testing::write;
 namespace fs = std::filesystem;
@@ -71,6 +73,9 @@ TEST_F(GoldenDamage, NoneIsAGoldenOfANewerFormatButItIsNotUsed) {
   EXPECT_EQ(problem(), "it is of trace version 2, and this program reads version 1");
   EXPECT_THAT(settled(), HasSubstr("the golden can't be used: " + store_.trace_file(name_).string() +
                                    ": error: it is of trace version 2"));
+  EXPECT_THAT(settled(), HasSubstr("install the version of Rehearse that wrote it: 0.1.0"));
+  EXPECT_THAT(settled(), Not(HasSubstr("golden accept")));
+  EXPECT_THAT(store_.pending(), IsEmpty());
   EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == before);
 }
 

@@ -93,17 +93,60 @@ class Export : public Command {
 TEST_F(Export, WritesATableForEachTopic) {
   const Outcome outcome = done({"export", "run.mcap", "-o", "tables"});
   EXPECT_EQ(read_file(folder() / "tables/Robot_joints.csv"),
-            "time [s],KNEE/q [rad],KNEE/u\n"
-            "0.000000000,0.3333333333333333,5e-324\n"
-            "0.001000000,NaN,5e-324\n"
-            "0.002000000,-Infinity,5e-324\n");
+            "time [s],KNEE/q [rad],KNEE/u,header/stamp/sec,header/stamp/nanosec,header/frame_id\n"
+            "0.000000000,0.3333333333333333,5e-324,0,0,\n"
+            "0.001000000,NaN,5e-324,0,1000000,\n"
+            "0.002000000,-Infinity,5e-324,0,2000000,\n");
   EXPECT_EQ(read_file(folder() / "tables/events.csv"),
             "time [s],stamp/sec,stamp/nanosec,tick,severity,source,text\n"
             "0.001000000,0,1000000,1,note,Robot,\"said \"\"a, b\"\"\nand more\"\n");
-  EXPECT_THAT(read_file(folder() / "tables/tick.csv"), HasSubstr("0.001000000,1,18446744073709551615,0,0,1\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("tables/Robot_joints.csv: 3 rows, 3 columns\n"));
+  EXPECT_THAT(read_file(folder() / "tables/tick.csv"), HasSubstr("0.001000000,1,18446744073709551615,0,0,1,0,1000000\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("tables/Robot_joints.csv: 3 rows, 6 columns\n"));
   EXPECT_THAT(outcome.out, HasSubstr("left out /Robot/Camera/image: pictures: see --frames\n"));
   EXPECT_THAT(outcome.out, HasSubstr("left out /other: messages of encoding 'protobuf' without a schema"));
+}
+
+TEST_F(Export, LeavesNoPartOfATableOnAFullDisk) {
+  sr1_without_cameras();
+  done({"record", "sr1.yaml", "-o", "long.mcap"});
+  fs::create_directory(folder() / "tables");
+  write("tables/tick.csv", "time [s],of an earlier export\n");
+  // 2 KiB a file, which stands for the disk; a signal would come in place of the error
+  const Outcome full = run("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 4; " + quoted(command.string()) +
+                                                 " export long.mcap -o tables"});
+  EXPECT_EQ(full.status, 2) << full.out;
+  EXPECT_THAT(full.err, HasSubstr("can't write"));
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder() / "tables")) left.push_back(entry.path().filename());
+  EXPECT_THAT(left, ElementsAre("tick.csv"));
+  EXPECT_EQ(read_file(folder() / "tables/tick.csv"), "time [s],of an earlier export\n");
+}
+
+TEST_F(Export, WritesFieldsWithoutSeriesToo) {
+  auto writer = *mcap::Writer::create(folder() / "imu.mcap");
+  const std::uint16_t schema = writer->add_schema(msg::Imu::type_name, "ros2msg", msg::schema_text<msg::Imu>());
+  const std::uint16_t channel = writer->add_channel(schema, "/R/A/imu", "cdr");
+  msg::Imu imu;
+  imu.header.frame_id = "base";
+  imu.orientation.x = 0.25;
+  imu.orientation_covariance[8] = 3.5;
+  CdrWriter cdr;
+  msg::encode(imu, cdr);
+  ASSERT_TRUE(writer->write(channel, 0, 0, cdr.bytes()));
+  ASSERT_TRUE(writer->close());
+  done({"export", "imu.mcap", "-o", "tables"});
+  const std::string text = read_file(folder() / "tables/R_A_imu.csv");
+  EXPECT_THAT(text, HasSubstr(",header/stamp/sec,header/stamp/nanosec,header/frame_id,orientation/x,"));
+  EXPECT_THAT(text, HasSubstr(",orientation_covariance/8,"));
+  EXPECT_THAT(text, HasSubstr(",0,0,base,0.25,0,0,1,"));
+  EXPECT_THAT(text, HasSubstr(",3.5,"));
+}
+
+TEST_F(Export, NamesTheFieldsThatItLeavesOut) {
+  const Outcome outcome = done({"export", "run.mcap", "-o", "all.csv", "--joined"});
+  EXPECT_THAT(outcome.out, HasSubstr("left out of /Robot/joints: header/frame_id, header/stamp/nanosec, header/stamp/sec"));
+  const nlohmann::json left_out = done({"export", "run.mcap", "-o", "all.csv", "--joined", "--json"}).json()["left_out"];
+  EXPECT_EQ(left_out[0]["topic"], "/Robot/joints");
 }
 
 TEST_F(Export, JoinsAllSeriesByTick) {

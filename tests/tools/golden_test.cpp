@@ -232,34 +232,35 @@ TEST_F(GoldenVerbs, DecisionsAreRefusedUnderCi) {
     EXPECT_EQ(outcome.status, 2);
     EXPECT_THAT(outcome.err, StartsWith("error: goldens are only checked where CI is 'true'"));
   }
-  EXPECT_EQ(rehearse({"golden", "prune", "--yes"}, "CI=true").status, 2);
+  EXPECT_EQ(rehearse({"golden", "prune", "--yes", "--no-tests"}, "CI=true").status, 2);
   EXPECT_EQ(rehearse({"golden", "review"}, "CI=true").status, 1);
   EXPECT_TRUE(exists(pending_file));
 }
 
 TEST_F(GoldenVerbs, PruneRemovesOrphansWhenItIsAllowedTo) {
-  EXPECT_EQ(done({"golden", "prune"}).out, "nothing to remove\n");
+  EXPECT_EQ(done({"golden", "prune", "--no-tests"}).out, "nothing to remove\n");
   fs::remove(folder() / scenario_);
   fs::copy_file(folder() / digest_file, folder() / "golden/Box.Lost.txt");
-  const Outcome asked = rehearse({"golden", "prune"});
+  const Outcome asked = rehearse({"golden", "prune", "--no-tests"});
   EXPECT_EQ(asked.status, 1);
   EXPECT_THAT(asked.out, HasSubstr(golden_file + " and its digest, "));
   EXPECT_THAT(asked.out, HasSubstr("Box.Lost: left alone, because only one of its two files is there\n"));
   EXPECT_THAT(asked.out, HasSubstr("--yes removes them\n"));
   EXPECT_TRUE(exists(golden_file));
-  EXPECT_EQ(on_terminal({"golden", "prune"}, {"n"}).status, 1);
+  EXPECT_EQ(on_terminal({"golden", "prune", "--no-tests"}, {"n"}).status, 1);
   EXPECT_TRUE(exists(golden_file));
-  EXPECT_THAT(done({"golden", "prune", "--yes"}).out, HasSubstr("removed 1 golden\n"));
+  EXPECT_THAT(done({"golden", "prune", "--yes", "--no-tests"}).out, HasSubstr("moved 1 golden to pruned-goldens\n"));
+  EXPECT_TRUE(exists("pruned-goldens/Box.Falls.mcap"));
   EXPECT_FALSE(exists(golden_file));
   EXPECT_FALSE(exists(digest_file));
   EXPECT_TRUE(exists("golden/Box.Lost.txt"));
-  EXPECT_EQ(done({"golden", "prune", "--yes", "--json"}).json()["removed"].size(), 0u);
+  EXPECT_EQ(done({"golden", "prune", "--yes", "--no-tests", "--json"}).json()["removed"].size(), 0u);
 }
 
 TEST_F(GoldenVerbs, PruneOnATerminalAsks) {
   fs::remove(folder() / scenario_);
-  EXPECT_THAT(on_terminal({"golden", "prune"}, {"y"}).out,
-              HasSubstr("remove them? [y]es [n]o yes\nremoved 1 golden\n"));
+  EXPECT_THAT(on_terminal({"golden", "prune", "--no-tests"}, {"y"}).out,
+              HasSubstr("remove them? [y]es [n]o yes\nmoved 1 golden to pruned-goldens\n"));
   EXPECT_FALSE(exists(golden_file));
 }
 

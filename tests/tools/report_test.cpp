@@ -120,6 +120,7 @@ TEST_F(CheckReportPage, IsNotMadeIfNobodyWantsItOrNothingDiffers) {
 
 TEST_F(CheckReportPage, ThatCanNotBeWrittenIsAWarningAndChangesNoStatus) {
   make_repository();
+  fs::create_directories(folder() / "rehearse-pending");
   write("rehearse-pending/Box.Falls.html", "somebody's notes");
   const Outcome outcome = with_page({"check", "falls.yaml"});
   EXPECT_EQ(outcome.status, 1);

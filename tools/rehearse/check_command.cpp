@@ -16,12 +16,15 @@
 #include <vector>
 
 #include "audit/virtualised.h"
+#include "check/compared.h"
 #include "command.h"
 #include "debugger.h"
+#include "golden/run_folder.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
 #include "replay/trace_scenario.h"
+#include "report/stale_report.h"
 #include "scenario_text.h"
 
 namespace rehearse::tool {
@@ -148,22 +151,22 @@ Result<void> virtualise_like_goldens(const Settings& settings, const std::vector
   return {};
 }
 
-Result<CheckReport> check(const Settings& settings, const Scenario& scenario) {
+/// `folder`: of this run alone.
+Result<CheckReport> check(const Settings& settings, const Scenario& scenario, const fs::path& folder) {
   InterposerWatch watch;
   Progress progress("checking " + scenario.name);
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
   if (const fs::path golden = named_golden(settings, scenario); !golden.empty())
-    return check_scenario(scenario, golden, pending_folder() / (scenario.name + ".mcap"), options,
-                          {record, run_plant});
+    return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, {record, run_plant});
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
   if (auto alone = check_owner(scenario); !alone) return alone.errors();
   // check_golden knows best what to say of a scenario that names none
-  const auto folder = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
-  if (!folder) return folder.errors();
-  GoldenStore store(*folder);
+  const auto goldens = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
+  if (!goldens) return goldens.errors();
+  GoldenStore store(*goldens, folder);
   return check_golden(scenario, store, *mode, options, {record, run_plant});
 }
 
@@ -174,24 +177,27 @@ bool failed(const CheckReport& report) {
 
 Exit exit_of(const CheckReport& report) {
   if (failed(report)) return Exit::controller_failed;
+  if (!compared_anything(report)) return Exit::bad_input;
   return report.within() ? Exit::done : Exit::differs;
 }
 
-/// Where check() has the fresh trace written.
-fs::path actual_of(const Settings& settings, const Scenario& scenario) {
+/// What the trace of a run is called.
+std::string name_of(const Settings& settings, const Scenario& scenario) {
   const bool has_store = named_golden(settings, scenario).empty() && !scenario.golden.empty();
-  return pending_folder() / ((has_store ? scenario.golden : scenario.name) + ".mcap");
+  return has_store ? scenario.golden : scenario.name;
 }
 
 /// Of a check that failed, something to look at. That it can't be written fails nothing.
-void add_page(const Settings& settings, const Scenario& scenario, Checked& checked) {
+void add_page(const Settings& settings, const Scenario& scenario, const fs::path& actual, Checked& checked) {
   if (settings.no_report) return;
   if (const auto page = report_page(); !page) {
     if (!checked.report.within()) checked.no_page = page.errors()[0].message;
     return;
   }
-  auto written =
-      write_failure_report(checked.report, scenario, golden_of(settings, scenario), actual_of(settings, scenario));
+  const auto allowed = check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic,
+                                         "report");
+  auto written = allowed ? write_failure_report(checked.report, scenario, golden_of(settings, scenario), actual)
+                         : Result<std::optional<FailureReport>>(allowed.errors());
   if (written) {
     checked.page = *std::move(written);
     return;
@@ -223,11 +229,32 @@ void tell(const Checked& checked, double seconds) {
 
 Json json_of_check(const Checked& checked) {
   Json object = Json::parse(to_json(checked.report));
+  if (!compared_anything(checked.report)) object["equal"] = object["within"] = false;
   object["scenario"] = checked.scenario;
   object["file"] = checked.file;
   object["message"] = checked.report.message;
   object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
   return object;
+}
+
+/// Whatever else runs in this folder: what the run writes stands where runs wait when it is over, and not before.
+Result<Checked> check_beside_others(const Settings& settings, const Scenario& scenario) {
+  const std::string name = name_of(settings, scenario);
+  auto waiting = WaitingRun::begin(pending_folder(), name);
+  if (!waiting) return waiting.errors();
+  auto report = check(settings, scenario, waiting->folder());
+  if (!report) return report.errors();
+  Checked checked;
+  checked.scenario = scenario.name;
+  checked.file = scenario.file;
+  checked.report = *std::move(report);
+  if (!compared_anything(checked.report)) checked.report.verdict = "nothing was compared: " + checked.report.verdict;
+  add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
+  const auto told = waiting->publish(checked.report.message);
+  if (!told) return told.errors();
+  if (!told->empty()) checked.report.remarks.push_back(*told);
+  if (checked.page) checked.page->file = pending_folder() / checked.page->file.filename();
+  return checked;
 }
 
 /// Over all of them: differs if any differs, else within if any is, else equal; skipped if all skipped it.
@@ -282,15 +309,11 @@ Exit run(const Settings& settings, const CLI::App& options) {
   for (const Scenario& scenario : *scenarios) {
     tell_warnings(scenario);
     const Stopwatch stopwatch;
-    auto report = check(settings, scenario);
-    if (!report) return refuse(report.errors());
-    worst = std::max(worst, exit_of(*report));
-    Checked& checked = all.emplace_back();
-    checked.scenario = scenario.name;
-    checked.file = scenario.file;
-    checked.report = *std::move(report);
-    add_page(settings, scenario, checked);
-    if (!settings.json) tell(checked, stopwatch.seconds());
+    auto checked = check_beside_others(settings, scenario);
+    if (!checked) return refuse(checked.errors());
+    worst = std::max(worst, exit_of(checked->report));
+    if (!settings.json) tell(*checked, stopwatch.seconds());
+    all.push_back(*std::move(checked));
   }
   if (settings.json) print(all.size() == 1 ? json_of_check(all[0]) : json_of_checks(all));
   return worst;

@@ -36,6 +36,9 @@ Exit run(const Settings& settings) {
   const auto rules = rules_of(settings, *golden);
   if (!rules) return refuse(rules.errors());
   const Comparison comparison = compare(*golden, *actual, *rules);
+  if (comparison.within && comparison.values == 0)
+    return refuse(error(fmt::format("nothing was compared: {} and {} have no message in common that is compared",
+                                    settings.golden, settings.actual)));
   if (settings.json) {
     fmt::print("{}\n", to_json(comparison));
   } else {

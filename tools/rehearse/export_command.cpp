@@ -1,10 +1,13 @@
 // rehearse export: a trace, or any MCAP file, as tables, pictures or a video.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/trace_export.h>
 
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "options.h"
@@ -44,7 +47,10 @@ Json json_of(const ExportReport& report) {
                        {"columns", topic.columns},
                        {"pictures", topic.pictures}});
   for (const SkippedTopic& topic : report.skipped) skipped.push_back({{"topic", topic.topic}, {"why", topic.why}});
-  return {{"written", written}, {"skipped", skipped}, {"damage", tool::json_of(report.damage)}};
+  Json left_out = Json::array();
+  for (const LeftOutFields& topic : report.left_out)
+    left_out.push_back({{"topic", topic.topic}, {"fields", topic.fields}});
+  return {{"written", written}, {"skipped", skipped}, {"left_out", left_out}, {"damage", tool::json_of(report.damage)}};
 }
 
 void tell(const ExportReport& report, bool of_pictures) {
@@ -56,6 +62,12 @@ void tell(const ExportReport& report, bool of_pictures) {
   }
   if (of_pictures) return;  // that most topics have none goes without saying
   for (const SkippedTopic& topic : report.skipped) fmt::print("left out {}: {}\n", topic.topic, topic.why);
+  std::map<std::vector<std::string>, std::vector<std::string>> topics;  // by the fields that they lack
+  for (const LeftOutFields& topic : report.left_out) topics[topic.fields].push_back(topic.topic);
+  for (const auto& [fields, of] : topics)
+    fmt::print("left out of {}{}: {}\n", of.front(),
+               of.size() == 1 ? "" : fmt::format(" and {}", count_text(std::ssize(of) - 1, "more topic")),
+               fmt::join(fields, ", "));
 }
 
 Exit run(const Settings& settings) {

@@ -61,8 +61,7 @@ void tell(const Settings& settings, const mcap::Filtered& filtered) {
              count_text(filtered.attachments, "attachment"), count_text(filtered.metadata, "metadata record"),
              settings.target, file_size_text(filtered.bytes));
   if (filtered.messages == 0) return;
-  fmt::print("from {:g} s to {:g} s\n", static_cast<double>(filtered.first_time) / 1e9,
-             static_cast<double>(filtered.last_time) / 1e9);
+  fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
 }
 
 Json filtered_json(const Settings& settings, const mcap::Filtered& filtered) {

@@ -1,8 +1,18 @@
-// rehearse golden prune: goldens that nobody names any more.
+// rehearse golden prune: goldens that no test and no scenario names any more. Which ones tests name is known from a run
+// of them alone.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <memory>
+#include <set>
 
+#include "golden/run_folder.h"
 #include "golden_verbs.h"
 #include "options.h"
 #include "terminal.h"
@@ -10,15 +20,108 @@
 namespace rehearse::tool {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Settings {
+  std::vector<std::string> tests;  // programs
+  bool no_tests = false;
   bool yes = false;
   bool json = false;
 };
 
+/// The status with which a program ended; what it said in a file. Fails if it couldn't be started or was ended by a
+/// signal.
+Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+                        const fs::path& output) {
+  std::vector<char*> arguments, variables;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  for (const std::string& variable : environment) variables.push_back(const_cast<char*>(variable.c_str()));
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    if (std::strncmp(*variable, "REHEARSE_", 9) != 0 && std::strncmp(*variable, "GTEST_", 6) != 0)
+      variables.push_back(*variable);
+  for (std::vector<char*>* list : {&arguments, &variables}) list->push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  pid_t process = 0;
+  const int failed = ::posix_spawn(&process, arguments[0], &files, nullptr, arguments.data(), variables.data());
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) return error(fmt::format("{} can't be run: {}", words[0], std::strerror(failed)));
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
+  if (!WIFEXITED(status)) return error(fmt::format("{} was ended by signal {}", words[0], WTERMSIG(status)));
+  return WEXITSTATUS(status);
+}
+
+/// The names in what --gtest_list_tests prints, as goldens are named by them.
+std::set<std::string> names_listed(const fs::path& listing) {
+  std::set<std::string> names;
+  std::string suite;
+  std::ifstream stream(listing);
+  for (std::string line; std::getline(stream, line);) {
+    const std::string word = line.substr(0, line.find(" #"));  // the parameters come behind it
+    if (!word.starts_with("  ")) {
+      suite = word;
+      while (suite.ends_with(' ')) suite.pop_back();
+      continue;
+    }
+    std::string name = suite + word.substr(2);
+    std::replace(name.begin(), name.end(), '/', '-');
+    names.insert(name);
+  }
+  return names;
+}
+
+/// The goldens that the tests of a program name: those that they compare with in a run, and those that are named like a
+/// test of it, which may not have come to that.
+Result<std::set<std::string>> named_by_tests(const std::string& program, const fs::path& scratch) {
+  const fs::path listing = scratch / "tests.txt", pending = scratch / "pending";
+  const auto listed = run_program({program, "--gtest_list_tests"}, {}, listing);
+  if (!listed) return listed.errors();
+  std::set<std::string> names = names_listed(listing);
+  if (*listed != 0 || names.empty())
+    return error(fmt::format("{} lists no tests", program), "name programs that GoogleTest made");
+  const auto ran = run_program({program, "--gtest_also_run_disabled_tests=0"},
+                               {"REHEARSE_PENDING=" + fs::absolute(pending).string(), "REHEARSE_REPORT=never"},
+                               scratch / "run.txt");
+  if (!ran) return ran.errors();
+  if (*ran != 0 && *ran != 1)
+    return error(fmt::format("{} ended with status {} before all its tests had run", program, *ran),
+                 "mend it first: what its tests compare with isn't known");
+  for (const auto& [name, tests] : reported_golden_owners(pending)) names.insert(name);
+  return names;
+}
+
+Result<std::set<std::string>> named_by_all_tests(const Settings& settings, const GoldenStore& store) {
+  std::set<std::string> names;
+  if (settings.tests.empty()) return names;
+  auto scratch = RunFolder::make(store.where_runs_wait());
+  if (!scratch) return scratch.errors();
+  for (const std::string& program : settings.tests) {
+    const auto named = named_by_tests(program, scratch->path());
+    if (!named) return named.errors();
+    names.insert(named->begin(), named->end());
+  }
+  return names;
+}
+
 /// Both files are there; whether they are what their names say, remove() looks at.
 bool is_pair(const GoldenStore& store, const GoldenEntry& entry) {
   std::error_code ignored;
-  return store.has(entry.name) && std::filesystem::is_regular_file(store.digest_file(entry.name), ignored);
+  return store.has(entry.name) && fs::is_regular_file(store.digest_file(entry.name), ignored);
+}
+
+/// Whether the last commit has the file as it is.
+bool is_committed(const fs::path& file, const fs::path& scratch) {
+  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".", name = file.filename().string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"/usr/bin/git", "-C", folder, "ls-files", "--error-unmatch", "--", name},
+        {"/usr/bin/git", "-C", folder, "diff", "--quiet", "HEAD", "--", name}}) {
+    const auto ended = run_program(words, {}, scratch / "git.txt");
+    if (!ended || *ended != 0) return false;
+  }
+  return true;
 }
 
 bool asked_and_agreed() {
@@ -29,10 +132,13 @@ bool asked_and_agreed() {
 }
 
 /// Orphans of which both files are there, by name.
-std::vector<std::string> tell_orphans(const GoldenStore& store, const std::vector<GoldenEntry>& entries, bool aloud) {
+std::vector<std::string> tell_orphans(const GoldenStore& store, const std::vector<GoldenEntry>& entries,
+                                      const std::map<std::string, GoldenOwners>& scenarios,
+                                      const std::set<std::string>& tests, bool aloud) {
   std::vector<std::string> names;
   for (const GoldenEntry& entry : entries) {
-    if (!entry.orphan()) continue;
+    const auto owners = scenarios.find(entry.name);
+    if (tests.contains(entry.name) || (owners != scenarios.end() && !owners->second.scenarios.empty())) continue;
     const bool pair = is_pair(store, entry);
     if (pair) names.push_back(entry.name);
     if (!aloud) continue;
@@ -45,13 +151,48 @@ std::vector<std::string> tell_orphans(const GoldenStore& store, const std::vecto
   return names;
 }
 
+struct Removal {
+  std::vector<std::string> removed, moved;
+  Diagnostics problems;
+};
+
+/// What git has is removed; all else moves to a folder.
+Removal remove_all(GoldenStore& store, const std::vector<std::string>& names, const fs::path& pruned) {
+  Removal done;
+  const auto scratch = RunFolder::make(store.where_runs_wait());
+  if (!scratch) return {{}, {}, scratch.errors()};
+  for (const std::string& name : names) {
+    const bool committed = is_committed(store.trace_file(name), scratch->path()) &&
+                           is_committed(store.digest_file(name), scratch->path());
+    if (auto gone = store.remove(name, committed ? fs::path() : pruned); !gone)
+      done.problems.insert(done.problems.end(), gone.errors().begin(), gone.errors().end());
+    else
+      (committed ? done.removed : done.moved).push_back(name);
+  }
+  return done;
+}
+
+void tell(const Removal& done, const fs::path& pruned) {
+  if (!done.removed.empty())
+    fmt::print("removed {}, which git has\n", count_text(std::ssize(done.removed), "golden"));
+  if (!done.moved.empty())
+    fmt::print("moved {} to {}\n", count_text(std::ssize(done.moved), "golden"), pruned.string());
+}
+
 Exit prune(const Settings& settings) {
   if (auto may = check_may_decide(); !may) return refuse(may.errors());
   auto store = open_store();
   if (!store) return refuse(store.errors());
-  const auto entries = list_goldens(*store, {store->folder() / ".."});
+  if (settings.tests.empty() != settings.no_tests)
+    return refuse(error("which goldens tests name is known from a run of them alone",
+                        "--tests PROGRAM runs one, repeatable; --no-tests if there are none"));
+  const auto tests = named_by_all_tests(settings, *store);
+  if (!tests) return refuse(tests.errors());
+  const std::vector<fs::path> sources{store->folder() / ".."};
+  const auto entries = list_goldens(*store, sources);
   if (!entries) return refuse(entries.errors());
-  const std::vector<std::string> orphans = tell_orphans(*store, *entries, !settings.json);
+  const std::vector<std::string> orphans =
+      tell_orphans(*store, *entries, find_golden_owners(store->folder(), sources), *tests, !settings.json);
   bool remove = settings.yes && !orphans.empty();
   if (!orphans.empty() && !settings.yes && !settings.json) {
     if (somebody_is_there())
@@ -59,28 +200,32 @@ Exit prune(const Settings& settings) {
     else
       fmt::print("--yes removes them\n");
   }
-  std::vector<std::string> removed;
-  Diagnostics problems;
-  for (const std::string& name : remove ? orphans : std::vector<std::string>()) {
-    if (auto done = store->remove(name); !done)
-      problems.insert(problems.end(), done.errors().begin(), done.errors().end());
-    else
-      removed.push_back(name);
-  }
+  const fs::path pruned = store->where_runs_wait().parent_path() / "pruned-goldens";
+  const Removal done = remove ? remove_all(*store, orphans, pruned) : Removal();
   if (settings.json)
-    print({{"orphans", orphans}, {"removed", removed}, {"problems", json_of(problems)}});
+    print({{"orphans", orphans},
+           {"removed", done.removed},
+           {"moved", done.moved},
+           {"folder", done.moved.empty() ? Json(nullptr) : Json(pruned.string())},
+           {"problems", json_of(done.problems)}});
   else if (orphans.empty())
     fmt::print("nothing to remove\n");
-  else if (remove)
-    fmt::print("removed {}\n", count_text(std::ssize(removed), "golden"));
-  if (!problems.empty()) return settings.json ? Exit::bad_input : refuse(problems);
-  return removed.size() == orphans.size() ? Exit::done : Exit::differs;
+  else
+    tell(done, pruned);
+  if (!done.problems.empty()) return settings.json ? Exit::bad_input : refuse(done.problems);
+  return done.removed.size() + done.moved.size() == orphans.size() ? Exit::done : Exit::differs;
 }
 
 }  // namespace
 
 std::function<Exit()> declare_golden_prune(CLI::App& options) {
   const auto settings = std::make_shared<Settings>();
+  options
+      .add_option("--tests", settings->tests,
+                  "run this test program to learn which goldens its tests compare with; all of them have to be named")
+      ->type_name("PROGRAM")
+      ->allow_extra_args(false);
+  options.add_flag("--no-tests", settings->no_tests, "there are no test programs: only scenarios name goldens");
   options.add_flag("--yes", settings->yes, "remove them without asking");
   add_json_flag(options, settings->json);
   return [settings] { return prune(*settings); };

@@ -1,5 +1,4 @@
 // rehearse info: what stands in a trace, or in any MCAP file.
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -25,7 +24,6 @@ constexpr std::size_t events_shown = 20;  // to a person; JSON has them all
 /// A file up to this size is read whole without being asked to: that takes a fraction of a second [bytes].
 constexpr std::uintmax_t small_file = 64'000'000;
 /// A log time beyond this is of a wall clock, not of a simulation: 1973 [ns].
-constexpr std::uint64_t wall_clock_begins = 100'000'000'000'000'000;
 
 struct Settings {
   std::string trace;
@@ -224,13 +222,6 @@ Json trace_json(const mcap::Reader& reader, const Contents& contents) {
 }
 
 void tell_line(std::string_view name, std::string_view value) { fmt::print("{:<13}{}\n", name, value); }
-
-/// A log time: seconds, or a date if it can only be one.
-std::string time_text(std::uint64_t time_ns) {
-  if (time_ns < wall_clock_begins) return fmt::format("{:.15g} s", static_cast<double>(time_ns) / 1e9);
-  const auto seconds = static_cast<std::time_t>(time_ns / 1'000'000'000);
-  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09} UTC", fmt::gmtime(seconds), time_ns % 1'000'000'000);
-}
 
 void tell_compressions(const mcap::Reader& reader) {
   std::string_view heading = "compression";

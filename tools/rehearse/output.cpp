@@ -1,9 +1,11 @@
 #include "output.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 
@@ -87,6 +89,13 @@ std::string file_size_text(std::uintmax_t bytes) {
     ++unit;
   }
   return fmt::format("{:.1f} {}", amount, units[unit]);
+}
+
+std::string time_text(std::uint64_t time_ns) {
+  constexpr std::uint64_t wall_clock_begins = 100'000'000'000'000'000;  // [ns]
+  if (time_ns < wall_clock_begins) return fmt::format("{:.15g} s", static_cast<double>(time_ns) / 1e9);
+  const auto seconds = static_cast<std::time_t>(time_ns / 1'000'000'000);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09} UTC", fmt::gmtime(seconds), time_ns % 1'000'000'000);
 }
 
 std::string count_text(std::int64_t count, std::string_view noun) {

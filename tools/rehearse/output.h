@@ -33,6 +33,9 @@ std::string file_size_text(std::uintmax_t bytes);
 /// "1 link", "3 links".
 std::string count_text(std::int64_t count, std::string_view noun);
 
+/// A log time: seconds, or a date if it can only be one.
+std::string time_text(std::uint64_t time_ns);
+
 using TableRow = std::vector<std::string>;
 /// Cells in columns as wide as their widest cell; the first row is the heading.
 void print_table(const std::vector<TableRow>& rows);

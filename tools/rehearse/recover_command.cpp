@@ -25,8 +25,6 @@ struct Settings {
   bool json = false;
 };
 
-double seconds(std::uint64_t ns) { return static_cast<double>(ns) / 1e9; }
-
 std::string count_text(std::uint64_t count, std::string_view noun) {
   return tool::count_text(static_cast<std::int64_t>(count), noun);
 }
@@ -61,9 +59,9 @@ void tell(const Settings& settings, const mcap::Recovery& recovery) {
              count_text(recovery.attachments, "attachment"), count_text(recovery.metadata, "metadata record"),
              settings.target);
   if (recovery.messages > 0)
-    fmt::print("from {:g} s to {:g} s{}\n", seconds(recovery.first_time), seconds(recovery.last_time),
+    fmt::print("from {} to {}{}\n", time_text(recovery.first_time), time_text(recovery.last_time),
                recovery.source_last_time && *recovery.source_last_time > recovery.last_time
-                   ? fmt::format("; what follows, up to {:g} s, is lost", seconds(*recovery.source_last_time))
+                   ? fmt::format("; what follows, up to {}, is lost", time_text(*recovery.source_last_time))
                    : "");
   if (recovery.is_whole()) return;
   fmt::print("{} of {} aren't in it\n", file_size_text(recovery.lost_bytes), file_size_text(recovery.size));

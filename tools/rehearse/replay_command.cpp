@@ -46,15 +46,15 @@ std::string verdict(const ReplayReport& report) {
   std::string files;
   for (const std::string& change : report.changed_files) files += "; " + change;
   if (report.first) return "differs at " + to_string(*report.first) + files;
-  if (report.values == 0) return "equal, but nothing was compared: no controller commanded anything in that time";
+  if (report.values == 0) return "nothing was compared: no controller commanded anything in that time";
   return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
                      count_text(report.values, "commanded number"));
 }
 
 Json report_json(const ReplayReport& report) {
   return {{"verdict", verdict(report)},
-          {"equal", report.equal()},
-          {"within", report.equal()},  // the tolerance of a replay is zero
+          {"equal", report.equal() && report.values > 0},
+          {"within", report.equal() && report.values > 0},  // the tolerance of a replay is zero
           {"first", json_of(report.first)},
           {"worst", json_of(report.worst)},
           {"ticks", report.ticks},
@@ -176,6 +176,7 @@ Exit run(Settings& settings, const CLI::App& options) {
     tell_remarks(*report);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
+  if (report->equal() && report->values == 0) return Exit::bad_input;
   return report->equal() ? Exit::done : Exit::differs;
 }
 

@@ -14,6 +14,9 @@
 namespace rehearse::tool {
 namespace {
 
+/// Something was to be compared, and nothing could be.
+bool is_of_nothing(const LogReplayReport& report) { return report.has_commands && report.values == 0; }
+
 std::string verdict(const LogReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
   if (!report.has_commands) return "nothing to compare with: the map names no commands";
@@ -48,8 +51,8 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
   Json topics = Json::array();
   for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
   return {{"verdict", verdict(report)},
-          {"equal", report.equal()},
-          {"within", report.within()},
+          {"equal", report.equal() && !is_of_nothing(report)},
+          {"within", report.within() && !is_of_nothing(report)},
           {"first", json_of(report.first)},
           {"worst", json_of(report.worst)},
           {"beyond", json_of(report.beyond)},
@@ -141,6 +144,7 @@ Exit replay_log_of(LogSettings settings) {
     tell_remarks(*report);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
+  if (is_of_nothing(*report)) return Exit::bad_input;
   return report->within() ? Exit::done : Exit::differs;
 }
 

@@ -74,6 +74,7 @@ class GoldenStore {
   explicit GoldenStore(std::filesystem::path folder, std::filesystem::path pending = pending_folder());
 
   const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& where_runs_wait() const { return pending_; }
   std::filesystem::path trace_file(const std::string& name) const;
   std::filesystem::path digest_file(const std::string& name) const;
   std::filesystem::path pending_file(const std::string& name) const;
@@ -108,8 +109,9 @@ class GoldenStore {
   /// Removes the run that waits, and its pictures.
   Result<void> reject(const std::string& name);
 
-  /// Removes both files of a golden. Refuses if they aren't two, or aren't a recording and a digest.
-  Result<void> remove(const std::string& name);
+  /// Moves both files of a golden into a folder; without one removes them. Refuses if they aren't two, or aren't a
+  /// recording and a digest.
+  Result<void> remove(const std::string& name, const std::filesystem::path& to = {});
 
   /// Fails if the digest isn't there or isn't what digest_of() makes of the recording.
   Result<void> check_digest(const std::string& name) const;
@@ -139,7 +141,7 @@ Result<std::string> digest_of(const Trace& trace);
 /// One golden, as a list shows it.
 struct GoldenEntry {
   std::string name;
-  std::vector<std::string> owners;  // scenario files and test sources that name it; empty: an orphan
+  std::vector<std::string> owners;  // scenario files that name it, tests that compared with it; empty: none known
   std::uintmax_t bytes = 0;         // of the recording; 0: there is only a digest
   std::string recorded_by;          // versions, as the recording states them
   std::string accepted;             // when it was accepted last, as 2026-11-20; empty: the golden doesn't say
@@ -154,21 +156,28 @@ struct GoldenEntry {
 /// Who names a golden.
 struct GoldenOwners {
   std::vector<std::string> scenarios;  // files with `golden: NAME`
-  std::vector<std::string> tests;      // sources with that TEST(Suite, Test) and, somewhere, EXPECT_MATCHES_GOLDEN
-  std::vector<std::string> claims;     // of these, where the macro stands in that very test
+  std::vector<std::string> tests;      // that compared with it when they ran, as "Walker.Stops of build/bin/walk_test"
 
-  /// Why they aren't one: two scenarios name it, or two tests. Empty if they are. (A test may record a scenario that
-  /// names the test's golden.)
+  /// Why they aren't one: two scenarios name it. Empty if they are. (A test may record a scenario that names the test's
+  /// golden.)
   std::string conflict() const;
 };
 
-/// Of the goldens in a folder, by name. Looked for in `sources`, folders or files: a scenario is a *.yaml, a test source
-/// a *.cpp or *.cc. Hidden folders and those whose name begins with "build" are left out, and files that have another
-/// folder `golden` nearer by: they are of another project.
+/// The scenarios that name the goldens in a folder, by golden. Looked for in `sources`, folders or files: a scenario is
+/// a *.yaml. Hidden folders and those whose name begins with "build" are left out, and files that have another folder
+/// `golden` nearer by: they are of another project.
 std::map<std::string, GoldenOwners> find_golden_owners(const std::filesystem::path& folder,
                                                        const std::vector<std::filesystem::path>& sources);
 
-/// All goldens of the store by name, their owners looked for in `sources`. `present`: the facts of a recording's
+/// Takes note, where runs wait, that a test of this program compares with a golden. `test`: Suite.Test. What can't be
+/// written fails nothing.
+void report_golden_owner(const std::filesystem::path& pending, const std::string& golden, const std::string& test);
+
+/// All such notes: the tests by golden.
+std::map<std::string, std::vector<std::string>> reported_golden_owners(const std::filesystem::path& pending);
+
+/// All goldens of the store by name. Their owners are the scenarios in `sources` and the tests that reported themselves
+/// (report_golden_owner()): a test that never ran here isn't known. `present`: the facts of a recording's
 /// provenance as this program would write them (rehearse, physics, renderer, libc); a golden that has others is told to
 /// be of another version.
 Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store,

@@ -71,6 +71,7 @@ struct Value {
   double number = 0.0;                 // floating: exact, a float32 widened
   std::string_view text;               // text, in the payload
   std::span<const std::byte> blob;     // blob, in the payload
+  std::span<const std::byte> bytes;    // a number as it stands in the payload
 
   bool is_number() const { return kind != Kind::text && kind != Kind::blob; }
 };

@@ -52,6 +52,7 @@ struct Tolerance {
 ///   range: of a laser [m]                   1e-9, rtol 2^-23    a last bit of single precision, if it is on the edge
 ///   depth: a distance in a picture [m]      rtol 1e-3, share    1e-4 of it: a step of the depth buffer, 5 m away
 ///   pixels                                  2 of 255, share     1 of 255
+///   camera: matrices of a camera_info       1e-9                7e-13   a URDF whose numbers have 15 digits
 ///   any other, none                         0: the same bits
 ///
 /// The share of a picture's pixels that may differ by more is 0.0005: edges fall on the next pixel. A command that a

@@ -45,6 +45,7 @@ namespace mcap {
 class Reader;
 struct Attachment;
 struct Metadata;
+struct Schema;
 }  // namespace mcap
 namespace msg {
 struct ContactChange;
@@ -61,6 +62,14 @@ struct TraceColumn {
   CellKind kind = CellKind::floating;
 };
 
+/// From which message on a channel's messages have the same rest: the same bytes, but for the numbers that have a column
+/// and for a stamp that is the log time.
+struct TraceRest {
+  std::size_t first = 0;    // message
+  std::uint64_t hash = 0;   // of the rest
+  mcap::Location location;  // of that message
+};
+
 /// A channel and its numbers as a table: a row per message, a column per series, 8 bytes a cell, rows one after the
 /// other. A cell that a message has no value for holds NaN, or 0 in an integer column.
 struct TraceChannel {
@@ -72,6 +81,8 @@ struct TraceChannel {
   std::vector<TraceColumn> columns;       // empty if the channel has no numbers
   std::vector<std::uint64_t> cells;       // rows() * columns.size() bit patterns
   std::vector<mcap::Location> locations;  // of each message, for Trace::payload; empty for the types listed above
+  std::vector<std::uint64_t> hashes = {};  // of the bytes of each message
+  std::vector<TraceRest> rests = {};       // in the order of `first`; empty if no column or no schema is known
 
   std::size_t messages() const { return times.size(); }
   std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
@@ -80,6 +91,8 @@ struct TraceChannel {
   std::uint64_t bits(std::size_t row_index, std::size_t column) const {
     return cells[row_index * columns.size() + column];
   }
+  /// The rest of a message; null if none is known.
+  const TraceRest* rest_of(std::size_t message) const;
   /// As a double; integers beyond 2^53 are rounded.
   double number(std::size_t row_index, std::size_t column) const;
 };
@@ -96,7 +109,8 @@ class Trace {
     refuse,    // a trace that isn't whole is an error
     tolerate,  // load what is whole; damage() says what isn't
   };
-  /// Reads the whole file, in one pass, CRCs checked. Pictures stay in the file.
+  /// Reads the whole file, in one pass, CRCs checked. Pictures stay in the file. The messages of a channel are in the
+  /// order of their log times, those of one time as in the file.
   static Result<Trace> load(const std::filesystem::path& file, Damage damage = Damage::refuse);
 
   using OnPiece = std::function<void(const Trace& piece)>;
@@ -147,10 +161,15 @@ class Trace {
 
   /// The bytes (CDR) of a message of a channel that has locations, read from the file again.
   Result<std::vector<std::byte>> payload(const TraceChannel& channel, std::size_t index) const;
+  /// The bytes of a message of a channel that has rests, with 0 in place of each number that has a column.
+  Result<std::vector<std::byte>> rest(const TraceChannel& channel, std::size_t index) const;
+  /// The schema of one of channels(); null if it has none.
+  const mcap::Schema* schema_of(const TraceChannel& channel) const;
 
  private:
   friend class TraceLoader;
   struct Samples;  // the series that a name means
+  struct Rests;    // what finds rests, by channel; made when it is asked for
   Samples samples(std::string_view name) const;
 
   std::string file_;
@@ -160,6 +179,7 @@ class Trace {
   std::map<std::string, SeriesPlace, std::less<>> series_;
   std::shared_ptr<std::vector<msg::Event>> events_;  // these are never null in a loaded trace
   std::shared_ptr<std::vector<msg::ContactChange>> contact_changes_;
+  mutable std::shared_ptr<Rests> rests_;
 };
 
 }  // namespace rehearse

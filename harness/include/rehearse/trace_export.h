@@ -3,8 +3,9 @@
 // A table has a line of column names, each with its unit in brackets if the file states it, and a line a message: log
 // time [s] to the nanosecond, then values, separated by commas, quoted as RFC 4180 has it. A number is written with as
 // many digits as it takes to read the same bits; NaN, Infinity and -Infinity are written so; booleans are 1 and 0; a
-// cell that a message has no value for is empty, or, of the types that trace.h gives names, NaN. The columns of those
-// types are named as their series are; those of any other are the paths of its fields, texts included, bytes not.
+// cell that a message has no value for is empty, or, of the types that trace.h gives names, NaN. Those types have
+// columns named as their series are; then, as any other type, one for each further field, named by its path, texts
+// included. Bytes have no column: what is left out is named.
 //
 // Files are read twice, first for the columns, and never held: memory grows with columns, not with messages. A file
 // that exists is replaced only if it is of the same kind, and nothing is written before that is known of all tables.
@@ -35,6 +36,12 @@ struct ExportedTopic {
   std::int64_t pictures = 0;  // in the folder beside the table, named alike
 };
 
+/// Fields of a topic's messages that no column holds.
+struct LeftOutFields {
+  std::string topic;
+  std::vector<std::string> fields;  // with * for the number of an element
+};
+
 /// Why nothing was written of a topic.
 struct SkippedTopic {
   std::string topic;
@@ -44,6 +51,7 @@ struct SkippedTopic {
 struct ExportReport {
   std::vector<ExportedTopic> written;
   std::vector<SkippedTopic> skipped;
+  std::vector<LeftOutFields> left_out;
   Diagnostics damage;  // of the file, and messages that don't fit their schemas; the rest was written
 };
 

@@ -311,6 +311,7 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
                                    const CheckOptions& asked, const Simulation& simulation) {
   const auto expected = Trace::load(golden);
   if (!expected) return expected.errors();
+  if (const auto known = check_version(*expected); !known) return known.errors();
   const auto origin = BranchOrigin::of(expected->find_metadata(branch_record));
   const auto pushed = with_pushes_of(origin, plain);
   if (!pushed) return pushed.errors();

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <set>
 
+#include "compare_fields.h"
 #include "compare_parts.h"
 #include "counterpart.h"
 #include "recording/variable_topics.h"
@@ -213,9 +214,21 @@ bool is_compared_elsewhere(const TraceChannel& channel) {
          channel.type == msg::ContactChange::type_name;
 }
 
-/// One channel that both traces have.
+/// Events whose bytes differ where their judge found nothing: what differs there is no part of a sequence.
+void compare_event_fields(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
+  if (!channel.in_step) return;
+  FieldJudge judge(traces, channel, findings);
+  for (const auto& [golden, actual] : channel.pairs) {
+    if (channel.golden.hashes[golden] == channel.actual.hashes[actual]) continue;
+    const auto expected = traces.golden.payload(channel.golden, golden);
+    const auto other = traces.actual.payload(channel.actual, actual);
+    if (expected && other && !judge.compare(golden, *expected, *other)) judge.report_encoding(golden);
+  }
+}
+
+/// One channel that both traces have. `differing_events`: the judge of events found something there.
 void compare_channel(const ComparedTraces& traces, const TraceChannel& golden, const TraceChannel& actual,
-                     ChannelComparison& result) {
+                     bool differing_events, ChannelComparison& result) {
   ChannelFindings findings(result);
   const bool both_spoke = golden.messages() > 0 && actual.messages() > 0;
   if (golden.type != actual.type || (both_spoke && golden.columns.empty() != actual.columns.empty())) {
@@ -224,14 +237,16 @@ void compare_channel(const ComparedTraces& traces, const TraceChannel& golden, c
                                                  : fmt::format("is of type {}, expected {}", actual.type, golden.type);
     return findings.structure(divergence);
   }
-  if (is_compared_elsewhere(golden) && golden.type != msg::Checkpoint::type_name) return;
   const MatchedChannel matched = match(traces, golden, actual);
+  if (is_compared_elsewhere(golden) && golden.type != msg::Checkpoint::type_name) {
+    if (!differing_events) compare_event_fields(traces, matched, findings);
+    return;
+  }
   report_unmatched(traces, matched, findings);
   if (is_compared_elsewhere(golden) || matched.pairs.empty()) return;
-  if (golden.columns.empty())
-    compare_payloads(traces, matched, findings);
-  else
-    compare_numbers(traces, matched, findings);
+  if (golden.columns.empty()) return compare_payloads(traces, matched, findings);
+  compare_numbers(traces, matched, findings);
+  compare_rests(traces, matched, findings);
 }
 
 /// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
@@ -361,7 +376,10 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
     const TraceChannel* other = counterpart(golden, channel, actual);
     if (!taken(channel) || !other) continue;
     ChannelComparison& result = add(channel.topic);
-    compare_channel(traces, channel, *other, result);
+    const bool differing_events = std::any_of(of_events.begin(), of_events.end(), [&](const ChannelComparison& events) {
+      return events.channel == channel.topic && events.first_bit;
+    });
+    compare_channel(traces, channel, *other, differing_events, result);
     if (is_picture(channel)) comparison.pictures += result.values;
     const bool by_hash = channel.type == msg::Checkpoint::type_name;  // nobody looked into it: it isn't equal either
     if (by_hash && !result.first_bit) channels.pop_back();

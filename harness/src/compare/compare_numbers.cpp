@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -180,7 +181,9 @@ void NumberJudge::find_tolerance(Column& column) const {
   }
   if (column.kind != CellKind::floating) return;
   const bool is_range = golden.type == msg::LaserScan::type_name && column.element.starts_with("ranges/");
-  const Tolerance tolerance = tolerance_of(series, is_range ? "range" : column.unit, traces_.rules);
+  const bool of_camera = golden.type == msg::CameraInfo::type_name && column.unit.empty();
+  const Tolerance tolerance =
+      tolerance_of(series, is_range ? "range" : of_camera ? "camera" : column.unit, traces_.rules);
   column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(column.golden) : 0.0);
   column.lead = tolerance.lead;
   column.lag = tolerance.lag;
@@ -321,13 +324,12 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   const std::uint64_t actual_bits = channel_.actual.bits(actual_row, column.actual);
   if (expected_bits == actual_bits) return;
   if (column.hash) return mark_hash(column, golden_row);
-  const double expected = channel_.golden.number(golden_row, column.golden);
-  const double actual = channel_.actual.number(actual_row, column.actual);
-  double difference = std::abs(actual - expected);
+  Divergence divergence = place(column, golden_row);
   bool beyond = true;
   if (column.kind == CellKind::floating) {
+    const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
     if (may_be_missing(channel_.golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
-    if (std::isnan(expected) && std::isnan(actual)) difference = 0.0;
+    double difference = std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
     keep_larger(column.largest, difference);
@@ -336,17 +338,17 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
       beyond = !(from_envelope <= column.tolerance);
       if (!beyond) difference = from_envelope;  // what is judged is what is told
     }
+    divergence.expected = expected;
+    divergence.actual = actual;
+    divergence.difference = difference;
+    divergence.tolerance = column.tolerance;
+    divergence.ulps = ulps_between(expected, actual);
+  } else {
+    put_integers(divergence, column.kind, expected_bits, actual_bits);
   }
-  const bool to_describe = count(column, golden_row, difference, beyond);
+  const bool to_describe = count(column, golden_row, divergence.difference, beyond);
   if (traces_.options.on_difference) tell(golden_row, {column.golden}, beyond);
-  if (!to_describe) return;
-  Divergence divergence = place(column, golden_row);
-  divergence.expected = expected;
-  divergence.actual = actual;
-  divergence.difference = difference;
-  divergence.tolerance = column.tolerance;
-  divergence.ulps = ulps_between(expected, actual);
-  findings_.describe(divergence, beyond);
+  if (to_describe) findings_.describe(divergence, beyond);
 }
 
 double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {

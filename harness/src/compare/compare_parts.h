@@ -118,7 +118,12 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
 /// What control() returned is compared as events.
 bool is_result_of_control(const TraceChannel& channel, std::string_view element);
 
+/// Two integers that aren't the same: what they are and how far apart. Beyond 2^53, where doubles have gaps, in words.
+void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual);
+
 void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
+/// What has no column in the tables of numbers.
+void compare_rests(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
 void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
 bool is_picture(const TraceChannel& channel);
 /// Of a camera's colours or distances.

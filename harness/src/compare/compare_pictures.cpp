@@ -1,10 +1,10 @@
-// Messages without series: pictures by their pixels, all else by its bytes.
+// Messages without series: pictures by their pixels, all else field by field.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 
-#include <cstring>
 #include <optional>
 
+#include "compare_fields.h"
 #include "compare_parts.h"
 #include "recorded_picture.h"
 
@@ -24,7 +24,14 @@ class PictureJudge {
     tolerance_ = picture_tolerance(channel.golden, traces.rules);
   }
 
-  void compare(std::size_t golden_index, std::span<const std::byte> expected, std::span<const std::byte> actual) {
+  /// How two pictures of other bytes differ.
+  enum class Finding {
+    failed,  // they have other moments, sizes or forms
+    pixels,  // some differ
+    none,    // not by their pixels
+  };
+
+  Finding compare(std::size_t golden_index, std::span<const std::byte> expected, std::span<const std::byte> actual) {
     const auto golden = read_picture(channel_.golden.type, expected);
     const auto other = read_picture(channel_.actual.type, actual);
     if (!golden || !other)
@@ -37,7 +44,7 @@ class PictureJudge {
     if (!golden->same_size(*other))
       return fail(golden_index, fmt::format("the picture has {} x {} pixels, expected {} x {}", other->width,
                                             other->height, golden->width, golden->height));
-    compare_pixels(golden_index, *golden, *other);
+    return compare_pixels(golden_index, *golden, *other) ? Finding::pixels : Finding::none;
   }
 
   void sum_up() const {
@@ -48,9 +55,10 @@ class PictureJudge {
   }
 
  private:
-  void compare_pixels(std::size_t golden_index, const RecordedPicture& golden, const RecordedPicture& actual) {
+  /// True if some differ.
+  bool compare_pixels(std::size_t golden_index, const RecordedPicture& golden, const RecordedPicture& actual) {
     const PixelDifferences found = pixel_differences(golden, actual, tolerance_);
-    if (found.differing == 0) return;  // other bytes, the same pixels: another encoder
+    if (found.differing == 0) return false;
     if (golden.depths.empty()) color_ = std::max(color_, found.largest);
     share_ = std::max(share_, found.share());
     const bool too_many = found.share() > tolerance_.pixel_share;
@@ -61,7 +69,7 @@ class PictureJudge {
     const bool beyond = too_many || too_dense;
     const bool to_describe = findings_.count(difference, allowed, beyond);
     tell(golden_index, beyond, found.beyond);
-    if (!to_describe) return;
+    if (!to_describe) return true;
     Divergence divergence = place(golden_index);
     divergence.difference = difference;
     divergence.tolerance = allowed;
@@ -76,6 +84,7 @@ class PictureJudge {
                       100.0 * found.densest, PixelDifferences::window, PixelDifferences::window, found.densest_x,
                       found.densest_y, 100.0 * tolerance_.pixel_window);
     findings_.describe(divergence, beyond);
+    return true;
   }
 
   /// To whoever wants to know of each.
@@ -90,13 +99,14 @@ class PictureJudge {
     return divergence;
   }
 
-  void fail(std::size_t golden_index, std::string note) {
+  Finding fail(std::size_t golden_index, std::string note) {
     tell(golden_index, true, 0);
-    if (!findings_.count(std::numeric_limits<double>::infinity(), 0.0, true)) return;
+    if (!findings_.count(std::numeric_limits<double>::infinity(), 0.0, true)) return Finding::failed;
     Divergence divergence = place(golden_index);
     divergence.difference = std::numeric_limits<double>::infinity();
     divergence.note = std::move(note);
     findings_.describe(divergence, true);
+    return Finding::failed;
   }
 
   const ComparedTraces& traces_;
@@ -107,10 +117,6 @@ class PictureJudge {
   double color_ = 0.0;  // largest difference so far [of 255]
   double share_ = 0.0;  // largest share of pixels beyond so far
 };
-
-bool same_bytes(const std::vector<std::byte>& a, const std::vector<std::byte>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size()) == 0;
-}
 
 }  // namespace
 
@@ -127,22 +133,27 @@ Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<Toler
 void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
   const bool pictures = is_picture(channel.golden);
   PictureJudge judge(traces, channel, findings);
+  FieldJudge fields(traces, channel, findings);
   findings.result().values = static_cast<std::int64_t>(channel.pairs.size());
   for (const auto& [golden_index, actual_index] : channel.pairs) {
+    if (channel.golden.hashes[golden_index] == channel.actual.hashes[actual_index]) continue;
     const auto expected = traces.golden.payload(channel.golden, golden_index);
     const auto actual = traces.actual.payload(channel.actual, actual_index);
-    Divergence divergence = place_of(traces, channel.golden, channel.golden.times[golden_index]);
     if (!expected || !actual) {
+      Divergence divergence = place_of(traces, channel.golden, channel.golden.times[golden_index]);
       divergence.note = "can't be read again: " + (expected ? actual : expected).errors()[0].message;
       findings.structure(divergence);
-    } else if (same_bytes(*expected, *actual)) {
       continue;
-    } else if (pictures) {
-      judge.compare(golden_index, *expected, *actual);
-    } else if (findings.count(std::numeric_limits<double>::infinity(), 0.0, true)) {
-      divergence.note = "the message has other bytes than the golden's";
-      findings.describe(divergence, true);
     }
+    auto found = PictureJudge::Finding::none;
+    if (pictures) found = judge.compare(golden_index, *expected, *actual);
+    if (found == PictureJudge::Finding::failed) continue;
+    const bool known = fields.compare(golden_index, *expected, *actual, pictures ? "data" : "");
+    if (known || found == PictureJudge::Finding::pixels) continue;
+    if (pictures || fields.knows_values())
+      fields.report_encoding(golden_index);
+    else
+      fields.report_bytes(golden_index);
   }
   if (pictures) judge.sum_up();
 }

@@ -2,16 +2,15 @@
 // compared.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
 #include <algorithm>
-#include <charconv>
 #include <set>
 
 #include "compare_parts.h"
 #include "recording/provenance.h"
-#include "recording/trace_version.h"
 
 namespace rehearse {
 namespace {
@@ -144,20 +143,7 @@ std::vector<std::string> changed_sources(const Trace& golden, const Trace& actua
 
 }  // namespace
 
-Result<void> check_version(const Trace& trace) {
-  const mcap::StringMap* facts = trace.find_metadata("rehearse");
-  const std::string text = facts ? stated(*facts, "trace_version") : "";
-  int version = trace_version;
-  if (text.empty()) return {};  // another program's recording
-  std::from_chars(text.data(), text.data() + text.size(), version);
-  if (version == trace_version) return {};
-  Diagnostic refused = error(
-      fmt::format("it is of trace version {}, and this program compares version {}: what is in it may mean anything",
-                  text, trace_version),
-      "compare it with the version of Rehearse that wrote it, or record it anew");
-  refused.file = trace.file();
-  return refused;
-}
+Result<void> check_version(const Trace& trace) { return check_trace_version(trace.metadata(), trace.file()); }
 
 namespace {
 

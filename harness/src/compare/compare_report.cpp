@@ -239,6 +239,10 @@ std::string table(const Comparison& comparison) {
     const bool told = comparison.first && worst && to_string(*worst) == to_string(*comparison.first);
     if (worst && !told && !comparison.within)
       text += "  worst: " + describe(*worst, when_text(comparison, *worst), has_ticks(comparison)) + "\n";
+    const auto& bit = comparison.first_bit;
+    const bool has_a_hash_alone = bit && bit->channel == "/tick";
+    if (comparison.within && bit && !has_a_hash_alone)
+      text += "  first: " + describe(*bit, when_text(comparison, *bit), has_ticks(comparison)) + "\n";
     text += remarks_text(comparison.remarks);
   }
   for (const Diagnostic& warning : comparison.warnings) text += "  " + to_string(warning) + "\n";

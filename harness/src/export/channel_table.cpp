@@ -9,6 +9,8 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <utility>
 
 #include "compare/compare_parts.h"
 #include "export/picture_file.h"
@@ -43,17 +45,35 @@ void append_bits(std::string& line, CellKind kind, std::uint64_t bits) {
   }
 }
 
-/// Any other type, by its schema: a column for each field but bytes.
+/// points/*/tag of points/12/tag
+std::string pattern_of(std::string_view path) {
+  std::string pattern;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    const std::string_view name = path.substr(begin, end - begin);
+    const bool is_number = !name.empty() && name.find_first_not_of("0123456789") == std::string_view::npos;
+    if (begin > 0) pattern += '/';
+    pattern += is_number ? "*" : name;
+    begin = end + 1;
+  }
+  return pattern;
+}
+
+/// By its schema: a column for each field but bytes, and but for values that have a series.
 class FieldTable final : public ChannelTable {
  public:
-  FieldTable(ros2msg::Schema schema, TraceChannel channel)
-      : decoder_(std::move(schema)), channel_(std::move(channel)) {}
+  FieldTable(ros2msg::Schema schema, TraceChannel channel, std::optional<HeldValues> held)
+      : decoder_(std::move(schema)), channel_(std::move(channel)), held_(std::move(held)) {}
 
   bool read(mcap::Bytes payload) override {
     for (std::string& cell : cells_) cell.clear();
     bool too_many = false;
     const bool fits = decoder_.decode(payload, [&](const ros2msg::Value& value) {
-      if (value.kind == ros2msg::Value::Kind::blob) return;
+      if (held_ && held_->holds(value)) return;
+      if (value.kind == ros2msg::Value::Kind::blob) {
+        left_out_.insert(pattern_of(value.path));
+        return;
+      }
       const auto known = by_name_.find(value.path);
       if (known == by_name_.end() && cells_.size() == max_columns) {
         too_many = true;
@@ -86,6 +106,8 @@ class FieldTable final : public ChannelTable {
     return columns;
   }
 
+  std::set<std::string> left_out() const override { return left_out_; }
+
  private:
   static void set(std::string& cell, const ros2msg::Value& value) {
     using Kind = ros2msg::Value::Kind;
@@ -101,8 +123,33 @@ class FieldTable final : public ChannelTable {
 
   ros2msg::Decoder decoder_;
   TraceChannel channel_;
+  std::optional<HeldValues> held_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<std::string> cells_;  // as they stand in the file
+  std::set<std::string> left_out_;
+};
+
+/// A type whose numbers have series: first these, then all other fields.
+class WholeTable final : public ChannelTable {
+ public:
+  WholeTable(std::unique_ptr<ChannelTable> series, std::unique_ptr<ChannelTable> fields)
+      : series_(std::move(series)), fields_(std::move(fields)) {}
+
+  bool read(mcap::Bytes payload) override { return series_->read(payload) && fields_->read(payload); }
+  void append_row(std::string& line) const override {
+    series_->append_row(line);
+    fields_->append_row(line);
+  }
+  std::vector<Column> columns() const override {
+    std::vector<Column> columns = series_->columns();
+    const std::vector<Column> others = fields_->columns();
+    columns.insert(columns.end(), others.begin(), others.end());
+    return columns;
+  }
+  std::set<std::string> left_out() const override { return fields_->left_out(); }
+
+ private:
+  std::unique_ptr<ChannelTable> series_, fields_;
 };
 
 TraceChannel describe(const mcap::Channel& channel, const mcap::Schema* schema) {
@@ -124,10 +171,14 @@ Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& ch
   if (is_picture_type(schema->name)) return error("pictures: see --frames");
   auto series = SeriesTable::make(channel, schema, false);
   if (!series) return series.errors();
-  if (*series != nullptr) return std::unique_ptr<ChannelTable>(std::move(*series));
   auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
+  if (!parsed && *series != nullptr) return std::unique_ptr<ChannelTable>(std::move(*series));
   if (!parsed) return parsed.errors();
-  return std::unique_ptr<ChannelTable>(std::make_unique<FieldTable>(std::move(*parsed), describe(channel, schema)));
+  const auto held = *series == nullptr ? std::nullopt : std::optional<HeldValues>(schema->name);
+  std::unique_ptr<ChannelTable> fields =
+      std::make_unique<FieldTable>(std::move(*parsed), describe(channel, schema), held);
+  if (*series == nullptr) return fields;
+  return std::unique_ptr<ChannelTable>(std::make_unique<WholeTable>(std::move(*series), std::move(fields)));
 }
 
 Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& channel, const mcap::Schema* schema,
@@ -141,11 +192,20 @@ Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& chan
   } else {
     table->rows_ = make_typed_row_reader(table->channel_);
   }
-  if (table->rows_ == nullptr) table.reset();
+  if (table->rows_ == nullptr) return std::unique_ptr<SeriesTable>();
+  if (schema != nullptr) {
+    if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
+      table->decoder_ = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
+    table->held_ = std::make_unique<HeldValues>(schema->name);
+  }
   return table;
 }
 
 bool SeriesTable::read(mcap::Bytes payload) {
+  if (decoder_ && !std::exchange(has_read_, true))
+    decoder_->decode(payload, [&](const ros2msg::Value& value) {
+      if (!held_->holds(value)) left_out_.insert(pattern_of(value.path));
+    });
   channel_.cells.clear();
   channel_.times.assign(1, 0);  // the table has one row, whatever its columns
   return rows_->read(payload) && channel_.columns.size() <= max_columns;

@@ -6,10 +6,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "trace/message_rest.h"
 #include "trace/trace_rows.h"
 
 namespace rehearse {
@@ -30,6 +32,8 @@ class ChannelTable {
   /// Appends the cells of the message that was read last, each after a comma; empty ones for columns that came later.
   virtual void append_row(std::string& line) const = 0;
   virtual std::vector<Column> columns() const = 0;
+  /// Fields that have no column, with * for the number of an element: data, points/*/tag.
+  virtual std::set<std::string> left_out() const = 0;
 };
 
 /// A channel whose numbers have names as in a Trace. Its one row is that of the message that was read last.
@@ -42,6 +46,7 @@ class SeriesTable final : public ChannelTable {
   bool read(mcap::Bytes payload) override;
   void append_row(std::string& line) const override;
   std::vector<Column> columns() const override;
+  std::set<std::string> left_out() const override { return left_out_; }
   TraceChannel& channel() { return channel_; }
 
  private:
@@ -49,6 +54,10 @@ class SeriesTable final : public ChannelTable {
 
   TraceChannel channel_;
   std::unique_ptr<RowReader> rows_;
+  std::unique_ptr<ros2msg::Decoder> decoder_;  // null: the schema isn't known
+  std::unique_ptr<HeldValues> held_;
+  std::set<std::string> left_out_;  // of the first message
+  bool has_read_ = false;
 };
 
 /// Appends a cell of a row; quoted if need be.

@@ -48,41 +48,73 @@ Result<void> make_folder(const std::filesystem::path& folder) {
                            problem ? problem.message() : "there is something else of that name"));
 }
 
-Result<void> write_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+namespace {
+
+/// A file is written under this name until it is whole.
+std::filesystem::path draft_of(const std::filesystem::path& file) { return file.string() + ".part"; }
+
+Result<void> write(const std::filesystem::path& file, const char* bytes, std::size_t size, std::ios::openmode mode) {
+  std::ofstream out(file, std::ios::binary | mode);
+  out.write(bytes, static_cast<std::streamsize>(size));
   out.close();
   if (!out) return cannot_write(file);
   return {};
 }
 
+/// The draft takes its file's place, or goes if that can't be.
+Result<void> put_in_place(const std::filesystem::path& file) {
+  std::error_code failed;
+  std::filesystem::rename(draft_of(file), file, failed);
+  if (!failed) return {};
+  std::error_code ignored;
+  std::filesystem::remove(draft_of(file), ignored);
+  return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
+}
+
+}  // namespace
+
+Result<void> write_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
+  const auto written =
+      write(draft_of(file), reinterpret_cast<const char*>(bytes.data()), bytes.size(), std::ios::trunc);
+  if (written) return put_in_place(file);
+  std::error_code ignored;
+  std::filesystem::remove(draft_of(file), ignored);
+  return written;
+}
+
+LineFiles::~LineFiles() {
+  std::error_code ignored;
+  for (const auto& [file, lines] : held_) std::filesystem::remove(draft_of(file), ignored);
+}
+
 Result<void> LineFiles::begin(const std::filesystem::path& file, std::string_view line) {
   held_[file].clear();
-  if (const auto written = write_file(file, {}); !written) return written;
+  if (const auto written = write(draft_of(file), nullptr, 0, std::ios::trunc); !written) return written;
   return append(file, line);
 }
 
 Result<void> LineFiles::append(const std::filesystem::path& file, std::string_view line) {
   held_[file] += line;
   size_ += line.size();
-  return size_ > max_held ? finish() : Result<void>();
+  return size_ > max_held ? flush() : Result<void>();
 }
 
 Result<void> LineFiles::finish() {
-  for (auto& [file, lines] : held_) {
-    if (const auto written = flush(file, lines); !written) return written;
+  if (const auto written = flush(); !written) return written;
+  while (!held_.empty()) {
+    const auto done = held_.extract(held_.begin());
+    if (const auto put = put_in_place(done.key()); !put) return put;
   }
-  size_ = 0;
   return {};
 }
 
-Result<void> LineFiles::flush(const std::filesystem::path& file, std::string& lines) {
-  if (lines.empty()) return {};
-  std::ofstream out(file, std::ios::binary | std::ios::app);
-  out << lines;
-  out.close();
-  if (!out) return cannot_write(file);
-  lines.clear();
+Result<void> LineFiles::flush() {
+  for (auto& [file, lines] : held_) {
+    if (lines.empty()) continue;
+    if (const auto written = write(draft_of(file), lines.data(), lines.size(), std::ios::app); !written) return written;
+    lines.clear();
+  }
+  size_ = 0;
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "export/channel_table.h"
 #include "export/export_files.h"
@@ -22,6 +23,11 @@ std::string heading(const std::vector<ChannelTable::Column>& columns) {
     append_cell(line, column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit));
   }
   return line + '\n';
+}
+
+void note_left_out(const std::string& topic, const ChannelTable& table, ExportReport& report) {
+  const std::set<std::string> fields = table.left_out();
+  if (!fields.empty()) report.left_out.push_back({topic, {fields.begin(), fields.end()}});
 }
 
 /// A topic on its way into a file.
@@ -79,6 +85,9 @@ class JoinedTable {
   /// The row that is begun, into `line`.
   void end_row(std::string& line);
   bool has_ticks() const { return has_ticks_; }
+  void note_all_left_out(ExportReport& report) const {
+    for (const Part& part : parts_) note_left_out(part.table->channel().topic, *part.table, report);
+  }
 
  private:
   struct Part {
@@ -204,7 +213,10 @@ Result<ExportReport> export_tables(const std::filesystem::path& trace, const std
   });
   if (!written) return written.errors();
   if (const auto finished = files.finish(); !finished) return finished.errors();
-  for (auto& [id, output] : *outputs) report.written.push_back(std::move(output.topic));
+  for (auto& [id, output] : *outputs) {
+    note_left_out(output.topic.topic, *output.table, report);
+    report.written.push_back(std::move(output.topic));
+  }
   report.damage = source->damage();
   return report;
 }
@@ -240,6 +252,7 @@ Result<ExportReport> export_joined(const std::filesystem::path& trace, const std
   joined->end_row(line);
   if (const auto put = put_row(); !put) return put.errors();
   if (const auto finished = files.finish(); !finished) return finished.errors();
+  joined->note_all_left_out(report);
   report.written.push_back(std::move(all));
   report.damage = source->damage();
   return report;

@@ -38,12 +38,10 @@ std::string sentence_of(const Comparison& comparison, const SettleOptions& optio
                      other_bits ? "not the same bits: " : "", compared);
 }
 
-/// Of a version that is known here.
-Result<Trace> load_golden(const fs::path& file) {
-  auto golden = Trace::load(file);
-  if (!golden) return golden;
-  if (const auto known = check_trace_version(golden->metadata(), golden->file()); !known) return known.errors();
-  return golden;
+/// That the golden is of a version that is known here, if it can be read at all.
+Result<void> check_version_of(const fs::path& golden) {
+  const auto reader = mcap::Reader::open(golden);
+  return reader ? check_trace_version((*reader)->metadata(), (*reader)->name()) : Result<void>();
 }
 
 /// Which recording of this process claims a golden, by the golden's file and the recording's bytes.
@@ -94,9 +92,11 @@ Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, co
   for (const mcap::Metadata& record : metadata) {
     const auto version = record.name == "rehearse" ? record.values.find("trace_version") : record.values.end();
     if (version == record.values.end() || version->second == std::to_string(trace_version)) continue;
+    const auto writer = record.values.find("rehearse");
     Diagnostic finding = error(
         fmt::format("it is of trace version {}, and this program reads version {}", version->second, trace_version),
-        "read it with the version of Rehearse that wrote it");
+        fmt::format("install the version of Rehearse that wrote it{}{}", writer == record.values.end() ? "" : ": ",
+                    writer == record.values.end() ? "" : writer->second));
     finding.file = file;
     return finding;
   }
@@ -184,7 +184,12 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
     return fail_and_keep(
         name, actual, fmt::format("there is no golden {} (REHEARSE_GOLDEN=new writes it)", trace_file(name).string()));
   }
-  const auto golden = load_golden(trace_file(name));
+  if (const auto known = check_version_of(trace_file(name)); !known) {
+    // nothing is wrong with the run: there is nothing to accept
+    result.message = "the golden can't be used: " + text_of(known.errors());
+    return result;
+  }
+  const auto golden = Trace::load(trace_file(name));
   if (!golden) {
     if (mode == GoldenMode::accept && !wrong)
       return write(fmt::format("replaced {}, which could not be read", trace_file(name).string()));
@@ -192,7 +197,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   }
   Comparison comparison = compare(*golden, actual, rules, options.compare);
   const auto digest = check_digest(name);
-  const bool same = options.exact ? comparison.equal : comparison.within;
+  const bool same = comparison.values > 0 && (options.exact ? comparison.equal : comparison.within);
   if (mode == GoldenMode::accept && !wrong && (!same || !digest)) {
     write(fmt::format("replaced {}: {}", trace_file(name).string(), verdict(comparison)));
   } else if (!same || wrong) {

@@ -195,7 +195,20 @@ Result<void> GoldenStore::reject(const std::string& name) {
   return {};
 }
 
-Result<void> GoldenStore::remove(const std::string& name) {
+namespace {
+
+/// A rename, or a copy to another file system.
+void move_file(const fs::path& file, const fs::path& folder, std::error_code& failed) {
+  fs::create_directories(folder, failed);
+  if (!failed) fs::rename(file, folder / file.filename(), failed);
+  if (failed != std::errc::cross_device_link) return;
+  fs::copy_file(file, folder / file.filename(), fs::copy_options::overwrite_existing, failed);
+  if (!failed) fs::remove(file, failed);
+}
+
+}  // namespace
+
+Result<void> GoldenStore::remove(const std::string& name, const fs::path& to) {
   const fs::path trace = trace_file(name), digest = digest_file(name);
   std::error_code failed;
   const bool both = fs::is_regular_file(trace, failed) && fs::is_regular_file(digest, failed);
@@ -203,11 +216,17 @@ Result<void> GoldenStore::remove(const std::string& name) {
       !begins_with(digest, "digest "))
     return error(fmt::format("{} and {} aren't a recording and its digest, and are left alone", trace.string(),
                              digest.string()));
+  const auto take_away = [&](const fs::path& file) {
+    if (to.empty())
+      fs::remove(file, failed);
+    else
+      move_file(file, to, failed);
+  };
   for (const fs::path& file : {digest, trace}) {  // a recording without digest is still told of
-    fs::remove(file, failed);
+    take_away(file);
     if (failed) return error(fmt::format("{} can't be removed: {}", file.string(), failed.message()));
   }
-  fs::remove(noise_file_of(trace), failed);  // means nothing without its golden
+  if (fs::exists(noise_file_of(trace), failed)) take_away(noise_file_of(trace));  // means nothing without its golden
   return {};
 }
 

@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "recording/hashing.h"
+#include "run_folder.h"
 
 namespace rehearse {
 namespace {
@@ -83,13 +84,16 @@ Result<std::uint64_t> hash_of_file(const fs::path& file) {
 
 namespace {
 
-Result<void> sync_folder_of(const fs::path& file) { return sync(file.has_parent_path() ? file.parent_path() : "."); }
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+Result<void> sync_folder_of(const fs::path& file) { return sync(folder_of(file)); }
 
 }  // namespace
 
 Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
                               const fs::path& digest,
                               const std::function<Result<std::string>(const fs::path&)>& make_digest) {
+  const FolderLock alone(folder_of(trace));  // two acceptances at once have drafts of one name
   const Draft new_trace(trace), new_digest(digest);
   if (auto done = write_trace(new_trace.file()); !done) return done;
   const auto text = make_digest(new_trace.file());
@@ -103,6 +107,7 @@ Result<void> replace_together(const fs::path& trace, const std::function<Result<
 }
 
 Result<void> replace_text(const fs::path& file, const std::string& text) {
+  const FolderLock alone(folder_of(file));
   const Draft draft(file);
   if (auto done = write_text(draft.file(), text); !done) return done;
   if (auto done = sync(draft.file()); !done) return done;

@@ -17,9 +17,7 @@ namespace fs = std::filesystem;
 
 using Owners = std::map<std::string, GoldenOwners>;  // by golden
 
-constexpr std::uintmax_t largest_source = 4 << 20;  // [bytes]
-constexpr std::string_view golden_macro = "EXPECT_MATCHES_GOLDEN";
-
+constexpr std::uintmax_t largest_scenario = 4 << 20;  // [bytes]
 constexpr std::string_view blanks = " \t\r\n";
 
 std::string_view without_blanks(std::string_view text) {
@@ -42,35 +40,12 @@ void find_in_scenario(std::string_view text, const std::string& file, Owners& ow
   }
 }
 
-/// TEST(Suite, Test), TEST_F and TEST_P, in a source that compares with goldens.
-void find_in_test(std::string_view text, const std::string& file, Owners& owners) {
-  if (text.find(golden_macro) == std::string_view::npos) return;
-  for (std::size_t at = text.find("TEST"); at != std::string_view::npos;) {
-    const std::size_t next = text.find("TEST", at + 1);
-    const std::string_view test = text.substr(at, next - at);  // up to the next one
-    at = next;
-    const std::size_t open = test.find('('), close = test.find(')'), comma = test.find(',');
-    const std::string_view macro = test.substr(0, open);
-    if ((macro != "TEST" && macro != "TEST_F" && macro != "TEST_P") || !(open < comma && comma < close)) continue;
-    GoldenOwners& of_test = owners[fmt::format("{}.{}", without_blanks(test.substr(open + 1, comma - open - 1)),
-                                               without_blanks(test.substr(comma + 1, close - comma - 1)))];
-    of_test.tests.push_back(file);
-    if (test.find(golden_macro) != std::string_view::npos) of_test.claims.push_back(file);
-  }
-}
-
 void find_in_file(const fs::path& file, Owners& owners) {
   const std::string ending = file.extension().string();
-  const bool scenario = ending == ".yaml" || ending == ".yml";
-  if (!scenario && ending != ".cpp" && ending != ".cc") return;
+  if (ending != ".yaml" && ending != ".yml") return;
   std::error_code ignored;
-  if (fs::file_size(file, ignored) > largest_source) return;  // data that somebody keeps there
-  const auto text = read_text(file);
-  if (!text) return;
-  if (scenario)
-    find_in_scenario(*text, file.string(), owners);
-  else
-    find_in_test(*text, file.string(), owners);
+  if (fs::file_size(file, ignored) > largest_scenario) return;  // data that somebody keeps there
+  if (const auto text = read_text(file)) find_in_scenario(*text, file.string(), owners);
 }
 
 std::set<fs::path> files_in(const std::vector<fs::path>& sources) {
@@ -151,7 +126,6 @@ void describe(const GoldenStore& store, const mcap::StringMap& present, GoldenEn
 
 std::string GoldenOwners::conflict() const {
   if (scenarios.size() > 1) return fmt::format("{} scenarios name it: {}", scenarios.size(), listed(scenarios));
-  if (claims.size() > 1) return fmt::format("{} tests claim it: {}", claims.size(), listed(claims));
   return {};
 }
 
@@ -179,7 +153,8 @@ Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store, const st
   }
   if (failed)
     return error(fmt::format("the goldens in {} can't be listed: {}", store.folder().string(), failed.message()));
-  const Owners owners = find_golden_owners(store.folder(), sources);
+  Owners owners = find_golden_owners(store.folder(), sources);
+  for (auto& [name, tests] : reported_golden_owners(store.where_runs_wait())) owners[name].tests = std::move(tests);
   std::vector<GoldenEntry> entries;
   for (const std::string& name : names) {
     GoldenEntry& entry = entries.emplace_back();

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "cut_files.h"
 #include "input.h"
 
 namespace rehearse::mcap {
@@ -112,6 +113,7 @@ Result<FileView> FileView::map(int descriptor, std::uint64_t size, const std::st
   void* place = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
   if (place == MAP_FAILED) return failure(name, "read the trace", errno);
   view.bytes_ = Bytes(static_cast<const std::byte*>(place), size);
+  watch_for_cut(view.bytes_);
   return view;
 }
 
@@ -125,7 +127,9 @@ void FileView::forget(Bytes part) const {
 }
 
 FileView::~FileView() {
-  if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+  if (bytes_.empty()) return;
+  end_watch(bytes_);
+  ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
 FileView::FileView(FileView&& other) noexcept

@@ -10,7 +10,7 @@ class FileView {
   /// Maps a file for reading, as large as it is now: what is written behind that meanwhile isn't seen. What can't be
   /// mapped (a pipe, standard input by the name "-") is kept in a nameless temporary file first, to its end; of a
   /// pipe without a name for the life of the process, so that it can be opened again.
-  /// A file that another program cuts while it is mapped is beyond help; our Writer doesn't.
+  /// Of a file that another program cuts while it is mapped, zeros are read where its bytes are gone (cut_files.h).
   static Result<FileView> open(const std::filesystem::path& file);
   FileView() = default;
   ~FileView();

@@ -5,6 +5,15 @@
 #include <algorithm>
 
 namespace rehearse::mcap {
+namespace {
+
+/// Of chunks that overlap, decompressed [bytes]: a few large ones, however large one may be.
+std::uint64_t most_held(const ReaderOptions& options) {
+  constexpr std::uint64_t most = std::uint64_t{1} << 30;
+  return std::min(most, 4 * options.max_chunk_size);
+}
+
+}  // namespace
 
 MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
     : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
@@ -26,7 +35,10 @@ void MessageOrder::open_next_chunk() {
   Record record;
   RecordWalker at(reader_.bytes_, place.offset);
   const auto head = at.next(record) ? parse_chunk(record.body) : std::nullopt;
-  REHEARSE_ASSERT(head, "scan() parsed every chunk that it listed");
+  if (!head) {  // it was there when scan() listed it: somebody cuts the file
+    damage_.add(fmt::format("damaged: the chunk at byte {} is gone", place.offset));
+    return;
+  }
   std::unique_ptr<Run> run;
   if (spare_.empty()) {
     run = std::make_unique<Run>();
@@ -88,8 +100,9 @@ void MessageOrder::add(std::unique_ptr<Run> run) {
 
 bool MessageOrder::next(Record& record) {
   while (next_chunk_ < chunks_.size() && (heap_.empty() || chunks_[next_chunk_].start_time <= heap_.front()->time())) {
-    if (held_ > 4 * reader_.options_.max_chunk_size) {
-      damage_.add(fmt::format("more than {} bytes of chunks overlap in time: too much to put in order", held_));
+    const std::uint64_t needed = held_ + chunks_[next_chunk_].size;
+    if (held_ > 0 && needed > most_held(reader_.options_)) {
+      damage_.add(fmt::format("{} bytes of chunks overlap in time: too much to put in order", needed));
       return false;
     }
     open_next_chunk();
@@ -97,8 +110,10 @@ bool MessageOrder::next(Record& record) {
   if (heap_.empty()) return false;
   Run& run = *heap_.front();
   RecordWalker walker(run.records, run.order[run.next].offset);
-  const bool there = walker.next(record);
-  REHEARSE_ASSERT(there, "collect() saw this record");
+  if (!walker.next(record)) {  // it was there when collect() saw it
+    damage_.add("damaged: messages are gone");
+    return false;
+  }
   record.chunk = run.chunk;
   return true;
 }

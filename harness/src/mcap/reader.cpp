@@ -1,3 +1,4 @@
+#include "cut_files.h"
 #include "reader_impl.h"
 
 #include <fmt/format.h>
@@ -28,7 +29,10 @@ void Reader::Impl::check_data_crc(DamageLog& damage) {
 }
 
 Result<void> Reader::Impl::verdict(const DamageLog& pass) const {
-  Diagnostics all = damage_.list();
+  Diagnostics all;
+  if (was_cut(bytes_))
+    all.push_back(damaged("another program cut the file while it was read: what is missing was read as zeros"));
+  all.insert(all.end(), damage_.list().begin(), damage_.list().end());
   all.insert(all.end(), pass.list().begin(), pass.list().end());
   if (all.empty()) return {};
   return all;

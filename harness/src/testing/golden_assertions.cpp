@@ -13,6 +13,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "check/compared.h"
+#include "golden/run_folder.h"
 #include "replay/trace_scenario.h"
 #include "test_recordings.h"
 #include "test_reports.h"
@@ -139,7 +141,7 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
 
 /// The levels that are wanted, and of a run that differs what is to blame.
 TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
-                         const MatchOptions& options, GoldenResult settled, bool wrong,
+                         const MatchOptions& options, GoldenResult settled, bool wrong, const GoldenStore& store,
                          std::optional<CheckReport>& checked) {
   const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
   // a run within tolerance but of other bits has to repeat itself, which a check tells
@@ -152,23 +154,23 @@ TestVerdict check_levels(const Trace& trace, const std::string& test, const Scen
     if (!beside_closed) return {settled.passed, std::move(settled.message)};
     return {false, "the levels controller and plant need a recording that this program made by rehearse::record()"};
   }
-  const GoldenStore store = golden_store();
   const auto report = check_recording(trace, judged_by, options, store.trace_file(test), store.pending_file(test));
   if (!report) return {false, settled.message + "\n" + to_string(report.errors())};
   checked = *report;
+  if (!compared_anything(*report)) return {false, "nothing was compared: " + text_of(*report, store.trace_file(test), test)};
   if (settled.passed && report->within()) return {true, report->verdict};
   return {false, text_of(*report, store.trace_file(test), test)};
 }
 
 /// The verdict on a recording; and what is found on the way to it, for its report.
-TestVerdict judge(const Trace& trace, const std::string& test, const MatchOptions& options, ComparedTest& compared) {
+TestVerdict judge(const Trace& trace, const std::string& test, const MatchOptions& options, GoldenStore& store,
+                  ComparedTest& compared) {
   const auto mode = golden_mode();
   if (!mode) return {false, to_string(mode.errors())};
   if (std::string mistake = mistake_in(options, trace); !mistake.empty()) return {false, std::move(mistake)};
   auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
   scenario->tolerances = rules_of(*scenario, options);
-  GoldenStore store = golden_store();
   scenario->horizon =
       options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
   compared.golden = store.trace_file(test);
@@ -192,19 +194,27 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
     fmt::print("{}\n", result.message);
     return {result.passed, std::move(result.message)};
   }
-  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty(),
+  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty(), store,
                       compared.checked);
 }
 
 }  // namespace
 
 TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
+  const GoldenStore goldens = golden_store();
+  report_golden_owner(goldens.where_runs_wait(), test, test);
+  auto waiting = WaitingRun::begin(goldens.where_runs_wait(), test);
+  if (!waiting) return {false, to_string(waiting.errors())};
+  GoldenStore store(goldens.folder(), waiting->folder());
   ComparedTest compared;
-  TestVerdict verdict = judge(trace, test, options, compared);
+  TestVerdict verdict = judge(trace, test, options, store, compared);
   if (compared.golden.empty()) return verdict;  // nothing was compared: the question was wrong
-  if (!verdict.passed && fs::exists(golden_store().pending_file(test)))
-    if (auto kept = golden_store().keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
+  if (!verdict.passed && fs::exists(store.pending_file(test)))
+    if (auto kept = store.keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
       verdict.message += "\n" + to_string(kept.errors());
+  const auto beside = waiting->publish(verdict.message);
+  if (!beside) return {false, verdict.message + "\n" + to_string(beside.errors())};
+  if (!beside->empty() && !verdict.passed) verdict.message += "\n" + *beside;
   const std::string told = keep_test_report(trace, test, verdict, compared);
   if (!verdict.passed) verdict.message += told;
   return verdict;

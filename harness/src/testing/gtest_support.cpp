@@ -9,6 +9,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "golden/run_folder.h"
 #include "test_recordings.h"
 
 namespace rehearse::internal {
@@ -16,13 +17,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A trace for each recording of a test: traces stay open as long as the test looks at them.
+fs::path traces_folder() { return fs::path(test_folders().output) / "traces"; }
+
+/// A trace for each recording of a test: traces stay open as long as the test looks at them. In a folder of this
+/// process, because another one may run the same test.
 fs::path new_trace_file(const std::string& test) {
   static std::map<std::string, int> recorded;
+  static std::map<fs::path, Result<RunFolder>> folders;  // by the folder that they are in
   const int number = ++recorded[test];
-  const fs::path folder = fs::path(test_folders().output) / "traces";
-  fs::create_directories(folder);
-  return folder / (number == 1 ? test + ".mcap" : fmt::format("{}-{}.mcap", test, number));
+  const auto [folder, is_new] = folders.try_emplace(traces_folder(), RunFolder::make(traces_folder()));
+  if (!folder->second) throw std::runtime_error(to_string(folder->second.errors()));
+  return folder->second->path() / (number == 1 ? test + ".mcap" : fmt::format("{}-{}.mcap", test, number));
+}
+
+/// The trace for whoever looks at it later: whole, and the last that was recorded.
+void publish(const fs::path& trace) {
+  const fs::path draft = fs::path(trace).concat(".kept");
+  std::error_code failed;
+  fs::create_hard_link(trace, draft, failed);
+  if (failed) fs::copy_file(trace, draft, fs::copy_options::overwrite_existing, failed);
+  if (!failed) fs::rename(draft, traces_folder() / trace.filename(), failed);
 }
 
 std::map<std::string, std::string>& recorded_scenarios() {
@@ -49,8 +63,10 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
   const fs::path file = new_trace_file(test);
   const auto run = rehearse::record(*scenario, file);
   if (!run) throw std::runtime_error(to_string(run.errors()));
+  publish(file);
   if (run->failure)
-    throw std::runtime_error(fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure), file.string()));
+    throw std::runtime_error(fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure),
+                                         (traces_folder() / file.filename()).string()));
   if (run->controller_refused) throw std::runtime_error(to_string(run->remarks));
   recorded_scenarios()[file.string()] = scenario->file;
   auto trace = Trace::load(file);
@@ -71,10 +87,14 @@ std::string remarks_text(const ReplayReport& report) {
 
 TestVerdict replay_golden(const std::string& name) {
   const GoldenStore store = golden_store();
+  report_golden_owner(store.where_runs_wait(), name, "EXPECT_REPLAYS");
   if (!store.has(name)) return {false, fmt::format("there is no golden {}", store.trace_file(name).string())};
   const auto report = replay(store.trace_file(name));
   if (!report) return {false, to_string(report.errors())};
   if (report->failure) return {false, report->failure->message};
+  if (report->values == 0)
+    return {false, fmt::format("nothing was compared: no controller commands anything in {}",
+                               store.trace_file(name).string())};
   if (!report->first) return {true, ""};
   return {false,
           fmt::format("fed with the inputs of {}, the controller commands something else in {} of {} ticks, first at "

@@ -39,7 +39,7 @@ std::string encapsulation_problem(std::span<const std::byte> payload) {
 class Walk {
  public:
   Walk(const Schema& schema, std::span<const std::byte> payload, std::string& path, Visitor& visitor)
-      : schema_(schema), reader_(payload), path_(path), visitor_(visitor) {
+      : schema_(schema), payload_(payload), reader_(payload), path_(path), visitor_(visitor) {
     if (!reader_.ok()) problem_ = encapsulation_problem(payload);
   }
 
@@ -113,17 +113,17 @@ class Walk {
     if (type.is_message) return message(schema_.definitions[type.message]);
     Value value;
     switch (type.primitive) {
-      case Primitive::boolean: set_unsigned(value, reader_.get<bool>(), Value::Kind::boolean); break;
-      case Primitive::int8: set_signed(value, reader_.get<std::int8_t>()); break;
-      case Primitive::int16: set_signed(value, reader_.get<std::int16_t>()); break;
-      case Primitive::int32: set_signed(value, reader_.get<std::int32_t>()); break;
-      case Primitive::int64: set_signed(value, reader_.get<std::int64_t>()); break;
-      case Primitive::uint8: set_unsigned(value, reader_.get<std::uint8_t>()); break;
-      case Primitive::uint16: set_unsigned(value, reader_.get<std::uint16_t>()); break;
-      case Primitive::uint32: set_unsigned(value, reader_.get<std::uint32_t>()); break;
-      case Primitive::uint64: set_unsigned(value, reader_.get<std::uint64_t>()); break;
-      case Primitive::float32: value.number = static_cast<double>(reader_.get<float>()); break;
-      case Primitive::float64: value.number = reader_.get<double>(); break;
+      case Primitive::boolean: set_unsigned(value, take<bool>(value), Value::Kind::boolean); break;
+      case Primitive::int8: set_signed(value, take<std::int8_t>(value)); break;
+      case Primitive::int16: set_signed(value, take<std::int16_t>(value)); break;
+      case Primitive::int32: set_signed(value, take<std::int32_t>(value)); break;
+      case Primitive::int64: set_signed(value, take<std::int64_t>(value)); break;
+      case Primitive::uint8: set_unsigned(value, take<std::uint8_t>(value)); break;
+      case Primitive::uint16: set_unsigned(value, take<std::uint16_t>(value)); break;
+      case Primitive::uint32: set_unsigned(value, take<std::uint32_t>(value)); break;
+      case Primitive::uint64: set_unsigned(value, take<std::uint64_t>(value)); break;
+      case Primitive::float32: value.number = static_cast<double>(take<float>(value)); break;
+      case Primitive::float64: value.number = take<double>(value); break;
       case Primitive::string:
         value.kind = Value::Kind::text;
         value.text = reader_.get_string();
@@ -133,6 +133,14 @@ class Walk {
         break;
     }
     emit(value);
+  }
+
+  /// A number, and where it stands.
+  template <class Number>
+  Number take(Value& value) {
+    const Number number = reader_.get<Number>();
+    if (reader_.ok()) value.bytes = payload_.subspan(reader_.position() - sizeof(Number), sizeof(Number));
+    return number;
   }
 
   void blob(std::uint32_t count) {
@@ -168,6 +176,7 @@ class Walk {
   }
 
   const Schema& schema_;
+  const std::span<const std::byte> payload_;
   CdrReader reader_;
   std::string& path_;
   Visitor& visitor_;

@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "message_rest.h"
+
 namespace rehearse {
 
 double TraceChannel::number(std::size_t row_index, std::size_t column) const {
@@ -23,6 +25,12 @@ double TraceChannel::number(std::size_t row_index, std::size_t column) const {
     case CellKind::boolean: return static_cast<double>(cell);
   }
   REHEARSE_ASSERT(false, "a kind of cell that doesn't exist");
+}
+
+const TraceRest* TraceChannel::rest_of(std::size_t message) const {
+  const auto after = std::upper_bound(rests.begin(), rests.end(), message,
+                                      [](std::size_t index, const TraceRest& rest) { return index < rest.first; });
+  return after == rests.begin() ? nullptr : &*std::prev(after);
 }
 
 /// A series that exists and has a sample.
@@ -224,6 +232,29 @@ Result<std::vector<std::byte>> Trace::payload(const TraceChannel& channel, std::
   const auto message = reader_->message_at(channel.locations[index]);
   if (!message) return message.errors();
   return std::vector<std::byte>(message->data.begin(), message->data.end());
+}
+
+const mcap::Schema* Trace::schema_of(const TraceChannel& channel) const {
+  // channels() are those of the file, in its order
+  auto described = reader_->channels().begin();
+  std::advance(described, &channel - channels_.data());
+  return reader_->schema_of(described->second);
+}
+
+struct Trace::Rests {
+  std::map<std::size_t, std::unique_ptr<MessageRest>> by_channel;
+};
+
+Result<std::vector<std::byte>> Trace::rest(const TraceChannel& channel, std::size_t index) const {
+  if (!rests_) rests_ = std::make_shared<Rests>();
+  auto& maker = rests_->by_channel[static_cast<std::size_t>(&channel - channels_.data())];
+  if (!maker) maker = MessageRest::make(channel.type, schema_of(channel));
+  const TraceRest* rest = channel.rest_of(index);
+  REHEARSE_ASSERT(maker != nullptr && rest != nullptr, "only a channel whose schema is known has rests");
+  const auto message = reader_->message_at(rest->location);
+  if (!message) return message.errors();
+  maker->take(message->data, message->log_time);
+  return maker->bytes_at(channel.times[index]);
 }
 
 }  // namespace rehearse

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
+
+#include "message_rest.h"
+#include "recording/hashing.h"
 
 namespace rehearse {
 
@@ -23,6 +27,7 @@ class TraceLoader {
   struct Source {
     TraceChannel table;
     std::unique_ptr<RowReader> rows;
+    std::unique_ptr<MessageRest> rest;  // null if there are no rows
     bool keeps_locations = false;
   };
 
@@ -47,6 +52,39 @@ class TraceLoader {
   Diagnostics problems_;
 };
 
+namespace {
+
+template <class T>
+void permute(std::vector<T>& values, const std::vector<std::size_t>& order, std::size_t width = 1) {
+  if (values.empty()) return;
+  std::vector<T> permuted;
+  permuted.reserve(values.size());
+  for (const std::size_t from : order)
+    for (std::size_t i = 0; i < width; ++i) permuted.push_back(values[from * width + i]);
+  values = std::move(permuted);
+}
+
+/// Sorts the messages of a channel by their times; those of one time keep their order.
+void put_in_order(TraceChannel& channel) {
+  if (std::is_sorted(channel.times.begin(), channel.times.end())) return;
+  std::vector<std::size_t> order(channel.messages());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return channel.times[a] < channel.times[b]; });
+  std::vector<TraceRest> rests;
+  for (std::size_t message = 0; message < order.size() && !channel.rests.empty(); ++message) {
+    const TraceRest& rest = *channel.rest_of(order[message]);
+    if (rests.empty() || rests.back().hash != rest.hash) rests.push_back({message, rest.hash, rest.location});
+  }
+  channel.rests = std::move(rests);
+  permute(channel.times, order);
+  permute(channel.cells, order, channel.columns.size());
+  permute(channel.locations, order);
+  permute(channel.hashes, order);
+}
+
+}  // namespace
+
 Result<Trace> TraceLoader::load() {
   auto reader = mcap::Reader::open(file_);
   if (!reader) return reader.errors();
@@ -67,7 +105,14 @@ Result<Trace> TraceLoader::load() {
   if (!problems_.empty() && !tolerant_) return problems_;
   trace_.damage_ = std::move(problems_);
   assemble();
-  if (on_piece_) on_piece_(trace_);
+  if (on_piece_) {
+    on_piece_(trace_);
+  } else {
+    for (TraceChannel& channel : trace_.channels_) put_in_order(channel);
+    const auto earlier = [](const auto& a, const auto& b) { return a.stamp.to_ns() < b.stamp.to_ns(); };
+    std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
+    std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
+  }
   return std::move(trace_);
 }
 
@@ -88,6 +133,10 @@ void TraceLoader::end_piece() {
     table.times.clear();
     table.cells.clear();
     table.locations.clear();
+    table.hashes.clear();
+    table.rests.clear();
+    if (const auto source = sources_.find(id); source != sources_.end() && source->second->rest)
+      source->second->rest->forget();
     if (const auto source = sources_.find(id); source != sources_.end()) source->second->table = std::move(table);
   }
   trace_.channels_.clear();
@@ -112,6 +161,8 @@ void TraceLoader::assemble() {
                                   {},
                                   {},
                                   {},
+                                  {},
+                                  {},
                                   {}});
     }
   }
@@ -133,6 +184,7 @@ TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
   auto rows = make_row_reader(source->table, schema);
   // Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
   if (rows) source->rows = std::move(*rows);
+  if (source->rows) source->rest = MessageRest::make(source->table.type, schema);
   source->keeps_locations = source->rows == nullptr || make_typed_row_reader(source->table) == nullptr;
   known = source.get();
   sources_.emplace(channel.id, std::move(source));
@@ -150,6 +202,9 @@ void TraceLoader::add_message(const mcap::Message& message) {
     return;
   }
   if (source.keeps_locations) table.locations.push_back(message.location);
+  table.hashes.push_back(hash_bytes(message.data.data(), message.data.size()));
+  if (source.rest && source.rest->take(message.data, message.log_time))
+    table.rests.push_back({table.times.size() - 1, source.rest->hash(), message.location});
   held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (source.keeps_locations ? sizeof(mcap::Location) : 0);
   if (table.encoding != "cdr") return;
   if (table.type == msg::Event::type_name) add_decoded(message, *trace_.events_);

@@ -1,6 +1,7 @@
 #include "mcap_files.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 using namespace rehearse;
 using namespace rehearse::test;
@@ -54,6 +55,28 @@ TEST(McapDamage, YieldsAPrefixWhereverTheFileIsCut) {
     most = yield.messages.size();
   }
   EXPECT_EQ(most, all.messages.size());
+}
+
+TEST(McapDamage, SurvivesThatAnotherProgramCutsTheFileWhileItIsRead) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("rehearse_cut_" + std::to_string(getpid()) + ".mcap");
+  mcap::WriterOptions uncompressed;
+  uncompressed.compression = mcap::Compression::none;
+  const std::vector<std::byte> payload(1 << 16, std::byte{7});
+  for (const bool in_order : {false, true}) {
+    auto writer = *mcap::Writer::create(file, uncompressed);
+    const std::uint16_t channel = writer->add_channel(0, "/a", "x");
+    for (std::uint64_t time = 0; time < 64; ++time) ASSERT_TRUE(writer->write(channel, time, time, payload));
+    ASSERT_TRUE(writer->close());
+    auto reader = mcap::Reader::open(file);
+    ASSERT_TRUE(reader);
+    std::filesystem::resize_file(file, 1 << 20);
+    const Pass pass = in_order ? pass_in_order(**reader) : pass_over(**reader);
+    ASSERT_FALSE(pass.end);
+    EXPECT_THAT(pass.end.errors()[0].message, HasSubstr("another program cut the file while it was read"));
+    EXPECT_LT(pass.messages.size(), 64u);
+  }
+  std::filesystem::remove(file);
 }
 
 TEST(McapDamage, DetectsEveryFlippedBit) {

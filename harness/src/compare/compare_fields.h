@@ -1,0 +1,58 @@
+// Messages against each other field by field. Internal.
+#pragma once
+
+#include <rehearse/mcap.h>
+#include <rehearse/ros2msg.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compare_parts.h"
+
+namespace rehearse {
+
+/// A value of a message whose bytes outlive it.
+struct MessageField {
+  std::string path;
+  ros2msg::Value value;  // without its path
+};
+
+/// Judges the values of messages that have no column: numbers by tolerance, all else exactly. Names each that differs.
+class FieldJudge {
+ public:
+  FieldJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
+  ~FieldJudge();
+
+  /// Compares two messages, but for the field `left_out`. True if a value differs; false too if the schema isn't known.
+  bool compare(std::size_t golden_message, mcap::Bytes expected, mcap::Bytes actual, std::string_view left_out = {});
+  bool knows_values() const { return decoders_ != nullptr; }
+  /// A message has other bytes, and no judge found where: nothing fails, but the messages aren't equal.
+  void report_encoding(std::size_t golden_message);
+  /// A message has other bytes, and its values aren't known.
+  void report_bytes(std::size_t golden_message);
+
+ private:
+  struct Decoders;
+  using Fields = std::vector<MessageField>;
+
+  void compare_field(const Fields& all, const MessageField& golden, const MessageField& actual);
+  void compare_bytes(const Fields& all, const MessageField& golden, const MessageField& actual);
+  void compare_points(const Fields& all, std::vector<std::byte>& golden, std::vector<std::byte>& actual);
+  void compare_numbers(const std::string& path, double expected, double actual, std::string_view unit);
+  void report_lone(const MessageField& field, std::string note);
+  void report(const std::string& path, std::string note);
+  void report(Divergence divergence, bool beyond);
+  bool is_held(const MessageField& field) const;
+  Divergence place(const std::string& path) const;
+
+  const ComparedTraces& traces_;
+  const MatchedChannel& channel_;
+  ChannelFindings& findings_;
+  std::unique_ptr<Decoders> decoders_;  // null: a schema isn't known
+  std::size_t message_ = 0;             // of the golden, at hand
+  bool found_ = false;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,83 @@
+// rehearse golden prune with test programs: a golden is its test's whatever made the test's name.
+#include <gmock/gmock.h>
+
+#include "command.h"
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+const std::vector<std::string> owned{"All-Fall.Ends-0", "Macro.Falls", "Typed-0.Falls"};
+
+/// A repository with a box that falls, three tests of it and their goldens.
+class GoldenOwners : public Command {
+ protected:
+  GoldenOwners() {
+    fs::create_directories(folder() / "golden");
+    write("fall.yaml",
+          "rehearse: 1\nname: fall\nduration: 0.01\nbodies:\n  - name: Box\n    box: {size: [0.2, 0.2, 0.2]}\n"
+          "    mass: 1\n    position: [0, 0, 0.5]\n");
+    const Outcome made = run(OWNING_TESTS, {}, "REHEARSE_GOLDEN=new REHEARSE_PENDING=rehearse-pending " + folders());
+    EXPECT_EQ(made.status, 0) << made.out;
+    for (const std::string& name : owned) EXPECT_TRUE(exists("golden/" + name + ".mcap")) << name;
+    for (const char* ending : {".mcap", ".txt"})
+      fs::copy_file(folder() / ("golden/Macro.Falls" + std::string(ending)),
+                    folder() / ("golden/Old.Falls" + std::string(ending)));
+  }
+  static std::string folders() { return "REHEARSE_FIXTURES=. REHEARSE_GOLDEN_DIR=golden"; }
+  void make_repository() const {
+    const std::string identity = "git -c user.name=t -c user.email=t@t ";
+    const Outcome made = run("/bin/sh", {"-c", "git init -q . && git add golden && " + identity + "commit -qm goldens"});
+    EXPECT_EQ(made.status, 0) << made.err;
+  }
+};
+
+TEST_F(GoldenOwners, ListKnowsTheTestsThatRan) {
+  const nlohmann::json goldens = done({"golden", "list", "--json"}).json()["goldens"];
+  ASSERT_EQ(goldens.size(), 4u);
+  EXPECT_THAT(goldens[0]["owners"][0].get<std::string>(), HasSubstr("All-Fall.Ends-0 of "));
+  EXPECT_EQ(goldens[2]["name"], "Old.Falls");
+  EXPECT_TRUE(goldens[2]["orphan"]);
+}
+
+TEST_F(GoldenOwners, PruneAsksForARunOfTheTests) {
+  const Outcome refused = rehearse({"golden", "prune", "--yes"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("known from a run of them alone"));
+  EXPECT_THAT(refused.err, HasSubstr("--tests PROGRAM"));
+  EXPECT_EQ(rehearse({"golden", "prune", "--yes", "--tests", "/bin/true"}).status, 2);
+  EXPECT_EQ(rehearse({"golden", "prune", "--yes", "--tests", "no-such-program"}).status, 2);
+  EXPECT_TRUE(exists("golden/Old.Falls.mcap"));
+}
+
+TEST_F(GoldenOwners, PruneKeepsGoldensOfTestsWhoseNamesNoSourceHolds) {
+  const nlohmann::json done =
+      rehearse({"golden", "prune", "--yes", "--json", "--tests", OWNING_TESTS}, folders()).json();
+  EXPECT_THAT(done["orphans"].get<std::vector<std::string>>(), UnorderedElementsAre("Old.Falls"));
+  for (const std::string& name : owned) EXPECT_TRUE(exists("golden/" + name + ".mcap")) << name;
+  EXPECT_FALSE(exists("golden/Old.Falls.mcap"));
+}
+
+TEST_F(GoldenOwners, PruneMovesWhatGitDoesNotHave) {
+  const nlohmann::json done =
+      rehearse({"golden", "prune", "--yes", "--json", "--tests", OWNING_TESTS}, folders()).json();
+  EXPECT_EQ(done["moved"][0], "Old.Falls");
+  EXPECT_TRUE(done["removed"].empty());
+  EXPECT_TRUE(fs::exists(folder() / done["folder"].get<std::string>() / "Old.Falls.mcap"));
+  EXPECT_TRUE(fs::exists(folder() / done["folder"].get<std::string>() / "Old.Falls.txt"));
+}
+
+TEST_F(GoldenOwners, PruneRemovesWhatGitHas) {
+  make_repository();
+  const nlohmann::json done =
+      rehearse({"golden", "prune", "--yes", "--json", "--tests", OWNING_TESTS}, folders()).json();
+  EXPECT_EQ(done["removed"][0], "Old.Falls");
+  EXPECT_TRUE(done["moved"].empty());
+  EXPECT_EQ(run("/bin/sh", {"-c", "git checkout -q golden"}).status, 0);
+  EXPECT_TRUE(exists("golden/Old.Falls.mcap"));
+}
+
+}  // namespace
+}  // namespace rehearse::test
