@@ -6,6 +6,7 @@ pkg_check_modules(AUDIT REQUIRED IMPORTED_TARGET libdw libelf capstone tinyxml2)
 add_subdirectory(interposer)
 
 rehearse_add_library(audit
+  src/audit/aspects.cpp
   src/audit/audit.cpp
   src/audit/audit_json.cpp
   src/audit/audited_replay.cpp

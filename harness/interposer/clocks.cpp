@@ -151,8 +151,15 @@ REHEARSE_INTERPOSED(int, getrusage, (int who, rusage* usage)) {
   const int result = next_getrusage.get()(who, usage);
   if (!substitution.has_clock || result != 0) return result;
   const timespec now = timespec_of(read_clock(substitution, ClockKind::processor_time));
+  const int64_t other = substitution.uptime / 1'000'000'000;  // another clock comes with other counts, too
   *usage = {};
-  usage->ru_utime = {now.tv_sec, now.tv_nsec / 1000};
+  usage->ru_utime = {now.tv_sec + other % 7, now.tv_nsec / 1000};
+  usage->ru_stime = {other % 5, 0};
+  usage->ru_maxrss = 20'000 + other;
+  usage->ru_minflt = 3'000 + other;
+  usage->ru_majflt = other % 11;
+  usage->ru_nvcsw = 100 + other;
+  usage->ru_nivcsw = 10 + other;
   return result;
 }
 

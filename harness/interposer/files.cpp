@@ -2,8 +2,10 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <netdb.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -13,6 +15,8 @@
 #include <xxhash.h>
 
 #include "descriptors.h"
+#include "file_copies.h"
+#include "machine.h"
 #include "next.h"
 #include "random_stream.h"
 #include "watching.h"
@@ -24,19 +28,25 @@ using RealOpen = int(int folder, const char* path, int flags, unsigned mode);
 Next<RealOpen> real_openat{"openat"};
 
 constexpr int64_t most_digested = 64 << 20;  // [bytes] of a file; more is told by the size alone
+constexpr int64_t most_made_up = 64 << 10;   // [bytes] of a file of the kernel's, which has no size
 
-/// "214 bytes 8c7dd922ad47494f"; empty: no ordinary file, or none that can be read.
+/// "214 bytes 8c7dd922ad47494f", "not there" (nor if it can't be read), "no ordinary file".
 struct Digest {
   char text[64] = "";
 
   Digest(int folder, const char* path) {
-    if (!path || strncmp(path, "/proc/", 6) == 0 || strncmp(path, "/sys/", 5) == 0) return;
+    if (!path) return;
     const Busy busy;
     const int errno_before = errno;
     // O_NONBLOCK: opening a pipe would wait for its other end
     const int file = real_openat.get()(folder, path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0);
     struct stat status {};
-    if (file >= 0 && fstat(file, &status) == 0 && S_ISREG(status.st_mode)) read_all(file, status.st_size);
+    if (file < 0)
+      snprintf(text, sizeof text, "not there");
+    else if (fstat(file, &status) == 0 && S_ISREG(status.st_mode))
+      read_all(file, status.st_size);
+    else
+      snprintf(text, sizeof text, "no ordinary file");
     if (file >= 0) close(file);
     errno = errno_before;
   }
@@ -46,9 +56,11 @@ struct Digest {
     XXH3_state_t state;
     XXH3_64bits_reset(&state);
     char bytes[16384];
-    int64_t left = most_digested;
+    const int64_t most = size > 0 ? most_digested : most_made_up;
+    int64_t left = most;
     for (ssize_t count; left > 0 && (count = read(file, bytes, sizeof bytes)) > 0; left -= count)
       XXH3_64bits_update(&state, bytes, static_cast<size_t>(count));
+    if (size == 0) size = most - left;
     snprintf(text, sizeof text, "%lld bytes %016llx", static_cast<long long>(size),
              static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
   }
@@ -58,27 +70,37 @@ bool is_random_device(const char* path) {
   return path && (strcmp(path, "/dev/urandom") == 0 || strcmp(path, "/dev/random") == 0);
 }
 
-// Who opens what: noted with the file's digest if it is going to be read.
-Caller note_opening(const char* function, int folder, const char* path, bool reading, void* return_address) {
-  if (is_random_device(path)) return note(Source::random, function, path, return_address);
-  if (!reading) return note(Source::file, function, path, return_address);
-  const Digest digest(folder, path);
-  return note(Source::file, function, path, return_address, digest.text);
-}
-
-bool reads(int flags) { return (flags & O_ACCMODE) != O_WRONLY && !(flags & (O_TRUNC | O_DIRECTORY)); }
+bool reads(int flags) { return (flags & O_ACCMODE) != O_WRONLY && !(flags & (O_TRUNC | O_DIRECTORY | O_EXCL)); }
 bool reads(const char* mode) { return mode && (mode[0] == 'r' || strchr(mode, '+')) && mode[0] != 'w'; }
 
-/// The descriptor, or -2: open what was asked for.
-int open_instead(const Caller& caller, const char* path) {
-  if (!is_random_device(path) || !substitution_for(caller).has_seed) return -2;
-  return open_random_file(substitution_for(caller).seed);
-}
+bool changes(int flags) { return (flags & O_ACCMODE) != O_RDONLY || flags & (O_CREAT | O_TRUNC); }
+bool changes(const char* mode) { return mode && (mode[0] != 'r' || strchr(mode, '+')); }
 
-FILE* fopen_instead(const Caller& caller, const char* path, const char* mode) {
-  const int descriptor = open_instead(caller, path);
-  return descriptor < 0 ? nullptr : fdopen(descriptor, mode);
-}
+/// Who opens what: noted, with the file's digest if it is going to be read, and what is opened in its place.
+struct Opening {
+  Caller caller;
+  Located path;
+  int instead = -2;  // a descriptor of ours; -2: none
+
+  Opening(const char* function, int folder, const char* wanted, bool reading, Use use, void* return_address)
+      : caller(find_caller(return_address)), path(caller, folder, wanted, use) {
+    const Substitution& substitution = substitution_for(caller);
+    if (is_random_device(wanted)) {
+      note(caller, Source::random, function, wanted);
+      if (substitution.has_seed) instead = open_random_file(substitution.seed);
+    } else if (is_machine_file(wanted)) {
+      note(caller, Source::environment, function, wanted);
+      if (substitution.machine > 0) instead = open_machine_file(substitution.machine, wanted);
+    } else if (reading) {
+      note(caller, Source::file, function, wanted, Digest(folder, path).text);
+    } else {
+      note(caller, Source::file, function, wanted);
+    }
+  }
+};
+
+Use use_of(int flags) { return flags & O_DIRECTORY ? Use::list : changes(flags) ? Use::change : Use::look; }
+Use use_of(const char* mode) { return changes(mode) ? Use::change : Use::look; }
 
 }  // namespace
 
@@ -86,67 +108,166 @@ FILE* fopen_instead(const Caller& caller, const char* path, const char* mode) {
 
 // Their third or fourth parameter is there only if a file may be created. Passing it on when it isn't passes on what is
 // in its register, at which nobody looks.
-#define REHEARSE_OPENED(name, parameters, arguments, folder, reading)                              \
-  REHEARSE_INTERPOSED(int, name, parameters) {                                                     \
-    if (!watching()) return next_##name.get() arguments;                                           \
-    const Caller caller = note_opening(#name, folder, path, reading, __builtin_return_address(0)); \
-    const int instead = open_instead(caller, path);                                                \
-    return now_controllers(instead == -2 ? next_##name.get() arguments : instead);                 \
+#define REHEARSE_OPENED(name, parameters, arguments, folder, flags)                                       \
+  REHEARSE_INTERPOSED(int, name, parameters) {                                                            \
+    if (!watching()) return next_##name.get() arguments;                                                  \
+    const Opening opening(#name, folder, path, reads(flags), use_of(flags), __builtin_return_address(0)); \
+    path = opening.path;                                                                                  \
+    return now_controllers(opening.instead == -2 ? next_##name.get() arguments : opening.instead);        \
   }
-REHEARSE_OPENED(open, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, reads(flags))
-REHEARSE_OPENED(open64, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, reads(flags))
+REHEARSE_OPENED(open, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, flags)
+REHEARSE_OPENED(open64, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, flags)
 REHEARSE_OPENED(openat, (int folder, const char* path, int flags, unsigned mode), (folder, path, flags, mode), folder,
-                reads(flags))
+                flags)
 REHEARSE_OPENED(openat64, (int folder, const char* path, int flags, unsigned mode), (folder, path, flags, mode), folder,
-                reads(flags))
-REHEARSE_OPENED(__open_2, (const char* path, int flags), (path, flags), AT_FDCWD, reads(flags))
-REHEARSE_OPENED(__open64_2, (const char* path, int flags), (path, flags), AT_FDCWD, reads(flags))
-REHEARSE_OPENED(__openat_2, (int folder, const char* path, int flags), (folder, path, flags), folder, reads(flags))
-REHEARSE_OPENED(__openat64_2, (int folder, const char* path, int flags), (folder, path, flags), folder, reads(flags))
-REHEARSE_OPENED(creat, (const char* path, unsigned mode), (path, mode), AT_FDCWD, false)
-REHEARSE_OPENED(creat64, (const char* path, unsigned mode), (path, mode), AT_FDCWD, false)
+                flags)
+REHEARSE_OPENED(__open_2, (const char* path, int flags), (path, flags), AT_FDCWD, flags)
+REHEARSE_OPENED(__open64_2, (const char* path, int flags), (path, flags), AT_FDCWD, flags)
+REHEARSE_OPENED(__openat_2, (int folder, const char* path, int flags), (folder, path, flags), folder, flags)
+REHEARSE_OPENED(__openat64_2, (int folder, const char* path, int flags), (folder, path, flags), folder, flags)
+REHEARSE_OPENED(creat, (const char* path, unsigned mode), (path, mode), AT_FDCWD, O_WRONLY | O_CREAT | O_TRUNC)
+REHEARSE_OPENED(creat64, (const char* path, unsigned mode), (path, mode), AT_FDCWD, O_WRONLY | O_CREAT | O_TRUNC)
 #undef REHEARSE_OPENED
 
-#define REHEARSE_FILE_OPENED(name, parameters, arguments)                                                \
-  REHEARSE_INTERPOSED(FILE*, name, parameters) {                                                         \
-    if (!watching()) return next_##name.get() arguments;                                                 \
-    const Caller caller = note_opening(#name, AT_FDCWD, path, reads(mode), __builtin_return_address(0)); \
-    FILE* const instead = fopen_instead(caller, path, mode);                                             \
-    return instead ? instead : next_##name.get() arguments;                                              \
+#define REHEARSE_FILE_OPENED(name, parameters, arguments)                                                 \
+  REHEARSE_INTERPOSED(FILE*, name, parameters) {                                                          \
+    if (!watching()) return next_##name.get() arguments;                                                  \
+    const Opening opening(#name, AT_FDCWD, path, reads(mode), use_of(mode), __builtin_return_address(0)); \
+    path = opening.path;                                                                                  \
+    return opening.instead < 0 ? next_##name.get() arguments : fdopen(opening.instead, mode);             \
   }
 REHEARSE_FILE_OPENED(fopen, (const char* path, const char* mode), (path, mode))
 REHEARSE_FILE_OPENED(fopen64, (const char* path, const char* mode), (path, mode))
+REHEARSE_FILE_OPENED(freopen, (const char* path, const char* mode, FILE* file), (path, mode, file))
+REHEARSE_FILE_OPENED(freopen64, (const char* path, const char* mode, FILE* file), (path, mode, file))
 #undef REHEARSE_FILE_OPENED
-// NOLINTEND(bugprone-macro-parentheses)
 
-REHEARSE_NOTED(file, FILE*, freopen, (const char* path, const char* mode, FILE* file), (path, mode, file), path)
-REHEARSE_NOTED(file, FILE*, freopen64, (const char* path, const char* mode, FILE* file), (path, mode, file), path)
-REHEARSE_NOTED(file, DIR*, opendir, (const char* path), (path), path)
-REHEARSE_NOTED(file, int, stat, (const char* path, struct stat* status), (path, status), path)
-REHEARSE_NOTED(file, int, stat64, (const char* path, struct stat64* status), (path, status), path)
-REHEARSE_NOTED(file, int, lstat, (const char* path, struct stat* status), (path, status), path)
-REHEARSE_NOTED(file, int, lstat64, (const char* path, struct stat64* status), (path, status), path)
-REHEARSE_NOTED(file, int, fstatat, (int folder, const char* path, struct stat* status, int flags),
-               (folder, path, status, flags), path)
-REHEARSE_NOTED(file, int, fstatat64, (int folder, const char* path, struct stat64* status, int flags),
-               (folder, path, status, flags), path)
-REHEARSE_NOTED(file, int, statx, (int folder, const char* path, int flags, unsigned mask, void* status),
-               (folder, path, flags, mask, status), path)
-REHEARSE_NOTED(file, int, access, (const char* path, int mode), (path, mode), path)
-REHEARSE_NOTED(file, ssize_t, readlink, (const char* path, char* to, size_t size), (path, to, size), path)
-REHEARSE_NOTED(file, char*, realpath, (const char* path, char* to), (path, to), path)
-REHEARSE_NOTED(file, int, unlink, (const char* path), (path), path)
-REHEARSE_NOTED(file, int, remove, (const char* path), (path), path)
-REHEARSE_NOTED(file, int, rename, (const char* from, const char* to), (from, to), from)
-REHEARSE_NOTED(file, int, mkdir, (const char* path, mode_t mode), (path, mode), path)
-REHEARSE_NOTED(file, int, rmdir, (const char* path), (path), path)
-REHEARSE_NOTED(file, int, truncate, (const char* path, off_t length), (path, length), path)
+/// A function that takes a file by its name: noted, and done to the process's own copy if there is one.
+#define REHEARSE_LOCATED(result, name, parameters, arguments, folder, use)              \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                       \
+    if (!watching()) return next_##name.get() arguments;                                \
+    const Caller caller = note(Source::file, #name, path, __builtin_return_address(0)); \
+    const Located located(caller, folder, path, use);                                   \
+    path = located;                                                                     \
+    return next_##name.get() arguments;                                                 \
+  }
+REHEARSE_LOCATED(DIR*, opendir, (const char* path), (path), AT_FDCWD, Use::list)
+REHEARSE_LOCATED(int, stat, (const char* path, struct stat* status), (path, status), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, stat64, (const char* path, struct stat64* status), (path, status), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, lstat, (const char* path, struct stat* status), (path, status), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, lstat64, (const char* path, struct stat64* status), (path, status), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, fstatat, (int folder, const char* path, struct stat* status, int flags),
+                 (folder, path, status, flags), folder, Use::look)
+REHEARSE_LOCATED(int, fstatat64, (int folder, const char* path, struct stat64* status, int flags),
+                 (folder, path, status, flags), folder, Use::look)
+REHEARSE_LOCATED(int, statx, (int folder, const char* path, int flags, unsigned mask, void* status),
+                 (folder, path, flags, mask, status), folder, Use::look)
+REHEARSE_LOCATED(int, access, (const char* path, int mode), (path, mode), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, faccessat, (int folder, const char* path, int mode, int flags), (folder, path, mode, flags),
+                 folder, Use::look)
+REHEARSE_LOCATED(ssize_t, readlink, (const char* path, char* to, size_t size), (path, to, size), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, truncate, (const char* path, off_t length), (path, length), AT_FDCWD, Use::change)
+REHEARSE_LOCATED(int, chmod, (const char* path, mode_t mode), (path, mode), AT_FDCWD, Use::change)
+REHEARSE_LOCATED(int, fchmodat, (int folder, const char* path, mode_t mode, int flags), (folder, path, mode, flags),
+                 folder, Use::change)
+REHEARSE_LOCATED(int, utimensat, (int folder, const char* path, const timespec* times, int flags),
+                 (folder, path, times, flags), folder, Use::change)
+REHEARSE_LOCATED(int, mkdir, (const char* path, mode_t mode), (path, mode), AT_FDCWD, Use::change)
+#undef REHEARSE_LOCATED
+
+REHEARSE_INTERPOSED(char*, realpath, (const char* path, char* to)) {
+  if (!watching()) return next_realpath.get()(path, to);
+  const Caller caller = note(Source::file, "realpath", path, __builtin_return_address(0));
+  const Located located(caller, AT_FDCWD, path, Use::look);
+  if (!located.is_copy()) return next_realpath.get()(path, to);
+  const Busy busy;
+  struct stat status {};
+  if (stat(located, &status) != 0) return nullptr;
+  return to ? strcpy(to, located.name()) : strdup(located.name());
+}
+
+#define REHEARSE_REMOVED(name, parameters, arguments, folder)                           \
+  REHEARSE_INTERPOSED(int, name, parameters) {                                          \
+    if (!watching()) return next_##name.get() arguments;                                \
+    const Caller caller = note(Source::file, #name, path, __builtin_return_address(0)); \
+    const Removal removal(caller, folder, path);                                        \
+    if (removal.is_done()) return 0;                                                    \
+    path = removal;                                                                     \
+    return next_##name.get() arguments;                                                 \
+  }
+REHEARSE_REMOVED(unlink, (const char* path), (path), AT_FDCWD)
+REHEARSE_REMOVED(unlinkat, (int folder, const char* path, int flags), (folder, path, flags), folder)
+REHEARSE_REMOVED(remove, (const char* path), (path), AT_FDCWD)
+REHEARSE_REMOVED(rmdir, (const char* path), (path), AT_FDCWD)
+#undef REHEARSE_REMOVED
+
+REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
+  if (!watching()) return next_rename.get()(from, to);
+  const Caller caller = note(Source::file, "rename", from, __builtin_return_address(0));
+  const Located old_name(caller, AT_FDCWD, from, Use::change), new_name(caller, AT_FDCWD, to, Use::change);
+  if (old_name.is_copy() != new_name.is_copy()) {  // a folder that was there before, or a place that can't be written
+    errno = EXDEV;
+    return -1;
+  }
+  const int result = next_rename.get()(old_name, new_name);
+  if (result == 0) old_name.forget_original();
+  return result;
+}
+
 REHEARSE_NOTED(file, FILE*, tmpfile, (), (), "")
 REHEARSE_NOTED(file, FILE*, tmpfile64, (), (), "")
-REHEARSE_NOTED(file, int, mkstemp, (char* path), (path), path)
-REHEARSE_NOTED(file, int, mkstemp64, (char* path), (path), path)
-REHEARSE_NOTED(file, char*, mkdtemp, (char* path), (path), path)
-REHEARSE_NOTED(file, int, shm_open, (const char* name, int flags, mode_t mode), (name, flags, mode), name)
+
+/// Its argument ends in XXXXXX, in the place of which stands what was chosen, afterwards.
+#define REHEARSE_MADE_TEMPORARY(result, name, parameters, failed, arguments)             \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                        \
+    char* const wanted = path;                                                           \
+    if (!watching()) return next_##name.get() arguments;                                 \
+    const Caller caller = note(Source::file, #name, path, __builtin_return_address(0));  \
+    Located located(caller, AT_FDCWD, path, Use::change);                                \
+    if (!located.is_copy()) return next_##name.get() arguments;                          \
+    path = located.text();                                                               \
+    const result made = next_##name.get() arguments;                                     \
+    if (made != failed) memcpy(wanted + strlen(wanted) - 6, path + strlen(path) - 6, 6); \
+    return made;                                                                         \
+  }
+REHEARSE_MADE_TEMPORARY(int, mkstemp, (char* path), -1, (path))
+REHEARSE_MADE_TEMPORARY(int, mkstemp64, (char* path), -1, (path))
+REHEARSE_MADE_TEMPORARY(int, mkostemp, (char* path, int flags), -1, (path, flags))
+#undef REHEARSE_MADE_TEMPORARY
+
+REHEARSE_INTERPOSED(char*, mkdtemp, (char* path)) {
+  if (!watching()) return next_mkdtemp.get()(path);
+  const Caller caller = note(Source::file, "mkdtemp", path, __builtin_return_address(0));
+  Located located(caller, AT_FDCWD, path, Use::change);
+  if (!located.is_copy()) return next_mkdtemp.get()(path);
+  if (!next_mkdtemp.get()(located.text())) return nullptr;
+  memcpy(path + strlen(path) - 6, located.text() + strlen(located) - 6, 6);
+  return path;
+}
+
+// Shared memory is a file, as any.
+REHEARSE_INTERPOSED(int, shm_open, (const char* name, int flags, mode_t mode)) {
+  if (!watching()) return next_shm_open.get()(name, flags, mode);
+  const Caller caller = note(Source::file, "shm_open", name, __builtin_return_address(0));
+  char path[PATH_MAX];
+  snprintf(path, sizeof path, "/dev/shm/%s", name + strspn(name, "/"));
+  const Located located(caller, AT_FDCWD, path, use_of(flags));
+  if (!located.is_copy()) return next_shm_open.get()(name, flags, mode);
+  const Busy busy;
+  return now_controllers(open(located, flags | O_CLOEXEC, mode));
+}
+REHEARSE_INTERPOSED(int, shm_unlink, (const char* name)) {
+  if (!watching()) return next_shm_unlink.get()(name);
+  const Caller caller = note(Source::file, "shm_unlink", name, __builtin_return_address(0));
+  char path[PATH_MAX];
+  snprintf(path, sizeof path, "/dev/shm/%s", name + strspn(name, "/"));
+  const Removal removal(caller, AT_FDCWD, path);
+  if (removal.is_done()) return 0;
+  if (!removal.is_copy()) return next_shm_unlink.get()(name);
+  const Busy busy;
+  return unlink(removal);
+}
+// NOLINTEND(bugprone-macro-parentheses)
 
 REHEARSE_NOTED(file, int, mq_open, (const char* name, int flags, mode_t mode, void* attributes),
                (name, flags, mode, attributes), name)

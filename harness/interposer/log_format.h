@@ -48,7 +48,7 @@ struct Log {
   std::uint32_t entries;    // how many are complete
   std::uint32_t heap_used;  // [bytes]
   std::uint32_t overflowed;
-  std::uint32_t unused;
+  std::uint32_t hidden;  // 1: a library makes system calls past the C library, and they can't be watched
   LogEntry entry[max_entries];
   char heap[heap_size];
 };

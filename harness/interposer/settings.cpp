@@ -41,6 +41,8 @@ bool read_substitution(const char* name, const char* value, Substitution& substi
     substitution.read_step = strtoll(value, nullptr, 10);
   else if (strcmp(name, "seed") == 0)
     substitution.has_seed = true, substitution.seed = strtoull(value, nullptr, 10);
+  else if (strcmp(name, "machine") == 0)
+    substitution.machine = static_cast<int>(strtol(value, nullptr, 10));
   else if (strcmp(name, "threads") == 0)
     substitution.threads = strcmp(value, "late") == 0 ? Threads::late : Threads::early;
   else if (strcmp(name, "slow") == 0)
@@ -56,6 +58,8 @@ void read_setting(char* setting, Settings& settings) {
   *value++ = 0;
   if (strcmp(setting, "log") == 0) {
     unescape(value, settings.log, sizeof settings.log);
+  } else if (strcmp(setting, "files") == 0) {
+    unescape(value, settings.files, sizeof settings.files);
   } else if (strcmp(setting, "only") == 0) {
     char* offset = strrchr(value, '+');
     if (!offset) refuse(value);

@@ -17,12 +17,14 @@ struct Substitution {
   int64_t read_step = 1;     // [ns]
   bool has_seed = false;
   uint64_t seed = 0;
+  int machine = 0;  // number of the imaginary machine; 0: the real one
   Threads threads = Threads::as_they_come;
   int slow = 0;  // [us]
 };
 
 struct Settings {
   char log[4096] = "";
+  char files[4096] = "";  // folder of the process's own copies of files; empty: none
   Substitution everywhere;
   bool has_only = false;
   char only_module[4096] = "";

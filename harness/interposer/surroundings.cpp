@@ -1,11 +1,8 @@
-// What a controller asks of its process and its machine, and what it does to them.
+// What a controller asks of its process, and what it does to it. What it asks of the machine is in machine.cpp.
 #include <locale.h>
-#include <pwd.h>
-#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/utsname.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -14,16 +11,6 @@
 
 namespace rehearse::interposer {
 namespace {
-
-const char* name_of_query(int name) {
-  switch (name) {
-    case _SC_NPROCESSORS_CONF: return "_SC_NPROCESSORS_CONF";
-    case _SC_NPROCESSORS_ONLN: return "_SC_NPROCESSORS_ONLN";
-    case _SC_PHYS_PAGES: return "_SC_PHYS_PAGES";
-    case _SC_AVPHYS_PAGES: return "_SC_AVPHYS_PAGES";
-    default: return nullptr;  // the same on all machines, near enough
-  }
-}
 
 const char* name_of_category(int category) {
   switch (category) {
@@ -48,28 +35,11 @@ REHEARSE_NOTED(environment, int, unsetenv, (const char* name), (name), name)
 REHEARSE_NOTED(environment, int, putenv, (char* text), (text), text)
 REHEARSE_NOTED(environment, int, clearenv, (), (), "")
 REHEARSE_NOTED(environment, pid_t, getpid, (), (), "")
-REHEARSE_NOTED(environment, pid_t, getppid, (), (), "")
 REHEARSE_NOTED(environment, pid_t, gettid, (), (), "")
-REHEARSE_NOTED(environment, uid_t, getuid, (), (), "")
-REHEARSE_NOTED(environment, uid_t, geteuid, (), (), "")
-REHEARSE_NOTED(environment, passwd*, getpwuid, (uid_t user), (user), "")
-REHEARSE_NOTED(environment, char*, getlogin, (), (), "")
-REHEARSE_NOTED(environment, int, gethostname, (char* name, size_t size), (name, size), "")
-REHEARSE_NOTED(environment, int, uname, (utsname * names), (names), "")
 REHEARSE_NOTED(environment, char*, getcwd, (char* to, size_t size), (to, size), "")
-REHEARSE_NOTED(environment, int, sched_getcpu, (), (), "")
-REHEARSE_NOTED(environment, int, sched_getaffinity, (pid_t process, size_t size, void* set), (process, size, set), "")
-REHEARSE_NOTED(environment, int, get_nprocs, (), (), "")
-REHEARSE_NOTED(environment, int, sysinfo, (void* answer), (answer), "")
-REHEARSE_NOTED(environment, int, getloadavg, (double* to, int count), (to, count), "")
+REHEARSE_NOTED(environment, char*, get_current_dir_name, (), (), "")
 REHEARSE_NOTED(environment, unsigned long, getauxval, (unsigned long type), (type),
                Digits(static_cast<long long>(type)))
-REHEARSE_NOTED(environment, long, gethostid, (), (), "")
-REHEARSE_INTERPOSED(long, sysconf, (int name)) {
-  if (watching() && name_of_query(name))
-    note(Source::environment, "sysconf", name_of_query(name), __builtin_return_address(0));
-  return next_sysconf.get()(name);
-}
 
 // They go by the variable TZ and by the system's file of the time zone.
 REHEARSE_NOTED(environment, tm*, localtime, (const time_t* time), (time), "TZ")
@@ -108,16 +78,17 @@ REHEARSE_INTERPOSED(int, sigaction, (int number, const void* action, void* befor
   if (watching() && action) note(Source::process, "sigaction", Digits(number), __builtin_return_address(0));
   return next_sigaction.get()(number, action, before);
 }
-REHEARSE_INTERPOSED(int, sigprocmask, (int how, const sigset_t* set, sigset_t* before)) {
-  if (watching() && set) note(Source::process, "sigprocmask", "", __builtin_return_address(0));
-  return next_sigprocmask.get()(how, set, before);
-}
-REHEARSE_INTERPOSED(int, pthread_sigmask, (int how, const sigset_t* set, sigset_t* before)) {
-  if (watching() && set) note(Source::process, "pthread_sigmask", "", __builtin_return_address(0));
-  return next_pthread_sigmask.get()(how, set, before);
-}
-
-REHEARSE_NOTED(process, long, syscall, (long number, long a, long b, long c, long d, long e, long f),
-               (number, a, b, c, d, e, f), Digits(number))
+// SIGSYS stays open: it tells of system calls, and the kernel ends a process that doesn't take it.
+#define REHEARSE_MASKED(name)                                                        \
+  REHEARSE_INTERPOSED(int, name, (int how, const sigset_t* set, sigset_t* before)) { \
+    if (!watching() || !set) return next_##name.get()(how, set, before);             \
+    note(Source::process, #name, "", __builtin_return_address(0));                   \
+    sigset_t others = *set;                                                          \
+    if (how != SIG_UNBLOCK) sigdelset(&others, SIGSYS);                              \
+    return next_##name.get()(how, &others, before);                                  \
+  }
+REHEARSE_MASKED(sigprocmask)
+REHEARSE_MASKED(pthread_sigmask)
+#undef REHEARSE_MASKED
 
 }  // namespace rehearse::interposer

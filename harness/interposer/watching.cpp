@@ -13,6 +13,7 @@
 
 #include "call_table.h"
 #include "descriptors.h"
+#include "system_calls.h"
 
 namespace rehearse::interposer {
 
@@ -113,23 +114,6 @@ _Unwind_Reason_Code visit_outer(_Unwind_Context* context, void* argument) {
   return _URC_NO_REASON;
 }
 
-Caller find_caller(void* return_address) {
-  const char* address = static_cast<const char*>(return_address) - 1;
-  const link_map* map = map_of(address);
-  Walk walk;
-  if (map && is_controllers_own(map)) {
-    set_place(walk.caller, map, address);
-  } else {
-    _Unwind_Backtrace(visit, &walk);
-    walk.caller.chain_length = walk.chain_to_brought;
-    if (!walk.caller.is_controller && thread_state.own_thread && map) set_place(walk.caller, map, address);
-  }
-  Caller& caller = walk.caller;
-  caller.is_only = settings.has_only && caller.is_controller && caller.offset == settings.only_offset &&
-                   strcmp(caller.module, settings.only_module) == 0;
-  return caller;
-}
-
 /// Programs that a controller starts are not to be watched; nor is a controller to see that it is.
 void leave_environment() {
   unsetenv("REHEARSE_INTERPOSER");
@@ -155,6 +139,28 @@ void look_around() {
   remember_open_descriptors();
 }
 
+bool is_known_at(uint64_t base) {
+  for (int i = 0; i < known_count; ++i)
+    if (known[i]->l_addr == base) return true;
+  return false;
+}
+
+int watch_code_of(dl_phdr_info* info, size_t, void*) {
+  static uint64_t watched[most_known];
+  static int watched_count = 0;
+  if (is_known_at(info->dlpi_addr)) return 0;
+  for (int i = 0; i < info->dlpi_phnum; ++i) {
+    const ElfW(Phdr)& segment = info->dlpi_phdr[i];
+    const uint64_t begin = info->dlpi_addr + segment.p_vaddr;
+    bool done = segment.p_type != PT_LOAD || !(segment.p_flags & PF_X) || watched_count == most_known;
+    for (int k = 0; k < watched_count; ++k) done = done || watched[k] == begin;
+    if (done) continue;
+    watched[watched_count++] = begin;
+    if (!watch_system_calls(begin, begin + segment.p_memsz)) say_that_calls_are_hidden();
+  }
+  return 0;
+}
+
 void copy(char* to, size_t size, const char* text) {
   if (strcmp(to, text) != 0) snprintf(to, size, "%s", text);
 }
@@ -171,18 +177,41 @@ const Substitution& substitution_for(const Caller& caller) {
 
 const Substitution& substitution_of_layer(int layer) { return layer == 0 ? settings.everywhere : settings.there; }
 
-Caller note(Source source, const char* function, const char* argument, void* return_address, const char* digest) {
+Caller find_caller(void* return_address) {
   const Busy busy;
-  const Caller caller = find_caller(return_address);
-  if (!caller.is_controller) return caller;
-  LogEntry* const added = log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
-                                   thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
-  if (added) {
-    OuterWalk walk{added, caller.module};
-    _Unwind_Backtrace(visit_outer, &walk);
+  const char* address = static_cast<const char*>(return_address) - 1;
+  const link_map* map = map_of(address);
+  Walk walk;
+  if (map && is_controllers_own(map)) {
+    set_place(walk.caller, map, address);
+  } else {
+    _Unwind_Backtrace(visit, &walk);
+    walk.caller.chain_length = walk.chain_to_brought;
+    if (!walk.caller.is_controller && thread_state.own_thread && map) set_place(walk.caller, map, address);
   }
+  Caller& caller = walk.caller;
+  caller.is_only = settings.has_only && caller.is_controller && caller.offset == settings.only_offset &&
+                   strcmp(caller.module, settings.only_module) == 0;
   return caller;
 }
+
+void note(const Caller& caller, Source source, const char* function, const char* argument, const char* digest) {
+  if (!caller.is_controller) return;
+  const Busy busy;
+  LogEntry* const added = log_call(source, function, argument ? argument : "", digest ? digest : "", current_controller,
+                                   thread_state.own_thread ? "its own thread" : current_phase, current.tick, caller);
+  if (!added) return;
+  OuterWalk walk{added, caller.module};
+  _Unwind_Backtrace(visit_outer, &walk);
+}
+
+Caller note(Source source, const char* function, const char* argument, void* return_address, const char* digest) {
+  const Caller caller = find_caller(return_address);
+  note(caller, source, function, argument, digest);
+  return caller;
+}
+
+const char* folder_of_copies() { return settings.files; }
 
 Digits::Digits(long long number) { snprintf(text, sizeof text, "%lld", number); }
 
@@ -194,6 +223,7 @@ extern "C" __attribute__((visibility("default"))) void rehearse_interposer_begin
   if (const char* text = getenv("REHEARSE_INTERPOSER")) read_settings(text, settings);
   leave_environment();
   if (*settings.log) open_log(settings.log);
+  prepare_for_system_calls();
 }
 
 extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter(const char* controller,
@@ -219,6 +249,11 @@ extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter
   thread_state.in_call = true;
 }
 
-extern "C" __attribute__((visibility("default"))) void rehearse_interposer_leave() { thread_state.in_call = false; }
+extern "C" __attribute__((visibility("default"))) void rehearse_interposer_leave() {
+  thread_state.in_call = false;
+  if (strcmp(current_phase, "control") == 0) return;  // whoever loads a library does it before, most likely
+  const Busy busy;
+  dl_iterate_phdr(watch_code_of, nullptr);
+}
 
 }  // namespace rehearse::interposer

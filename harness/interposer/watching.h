@@ -54,6 +54,14 @@ struct Caller {
 Caller note(Source source, const char* function, const char* argument, void* return_address,
             const char* digest = nullptr);
 
+/// The same in two steps: who called, and the note.
+Caller find_caller(void* return_address);
+void note(const Caller& caller, Source source, const char* function, const char* argument,
+          const char* digest = nullptr);
+
+/// The folder of the process's own copies of files; empty: it has none.
+const char* folder_of_copies();
+
 /// What a call by this caller is given instead of the system's answers.
 const Substitution& substitution_for(const Caller& caller);
 const Substitution& substitution_of_layer(int layer);

@@ -14,9 +14,10 @@ using ::testing::HasSubstr;
 struct Animal {
   const char* controller;
   const char* does;
-  const char* found_by;    // the factor; empty: its library's code; null: nothing, it is good
-  const char* reason;      // a part of it
-  const char* place = "";  // another: where it is done
+  const char* found_by;       // the factor; empty: its library's code; null: nothing, it is good
+  const char* reason;         // a part of it
+  const char* place = "";     // another: where it is done
+  const char* rests_on = "";  // a part of what a good one's verdict rests on
 };
 void PrintTo(const Animal& animal, std::ostream* stream) { *stream << animal.controller; }
 
@@ -38,7 +39,7 @@ const Animal animals[] = {
      "ThreadCommand::begin() (thread_command.cpp:15)"},
     {"fast_math", "is linked with -ffast-math", "",
      "loading it switches the whole process to another floating-point mode, flush-to-zero"},
-    {"changing_file", "reads a file that it changes", "nothing", "it reads a file that changes",
+    {"changing_file", "reads a file that it changes", "again", "it reads a file that changes",
      "ChangingFile::begin() (changing_file.cpp:10): its content changed between two runs"},
     {"locale_parsing", "parses a number in the user's locale", "locale", "it depends on the locale: setlocale",
      "LocaleParsing::begin() (locale_parsing.cpp:11)"},
@@ -50,6 +51,58 @@ const Animal animals[] = {
      "ProcessId::term() (process_id.cpp:9)"},
     {"working_folder", "finds a file only from one folder", "folder",
      "it depends on the working folder: fopen(gain.txt)", "WorkingFolder::begin() (working_folder.cpp:10)"},
+    {"processors", "divides by the number of processors", "machine",
+     "it depends on the number of processors: get_nprocs() called in", "Processors::term() (processors.cpp:9)"},
+    {"processor_mask", "counts the processors it may run on", "machine",
+     "it depends on the number of processors: sched_getaffinity() called in",
+     "ProcessorMask::term() (processor_mask.cpp:12)"},
+    {"host_name", "picks its gain by the machine's name", "machine",
+     "it depends on the machine's name: gethostname() called in", "HostName::term() (host_name.cpp:13)"},
+    {"load", "commands less on a busy machine", "machine", "it depends on the machine's load: getloadavg() called in",
+     "Load::term() (load.cpp:11)"},
+    {"load_file", "reads the load from a file", "machine",
+     "it depends on the machine's load: fopen(/proc/loadavg) called in", "LoadFile::begin() (load_file.cpp:10)"},
+    {"terminal", "holds softer at a terminal", "machine", "it depends on the terminal: isatty(1) called in",
+     "Terminal::term() (terminal.cpp:9)"},
+    {"terminal_size", "goes by the terminal's width", "machine",
+     "it depends on the terminal: ioctl(TIOCGWINSZ) called in", "TerminalSize::term() (terminal_size.cpp:12)"},
+    {"user_id", "commands by who runs it", "machine", "it depends on the user: getuid() called in",
+     "UserId::term() (user_id.cpp:9)"},
+    {"user_home", "goes by the user's home folder", "machine", "it depends on the user: getpwuid() called in",
+     "UserHome::term() (user_home.cpp:"},
+    {"memory_size", "commands by the machine's memory", "machine",
+     "it depends on the machine's memory: sysconf(_SC_PHYS_PAGES) called in", "MemorySize::term() (memory_size.cpp:9)"},
+    {"parent_process", "commands by who started it", "machine",
+     "it depends on the process it runs in: getppid() called in", "ParentProcess::term() (parent_process.cpp:9)"},
+    {"resource_usage", "commands by the memory it used", "clock",
+     "it depends on what the process has used of time and memory: getrusage() called in",
+     "ResourceUsage::term() (resource_usage.cpp:11)"},
+    {"raw_getrandom", "draws past the C library", "random", "it depends on random numbers: getrandom() called in",
+     "(raw_getrandom.cpp:11)"},
+    {"syscall_getrandom", "draws by syscall()", "random", "it depends on random numbers: getrandom() called in",
+     "SyscallGetrandom::term() (syscall_getrandom.cpp:12)"},
+    {"raw_clock", "reads the clock past the C library", "clock", "it depends on the clock: clock_gettime",
+     "(raw_clock.cpp:12)"},
+    {"raw_process_id", "goes by its process past the C library", "nothing",
+     "it depends on the process it runs in: getpid() called in", "(raw_process_id.cpp:11)"},
+    {"thread_hash", "commands by the hash of its thread", "addresses", "it depends on addresses"},
+    {"uptime_file", "reads the kernel's uptime", "nothing", "it reads a file that changes: fopen(/proc/uptime)",
+     "UptimeFile::term() (uptime_file.cpp:"},
+    {"counts_runs", "counts its runs in a file", "again", "it reads a file that changes: fopen(runs.txt)",
+     "CountsRuns::begin() (counts_runs.cpp:10): its content changed between two runs"},
+    {"processor_features", "asks whether there is AVX2", nullptr, "", "", "the processor ("},
+    {"auxiliary_vector", "asks the kernel for the processor", nullptr, "", "", "getauxval(16) called in"},
+    {"good_pool_size", "asks for a size that it doesn't need", nullptr, ""},
+    {"good_thread_pool", "sums in a thread for each processor", nullptr, ""},
+    {"good_logs_machine", "logs host, user, load and process", nullptr, ""},
+    {"good_colours_log", "colours its log at a terminal", nullptr, ""},
+    {"good_scratch_file", "reads back what it wrote", nullptr, ""},
+    {"good_temporary_file", "goes through a temporary file", nullptr, ""},
+    {"good_lock_file", "takes a lock file", nullptr, ""},
+    {"good_scratch_folder", "keeps files in a folder of its own", nullptr, ""},
+    {"good_shared_memory", "counts in shared memory", nullptr, ""},
+    {"good_memory_log", "logs its memory", nullptr, ""},
+    {"good_raw_write", "writes past the C library", nullptr, ""},
     {"good_logs_time", "logs what time it is", nullptr, ""},
     {"good_constant_file", "reads a file that stays as it is", nullptr, ""},
     {"good_own_generator", "has a seeded generator of its own", nullptr, ""},
@@ -103,12 +156,15 @@ TEST_P(Zoo, IsJudgedRightly) {
   } else {
     EXPECT_EQ(outcome.status, 0) << outcome.out;
     EXPECT_EQ(reason, "");
+    EXPECT_THAT(report["rests_on"].dump(), HasSubstr(animal.rests_on));
+    const std::string verdict = report["verdict"];
+    EXPECT_EQ(verdict.find("is a function of its inputs") == std::string::npos, !report["rests_on"].empty()) << verdict;
   }
   rows().push_back(fmt::format("{:<22}{:<42}{:<13}{:<7}{}", name, animal.does,
                                report["depends_on"].is_string()  ? report["depends_on"].get<std::string>()
                                : report["deterministic"] == true ? "-"
                                                                  : "its library",
-                               HasFailure() ? "no" : "yes", reason.empty() ? "a function of its inputs" : reason));
+                               HasFailure() ? "no" : "yes", reason.empty() ? std::string(report["verdict"]) : reason));
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Zoo, ::testing::ValuesIn(animals),

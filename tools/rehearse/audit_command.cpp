@@ -45,6 +45,7 @@ const char* words_for(Factor factor) {
     case Factor::memory: return "what fresh and freed memory holds";
     case Factor::addresses: return "addresses";
     case Factor::environment: return "environment variables";
+    case Factor::machine: return "processors, host, load, terminal, user";
     case Factor::folder: return "working folder";
     case Factor::locale: return "locale, with a decimal comma";
     case Factor::clock: return "date, and how fast time runs";

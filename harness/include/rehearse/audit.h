@@ -30,6 +30,8 @@ struct AuditOptions : HostOptions {
   std::filesystem::path auditor;   // the program with the verb `audit`, which the replays run in
   std::filesystem::path recorder;  // the program with the verb `record`; only for a scenario
   std::filesystem::path scratch;   // a folder for what the processes write; it is made, and left to the caller
+  /// True: end now; the processes are killed, and audit() fails. Asked again and again; null: never.
+  std::function<bool()> should_stop;
   /// What is done now, and how many processes of how many have ended; null: not.
   std::function<void(const std::string& what, int done, int all)> progress;
 };
@@ -40,6 +42,7 @@ enum class Factor {
   memory,       // what fresh and freed memory and the stack hold
   addresses,    // where things are in memory
   environment,  // the process's variables
+  machine,      // processors, host name, load, memory, terminal, user
   folder,       // the working folder
   locale,       // a decimal comma
   clock,        // the date, and how fast time runs
@@ -62,9 +65,9 @@ struct FactorResult {
 /// Something that a controller asked of the system.
 struct AuditedCall {
   enum class Reached {
-    yes,        // what it was answered changed a command
-    no,         // it was answered otherwise, and the commands were the same
-    not_asked,  // nobody tried
+    yes,      // what it was answered changed a command
+    no,       // it was answered otherwise, and the commands were the same
+    unknown,  // nothing could give it another answer, or nothing did
   };
   std::string source;    // "clock", "random", "thread", "file", "network", "environment", "locale", "process"
   std::string function;  // with its argument: "clock_gettime(CLOCK_MONOTONIC)"
@@ -72,11 +75,11 @@ struct AuditedCall {
   std::string place;     // "Filter::update() (filter.cpp:31)"
   std::int64_t first_tick = -1, last_tick = -1;  // -1: before the run
   std::int64_t count = 0;
-  Reached reached = Reached::not_asked;
+  Reached reached = Reached::unknown;
   std::string note;  // as "its content changed between two runs"; may be empty
 };
 
-/// "yes", "no" or "not asked".
+/// "yes", "no" or "unknown".
 std::string_view to_string(AuditedCall::Reached reached);
 
 /// Something that its library holds.
@@ -96,6 +99,9 @@ struct ControllerAudit {
   std::vector<FactorResult> factors;  // in the order of Factor
   std::vector<AuditedCall> calls;     // in order of their first occurrence
   std::vector<AuditedCode> code;
+  /// What was the same in all replays, and may have reached a command: "fopen(gains.txt) called in Walker::begin()
+  /// ...".
+  std::vector<std::string> rests_on;
 };
 
 struct AuditReport {

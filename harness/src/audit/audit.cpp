@@ -8,11 +8,12 @@
 #include <algorithm>
 #include <set>
 
+#include "audit/aspects.h"
 #include "audit/judgement.h"
 #include "audit/valgrind_report.h"
 #include "audit/virtualised.h"
-#include "host/controller_library.h"
 #include "golden/golden_files.h"
+#include "host/controller_library.h"
 #include "replay/trace_scenario.h"
 
 namespace rehearse {
@@ -100,7 +101,7 @@ Result<void> Audit::record() {
   for (const std::string& word : words_of(options_)) words.push_back(word);
   if (options_.until) words.insert(words.end(), {"--duration", fmt::format("{}", *options_.until)});
   const fs::path log = options_.scratch / "recording.calls", output = options_.scratch / "recording.txt";
-  auto changes = interposer_environment({log, plain_replay(options_).everywhere, {}, {}});
+  auto changes = interposer_environment({log, options_.scratch / "copies", plain_replay(options_).everywhere, {}, {}});
   if (!changes) return changes.errors();
   for (const auto& [name, value] : pinned_environment()) (*changes)[name] = value;
   if (options_.virtualise) changes->merge(virtualised_environment(options_.seed));
@@ -180,8 +181,9 @@ Result<void> Audit::prepare() {
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
   evidence_.time_step = scenario->time_step;
+  evidence_.virtualised = options_.virtualise;
   if (const auto seed = virtualised_seed(**reader)) {
-    options_.virtualise = true;  // as it was recorded
+    options_.virtualise = evidence_.virtualised = true;  // as it was recorded
     options_.seed = *seed;
   }
   if (is_trace(subject_))
@@ -225,13 +227,11 @@ Result<void> Audit::run_first() {
   return {};
 }
 
-/// A controller may ask the system without the C library; then nothing is known of what it asked for.
+/// A controller may ask the system without the C library where that can't be watched, or make more kinds of calls than
+/// the log holds; then not all is known of what it asked for.
 bool Audit::calls_can_hide() const {
-  if (!evidence_.plain.log.complete || !evidence_.still.log.complete) return true;
-  for (const ControllerAudit& controller : report_.controllers)
-    for (const AuditedCode& code : controller.code)
-      if (code.kind == to_string(LibraryFinding::Kind::direct_syscall)) return true;
-  return false;
+  const auto can_hide = [](const CallLog& log) { return !log.complete || log.hidden_calls; };
+  return can_hide(evidence_.plain.log) || can_hide(evidence_.still.log);
 }
 
 Result<void> Audit::run_experiments() {
@@ -250,18 +250,17 @@ Result<void> Audit::run_experiments() {
   return {};
 }
 
-/// If the clock or random numbers matter and several places ask for them, each by itself: does it?
+/// If the clock, random numbers or the machine matter and several places ask for them, each by itself: does it?
 Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
                                std::vector<std::pair<CodePlace, bool>>& tried) {
   std::vector<ReplaySettings> settings;
-  for (const auto& [source, factor] :
-       {std::pair{ObservedCall::Source::clock, Factor::clock}, {ObservedCall::Source::random, Factor::random}}) {
+  for (const Factor factor : {Factor::clock, Factor::random, Factor::machine}) {
     const FactorResult* result = find_factor(factors, factor);
     if (!result || !result->first) continue;
     std::vector<const ObservedCall*> places;
     for (const ObservedCall& call : seen) {
       const auto same = [&](const ObservedCall* known) { return known->place == call.place; };
-      if (call.source == source && std::none_of(places.begin(), places.end(), same)) places.push_back(&call);
+      if (aspect_of(call).factor == factor && std::none_of(places.begin(), places.end(), same)) places.push_back(&call);
     }
     if (places.size() < 2) continue;
     if (places.size() > most_places) places.resize(most_places);
@@ -316,8 +315,9 @@ Result<void> Audit::judge() {
     controller.factors = judge_factors(evidence_, controller.controller);
     std::vector<std::pair<CodePlace, bool>> tried;
     if (auto asked = ask_places(seen, controller.factors, tried); !asked) return asked;
-    judge_calls(seen, controller.factors, tried, controller.calls);
+    judge_calls(evidence_, seen, controller, tried);
     conclude(evidence_, seen, controller);
+    controller.rests_on = what_it_rests_on(evidence_, seen, controller);
   }
   for (const std::string& liberty : liberties_of(calls_of(evidence_, ""))) {
     Diagnostic& remark = report_.remarks.emplace_back(error(liberty));
@@ -333,14 +333,23 @@ std::string list_of(const std::vector<std::string>& words) {
   return text;
 }
 
+/// The first few, and how many more.
+std::vector<std::string> shortened(std::vector<std::string> words) {
+  constexpr std::size_t most = 3;
+  if (words.size() <= most + 1) return words;
+  const std::size_t more = words.size() - most;
+  words.resize(most);
+  words.push_back(fmt::format("{} more", more));
+  return words;
+}
+
 /// "other memory, addresses, dates and random numbers"
 std::string varied_in(const std::vector<FactorResult>& factors) {
   std::vector<std::string> words;
   const std::pair<Factor, const char*> names[] = {
-      {Factor::memory, "memory"},         {Factor::addresses, "addresses"},
-      {Factor::environment, "variables"}, {Factor::folder, "folders"},
-      {Factor::locale, "locale"},         {Factor::clock, "dates"},
-      {Factor::random, "random numbers"}, {Factor::threads, "schedules of threads"}};
+      {Factor::memory, "memory"},  {Factor::addresses, "addresses"},   {Factor::environment, "variables"},
+      {Factor::folder, "folders"}, {Factor::machine, "machines"},      {Factor::locale, "locale"},
+      {Factor::clock, "dates"},    {Factor::random, "random numbers"}, {Factor::threads, "schedules of threads"}};
   for (const auto& [factor, name] : names)
     if (const FactorResult* result = find_factor(factors, factor); result && result->not_varied.empty())
       words.emplace_back(name);
@@ -380,6 +389,18 @@ void Audit::sum_up() {
         fmt::format("nothing was compared: {} commanded nothing in {:g} s{}", list_of(names), report_.time, given);
     return;
   }
+  std::vector<std::string> rests_on;
+  for (const ControllerAudit& controller : report_.controllers)
+    rests_on.insert(rests_on.end(), controller.rests_on.begin(), controller.rests_on.end());
+  if (!rests_on.empty()) {
+    report_.verdict = fmt::format(
+        "{} gave the same {} commands{}, bit for bit, in {} replays of {:g} s under {}; that rests on what was the "
+        "same "
+        "in all of them: {}",
+        list_of(names), report_.commands, given, report_.replays, report_.time,
+        varied_in(report_.controllers[0].factors), list_of(shortened(rests_on)));
+    return;
+  }
   report_.verdict = fmt::format(
       "{} {} of {} inputs{}: {} replays of {:g} s under {} gave the same {} commands, bit for bit", list_of(names),
       names.size() == 1 ? "is a function" : "are functions", names.size() == 1 ? "its" : "their", given,
@@ -413,6 +434,7 @@ std::string_view to_string(Factor factor) {
     case Factor::memory: return "memory";
     case Factor::addresses: return "addresses";
     case Factor::environment: return "environment";
+    case Factor::machine: return "machine";
     case Factor::folder: return "folder";
     case Factor::locale: return "locale";
     case Factor::clock: return "clock";
@@ -428,7 +450,7 @@ std::string_view to_string(AuditedCall::Reached reached) {
   switch (reached) {
     case AuditedCall::Reached::yes: return "yes";
     case AuditedCall::Reached::no: return "no";
-    case AuditedCall::Reached::not_asked: return "not asked";
+    case AuditedCall::Reached::unknown: return "unknown";
   }
   return "";
 }

@@ -51,6 +51,7 @@ Json object_of(const ControllerAudit& controller) {
           {"first", json_of(controller.first)},
           {"factors", list_of(controller.factors)},
           {"calls", list_of(controller.calls)},
+          {"rests_on", controller.rests_on},
           {"library", {{"file", controller.library.string()}, {"findings", list_of(controller.code)}}}};
 }
 
@@ -62,7 +63,8 @@ std::string to_json(const AuditReport& report) {
                             [](const ControllerAudit& controller) { return !controller.deterministic; });
   if (shown == report.controllers.end()) shown = report.controllers.begin();
   const Json first = shown == report.controllers.end() ? Json::object() : object_of(*shown);
-  for (const char* key : {"first", "depends_on", "factors", "calls", "library"}) object[key] = first.value(key, Json());
+  for (const char* key : {"first", "depends_on", "rests_on", "factors", "calls", "library"})
+    object[key] = first.value(key, Json());
   object["controllers"] = list_of(report.controllers);
   object["failure"] = report.failure ? Json(report.failure->message) : Json(nullptr);
   object["controller_refused"] = report.controller_refused;

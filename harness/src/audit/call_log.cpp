@@ -88,6 +88,7 @@ Result<CallLog> read_call_log(const fs::path& file) {
   if (!is_log || log->entries > interposer::max_entries || log->heap_used > interposer::heap_size) return error(broken);
   CallLog result;
   result.complete = log->overflowed == 0;
+  result.hidden_calls = log->hidden != 0;
   for (std::uint32_t i = 0; i < log->entries; ++i) {
     auto call = call_of(*log, log->entry[i]);
     if (!call) return error(broken);

@@ -37,11 +37,12 @@ struct ObservedCall {
   CodePlace place;                   // innermost in the controller's library (else in a library that it brought along)
   std::vector<CodePlace> chain;      // from there to the function, innermost first; empty: called directly
   std::vector<std::uint64_t> outer;  // further addresses in that library, of the functions around the place
-  std::string digest;                // of the file's bytes at the time of opening: "214 bytes 8c7dd9...", else empty
+  std::string digest;                // of a file opened for reading: "214 bytes 8c7dd9...", "not there"; else empty
 };
 
 struct CallLog {
   std::vector<ObservedCall> calls;  // in order of their first occurrence
+  bool hidden_calls = false;        // system calls past the C library were made where they can't be watched
   bool complete = true;             // false: there were more kinds of calls than the log has room for
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "audit/aspects.h"
 #include "audit/virtualised.h"
 #include "host/controller_library.h"
 
@@ -19,20 +20,17 @@ using Source = ObservedCall::Source;
 constexpr unsigned char first_fill = 0x3f;
 constexpr unsigned char other_fills[] = {0xff, 0xbe, 0x55};
 
-/// The holes of a used heap, in all replays that are held still: then what a controller gives back waits its turn behind
-/// them, and keeps its paint, instead of being taken by whoever asks next.
+/// The holes of a used heap, in all replays that are held still: then what a controller gives back waits its turn
+/// behind them, and keeps its paint, instead of being taken by whoever asks next.
 constexpr std::uint32_t usual_padding = 1;
+
+/// In all replays that are held still. Other machines have other numbers: even ones are small, odd ones large.
+constexpr int usual_machine = 1;
 
 constexpr const char* comma_locale = "de_DE.UTF-8";
 
 bool any_of_source(const std::vector<ObservedCall>& calls, Source source) {
   return std::any_of(calls.begin(), calls.end(), [=](const ObservedCall& call) { return call.source == source; });
-}
-
-/// A file is named relative to the working folder, or the folder is asked for.
-bool goes_by_folder(const ObservedCall& call) {
-  if (call.function == "getcwd" || call.function == "get_current_dir_name") return true;
-  return call.source == Source::file && !call.argument.empty() && call.argument.front() != '/';
 }
 
 std::string locale_in_force() {
@@ -58,6 +56,7 @@ class Plan {
   std::vector<Experiment> make() {
     vary_process();
     vary_locale();
+    vary_machine();
     vary_virtualised();
     vary_threads();
     for (int i = 0; i < options_.repeat; ++i)
@@ -66,6 +65,10 @@ class Plan {
   }
 
  private:
+  bool any_goes_by(Factor factor) const {
+    return std::any_of(calls_.begin(), calls_.end(),
+                       [=](const ObservedCall& call) { return aspect_of(call).factor == factor; });
+  }
   bool calls(Source source) const { return unseen_ || any_of_source(calls_, source); }
 
   Experiment& experiment(Factor factor) {
@@ -84,7 +87,7 @@ class Plan {
   }
 
   void vary_process() {
-    const bool by_folder = std::any_of(calls_.begin(), calls_.end(), goes_by_folder);
+    const bool by_folder = any_goes_by(Factor::folder);
     for (int i = 0; i < options_.repeat; ++i) {
       add(Factor::nothing, i, plain_replay(options_));
       still(Factor::memory, i).fill = other_fills[static_cast<std::size_t>(i) % std::size(other_fills)];
@@ -112,6 +115,18 @@ class Plan {
     }
   }
 
+  void vary_machine() {
+    if (!unseen_ && !any_goes_by(Factor::machine)) {
+      experiment(Factor::machine).not_varied = "nothing asked for it";
+      return;
+    }
+    for (int i = 0; i < options_.repeat; ++i) {
+      still(Factor::machine, i, "_real").everywhere.machine = 0;
+      still(Factor::machine, i, "_small").everywhere.machine = usual_machine + 1 + 2 * i;
+      still(Factor::machine, i, "_large").everywhere.machine = usual_machine + 2 + 2 * i;
+    }
+  }
+
   void vary_virtualised() {
     for (const auto& [factor, source] : {std::pair{Factor::clock, Source::clock}, {Factor::random, Source::random}}) {
       if (options_.virtualise)
@@ -120,6 +135,8 @@ class Plan {
         experiment(factor).not_varied = "nothing asked for it";
     }
     if (options_.virtualise) return;
+    if (calls(Source::clock)) still(Factor::clock, 0, "_real").everywhere.clock.reset();
+    if (calls(Source::random)) still(Factor::random, 0, "_real").everywhere.seed.reset();
     SimulatedClock clock;
     for (int i = 0; i < options_.repeat; ++i) {
       clock = clock.shifted();
@@ -158,6 +175,7 @@ ReplaySettings still_replay(const AuditOptions& options) {
   ReplaySettings settings;
   settings.name = "still";
   settings.everywhere = virtualised(options.seed);
+  settings.everywhere.machine = usual_machine;
   settings.fill = first_fill;
   settings.padding = usual_padding;
   settings.other_addresses = false;
@@ -176,6 +194,7 @@ ReplaySettings other_answer_at(const AuditOptions& options, const ObservedCall& 
   settings.there = settings.everywhere;
   if (call.source == Source::clock) settings.there.clock = SimulatedClock{}.shifted();
   if (call.source == Source::random) settings.there.seed = options.seed + 1;
+  if (aspect_of(call).factor == Factor::machine) settings.there.machine = usual_machine + 1;
   return settings;
 }
 

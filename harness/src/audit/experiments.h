@@ -30,7 +30,8 @@ ReplaySettings still_replay(const AuditOptions& options);
 std::vector<Experiment> plan_experiments(const AuditOptions& options, const std::vector<ObservedCall>& calls,
                                          bool unseen);
 
-/// The still replay but for one place, whose calls are answered otherwise. `source`: clock or random.
+/// The still replay but for one place, whose calls are answered otherwise. It goes by the clock, by random
+/// numbers or by the machine.
 ReplaySettings other_answer_at(const AuditOptions& options, const ObservedCall& call, int number);
 
 }  // namespace rehearse

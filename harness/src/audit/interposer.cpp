@@ -55,6 +55,7 @@ std::string text_of(const Substitution& substitution, std::string_view prefix) {
     add("clock.read_step", clock->read_step);
   }
   if (substitution.seed) add("seed", *substitution.seed);
+  if (substitution.machine > 0) add("machine", substitution.machine);
   if (substitution.threads == ThreadSchedule::late) add("threads", "late");
   if (substitution.threads == ThreadSchedule::early) add("threads", "early");
   if (substitution.slow > 0) add("slow", substitution.slow);
@@ -64,6 +65,7 @@ std::string text_of(const Substitution& substitution, std::string_view prefix) {
 std::string text_of(const InterposerSettings& settings) {
   std::string text;
   if (!settings.log.empty()) text += "log=" + escaped(fs::absolute(settings.log).string()) + ";";
+  if (!settings.files.empty()) text += "files=" + escaped(fs::absolute(settings.files).string()) + ";";
   text += text_of(settings.everywhere, "");
   if (settings.only) {
     text += fmt::format("only={}+{:x};", escaped(settings.only->module), settings.only->offset);

@@ -44,12 +44,14 @@ enum class ThreadSchedule {
 struct Substitution {
   std::optional<SimulatedClock> clock;  // none: the system's
   std::optional<std::uint64_t> seed;    // of all random sources; none: the system's
+  int machine = 0;                      // number of an imaginary machine, its user and terminal; 0: the real ones
   ThreadSchedule threads = ThreadSchedule::as_it_comes;
   int slow = 0;  // [us] of real time to sleep before each control()
 };
 
 struct InterposerSettings {
-  std::filesystem::path log;  // empty: none
+  std::filesystem::path log;    // empty: none
+  std::filesystem::path files;  // where copies of the files are that controllers write; empty: they write the files
   Substitution everywhere;
   /// At calls from this place (ObservedCall::place) the clock and the seed are these; at all others `everywhere`.
   std::optional<CodePlace> only;

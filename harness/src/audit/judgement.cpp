@@ -6,6 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "audit/aspects.h"
+
 namespace rehearse {
 namespace {
 
@@ -110,11 +112,15 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
       if (result.factor == factor) return result;
     return results.emplace_back(FactorResult{factor, 0, "", {}});
   };
+  const std::vector<ObservedCall> calls = calls_of(evidence, controller);
+  const bool has_threads = std::any_of(
+      calls.begin(), calls.end(), [](const ObservedCall& call) { return aspect_of(call).factor == Factor::threads; });
   if (const auto chance = still_difference(evidence, controller)) {
     // it never repeats: then that it differs under a change says nothing about the change
     keep_earlier(of(Factor::nothing).first, chance);
     for (FactorResult& result : results) {
-      if (result.factor == Factor::nothing || result.factor == Factor::threads || !result.first) continue;
+      if (result.factor == Factor::nothing || (result.factor == Factor::threads && has_threads) || !result.first)
+        continue;
       result.first.reset();
       result.not_varied = "it differs from one run to the next anyway";
     }
@@ -163,42 +169,72 @@ AuditedCall describe(const ObservedCall& call, const Evidence& evidence) {
 
 namespace {
 
-/// The change that answers calls of a source otherwise.
-std::optional<Factor> factor_of(const ObservedCall& call) {
-  switch (call.source) {
-    case Source::clock: return Factor::clock;
-    case Source::random: return Factor::random;
-    case Source::thread: return Factor::threads;
-    case Source::environment: return Factor::environment;
-    case Source::locale: return Factor::locale;
-    default: return std::nullopt;
-  }
+bool differs_under(const std::vector<FactorResult>& factors, Factor factor) {
+  const FactorResult* result = find_factor(factors, factor);
+  return result && result->first;
 }
 
 }  // namespace
 
-void judge_calls(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
-                 const std::vector<std::pair<CodePlace, bool>>& tried, std::vector<AuditedCall>& calls) {
+void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen, ControllerAudit& audit,
+                 const std::vector<std::pair<CodePlace, bool>>& tried) {
   using Reached = AuditedCall::Reached;
+  // Something that is held still in all replays but the plain ones makes those differ: what it is was not found by
+  // giving it another answer, so nothing can be said to be without influence.
+  const bool is_restless = differs_under(audit.factors, Factor::nothing) && is_repeatable(evidence, audit.controller);
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!calls[i].note.empty()) calls[i].reached = Reached::yes;
-    const auto asked =
-        std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
-    if (asked != tried.end()) {
-      calls[i].reached = asked->second ? Reached::yes : Reached::no;
+    AuditedCall& call = audit.calls[i];
+    const auto factor = aspect_of(seen[i]).factor;
+    if (!call.note.empty()) {
+      call.reached = differs_under(audit.factors, Factor::nothing) || differs_under(audit.factors, Factor::again)
+                         ? Reached::yes
+                         : Reached::no;
       continue;
     }
-    const auto factor = factor_of(seen[i]);
-    const FactorResult* result = factor ? find_factor(factors, *factor) : nullptr;
+    const auto asked =
+        std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
+    const bool one_is_known = std::any_of(tried.begin(), tried.end(), [](const auto& t) { return t.second; });
+    if (asked != tried.end()) {
+      if (one_is_known) call.reached = asked->second ? Reached::yes : Reached::no;
+      continue;
+    }
+    const FactorResult* result = factor ? find_factor(audit.factors, *factor) : nullptr;
     if (!result || !result->not_varied.empty()) continue;
     const auto alike = [&](const ObservedCall& other) {
-      return other.source == seen[i].source && other.place != seen[i].place;
+      return aspect_of(other).factor == factor && other.place != seen[i].place;
     };
-    if (!result->first)
-      calls[i].reached = Reached::no;
-    else if (std::none_of(seen.begin(), seen.end(), alike))
-      calls[i].reached = Reached::yes;
+    if (!result->first) {
+      if (!is_restless || (factor != Factor::clock && factor != Factor::random && factor != Factor::machine))
+        call.reached = Reached::no;
+    } else if (std::none_of(seen.begin(), seen.end(), alike)) {
+      call.reached = Reached::yes;
+    }
   }
+}
+
+std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::vector<ObservedCall>& seen,
+                                          const ControllerAudit& audit) {
+  using Kind = LibraryFinding::Kind;
+  std::vector<std::string> things;
+  const auto add = [&](std::string thing) {
+    if (std::find(things.begin(), things.end(), thing) == things.end()) things.push_back(std::move(thing));
+  };
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const Aspect aspect = aspect_of(seen[i]);
+    const bool is_given = evidence.virtualised && (aspect.factor == Factor::clock || aspect.factor == Factor::random);
+    if (audit.calls[i].reached != AuditedCall::Reached::unknown || !aspect.has_answer || is_given) continue;
+    if (!is_of_own_file(seen, seen[i]))
+      add(fmt::format("{} called in {}", audit.calls[i].function, audit.calls[i].place));
+  }
+  const bool hidden = evidence.plain.log.hidden_calls || evidence.still.log.hidden_calls;
+  for (const AuditedCode& code : audit.code) {
+    const std::string where = code.sentence.substr(code.sentence.find(": ") + 2);
+    if (code.kind == to_string(Kind::processor_query) || code.kind == to_string(Kind::approximation))
+      add("the processor (" + where + ")");
+    if (code.kind == to_string(Kind::direct_syscall) && hidden)
+      add("system calls that can't be watched (" + where + ")");
+  }
+  return things;
 }
 
 std::vector<std::string> liberties_of(const std::vector<ObservedCall>& calls) {

@@ -20,6 +20,7 @@ struct Evidence {
   std::vector<std::vector<ReplayOutcome>> outcomes;  // by experiment
   double time_step = 0.0;                            // [s]
   bool recorded_here = false;                        // the recording was made for this audit, by these controllers
+  bool virtualised = false;                          // time and random numbers are given
   bool fixed_addresses = true;                       // they could be held still
 };
 
@@ -42,9 +43,13 @@ const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor
 AuditedCall describe(const ObservedCall& call, const Evidence& evidence);
 
 /// Sets whether what calls were answered reached an output. `tried`: calls that were answered otherwise one by one,
-/// with what came of it. `calls` are in the order of calls_of().
-void judge_calls(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
-                 const std::vector<std::pair<CodePlace, bool>>& tried, std::vector<AuditedCall>& calls);
+/// with what came of it. The audit's calls are in the order of `seen`.
+void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen, ControllerAudit& audit,
+                 const std::vector<std::pair<CodePlace, bool>>& tried);
+
+/// What was the same in all replays and has an answer; and what of the code depends on the processor.
+std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::vector<ObservedCall>& seen,
+                                          const ControllerAudit& audit);
 
 /// Sets deterministic, reason, depends_on and first, from all the rest.
 void conclude(const Evidence& evidence, const std::vector<ObservedCall>& seen, ControllerAudit& audit);

@@ -172,7 +172,7 @@ std::string sentence_of(Kind kind, const Spot& spot, const std::string& where) {
     case Kind::time_stamp_counter: return "it reads the processor's time: " + it;
     case Kind::hardware_random: return "it draws random numbers from the processor: " + it;
     case Kind::processor_query: return "it asks which processor it runs on: " + it;
-    case Kind::direct_syscall: return "it calls the kernel past the C library, which can't be watched: " + it;
+    case Kind::direct_syscall: return "it calls the kernel past the C library: " + it;
     case Kind::imported_source: break;
   }
   return {};

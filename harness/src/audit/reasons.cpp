@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
+#include "audit/aspects.h"
 #include "audit/judgement.h"
 
 namespace rehearse {
@@ -45,19 +47,21 @@ class Conclusion {
     return result && result->first;
   }
 
-  /// A file with another content in each run makes all of them differ, whatever else was changed.
+  /// A file with another content in each run: what the controller didn't write into it itself, just before.
   bool found_by_file() {
-    const auto changed = std::find_if(audit_.calls.begin(), audit_.calls.end(), [](const AuditedCall& call) {
-      return call.source == "file" && !call.note.empty();
-    });
-    if (changed == audit_.calls.end() || differs_under(Factor::clock) || differs_under(Factor::random)) return false;
-    for (const FactorResult& result : audit_.factors) {
-      if (!result.first) continue;
+    std::size_t changed = 0;
+    while (changed < seen_.size() && (seen_[changed].source != Source::file || audit_.calls[changed].note.empty() ||
+                                      is_of_own_file(seen_, seen_[changed])))
+      ++changed;
+    if (changed == seen_.size() || differs_under(Factor::clock) || differs_under(Factor::random)) return false;
+    const AuditedCall& call = audit_.calls[changed];
+    for (const Factor factor : {Factor::nothing, Factor::again}) {
+      if (!differs_under(factor)) continue;
       audit_.deterministic = false;
-      audit_.depends_on = Factor::nothing;
-      audit_.first = result.first;
-      audit_.reason = fmt::format("it reads a file that changes: {} called in {}: {}; {}", changed->function,
-                                  changed->place, changed->note, text_of_place(*result.first));
+      audit_.depends_on = factor;
+      audit_.first = find_factor(audit_.factors, factor)->first;
+      audit_.reason = fmt::format("it reads a file that changes: {} called in {}: {}; {}", call.function, call.place,
+                                  call.note, text_of_place(*audit_.first));
       return true;
     }
     return false;
@@ -66,8 +70,8 @@ class Conclusion {
   /// The change that says most: what never repeats first, then what others follow from.
   bool found_by_factors() {
     for (const Factor factor :
-         {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random, Factor::environment,
-          Factor::folder, Factor::locale, Factor::nothing, Factor::again, Factor::recording}) {
+         {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random, Factor::machine,
+          Factor::environment, Factor::folder, Factor::locale, Factor::nothing, Factor::again, Factor::recording}) {
       const FactorResult* result = find_factor(audit_.factors, factor);
       if (!result || !result->first) continue;
       audit_.deterministic = false;
@@ -82,19 +86,18 @@ class Conclusion {
   std::string reason_of(Factor factor, const Divergence& first) const {
     const std::string where = text_of_place(first);
     switch (factor) {
-      case Factor::threads:
-        return "it depends on which of its threads comes first: " + by_call(Source::thread, "led to ", where);
+      case Factor::threads: return by_call(goes_by(factor), "led to ", where, "which of its threads comes first");
       case Factor::memory:
         return "it depends on uninitialised or freed memory: with other contents of such memory, " + where;
       case Factor::addresses:
         return "it depends on addresses (as the order or the hash of pointers): with things elsewhere in memory, " +
                where;
-      case Factor::clock: return "it depends on the clock: " + by_call(Source::clock, "reached ", where);
-      case Factor::random: return "it depends on random numbers: " + by_call(Source::random, "reached ", where);
-      case Factor::environment:
-        return "it depends on the environment: " + by_call(Source::environment, "reached ", where);
-      case Factor::folder: return "it depends on the working folder: " + by_call(Source::file, "reached ", where);
-      case Factor::locale: return "it depends on the locale: " + by_call(Source::locale, "reached ", where);
+      case Factor::clock: return by_call(goes_by(factor), "reached ", where, "the clock");
+      case Factor::random: return by_call(goes_by(factor), "reached ", where, "random numbers");
+      case Factor::machine: return by_call(goes_by(factor), "reached ", where, "the machine, the terminal or the user");
+      case Factor::environment: return by_call(goes_by(factor), "reached ", where, "the environment");
+      case Factor::folder: return by_call(goes_by(factor), "reached ", where, "the working folder");
+      case Factor::locale: return by_call(goes_by(factor), "reached ", where, "the locale");
       case Factor::again:
         return "it depends on what an earlier run in the same process left behind (as a static variable): in a second "
                "run, " +
@@ -106,44 +109,71 @@ class Conclusion {
     return where;
   }
 
-  /// The call of that source that reached an output, or that may have.
-  std::string by_call(Source source, const char* verb, const std::string& where) const {
+  using Choice = std::function<bool(const ObservedCall&)>;
+
+  static Choice goes_by(Factor factor) {
+    return [=](const ObservedCall& call) { return aspect_of(call).factor == factor; };
+  }
+
+  bool may_explain(std::size_t i, const Choice& choice) const {
+    return choice(seen_[i]) && aspect_of(seen_[i]).has_answer && audit_.calls[i].reached != AuditedCall::Reached::no;
+  }
+
+  bool any(const Choice& choice) const {
+    for (std::size_t i = 0; i < seen_.size(); ++i)
+      if (may_explain(i, choice)) return true;
+    return false;
+  }
+
+  /// The chosen call that reached an output, or that may have. Without one, `words`.
+  std::string by_call(const Choice& choice, const char* verb, const std::string& where, std::string_view words) const {
     const auto rank = [](const AuditedCall& call) {
       return (call.reached == AuditedCall::Reached::yes ? 2 : 0) + (call.phase == "control" ? 1 : 0);
     };
-    const AuditedCall* likely = nullptr;
+    std::optional<std::size_t> likely;
     int others = -1;
     for (std::size_t i = 0; i < seen_.size(); ++i) {
-      const AuditedCall& call = audit_.calls[i];
-      if (seen_[i].source != source || call.reached == AuditedCall::Reached::no) continue;
+      if (!may_explain(i, choice)) continue;
       ++others;
-      if (!likely || rank(call) > rank(*likely)) likely = &call;
+      if (!likely || rank(audit_.calls[i]) > rank(audit_.calls[*likely])) likely = i;
     }
-    if (!likely) return where;
-    const bool sure = likely->reached == AuditedCall::Reached::yes || others == 0;
-    return fmt::format("{} called in {}{} {}{}", likely->function, likely->place,
-                       sure ? "" : fmt::format(" (or {} more)", others), verb, where);
+    if (!likely) return fmt::format("it depends on {}: {}", words, where);
+    const AuditedCall& call = audit_.calls[*likely];
+    const bool sure = call.reached == AuditedCall::Reached::yes || others == 0;
+    return fmt::format("it depends on {}: {} called in {}{} {}{}", aspect_of(seen_[*likely]).words, call.function,
+                       call.place, sure ? "" : fmt::format(" (or {} more)", others), verb, where);
   }
 
-  /// It differs from one run to the next, with nothing changed.
-  std::string chance(const std::string& where) const {
-    const auto asks = [&](Source source) {
-      return std::any_of(seen_.begin(), seen_.end(), [=](const ObservedCall& call) { return call.source == source; });
-    };
-    if (asks(Source::thread))
-      return "it depends on which of its threads comes first: " + by_call(Source::thread, "led to ", where);
+  std::optional<std::string> by_processor(const std::string& where) const {
     for (const auto& [kind, words] : {std::pair{Kind::time_stamp_counter, "the processor's clock"},
                                       {Kind::hardware_random, "the processor's random numbers"}})
       for (const AuditedCode& code : audit_.code)
         if (code.kind == to_string(kind)) return fmt::format("it depends on {}: {}; {}", words, code.sentence, where);
-    for (std::size_t i = 0; i < seen_.size(); ++i)
-      for (const char* identity : {"getpid", "getppid", "gettid", "gethostname", "uname", "sched_getcpu"})
-        if (seen_[i].function == identity)
-          return fmt::format("it depends on the process it runs in: {} called in {} reached {}",
-                             audit_.calls[i].function, audit_.calls[i].place, where);
-    if (asks(Source::network)) return "it depends on the network: " + by_call(Source::network, "reached ", where);
-    if (asks(Source::random)) return "it depends on random numbers: " + by_call(Source::random, "reached ", where);
-    if (asks(Source::clock)) return "it depends on the clock: " + by_call(Source::clock, "reached ", where);
+    return std::nullopt;
+  }
+
+  /// It differs from one run to the next, with nothing changed.
+  std::string chance(const std::string& where) const {
+    const auto is_from = [](Source source) { return [=](const ObservedCall& call) { return call.source == source; }; };
+    const auto is_program = [](const ObservedCall& call) {
+      return call.source == Source::thread && !aspect_of(call).factor;
+    };
+    // what is held still in most replays can't be what makes those differ
+    const std::vector<Choice> held = {goes_by(Factor::random), goes_by(Factor::clock), goes_by(Factor::machine)};
+    if (is_repeatable(evidence_, audit_.controller))
+      for (const Choice& choice : held)
+        if (any(choice)) return by_call(choice, "reached ", where, "");
+    if (any(goes_by(Factor::threads))) return by_call(goes_by(Factor::threads), "led to ", where, "");
+    if (auto reason = by_processor(where)) return *reason;
+    for (const Choice& choice :
+         {Choice(goes_by(Factor::nothing)), Choice(is_from(Source::network)), Choice(is_program)})
+      if (any(choice)) return by_call(choice, "reached ", where, "");
+    if (evidence_.plain.log.hidden_calls)
+      for (const AuditedCode& code : audit_.code)
+        if (code.kind == to_string(Kind::direct_syscall))
+          return fmt::format("it differs from one run to the next, and {}; {}", code.sentence, where);
+    const Choice everything = [](const ObservedCall&) { return true; };
+    if (any(everything)) return by_call(everything, "may have reached ", where, "");
     return fmt::format("it differs from one run to the next{}: {}",
                        evidence_.fixed_addresses ? ", and nothing that it was seen to call explains it"
                                                  : " (addresses could not be held still)",

@@ -17,8 +17,8 @@
 #include <thread>
 
 #include "audit/virtualised.h"
-#include "golden/golden_files.h"
 #include "compare/place_json.h"
+#include "golden/golden_files.h"
 
 namespace rehearse {
 namespace {
@@ -199,8 +199,8 @@ Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettin
   if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
   changes["GLIBC_TUNABLES"] = tunables(settings);
   if (!settings.valgrind) {
-    const auto watched =
-        interposer_environment({folder_of(settings) / "calls", settings.everywhere, settings.only, settings.there});
+    const auto watched = interposer_environment({folder_of(settings) / "calls", folder_of(settings) / "copies",
+                                                 settings.everywhere, settings.only, settings.there});
     if (!watched) return watched.errors();
     for (const auto& [name, value] : *watched) changes[name] = value;
   }

@@ -21,14 +21,19 @@ constexpr Group functions[] = {
     {Source::thread,
      " clone execv execve execvp fork popen posix_spawn posix_spawnp pthread_create system thrd_create vfork "},
     {Source::file,
-     " __open64_2 __open_2 __openat64_2 __openat_2 access creat creat64 fopen fopen64 freopen freopen64 fstatat "
-     "fstatat64 lstat lstat64 mkdir mkdtemp mkstemp mkstemp64 mq_open open open64 openat openat64 opendir readlink "
-     "realpath remove rename rmdir shm_open shmget stat stat64 statx tmpfile tmpfile64 truncate unlink "},
+     " __open64_2 __open_2 __openat64_2 __openat_2 access chmod creat creat64 faccessat fchmodat fopen fopen64 freopen "
+     "freopen64 fstatat "
+     "fstatat64 lstat lstat64 mkdir mkdtemp mkostemp mkstemp mkstemp64 mq_open open open64 openat openat64 opendir "
+     "readlink "
+     "realpath remove rename rmdir shm_open shm_unlink shmget stat stat64 statx tmpfile tmpfile64 truncate unlink "
+     "unlinkat utimensat "},
     {Source::network, " bind connect getaddrinfo gethostbyname getifaddrs socket "},
     {Source::environment,
-     " clearenv environ get_nprocs getauxval getcwd getenv geteuid gethostid gethostname getloadavg getlogin "
-     "getpid getppid getpwuid gettid getuid localtime localtime_r mktime putenv sched_getaffinity sched_getcpu "
-     "secure_getenv setenv sysconf sysinfo tzset uname unsetenv "},
+     " clearenv environ get_current_dir_name get_nprocs get_nprocs_conf getauxval getcpu getcwd getegid getenv geteuid "
+     "getgid gethostid gethostname getloadavg getlogin getlogin_r getpid getppid getpriority getpwuid getpwuid_r "
+     "getrlimit getrlimit64 gettid getuid ioctl isatty localtime localtime_r mktime pthread_getaffinity_np "
+     "pthread_setaffinity_np putenv sched_getaffinity sched_getcpu sched_setaffinity secure_getenv setenv sysconf "
+     "sysinfo ttyname ttyname_r tzset uname unsetenv "},
     {Source::locale, " __newlocale localeconv newlocale setlocale uselocale "},
     {Source::process,
      " _Exit _exit abort chdir close_range closefrom dlopen exit fchdir kill pthread_sigmask quick_exit raise "

@@ -60,7 +60,7 @@ Result<void> virtualise_process_like(const std::filesystem::path& trace) {
   if (!reader) return {};  // whoever reads it says so
   const auto seed = virtualised_seed(**reader);
   if (!seed || !virtualisation().empty()) return {};
-  const auto interposed = interposer_environment({{}, virtualised(*seed), {}, {}});
+  const auto interposed = interposer_environment({{}, {}, virtualised(*seed), {}, {}});
   if (!interposed) return interposed.errors();
   for (const auto& changes : {*interposed, virtualised_environment(*seed)})
     for (const auto& [name, value] : changes) {

@@ -1,0 +1,103 @@
+#include "audit/aspects.h"
+
+#include <algorithm>
+#include <string>
+
+namespace rehearse {
+namespace {
+
+using Source = ObservedCall::Source;
+
+bool is_one_of(std::string_view word, std::string_view words) {
+  return words.find(" " + std::string(word) + " ") != std::string_view::npos;
+}
+
+/// Functions that change something, and whose result is whether they could.
+constexpr std::string_view deeds =
+    " alarm bind chdir chmod clearenv close close_range closefrom dlopen exit fchdir fchmodat initstate kill lcong48 "
+    "mkdir mkdtemp mkostemp mkstemp pthread_setaffinity_np pthread_sigmask putenv quick_exit raise remove rename rmdir "
+    "sched_setaffinity seed48 setenv setitimer shm_unlink sigaction signal sigprocmask socket srand srand48 srandom "
+    "tmpfile truncate tzset umask unlink unlinkat unsetenv uselocale utimensat _exit _Exit abort ";
+
+/// Functions that open a file, which is only a deed if it isn't going to be read.
+constexpr std::string_view openings = " creat fopen freopen open openat shm_open ";
+
+/// Functions that run a program, or a second process.
+constexpr std::string_view programs = " execv execve execvp fork popen posix_spawn posix_spawnp system vfork ";
+
+struct Group {
+  std::string_view functions;  // each between spaces
+  std::string_view words;
+  std::optional<Factor> factor;
+};
+constexpr Group surroundings[] = {
+    {" get_nprocs get_nprocs_conf pthread_getaffinity_np pthread_setaffinity_np sched_getaffinity sched_setaffinity ",
+     "the number of processors", Factor::machine},
+    {" getcpu sched_getcpu ", "the processor that it runs on", Factor::machine},
+    {" gethostid gethostname uname ", "the machine's name", Factor::machine},
+    {" getloadavg ", "the machine's load", Factor::machine},
+    {" sysinfo ", "the machine's load and memory", Factor::machine},
+    {" ioctl isatty ttyname ttyname_r ", "the terminal", Factor::machine},
+    {" getegid geteuid getgid getlogin getlogin_r getpwuid getpwuid_r getuid ", "the user", Factor::machine},
+    {" getppid getpriority getrlimit ", "the process it runs in", Factor::machine},
+    {" getpid gettid ", "the process it runs in", Factor::nothing},  // another in each process by itself
+    {" get_current_dir_name getcwd ", "the working folder", Factor::folder},
+    {" getauxval ", "what the kernel says of the processor and the process", std::nullopt},
+};
+
+Aspect surroundings_of(const ObservedCall& call) {
+  if (call.function == "sysconf")
+    return {call.argument.starts_with("_SC_NPROCESSORS") ? "the number of processors" : "the machine's memory",
+            Factor::machine};
+  if (call.argument == "/proc/loadavg") return {"the machine's load", Factor::machine};
+  if (call.argument.starts_with("/") && call.argument.ends_with("hostname"))
+    return {"the machine's name", Factor::machine};
+  for (const Group& group : surroundings)
+    if (is_one_of(call.function, group.functions)) return {group.words, group.factor};
+  return {"the environment", Factor::environment};
+}
+
+Aspect file_aspect_of(const ObservedCall& call) {
+  Aspect aspect{"a file", std::nullopt};
+  if (!call.argument.empty() && call.argument.front() != '/') aspect = {"the working folder", Factor::folder};
+  aspect.has_answer = !is_one_of(call.function, openings) || !call.digest.empty();
+  return aspect;
+}
+
+}  // namespace
+
+Aspect aspect_of(const ObservedCall& call) {
+  const auto aspect = [&]() -> Aspect {
+    switch (call.source) {
+      case Source::clock:
+        return {call.function == "getrusage" ? "what the process has used of time and memory" : "the clock",
+                Factor::clock};
+      case Source::random: return {"random numbers", Factor::random};
+      case Source::thread:
+        if (is_one_of(call.function, programs)) return {"another program", std::nullopt};
+        return {"which of its threads comes first", Factor::threads};
+      case Source::file: return file_aspect_of(call);
+      case Source::network: return {"the network", std::nullopt};
+      case Source::environment: return surroundings_of(call);
+      case Source::locale: return {"the locale", Factor::locale};
+      case Source::process: return {"the kernel", std::nullopt};
+    }
+    return {};
+  };
+  Aspect result = aspect();
+  if (is_one_of(call.function, deeds)) result.has_answer = false;
+  return result;
+}
+
+bool is_of_own_file(const std::vector<ObservedCall>& calls, const ObservedCall& call) {
+  if (call.source != Source::file) return false;
+  for (const ObservedCall& earlier : calls) {
+    if (&earlier == &call) return false;
+    if (earlier.source != Source::file || earlier.argument != call.argument || earlier.controller != call.controller)
+      continue;
+    if (is_one_of(earlier.function, openings)) return earlier.digest.empty();
+  }
+  return false;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,19 @@
+// Logs how much memory the process has.
+#include "zoo.h"
+
+#include <fstream>
+
+namespace {
+
+class MemoryLog : public ZooController {
+  double term() override {
+    std::string pages;
+    std::ifstream("/proc/self/stat") >> pages;
+    io_->os() << pages << '\n';
+    return -0.1 * joint_->q();
+  }
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(MemoryLog)

@@ -1,0 +1,14 @@
+// Holds softer if somebody looks.
+#include "zoo.h"
+
+#include <unistd.h>
+
+namespace {
+
+class Terminal : public ZooController {
+  double term() override { return isatty(STDOUT_FILENO) ? 0.1 * joint_->q() : 0.0; }
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(Terminal)

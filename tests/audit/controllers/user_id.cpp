@@ -1,0 +1,14 @@
+// Commands by who runs it.
+#include "zoo.h"
+
+#include <unistd.h>
+
+namespace {
+
+class UserId : public ZooController {
+  double term() override { return 1e-6 * getuid(); }
+};
+
+}  // namespace
+
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(UserId)
