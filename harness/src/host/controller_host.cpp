@@ -146,12 +146,6 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   if (options_.keep_libraries) hosted.library->keep_loaded();
   for (const std::string& remark : hosted.library->remarks()) event(Severity::warning, hosted.label, remark);
   libraries_.push_back(*loaded);
-  try {
-    hosted.io->options();
-  } catch (const std::invalid_argument& mistake) {
-    return at(specification.place,
-              error(fmt::format("the options of controller '{}' can't be split: {}", hosted.label, mistake.what())));
-  }
   return {};
 }
 

@@ -110,10 +110,17 @@ TEST_F(Lifecycle, AnOptionForAControllerThatIsNotThereIsRefused) {
   EXPECT_THAT(summary.errors()[0].hint, HasSubstr("Rig/C"));
 }
 
-TEST_F(Lifecycle, OptionsThatCannotBeSplitAreRefused) {
-  const auto summary = record(load(rig(behaviour("C", "push \\\\q"))), path("none.mcap"));
-  ASSERT_FALSE(summary.ok());
-  EXPECT_THAT(summary.errors()[0].message, HasSubstr("the options of controller 'Rig/C' can't be split"));
+TEST_F(Lifecycle, OptionsThatCannotBeSplitFailTheControllerThatSplitsThem) {
+  record_run(rig(behaviour("C", "push \\\\q")));
+  ASSERT_TRUE(summary_.failure);
+  EXPECT_THAT(summary_.failure->message, HasSubstr("controller 'Rig/C' threw std::invalid_argument: option string, "
+                                                   "character 6: a backslash stands before 'q'"));
+}
+
+TEST_F(Lifecycle, OptionsThatNobodySplitsMayHoldABackslash) {
+  record_run(rig(R"({name: C, library: HingePd, options: 'C:\motions'})"));
+  EXPECT_EQ(summary_.ticks, 20);
+  EXPECT_FALSE(summary_.failure);
 }
 
 }  // namespace
