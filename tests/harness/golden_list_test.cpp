@@ -83,7 +83,7 @@ TEST_F(GoldenList, SaysIfTwoScenariosNameOneGolden) {
   write(folder_ / "a.yaml", "golden: " + name_ + "\n");
   report_golden_owner(store_.where_runs_wait(), name_, name_);
   EXPECT_EQ(entry().problem, "");  // a test and the scenario that it records
-  write(folder_ / "b.yaml", "golden: " + name_ + "\n");
+  write(folder_ / "b.yaml", "\"golden\": '" + name_ + "'  # quoted\n");
   EXPECT_EQ(entry().problem,
             "2 scenarios name it: " + (folder_ / "a.yaml").string() + ", " + (folder_ / "b.yaml").string());
 }

@@ -63,5 +63,19 @@ TEST_F(NothingCompared, IsNoSuccessOfCheck) {
   EXPECT_EQ(rehearse({"check", "box.yaml", "--level", "controller", "--json"}).json()["within"], false);
 }
 
+TEST_F(NothingCompared, WithAGoldenOfANewerTraceVersionIsBadInput) {
+  fs::create_directories(folder() / "golden");
+  box("golden: Box.Falls\n");
+  auto writer = *mcap::Writer::create(folder() / "golden/Box.Falls.mcap");
+  ASSERT_TRUE(writer->add_metadata("rehearse", {{"trace_version", "2"}, {"rehearse", "9.9.0"}}));
+  ASSERT_TRUE(writer->close());
+  const Outcome outcome = rehearse({"check", "box.yaml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("it is of trace version 2, and this program reads version 1"));
+  EXPECT_THAT(outcome.err, HasSubstr("install the version of Rehearse that wrote it: 9.9.0"));
+  EXPECT_EQ((outcome.out + outcome.err).find("golden accept"), std::string::npos);
+  EXPECT_FALSE(exists("rehearse-pending"));
+}
+
 }  // namespace
 }  // namespace rehearse::test

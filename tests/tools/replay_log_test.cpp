@@ -70,6 +70,19 @@ TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("differs from the log's commands at tick "), HasSubstr("\nworst: ")));
 }
 
+TEST_F(ReplayLog, EndsIn2IfNothingWasCompared) {
+  // later than the log is long
+  std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"
+                                               "joystick: /joy\n"
+                                               "commands: {topic: /Tank/Driver/output/joints, shift: 1000}\n";
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("nothing was compared"));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["equal"], false);
+  EXPECT_EQ(report["within"], false);
+}
+
 TEST_F(ReplayLog, BecomesAGoldenThatCheckKnows) {
   fs::create_directory(folder() / "golden");
   done(tank({"-o", "run.mcap"}));

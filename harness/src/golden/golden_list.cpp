@@ -26,15 +26,16 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
 
-/// `golden: NAME` at the beginning of a line.
+/// `golden: NAME` at the beginning of a line, the key quoted or not.
 void find_in_scenario(std::string_view text, const std::string& file, Owners& owners) {
   constexpr std::string_view key = "golden:";
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     std::string_view line = text.substr(at, end - at);
     at = end + 1;
-    if (!line.starts_with(key)) continue;
-    line = without_blanks(line.substr(key.size(), line.find('#') - key.size()));
+    const bool quoted = line.starts_with("\"golden\":") || line.starts_with("'golden':");
+    if (!quoted && !line.starts_with(key)) continue;
+    line = without_blanks(line.substr(0, line.find('#')).substr(key.size() + (quoted ? 2 : 0)));
     if (line.size() >= 2 && (line.front() == '"' || line.front() == '\'')) line = line.substr(1, line.size() - 2);
     if (!line.empty()) owners[std::string(line)].scenarios.push_back(file);
   }

@@ -2,11 +2,8 @@
 // tests may run in one program or in many at once, and in any order.
 #include "test_reports.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <rehearse/failure_report.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -15,6 +12,7 @@
 #include <string_view>
 
 #include "export/replaceable.h"
+#include "golden/run_folder.h"
 
 namespace rehearse::internal {
 namespace {
@@ -32,23 +30,6 @@ Wanted wanted() {
   const std::string_view word = stated ? stated : "";
   return word == "always" ? Wanted::always : word == "never" ? Wanted::never : Wanted::of_failures;
 }
-
-/// Held while the index is made, by one process at a time.
-class IndexLock {
- public:
-  explicit IndexLock(const fs::path& folder)
-      : descriptor_(open((folder / ".index.lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
-    if (descriptor_ >= 0) flock(descriptor_, LOCK_EX);
-  }
-  ~IndexLock() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  IndexLock(const IndexLock&) = delete;
-  IndexLock& operator=(const IndexLock&) = delete;
-
- private:
-  int descriptor_;
-};
 
 /// Whole or not at all.
 void write_text(const fs::path& file, const std::string& text) {
@@ -124,9 +105,8 @@ std::string index_of(std::vector<Json> notes) {
       index_magic, failed, notes.size(), failed, notes.size(), rows);
 }
 
-/// Of what is there now. Where nothing failed and there is none, there is nothing to list.
+/// Of what is there now, by whoever holds the folder. Where nothing failed and there is none, there is nothing to list.
 void refresh_index(const fs::path& folder) {
-  const IndexLock lock(folder);
   const std::vector<Json> notes = read_notes(folder);
   const fs::path index = folder / "index.html";
   std::error_code ignored;
@@ -158,7 +138,7 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   const fs::path folder = fs::path(test_folders().output) / "traces";
   const fs::path file = folder / (test + ".html");
   std::error_code ignored;
-  fs::create_directories(folder, ignored);
+  const FolderLock alone(folder);  // programs that run at once may run the same test
   std::string told;
   const std::string sentence = compared.checked ? compared.checked->verdict
                                : verdict.passed ? "as its golden"
