@@ -2,16 +2,35 @@
 //
 // Outside of a guarded call they do what libc's do; in one they note the file's name before.
 #undef _FORTIFY_SOURCE  // whose inline functions have these names
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "guarded_call.h"
-#include "next_function.h"
 #include "opened_files.h"
 
 namespace {
+
+/// The functions that would be found without ours, looked up when this library is loaded: a look-up takes the lock of
+/// the dynamic linker, which a call that was ended while a library was loaded holds for ever.
+struct NextFunctions {
+#define REHEARSE_MEMBER(function) \
+  decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(dlsym(RTLD_NEXT, #function));
+  REHEARSE_MEMBER(open)
+  REHEARSE_MEMBER(open64)
+  REHEARSE_MEMBER(openat)
+  REHEARSE_MEMBER(openat64)
+  REHEARSE_MEMBER(fopen)
+  REHEARSE_MEMBER(fopen64)
+#undef REHEARSE_MEMBER
+};
+
+const NextFunctions& next() {
+  static const NextFunctions all;
+  return all;
+}
+[[maybe_unused]] const NextFunctions& looked_up_at_loading = next();
 
 void note(const char* path, int flags) {
   if ((flags & O_ACCMODE) != O_WRONLY && !(flags & O_TRUNC) && rehearse::in_guarded_call())
@@ -24,41 +43,42 @@ void note(const char* path, const char* mode) {
 
 /// The mode of a file that may be made.
 mode_t mode_in(int flags, va_list arguments) {
-  return flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0;
+  const bool makes = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  return makes ? va_arg(arguments, mode_t) : 0;
 }
 
 }  // namespace
 
 extern "C" {
 
-#define DEFINE_OPEN(name)                            \
-  int name(const char* path, int flags, ...) {       \
-    va_list arguments;                               \
-    va_start(arguments, flags);                      \
-    const mode_t mode = mode_in(flags, arguments);   \
-    va_end(arguments);                               \
-    note(path, flags);                               \
-    return NEXT(name)(path, flags, mode);            \
+#define DEFINE_OPEN(name)                          \
+  int name(const char* path, int flags, ...) {     \
+    va_list arguments;                             \
+    va_start(arguments, flags);                    \
+    const mode_t mode = mode_in(flags, arguments); \
+    va_end(arguments);                             \
+    note(path, flags);                             \
+    return next().name##_(path, flags, mode);      \
   }
 DEFINE_OPEN(open)
 DEFINE_OPEN(open64)
 
-#define DEFINE_OPENAT(name)                                   \
-  int name(int folder, const char* path, int flags, ...) {    \
-    va_list arguments;                                        \
-    va_start(arguments, flags);                               \
-    const mode_t mode = mode_in(flags, arguments);            \
-    va_end(arguments);                                        \
-    if (folder == AT_FDCWD) note(path, flags);                \
-    return NEXT(name)(folder, path, flags, mode);             \
+#define DEFINE_OPENAT(name)                                \
+  int name(int folder, const char* path, int flags, ...) { \
+    va_list arguments;                                     \
+    va_start(arguments, flags);                            \
+    const mode_t mode = mode_in(flags, arguments);         \
+    va_end(arguments);                                     \
+    if (folder == AT_FDCWD) note(path, flags);             \
+    return next().name##_(folder, path, flags, mode);      \
   }
 DEFINE_OPENAT(openat)
 DEFINE_OPENAT(openat64)
 
-#define DEFINE_FOPEN(name)                            \
-  FILE* name(const char* path, const char* mode) {    \
-    note(path, mode);                                 \
-    return NEXT(name)(path, mode);                    \
+#define DEFINE_FOPEN(name)                         \
+  FILE* name(const char* path, const char* mode) { \
+    note(path, mode);                              \
+    return next().name##_(path, mode);             \
   }
 DEFINE_FOPEN(fopen)
 DEFINE_FOPEN(fopen64)

@@ -3,6 +3,7 @@
 // The dynamic linker finds these first, because this library comes before libc in whatever links it. Outside of a
 // guarded call they do what libc's do. In one, a function that would end the process ends the call; one that would
 // change the process has ProcessGuard look first; what a run stands on is not given away (process_guard.h).
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <locale.h>
@@ -20,13 +21,16 @@
 #include <utility>
 
 #include "guarded_call.h"
-#include "next_function.h"
 #include "process_guard.h"
 
 namespace {
 
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
+
+/// The function of that name that would have been found without ours. No template: clang gives the types of functions that
+/// return and of those that don't one name.
+#define NEXT(function) reinterpret_cast<decltype(&(function))>(dlsym(RTLD_NEXT, #function))
 
 void look() {
   if (rehearse::in_guarded_call()) ProcessGuard::instance().before_change();
