@@ -11,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "guarded_call.h"
@@ -71,6 +72,13 @@ std::vector<std::string> remarks_on_loading(const std::string& name, const std::
   return before == told.end() ? remarks : before->second;
 }
 
+/// The libraries of this process that were interrupted while they were loaded or unloaded, by file, and what they did.
+/// The dynamic linker takes such a one for loaded, with static objects that weren't constructed, or were destroyed.
+std::map<fs::path, std::string>& interrupted_libraries() {
+  static auto& all = *new std::map<fs::path, std::string>;
+  return all;
+}
+
 }  // namespace
 
 fs::path own_library_folder() {
@@ -115,6 +123,10 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   library->call_limit_ = call_limit;
   library->content_hash_ = content_hash_of(file);
   const fs::path absolute = fs::absolute(file);  // not in the call, which may end anywhere
+  const std::string name = "controller library '" + file.filename().string() + "'";
+  if (const auto before = interrupted_libraries().find(absolute); before != interrupted_libraries().end())
+    return error(name + " can't be loaded again in this process: before, it " + before->second,
+                 "its static objects are in pieces; another process can load it");
   std::string problem;
   // its static objects are constructed in here: code of the library's author
   ProcessGuard::instance().begin(library->threads_, true);
@@ -124,10 +136,10 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
         if (!library->handle_) problem = dlerror();
       },
       call_limit);
-  const std::string name = "controller library '" + file.filename().string() + "'";
   library->remarks_ = remarks_on_loading(name, library->content_hash_, outcome);
   if (outcome.end != CallEnd::returned) {
     library->keep_loaded();
+    interrupted_libraries()[absolute] = "failed while it was loaded: it " + outcome.what;
     return error(name + " failed while it was loaded: it " + outcome.what);
   }
   if (!library->handle_) {
@@ -149,15 +161,21 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   return library;
 }
 
+void ControllerLibrary::keep_loaded() {
+  if (!std::exchange(keep_loaded_, true)) guard_process_end();
+}
+
 ControllerLibrary::~ControllerLibrary() {
   if (!handle_ || keep_loaded_) return;
   // its static objects are destroyed in here, when nobody listens any more: what they do is put right all the same
   ProcessGuard::instance().begin(threads_, true);
   const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
   ProcessGuard::instance().put_right();
-  if (outcome.end != CallEnd::returned)
-    fmt::print(stderr, "warning: controller library '{}' failed while it was unloaded: it {}\n",
-               file_.filename().string(), outcome.what);
+  if (outcome.end == CallEnd::returned) return;
+  guard_process_end();
+  interrupted_libraries()[fs::absolute(file_)] = "failed while it was unloaded: it " + outcome.what;
+  fmt::print(stderr, "warning: controller library '{}' failed while it was unloaded: it {}\n",
+             file_.filename().string(), outcome.what);
 }
 
 }  // namespace rehearse

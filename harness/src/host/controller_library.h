@@ -48,7 +48,7 @@ class ControllerLibrary {
   /// How many threads its code has started that still run.
   const ThreadCount& threads() const { return threads_; }
   /// Leaves the library in memory for good: its code crashed or never returned, and may not be unloaded.
-  void keep_loaded() { keep_loaded_ = true; }
+  void keep_loaded();
 
  private:
   ControllerLibrary() = default;

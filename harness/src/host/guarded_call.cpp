@@ -7,18 +7,18 @@
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <iterator>
-#include <mutex>
 #include <thread>
 #include <typeinfo>
-#include <vector>
 
 namespace rehearse {
 namespace {
@@ -35,11 +35,15 @@ const char* exit_function = nullptr;  // how the code of the last call wanted to
 int exit_status = 0;
 struct sigaction outside_actions[NSIG];  // as they were before ours
 
+volatile sig_atomic_t ending = 0;  // the process: what remains of it runs in exit()
+int end_status = 0;
+
 extern "C" void leave_guarded_code(int signal_number) {
   if (in_guarded_call()) {
     guarding = 0;
     siglongjmp(return_point, signal_number);
   }
+  end_if_ending();
   if (signal_number == hang_signal) return;  // it came too late: the call has returned
   // A crash outside of guarded code is not ours to hide: whoever handled it before gets it when the fault repeats.
   sigaction(signal_number, &outside_actions[signal_number], nullptr);
@@ -47,7 +51,7 @@ extern "C" void leave_guarded_code(int signal_number) {
 }
 
 /// A debugger looks at this process (or another tracer, as strace). Allocates nothing and takes no lock: the code that
-/// hangs may hold any.
+/// hangs may hold any, that of the dynamic linker included.
 bool is_traced() {
   const int status = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
   if (status < 0) return false;
@@ -60,48 +64,37 @@ bool is_traced() {
 }
 
 /// Watches from a thread of its own that no guarded call takes longer than its limit, unless a debugger holds it. This is wall time on purpose: it
-/// decides only whether a run goes on, never what is in it.
+/// decides only whether a run goes on, never what is in it. The thread calls nothing that takes a lock, and runs until
+/// the process ends.
 class Watchdog {
  public:
   static Watchdog& instance() {
-    static Watchdog watchdog;
+    static auto& watchdog = *new Watchdog;
     return watchdog;
   }
 
   void begin(double limit) {
-    if (!thread_.joinable()) start();
     limit_.store(limit, std::memory_order_relaxed);
     calls_.fetch_add(1, std::memory_order_release);  // odd: a call is under way
   }
   void end() { calls_.fetch_add(1, std::memory_order_release); }
 
  private:
-  Watchdog() = default;
-  ~Watchdog() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    wake_.notify_one();
-    if (thread_.joinable()) thread_.join();
-  }
-
-  /// Signals are for the guarded thread, so the new one begins with all of them blocked. It can't do that itself: if the
-  /// call is the loading of a library that never comes back, the dynamic linker stays locked for all other threads.
-  void start() {
+  /// Signals are for the guarded thread, so the new one begins with all of them blocked.
+  Watchdog() {
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    thread_ = std::thread([this] { watch(); });
+    std::thread([this] { watch(); }).detach();
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
   }
 
-  void watch() {
+  [[noreturn]] void watch() {
     using clock = std::chrono::steady_clock;
     std::uint64_t seen = 0;
     clock::time_point since = clock::now();
-    std::unique_lock lock(mutex_);
-    while (!wake_.wait_for(lock, std::chrono::milliseconds(20), [this] { return stop_; })) {
+    for (;;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
       const std::uint64_t calls = calls_.load(std::memory_order_acquire);
       if (calls != seen) {
         seen = calls;
@@ -119,21 +112,31 @@ class Watchdog {
 
   std::atomic<std::uint64_t> calls_{0};
   std::atomic<double> limit_{0.0};
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stop_ = false;
-  std::thread thread_;
 };
 
-/// The signal stack of this thread, so that an overflow of its ordinary one can be survived.
+/// The signal stack of this thread, so that an overflow of its ordinary one can be survived. It is there as long as the
+/// process: exit() ends a thread's own objects first.
 void provide_signal_stack() {
-  thread_local std::vector<char> stack;
-  if (!stack.empty()) return;
-  stack.resize(signal_stack_size);
+  thread_local char* stack = nullptr;
+  if (stack) return;
+  stack = new char[signal_stack_size];
   stack_t alternate{};
-  alternate.ss_sp = stack.data();
-  alternate.ss_size = stack.size();
+  alternate.ss_sp = stack;
+  alternate.ss_size = signal_stack_size;
   sigaltstack(&alternate, nullptr);
+}
+
+constexpr double end_limit = 10.0;  // [s] for all that a process still does in exit()
+
+/// In exit(): what follows may be static destructors of a library that stays in memory. They change nothing any more.
+extern "C" void guard_rest(int status, void*) {
+  if (ending) return;
+  std::fflush(nullptr);
+  end_status = status;
+  ending = 1;
+  guarded_thread = pthread_self();
+  provide_signal_stack();
+  Watchdog::instance().begin(end_limit);
 }
 
 void install_handlers() {
@@ -186,6 +189,12 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 }  // namespace
 
 void prepare_guarded_calls() { install_handlers(); }
+
+void guard_process_end() { on_exit(guard_rest, nullptr); }
+
+void end_if_ending() {
+  if (ending) syscall(SYS_exit_group, end_status);
+}
 
 CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");

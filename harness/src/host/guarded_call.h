@@ -35,6 +35,13 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit);
 /// Installs the signal handlers that end calls. The first guarded_call() does so at the latest.
 void prepare_guarded_calls();
 
+/// Code of somebody else's stays in memory until the process ends: its static destructors, which exit() runs then, may
+/// crash, hang or call exit themselves; the exit status stays. To be called when that code has been loaded.
+void guard_process_end();
+
+/// Comes back unless the process is in the part of exit() that guard_process_end() guards.
+void end_if_ending();
+
 /// This is the thread that makes the guarded calls, and it is inside of one.
 bool in_guarded_call();
 

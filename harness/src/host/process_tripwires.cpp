@@ -28,9 +28,30 @@ namespace {
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
 
-/// The function of that name that would have been found without ours. No template: clang gives the types of functions that
-/// return and of those that don't one name.
-#define NEXT(function) reinterpret_cast<decltype(&(function))>(dlsym(RTLD_NEXT, #function))
+/// The functions that would be found without ours. They are looked up when this library is loaded: a look-up takes the
+/// lock of the dynamic linker, which a call that was ended while a library was loaded or unloaded holds for ever. No
+/// template: clang gives the types of functions that return and of those that don't one name.
+#define REHEARSE_TRIPWIRES(FUNCTION)                                                                                   \
+  FUNCTION(exit) FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(chdir) FUNCTION(fchdir)                 \
+  FUNCTION(umask) FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv)         \
+  FUNCTION(clearenv) FUNCTION(alarm) FUNCTION(setitimer) FUNCTION(sigaction) FUNCTION(signal)                          \
+  FUNCTION(pthread_sigmask) FUNCTION(sigprocmask) FUNCTION(close) FUNCTION(dup2) FUNCTION(dup3) FUNCTION(fclose)       \
+  FUNCTION(close_range) FUNCTION(closefrom) FUNCTION(pthread_create)
+
+struct NextFunctions {
+#define REHEARSE_MEMBER(function) \
+  decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(dlsym(RTLD_NEXT, #function));
+  REHEARSE_TRIPWIRES(REHEARSE_MEMBER)
+#undef REHEARSE_MEMBER
+};
+
+const NextFunctions& next_functions() {
+  static const NextFunctions all;
+  return all;
+}
+[[maybe_unused]] const NextFunctions& looked_up_at_loading = next_functions();
+
+#define NEXT(function) next_functions().function##_
 
 void look() {
   if (rehearse::in_guarded_call()) ProcessGuard::instance().before_change();
@@ -44,6 +65,7 @@ bool keeps_signal(int number) { return rehearse::in_guarded_call() && ProcessGua
 
 /// Comes back if the process shall end.
 void end_only_the_call(const char* function, int status) {
+  rehearse::end_if_ending();
   if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(function, status);
   if (!rehearse::own_threads) return;
   ProcessGuard::instance().note_thread_exit(function, status);

@@ -6,6 +6,7 @@
 #include <sys/time.h>
 
 #include <clocale>
+#include <utility>
 
 #include "host/float_mode.h"
 #include "runs.h"
@@ -189,6 +190,8 @@ TEST_F(Guest, LinkedWithFastMathIsNamedWhenItIsLoaded) {
   EXPECT_TRUE(float_mode() == FloatMode());
 }
 
+bool linker_interrupted = false;  // in this process
+
 class LoadingBadly : public RunTest {
  protected:
   ~LoadingBadly() override { unsetenv("LOADS_BADLY"); }
@@ -197,7 +200,8 @@ class LoadingBadly : public RunTest {
     std::filesystem::copy_file(std::filesystem::path(TEST_CONTROLLERS) / "LoadsBadly.so", path(library_));
   }
   const std::string library_ =
-      std::string("LoadsBadly") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".so";
+      "LoadsBadly" +
+      std::filesystem::path(::testing::UnitTest::GetInstance()->current_test_info()->name()).filename().string() + ".so";
   const std::string scenario_ = rig("{name: Bad, library: " + library_ + "}");
 };
 
@@ -211,6 +215,7 @@ TEST_F(LoadingBadly, IsToldAndPutRight) {
 }
 
 TEST_F(LoadingBadly, ByExitAtTheEndIsSurvived) {
+  if (std::exchange(linker_interrupted, true)) GTEST_SKIP() << "after one of them the dynamic linker unloads nothing";
   setenv("LOADS_BADLY", "exit_at_end", 1);
   ::testing::internal::CaptureStderr();
   const Trace trace = record_run(scenario_);
@@ -227,6 +232,66 @@ TEST_F(LoadingBadly, ByExitIsRefused) {
                                                      "' failed while it was loaded: it "
                                                      "called exit(4)"));
   EXPECT_FALSE(std::filesystem::exists(path("run.mcap")));
+}
+
+TEST_F(LoadingBadly, ByAnEndlessLoopIsEnded) {
+  setenv("LOADS_BADLY", "hang", 1);
+  RecordOptions options;
+  options.call_limit = 0.3;
+  const auto summary = record(load(scenario_), path("run.mcap"), options);
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(to_string(summary.errors()), HasSubstr("controller library '" + library_ +
+                                                     "' failed while it was loaded: it did not return within 0.3 s"));
+}
+
+/// The dynamic linker would say that it is loaded: with static objects that were never constructed.
+TEST_F(LoadingBadly, IsRefusedFromThenOn) {
+  setenv("LOADS_BADLY", "crash", 1);
+  EXPECT_FALSE(record(load(scenario_), path("run.mcap")).ok());
+  unsetenv("LOADS_BADLY");
+  const auto summary = record(load(scenario_), path("run.mcap"));
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(to_string(summary.errors()),
+              HasSubstr("can't be loaded again in this process: before, it failed while it was loaded: it crashed: "
+                        "segmentation fault"));
+}
+
+/// The dynamic linker is interrupted, with its lock held: what watches the calls has to work all the same.
+class UnloadingBadly : public LoadingBadly, public ::testing::WithParamInterface<Deed> {
+ protected:
+  Trace record_with_limit(const std::string& scenario, const std::string& file) {
+    return record_run(scenario, file, 0.3);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(By, UnloadingBadly,
+                         ::testing::Values(Deed{"exit_at_end", "called exit(4)"}, Deed{"exit_in_atexit", "called exit(4)"},
+                                           Deed{"crash_at_end", "crashed: segmentation fault"},
+                                           Deed{"hang_at_end", "did not return within 0.3 s"}),
+                         [](const auto& deed) { return std::string(deed.param.name); });
+
+TEST_P(UnloadingBadly, LeavesTheWatchOverLaterCalls) {
+  if (std::exchange(linker_interrupted, true)) GTEST_SKIP() << "after one of them the dynamic linker unloads nothing";
+  setenv("LOADS_BADLY", GetParam().name, 1);
+  ::testing::internal::CaptureStderr();
+  record_with_limit(scenario_, "run.mcap");
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              HasSubstr("'" + library_ + "' failed while it was unloaded: it " + GetParam().told));
+  EXPECT_EQ(summary_.ticks, 20);
+  unsetenv("LOADS_BADLY");
+  for (int i = 0; i < 2; ++i) {
+    record_with_limit(rig_with("fail hang control 7"), "hangs.mcap");
+    ASSERT_TRUE(summary_.failure.has_value());
+    EXPECT_THAT(summary_.failure->message, HasSubstr("did not return within 0.3 s in control() at tick 7"));
+  }
+  std::filesystem::copy_file(path(library_), path("Other.so"));
+  setenv("LOADS_BADLY", "hang", 1);
+  RecordOptions options;
+  options.call_limit = 0.3;
+  EXPECT_FALSE(record(load(rig("{name: Bad, library: Other.so}")), path("run.mcap"), options).ok());
+  const auto again = record(load(scenario_), path("run.mcap"), options);
+  ASSERT_FALSE(again.ok());
+  EXPECT_THAT(to_string(again.errors()), HasSubstr("can't be loaded again in this process"));
 }
 
 TEST_F(Guest, RunsInTheStandardModeWhateverTheProgramHas) {
