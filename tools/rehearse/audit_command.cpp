@@ -129,6 +129,7 @@ Exit run(Settings& settings) {
   if (!settings.output.empty())
     if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int which) { stopped_by = which; });
   const ScratchFolder scratch(new_temporary_folder());
   if (scratch.path().empty())
     return refuse(error("there is no folder for temporary files", "TMPDIR names one that can be written to"));
@@ -136,7 +137,6 @@ Exit run(Settings& settings) {
   settings.audit.scratch = scratch.path();
   settings.audit.auditor = fs::read_symlink("/proc/self/exe", failed);
   settings.audit.recorder = settings.audit.auditor.parent_path() / "rehearse-simulate";
-  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int which) { stopped_by = which; });
   settings.audit.should_stop = [] { return stopped_by != 0; };
   const Result<AuditReport> report = [&] {
     Progress progress("auditing");
