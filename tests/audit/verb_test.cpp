@@ -163,6 +163,29 @@ TEST_F(AuditVerb, RefusesToWorkWithoutAFolderForIt) {
   EXPECT_THAT(outcome.err, HasSubstr("error: there is no folder for temporary files"));
 }
 
+TEST_F(AuditVerb, LeavesNothingBehindWhenItIsStopped) {
+  const fs::path temporary = folder() / "temporary";
+  fs::create_directory(temporary);
+  const fs::path zoo = scenario("steady_clock");
+  // interrupted as soon as its folder is there, however long the machine takes for that
+  const std::string script =
+      "\"$@\" & until ls temporary/rehearse-audit.* > /dev/null 2>&1; do sleep 0.02; done; kill -INT $!; wait $!";
+  const Outcome outcome =
+      run("/bin/sh", {"-c", script, "sh", command.string(), "audit", zoo.string(), "--repeat", "500"},
+          "TMPDIR=" + quoted(temporary.string()));
+  EXPECT_EQ(outcome.status, 130) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("the audit was stopped by Interrupt: nothing was judged"));
+  EXPECT_TRUE(fs::is_empty(temporary));
+}
+
+TEST_F(AuditVerb, LeavesTheUsersFilesAsTheyAre) {
+  write("gain.txt", "0.25\n");
+  rehearse({"audit", scenario("changing_file", (folder() / "gain.txt").string()).string()});
+  EXPECT_EQ(read_file(folder() / "gain.txt"), "0.25\n");
+  rehearse({"audit", scenario("good_scratch_file").string()});
+  EXPECT_FALSE(exists("scratch.txt"));
+}
+
 TEST_F(AuditVerb, LeavesNothingBehind) {
   done({"audit", scenario("good_own_generator").string()});
   fs::remove(folder() / "zoo.yaml");

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <rehearse/audit.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -22,6 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_time = 1e9;  // [s]
+
+volatile std::sig_atomic_t stopped_by = 0;  // the signal that asked for the end
 
 struct Settings {
   std::string subject;
@@ -125,6 +129,7 @@ Exit run(Settings& settings) {
   if (!settings.output.empty())
     if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int which) { stopped_by = which; });
   const ScratchFolder scratch(new_temporary_folder());
   if (scratch.path().empty())
     return refuse(error("there is no folder for temporary files", "TMPDIR names one that can be written to"));
@@ -132,11 +137,16 @@ Exit run(Settings& settings) {
   settings.audit.scratch = scratch.path();
   settings.audit.auditor = fs::read_symlink("/proc/self/exe", failed);
   settings.audit.recorder = settings.audit.auditor.parent_path() / "rehearse-simulate";
+  settings.audit.should_stop = [] { return stopped_by != 0; };
   const Result<AuditReport> report = [&] {
     Progress progress("auditing");
     settings.audit.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
     return audit(settings.subject, settings.audit);
   }();
+  if (!report && stopped_by != 0) {
+    fmt::print(stderr, "the audit was stopped by {}: nothing was judged\n", strsignal(stopped_by));
+    return static_cast<Exit>(128 + stopped_by);
+  }
   if (!report) return refuse(report.errors());
   if (!settings.output.empty())
     if (const auto kept = keep_recording(settings); !kept) return refuse(kept.errors());

@@ -140,12 +140,19 @@ std::vector<std::string> environment_with(const Changes& changes) {
 }
 
 Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                        const fs::path& output) {
+                        const fs::path& output, const std::function<bool()>& should_stop) {
   const auto child = spawn(words, environment, output, {}, false);
   if (!child) return child.errors();
   int status = 0;
-  while (waitpid(*child, &status, 0) < 0)
-    if (errno != EINTR) return error(fmt::format("{} was lost: {}", words[0], strerror(errno)));
+  for (pid_t ended = 0; ended == 0; std::this_thread::sleep_for(poll_interval)) {
+    ended = waitpid(*child, &status, WNOHANG);
+    if (ended < 0 && errno == EINTR) ended = 0;
+    if (ended < 0) return error(fmt::format("{} was lost: {}", words[0], strerror(errno)));
+    if (ended != 0 || !should_stop || !should_stop()) continue;
+    ::kill(*child, SIGKILL);
+    waitpid(*child, &status, 0);
+    return error("the audit was stopped");
+  }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -255,6 +262,10 @@ Result<std::vector<ReplayOutcome>> ReplayProcesses::run(const std::vector<Replay
   std::size_t next = 0;
   Diagnostics problems;
   while (next < settings.size() || !running.empty()) {
+    if (problems.empty() && options_.should_stop && options_.should_stop()) {
+      problems.push_back(error("the audit was stopped"));
+      for (const Child& child : running) ::kill(child.process, SIGKILL);
+    }
     while (problems.empty() && next < settings.size() && running.size() < at_a_time) {
       auto child = start(settings[next]);
       if (!child) {

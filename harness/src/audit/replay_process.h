@@ -77,9 +77,9 @@ class ReplayProcesses {
 };
 
 /// Runs a program to its end and waits; its stdout and stderr go to a file. What it exits with, 128 + n if signal n
-/// ended it.
+/// ended it. Fails if it can't be started, or if it had to be killed since `should_stop` (may be null) said so.
 Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                        const std::filesystem::path& output);
+                        const std::filesystem::path& output, const std::function<bool()>& should_stop);
 
 /// This process's variables with changes.
 std::vector<std::string> environment_with(const std::map<std::string, std::optional<std::string>>& changes);

@@ -1,5 +1,6 @@
 // What a controller is given instead of the system's time and numbers.
 #include <set>
+#include <thread>
 
 #include "watched_runs.h"
 
@@ -87,6 +88,49 @@ TEST_F(SeededNumbers, ChangeAtOnePlaceAlone) {
   EXPECT_NE(first_of(other_first), first_of(base.values[0]));
   EXPECT_EQ(first_of(other_second), first_of(base.values[0]));
   EXPECT_NE(other_second, base.values[0]);
+}
+
+TEST_F(WatchedTest, SystemCallsPastTheCLibraryAreNotedAndAnswered) {
+  for (const char* function : {"draw_past_the_c_library", "block_all_signals_and_draw"}) {
+    const WatchedRun seen = run(function, 20, substituted(1));
+    EXPECT_EQ(seen.values.size(), 20u) << function;
+    EXPECT_EQ(run(function, 20, substituted(1)).values, seen.values) << function;
+    EXPECT_NE(run(function, 20, substituted(2)).values, seen.values) << function;
+    const ObservedCall call = seen.call_of("getrandom");
+    EXPECT_EQ(call.source, ObservedCall::Source::random);
+    EXPECT_EQ(call.last_tick, 19);
+    EXPECT_NE(place_of(call).find("(watched.cpp:"), std::string::npos) << place_of(call);
+    EXPECT_FALSE(seen.log.hidden_calls);
+  }
+}
+
+TEST_F(WatchedTest, AnImaginaryMachineHasItsOwnProcessors) {
+  Substitution small, large;
+  small.machine = 2;
+  large.machine = 3;
+  EXPECT_THAT(run("ask_for_processors", 2, small).values, Each(1.0));
+  EXPECT_THAT(run("ask_for_processors", 2, large).values, Each(24.0));
+  EXPECT_THAT(run("ask_for_processors", 2).values, Each(static_cast<double>(std::thread::hardware_concurrency())));
+}
+
+TEST_F(WatchedTest, AProcessWritesIntoItsOwnCopiesOfFiles) {
+  write("count.txt", "6\n");
+  InterposerSettings settings;
+  for (const char* copies : {"first", "second"}) {
+    settings.files = folder_ / copies;
+    EXPECT_EQ(run("count_in_a_file", 3, settings).values, (std::vector{7.0, 8.0, 9.0}));
+  }
+  EXPECT_EQ(run("count_in_a_file", 1).values, std::vector{7.0});  // the file itself was left alone
+}
+
+TEST_F(WatchedTest, AFolderIsListedAsTheProcessHasChangedIt) {
+  write("gains.txt", "1\n");
+  write("kept.txt", "1\n");
+  InterposerSettings settings;
+  settings.files = folder_ / "copies";
+  EXPECT_EQ(run("list_what_it_made", 2, settings).values, (std::vector{101.0, 101.0}));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "gains.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "made.txt"));
 }
 
 TEST_F(WatchedTest, ThreadSchedulesAndASlowHostDelayReally) {

@@ -1,5 +1,6 @@
 // Does one thing each that the interposer has to see. Called by watched_process.cpp as `double NAME(int tick)`, in the
 // place of a controller's control().
+#include <signal.h>
 #include <sys/random.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <locale>
 #include <mutex>
@@ -121,6 +123,37 @@ double read_a_file(int) {
   std::ifstream("gains.txt") >> gain;
   return gain;
 }
+double count_in_a_file(int) {
+  double count = 0.0;
+  std::ifstream("count.txt") >> count;
+  std::ofstream("count.txt") << ++count << '\n';
+  return count;
+}
+double list_what_it_made(int) {
+  namespace fs = std::filesystem;
+  std::ofstream("made.txt") << "made\n";
+  fs::remove("gains.txt");
+  double found = 0.0;
+  for (const auto& entry : fs::directory_iterator(".")) {
+    if (entry.path().filename() == "made.txt") found += 1.0;
+    if (entry.path().filename() == "gains.txt") found += 10.0;
+    if (entry.path().filename() == "kept.txt") found += 100.0;
+  }
+  return found;
+}
+double draw_past_the_c_library(int) {
+  unsigned char number = 0;
+  long result = 318;  // getrandom
+  asm volatile("syscall" : "+a"(result) : "D"(&number), "S"(1L), "d"(0L) : "rcx", "r11", "memory");
+  return result == 1 ? number : -1.0;
+}
+double block_all_signals_and_draw(int tick) {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, nullptr);
+  return draw_past_the_c_library(tick);
+}
+double ask_for_processors(int) { return std::thread::hardware_concurrency(); }
 double write_a_file(int tick) {
   if (FILE* file = fopen("written.txt", "w")) {
     fprintf(file, "%d\n", tick);
