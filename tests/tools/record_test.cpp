@@ -42,6 +42,38 @@ TEST_F(Record, TellsWhatIsNotAsExpectedAndIsDoneAllTheSame) {
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2);
 }
 
+/// What is expected of a run is judged from its trace.
+TEST_F(Record, WritesIntoAPipeOnlyWhatItDoesNotReadAgain) {
+  const std::string behind = "sh -c 'mkfifo trace; cat trace > copy.mcap & timeout 20 \"$@\"; status=$?; wait; exit $status' sh ";
+  const Outcome plain = run(command, {"record", box_scenario.string(), "--duration", "0.1", "-o", "trace"}, behind);
+  EXPECT_EQ(plain.status, 0) << plain.err;
+  EXPECT_THAT(plain.out, HasSubstr(" camera frames in trace\n"));
+  done({"info", "copy.mcap"});
+  write("box.yaml", read_file(box_scenario) + "expect:\n  - {channel: Box/Box/position/z, above: 0.3}\n");
+  fs::remove(folder() / "trace");
+  const Outcome judged =
+      run(command, {"record", "box.yaml", "-o", "trace"}, "sh -c 'mkfifo trace; exec timeout 20 \"$@\"' sh ");
+  EXPECT_EQ(judged.status, 2);
+  EXPECT_EQ(judged.err, "error: trace can't be read again, as what the scenario expects needs it (write a file)\n");
+}
+
+TEST_F(Record, MakesNoFileOfTheNameOfStandardOutput) {
+  const Outcome outcome = rehearse({"record", box_scenario.string(), "-o", "-"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "error: '-' is no file: nothing is written to standard output (name a file; './-' is one of that name)\n");
+  EXPECT_FALSE(exists("-"));
+}
+
+TEST_F(Record, IsRefusedAFileThatAnotherOneWrites) {
+  const Outcome both =
+      run(command, {"record", box_scenario.string(), "--duration", "20000", "-o", "box.mcap"},
+          "sh -c 'timeout -s KILL 3 \"$@\" > first.txt 2>&1 & sleep 1; \"$@\"; status=$?; wait; exit $status' sh ");
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.err, HasSubstr("box.mcap: error: another writer is at this file (name another file, or wait)"));
+  done({"info", "box.mcap"});
+}
+
 TEST_F(Record, ExpectsOfAShorterRunOnlyWhatIsInIt) {
   write("box.yaml", read_file(box_scenario) +
                         "expect:\n"

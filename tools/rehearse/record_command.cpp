@@ -72,8 +72,8 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
   fmt::print("{}, {:g} s of simulation, in {:.2f} s: {:.3g} times real time, {:.0f} ticks/s\n",
              count_text(summary.ticks, "tick"), simulated, seconds, simulated / seconds,
              static_cast<double>(summary.ticks) / seconds);
-  fmt::print("{}, {}, {} in {}\n", count_text(summary.channels, "channel"), count_text(summary.frames, "camera frame"),
-             file_size_text(summary.bytes), trace);
+  fmt::print("{}, {}{} in {}\n", count_text(summary.channels, "channel"), count_text(summary.frames, "camera frame"),
+             summary.bytes > 0 ? ", " + file_size_text(summary.bytes) : "", trace);
 }
 
 /// What the scenario expects of the run: violations are remarks, because the recording is as good as any.
@@ -136,6 +136,12 @@ Exit run(Settings& settings, const CLI::App& options) {
   const std::string trace =
       settings.trace.empty() ? std::filesystem::path(settings.scenario).stem().string() + ".mcap" : settings.trace;
   if (const auto allowed = check_replaceable(trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+  std::error_code none;
+  const bool readable = !std::filesystem::exists(trace, none) || std::filesystem::is_regular_file(trace, none);
+  if (!readable && (settings.verify || !scenario->expectations.empty()))
+    return refuse(error(fmt::format("{} can't be read again, as {} needs it", trace,
+                                    settings.verify ? "--verify" : "what the scenario expects"),
+                        "write a file"));
 
   InterposerWatch watch;
   if (is_interposed()) settings.record.watch = &watch;

@@ -1,9 +1,12 @@
 #include "ode_runtime.h"
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/ode_messages.h>
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <utility>
 
 namespace rehearse {
 namespace {
@@ -11,6 +14,7 @@ namespace {
 struct StepBrokeOff {};
 
 bool stepping = false;
+constexpr std::size_t most_messages = 16;  // between two looks
 
 /// ODE calls this when an assertion of its own fails, and aborts if it returns. In a step that means numbers that are
 /// not finite: all else is checked when a world is made.
@@ -20,11 +24,26 @@ void on_failed_assertion(int, const char* message, va_list arguments) {
   std::fputc('\n', stderr);
 }
 
+/// "LCP internal error" and the like: ODE found no solution for a step and goes on with what it has. stderr knows no
+/// tick, so whoever steps asks take_ode_messages().
+std::vector<std::string> messages;
+
+void on_message(int number, const char* message, va_list arguments) {
+  char text[512];
+  std::vsnprintf(text, sizeof text, message, arguments);
+  std::string told = "ODE message " + std::to_string(number) + ": " + text;
+  if (messages.size() < most_messages && std::find(messages.begin(), messages.end(), told) == messages.end())
+    messages.push_back(std::move(told));
+}
+
 }  // namespace
+
+std::vector<std::string> take_ode_messages() { return std::exchange(messages, {}); }
 
 void initialise_ode() {
   static const bool done = [] {
     dSetDebugHandler(on_failed_assertion);
+    dSetMessageHandler(on_message);
     return dInitODE2(0) != 0;
   }();
   REHEARSE_ASSERT(done, "ODE initialises");

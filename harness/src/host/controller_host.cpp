@@ -149,7 +149,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   return {};
 }
 
-ControllerHost::~ControllerHost() { stop(); }
+ControllerHost::~ControllerHost() { stop(tick_); }
 
 void ControllerHost::event(Severity severity, const std::string& source, std::string text) {
   msg::Event& added = events_.emplace_back();
@@ -171,6 +171,8 @@ void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
   else
     guarded_call(collect, options_.call_limit);
   for (std::string& line : lines) event(Severity::note, hosted.label, std::move(line));
+  if (hosted.io->take_enabled_too_late() && !std::exchange(hosted.enabled_too_late, true))
+    event(Severity::warning, hosted.label, "enabled an input or output after initialize(): it has no effect");
   for (const std::string& finding : hosted.variables.take_findings()) event(Severity::warning, hosted.label, finding);
 }
 
@@ -473,8 +475,9 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
   }
 }
 
-void ControllerHost::stop() {
+void ControllerHost::stop(std::int64_t end) {
   if (std::exchange(stopped_, true)) return;
+  for (HostedController& hosted : controllers_) hosted.io->set_time(time_of(end, scenario_->time_step));
   for (auto hosted = controllers_.rbegin(); hosted != controllers_.rend(); ++hosted)
     if (hosted->running) call(*hosted, "stop", [&] { hosted->controller->stop(); });
   for (HostedController& hosted : controllers_)

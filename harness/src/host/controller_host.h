@@ -51,6 +51,7 @@ struct HostedController {
   ControllerVariables variables;             // as it set them in this tick
   std::set<Trespass::Kind> trespasses;       // of which one was told
   std::map<std::string, std::string> files;  // that it opened to read: content by name (opened_files.h)
+  bool enabled_too_late = false;             // of which one was told
   std::vector<bool> reported;                // by output number: a value that isn't finite was reported
 };
 
@@ -77,8 +78,8 @@ class ControllerHost {
   /// external wrenches add up. A number that isn't finite is reported once and never passed on: what was commanded
   /// before stays.
   void output(Timing timing, Command& command);
-  /// stop() of all, children first, and unconfigure().
-  void stop();
+  /// stop() of all, children first, and unconfigure(). `end`: the tick behind the last step, whose time they see.
+  void stop(std::int64_t end);
 
   const std::vector<HostedController>& controllers() const { return controllers_; }
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and what was in them.

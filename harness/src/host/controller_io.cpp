@@ -271,10 +271,6 @@ void ControllerIo::output() {
 
 std::vector<std::string> ControllerIo::take_messages() {
   std::vector<std::string> lines;
-  if (enabled_too_late_) {
-    lines.push_back("enabled an input or output after initialize(): it has no effect");
-    enabled_too_late_ = false;
-  }
   if (messages_.tellp() <= 0) return lines;
   std::istringstream text(messages_.str());
   for (std::string line; std::getline(text, line);) lines.push_back(line);

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io_body.h"
@@ -61,6 +62,8 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   bool frozen() const { return frozen_; }
   /// The lines written to os() since the last call.
   std::vector<std::string> take_messages();
+  /// True if it asked for an input or output after initialize() since the last call: that has no effect.
+  bool take_enabled_too_late() { return std::exchange(enabled_too_late_, false); }
 
   const IoLayout& inputs() const { return inputs_; }
   const IoLayout& outputs() const { return outputs_; }

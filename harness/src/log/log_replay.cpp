@@ -389,7 +389,7 @@ void LogReplayer::compare() {
 /// The recording's end, and what is to be said of the topics.
 Result<void> LogReplayer::finish() {
   REHEARSE_ASSERT(recorder_, "there is at least one tick");
-  host_->stop();
+  host_->stop(tick_);
   report_.failure = host_->failure();
   report_.controller_refused = host_->any_refused();
   if (auto done = record_events(host_->take_events()); !done) return done;

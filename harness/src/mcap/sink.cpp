@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
@@ -95,6 +96,37 @@ class MemorySink : public Sink {
   std::vector<std::byte>& out_;
 };
 
+/// Holds off other writers until the descriptor is closed. False: there is one. Where files can't be locked, there is none.
+bool lock(int file) { return ::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
+
+/// The ordinary file that stands there, held off other writers.
+class FileThere {
+ public:
+  explicit FileThere(const std::filesystem::path& file) {
+    struct stat opened {}, there {};
+    if (::stat(file.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
+    descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor_ < 0) return;
+    const bool locked = lock(descriptor_);
+    const bool stands = ::fstat(descriptor_, &opened) == 0 && ::stat(file.c_str(), &there) == 0 &&
+                        opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
+    being_written_ = !locked || !stands;
+  }
+  ~FileThere() { release(); }
+  FileThere(const FileThere&) = delete;
+  FileThere& operator=(const FileThere&) = delete;
+
+  bool being_written() const { return being_written_; }
+  void release() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+
+ private:
+  int descriptor_ = -1;
+  bool being_written_ = false;
+};
+
 /// Puts a new, empty file in the place of one that only we have to do with; -1 if it isn't so, or can't be done.
 int replace(const std::filesystem::path& file) {
   struct stat old {};
@@ -104,7 +136,7 @@ int replace(const std::filesystem::path& file) {
   const int opened = ::mkostemp(name.data(), O_CLOEXEC);
   if (opened < 0) return -1;
   struct stat now {};
-  if (::fchmod(opened, old.st_mode & 07777) == 0 && ::fstat(opened, &now) == 0 && now.st_gid == old.st_gid &&
+  if (lock(opened) && ::fchmod(opened, old.st_mode & 07777) == 0 && ::fstat(opened, &now) == 0 && now.st_gid == old.st_gid &&
       ::rename(name.c_str(), file.c_str()) == 0)
     return opened;
   ::close(opened);
@@ -112,13 +144,18 @@ int replace(const std::filesystem::path& file) {
   return -1;
 }
 
-/// Creates or empties it. An ordinary file is opened for reading too, if that is allowed.
+/// Creates it, or opens it as it is. An ordinary file is opened for reading too, if that is allowed.
 int create(const std::filesystem::path& file) {
-  constexpr int flags = O_CREAT | O_TRUNC | O_CLOEXEC;
+  constexpr int flags = O_CREAT | O_CLOEXEC;
   struct stat there {};
   const bool ordinary = ::stat(file.c_str(), &there) != 0 || S_ISREG(there.st_mode);
   const int opened = ordinary ? ::open(file.c_str(), O_RDWR | flags, 0666) : -1;
   return opened >= 0 ? opened : ::open(file.c_str(), O_WRONLY | flags, 0666);
+}
+
+mode_t mode_of(int descriptor) {
+  struct stat opened {};
+  return ::fstat(descriptor, &opened) == 0 ? opened.st_mode : 0;
 }
 
 }  // namespace
@@ -128,16 +165,26 @@ Result<void> Sink::read_back(std::uint64_t, std::span<std::byte>) {
 }
 
 Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) {
+  const auto refuse = [&](std::string why, std::string hint = {}) {
+    Diagnostic failure = error(std::move(why), std::move(hint));
+    failure.file = file.string();
+    return failure;
+  };
+  const auto other_writer = [&] { return refuse("another writer is at this file", "name another file, or wait"); };
+  FileThere there(file);
+  if (there.being_written()) return other_writer();
   std::error_code none;
   std::filesystem::path place = std::filesystem::canonical(file, none);  // behind links
   int opened = none ? -1 : replace(place);
-  if (opened < 0) opened = create(file);
-  if (opened < 0) {
-    Diagnostic failure = error(fmt::format("can't create the trace: {}", std::strerror(errno)));
-    failure.file = file.string();
-    return failure;
-  }
-  return std::unique_ptr<Sink>(std::make_unique<FileSink>(opened));
+  const bool is_new = opened >= 0;  // in the place of the other, and locked
+  there.release();
+  if (!is_new) opened = create(file);
+  if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));
+  auto sink = std::make_unique<FileSink>(opened);
+  if (!is_new && !lock(opened)) return other_writer();
+  if (!is_new && S_ISREG(mode_of(opened)) && ::ftruncate(opened, 0) != 0)
+    return refuse(fmt::format("can't empty the trace: {}", std::strerror(errno)));
+  return std::unique_ptr<Sink>(std::move(sink));
 }
 
 std::unique_ptr<Sink> make_memory_sink(std::vector<std::byte>& out) { return std::make_unique<MemorySink>(out); }

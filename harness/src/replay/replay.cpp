@@ -198,7 +198,7 @@ Result<ReplayReport> Replayer::run() {
   }
   const auto differs = [this](Divergence&& found) { say_differs(std::move(found)); };
   if (cut_short_) words_.end(differs);  // the recorded controllers were not stopped there
-  host_.stop();
+  host_.stop(report_.ticks);
   take_events();
   if (!cut_short_) words_.end(differs);
   report_.words.lines = words_.lines();

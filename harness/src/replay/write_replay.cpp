@@ -54,7 +54,7 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
   (*host)->start();
   ReplayedPart part(scenario, reader, **host, **recorder, *altered);
   if (auto done = part.run(std::nullopt); !done) return done;
-  (*host)->stop();
+  (*host)->stop(part.last_state() ? part.last_state()->tick : part.ticks());
   if (part.last_state())
     if (auto done = (*recorder)->record_tick(part.last_state()->tick, nullptr, {part.last_state()->state_hash, 0, 0});
         !done)

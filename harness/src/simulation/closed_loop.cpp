@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <rehearse/ode_messages.h>
 
 #include <utility>
 
@@ -75,10 +76,22 @@ Result<bool> ClosedLoop::step() {
         error(fmt::format("the simulation exploded in the step after tick {}: a position or velocity "
                           "is no longer finite",
                           tick));
+  tell_ode_messages(tick);
   trial.compare(plant->world());
   host->output(ControllerHost::Timing::next_step, command);
   plant->obey(tick, command);
   return true;
+}
+
+/// ODE repeats itself from step to step: the first step that it speaks of is told.
+void ClosedLoop::tell_ode_messages(std::int64_t tick) {
+  const std::vector<std::string> messages = take_ode_messages();
+  if (messages.empty() || std::exchange(told_ode_messages_, true)) return;
+  Diagnostic& remark = summary.remarks.emplace_back(
+      error(fmt::format("world: the step after tick {} ({} s) found no exact solution: {}", tick,
+                        time_of(tick, scenario.time_step), messages[0]),
+            "later steps may have done so as well; this is said once"));
+  remark.severity = Severity::warning;
 }
 
 Result<void> ClosedLoop::record_tick(std::int64_t tick) {
@@ -108,7 +121,7 @@ Result<void> ClosedLoop::record_events() {
 Result<RunSummary> ClosedLoop::finish() {
   const StandardFloatMode float_mode;
   const std::int64_t tick = plant->tick();
-  host->stop();
+  host->stop(tick);
   if (!summary.failure && host->failure()) summary.failure = *host->failure();
   if (!summary.failure) {  // the state after the last step closes a complete run
     plant->sense();
@@ -130,8 +143,9 @@ Result<RunSummary> ClosedLoop::finish() {
   summary.channels = size.channels;
   summary.frames = size.frames;
   summary.controller_refused = host->any_refused();
-  std::error_code ignored;
-  summary.bytes = std::filesystem::file_size(file, ignored);
+  std::error_code failed;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, failed);
+  summary.bytes = failed ? 0 : bytes;  // a pipe has no size
   return summary;
 }
 

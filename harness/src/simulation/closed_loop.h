@@ -48,12 +48,14 @@ struct ClosedLoop {
   Result<void> save_checkpoint();
   void look();
   Result<void> record_tick(std::int64_t tick);
+  void tell_ode_messages(std::int64_t tick);
   Diagnostics stopped_recording(Diagnostics errors) const;
 
   // What is recorded, and what controllers read: the plant's own, or copies that were altered.
   const Observation* seen_ = nullptr;
   const Observation* read_ = nullptr;
   Observation altered_seen_, altered_read_;
+  bool told_ode_messages_ = false;
 };
 
 }  // namespace rehearse

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <rehearse/ode_messages.h>
 #include <rehearse/plant_run.h>
 
 #include <algorithm>
@@ -85,7 +86,9 @@ Result<bool> PlantRun::step(std::int64_t last) {
   if (tick >= last) return false;
   if (auto done = set_back(); !done) return done.errors();
   commands.put(tick, RecordedCommands::Timing::same_step, command);
-  if (!plant->step(command)) {
+  const bool alive = plant->step(command);
+  take_ode_messages();  // a session tells them
+  if (!alive) {
     summary.failure = error(fmt::format("the simulation exploded in the step after tick {}", tick));
     return false;
   }

@@ -36,6 +36,14 @@ class Narrator : public cnoid::SimpleController {
 };
 const Add<Narrator> narrator("narrate");
 
+/// Says in stop() what time it is.
+class EndTeller : public Pusher {
+ public:
+  explicit EndTeller(const Words&) : Pusher(1.0) {}
+  void stop() override { io_->os() << "stopped at " << io_->currentTime() << " s\n"; }
+};
+const Add<EndTeller> end_teller("tell_end");
+
 /// refuse FUNCTION: that function returns false. Says so if it is called after that, and when it is stopped.
 class Refuser : public Pusher {
  public:

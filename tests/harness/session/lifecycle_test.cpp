@@ -33,6 +33,14 @@ TEST_F(Lifecycle, MessagesCarryTheTickInWhichTheyWereSaid) {
   EXPECT_THAT(summary_.remarks, IsEmpty());  // messages are no remarks
 }
 
+TEST_F(Lifecycle, StopSeesTheTimeOfTheEnd) {
+  EXPECT_THAT(said(record_run(rig_with("tell_end"))), ElementsAre("Rig/C: stopped at 0.02 s"));
+  const auto report = replay_run();
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_TRUE(report->equal());
+  EXPECT_EQ(report->words.lines, 1) << "the same in a replay, which compares what is said";
+}
+
 class Refusals : public RunTest, public ::testing::WithParamInterface<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Function, Refusals, ::testing::Values("configure", "initialize", "start"));
 

@@ -137,6 +137,8 @@ TEST_F(Traps, EnableAfterInitializeIsIgnoredAndSaid) {
   const Trace trace = record_run(rig_with("late"));
   EXPECT_THAT(topics(trace, "/Rig/C/"), ElementsAre("/Rig/C/output/joints"));
   EXPECT_THAT(said(trace), Contains(HasSubstr("enabled an input or output after initialize(): it has no effect")));
+  ASSERT_EQ(summary_.remarks.size(), 1u) << "once, and not in the recording alone";
+  EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);
 }
 
 TEST_F(Traps, FrameZeroSensorsReadZero) {
