@@ -1,5 +1,9 @@
 #include "pending_verdict.h"
 
+#include <fmt/format.h>
+
+#include <fstream>
+
 #include "golden_files.h"
 #include "recording/hashing.h"
 
@@ -15,7 +19,11 @@ fs::path file_beside(const fs::path& trace) { return fs::path(trace).replace_ext
 Result<void> keep_verdict(const fs::path& trace, const std::string& verdict) {
   const auto content = hash_of_file(trace);
   if (!content) return content.errors();
-  return replace_text(file_beside(trace), hash_text(*content) + "\n" + verdict + "\n");
+  const fs::path file = file_beside(trace);
+  std::ofstream stream(file, std::ios::binary);  // in the folder of the run alone, from where both are published
+  stream << hash_text(*content) << '\n' << verdict << '\n';
+  if (stream.flush()) return {};
+  return error(fmt::format("{} can't be written", file.string()));
 }
 
 std::string kept_verdict(const fs::path& trace) {
