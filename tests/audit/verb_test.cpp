@@ -141,7 +141,8 @@ TEST_F(AuditVerb, RefusesATraceWithoutTheInputs) {
 TEST_F(AuditVerb, SaysThatAControllerRefuses) {
   const Outcome outcome = rehearse({"audit", scenario("good_constant_file", "nowhere.txt").string()});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.out, StartsWith("failed: Pendulum/Zoo: initialize() returned false"));
+  EXPECT_THAT(outcome.out, StartsWith("failed: controller 'Pendulum/Zoo' refuses to take part: initialize() returned false; "
+                                      "nowhere.txt wasn't there"));
 }
 
 TEST_F(AuditVerb, SaysThatNothingWasCompared) {

@@ -63,8 +63,10 @@ std::vector<std::string> pictures_of(const GoldenStore& store, const std::string
 }
 
 std::string verdict_of(const GoldenStore& store, const Waiting& waiting) {
-  if (std::string judged = store.pending_verdict(waiting.name); !judged.empty()) return judged;
-  if (waiting.comparison) return verdict(*waiting.comparison);
+  if (waiting.comparison) {
+    std::string judged = store.pending_verdict(waiting.name);
+    return judged.empty() ? verdict(*waiting.comparison) : judged;
+  }
   if (!waiting.problems.empty()) return "can't be compared: " + waiting.problems[0].message;
   return fmt::format("there is no golden {} yet: this run would be the first", store.trace_file(waiting.name).string());
 }

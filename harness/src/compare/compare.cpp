@@ -214,12 +214,25 @@ bool is_compared_elsewhere(const TraceChannel& channel) {
          channel.type == msg::ContactChange::type_name;
 }
 
+/// The same contact, told from its other side: the scenario has its bodies in another order.
+bool is_contact_reversed(const msg::ContactChange& a, const msg::ContactChange& b) {
+  return a.stamp.to_ns() == b.stamp.to_ns() && a.tick == b.tick && a.begins == b.begins && a.link == b.other &&
+         a.other == b.link;
+}
+
 /// Events whose bytes differ where their judge found nothing: what differs there is no part of a sequence.
 void compare_event_fields(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
   if (!channel.in_step) return;
   FieldJudge judge(traces, channel, findings);
   for (const auto& [golden, actual] : channel.pairs) {
     if (channel.golden.hashes[golden] == channel.actual.hashes[actual]) continue;
+    if (channel.golden.type == msg::ContactChange::type_name &&
+        is_contact_reversed(traces.golden.contact_changes()[golden], traces.actual.contact_changes()[actual])) {
+      Divergence divergence = place_of(traces, channel.golden, channel.golden.times[golden]);
+      divergence.note = "names the two links in the other order";
+      findings.mark(divergence);
+      continue;
+    }
     const auto expected = traces.golden.payload(channel.golden, golden);
     const auto other = traces.actual.payload(channel.actual, actual);
     if (expected && other && !judge.compare(golden, *expected, *other)) judge.report_encoding(golden);
