@@ -19,6 +19,7 @@ rehearse_add_library(harness
   src/host/guarded_call.cpp
   src/host/host_joystick.cpp
   src/host/io_body.cpp
+  src/host/interruption.cpp
   src/host/joint_arrays.cpp
   src/recording/mesh_digests.cpp
   src/replay/output_record.cpp
@@ -26,6 +27,7 @@ rehearse_add_library(harness
   src/host/pin.cpp
   src/host/process_guard.cpp
   src/host/process_tripwires.cpp
+  src/host/supervisor.cpp
   src/host/variables.cpp
   src/recording/provenance.cpp
   src/replay/recorded_inputs.cpp

@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+#include <tuple>
+
 namespace rehearse::test {
 namespace {
 
@@ -104,6 +107,102 @@ TEST_F(FailingController, ThatNeverReturnsEndsTheRun) {
   expect_failure("hang", "did not return within 0.3", {"--call-limit", "0.3"});
 }
 
+TEST_F(FailingController, ThatMakesTheSystemCallToExitEndsTheRun) {
+  expect_failure("syscall_exit", "called exit_group\\(0\\)");
+}
+TEST_F(FailingController, ThatBecomesAnotherProgramEndsTheRun) { expect_failure("execl", "called execl"); }
+TEST_F(FailingController, ThatOverrunsAnArrayEndsTheRun) { expect_failure("overrun", "crashed: "); }
+TEST_F(FailingController, WhoseThreadCrashesEndsTheRun) {
+  expect_failure("thread_crash", "started a thread that crashed: segmentation fault");
+}
+TEST_F(FailingController, WhoseThreadThrowsEndsTheRun) {
+  expect_failure("thread_throw", "started a thread that threw an exception that nobody catches: no map");
+}
+TEST_F(FailingController, WhoseTimerNobodyHandlesEndsTheRun) { expect_failure("timer", "was ended by SIGALRM"); }
+
+TEST_F(FailingController, WhoseDetachedThreadCrashesEndsTheRunSoon) {
+  const Outcome outcome = record("detached_crash 12");
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("error: controller 'Pendulum/Swing' started a thread that crashed: segmentation fault"));
+  EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
+}
+
+TEST_F(FailingController, ThatSetsALimitIsToldAndTheRunGoesOn) {
+  const Outcome outcome = record("file_limit 12");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err,
+            "warning: Pendulum/Swing: control() at tick 12 changed a resource limit of the process (setrlimit); it was "
+            "set back\n");
+  EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
+}
+
+/// What only the parent process sees: the deed, and how the process ended.
+class EndOfTheProcess : public FailingController,
+                        public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+INSTANTIATE_TEST_SUITE_P(By, EndOfTheProcess,
+                         ::testing::Values(std::pair("exit_group", "with exit status 0"),
+                                           std::pair("raw_exec", "with exit status 0"), std::pair("kill", "by SIGKILL"),
+                                           std::pair("term", "by SIGTERM"),
+                                           std::pair("thread_exit_group", "with exit status 0")),
+                         [](const auto& end) { return std::string(end.param.first); });
+
+TEST_P(EndOfTheProcess, IsAFailureOfTheControllerWithItsTick) {
+  const auto& [deed, how] = GetParam();
+  ASSERT_EQ(record("none", {"-o", "golden.mcap"}).status, 0);
+  const std::string sentence = std::string("error: controller 'Pendulum/Swing' ended the process ") + how +
+                               " in control() at tick 12 (0.012 s)\n";
+  const Outcome recorded = record(std::string(deed) + " 12");
+  EXPECT_EQ(recorded.status, 3);
+  EXPECT_THAT(recorded.err, HasSubstr(sentence));
+  const nlohmann::json info = kept_trace();
+  EXPECT_TRUE(info.is_object()) << "it can be read";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", "pendulum.yaml", "--golden", "golden.mcap", "--level", "closed"},
+        {"replay", "pendulum.mcap"}}) {
+    if (words[0] == "replay" && info["ticks"].get<int>() < 13) continue;
+    const Outcome outcome = rehearse(words, no_leak_check_);
+    EXPECT_EQ(outcome.status, 3) << words[0] << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(sentence)) << words[0];
+  }
+}
+
+TEST_F(FailingController, ThatCanNotBeInterruptedIsKilled) {
+  const Outcome outcome = record("block_and_hang 12", {"--call-limit", "0.2"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("error: controller 'Pendulum/Swing' did not return within 0.2 s in control() at tick 12 "
+                                     "(0.012 s), and its process had to be killed\n"));
+}
+
+TEST_F(FailingController, ThatEndsATestProgramLeavesACountOfTestsThatWereNotRun) {
+  pendulum(MISBEHAVING, "exit_group 12");
+  const Outcome outcome = run(ENDED_IN_A_TEST, {"--gtest_color=no"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err.substr(0, outcome.err.find("error: the trace")),
+            "error: controller 'Pendulum/Swing' ended the process with exit status 0 in control() at tick 12 (0.012 s)\n"
+            "error: it was in test Walk.Ended; 2 after it were not run\n");
+  EXPECT_THAT(outcome.out, HasSubstr("[       OK ] Walk.Before"));
+  pendulum(MISBEHAVING, "none");
+  EXPECT_EQ(run(ENDED_IN_A_TEST, {}).status, 0) << "and one that ends none is as before";
+}
+
+/// Its child must neither go on with the run nor hold what we write to.
+class ForkingController : public FailingController, public ::testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(By, ForkingController,
+                         ::testing::Values("fork", "raw_fork", "vfork", "fork_and_spin", "fork_and_exit"),
+                         [](const auto& deed) { return std::string(deed.param); });
+
+TEST_P(ForkingController, IsToldAndTheRunGoesOnOnce) {
+  const Outcome outcome = record(std::string(GetParam()) + " 12");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, GetParam() == std::string("raw_fork")
+                             ? ""
+                             : "warning: Pendulum/Swing: control() at tick 12 forked; the run is the parent's, and the "
+                               "child ends where the call ends in it\n");
+  EXPECT_EQ(outcome.out.find("recorded "), outcome.out.rfind("recorded ")) << outcome.out;
+  EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
+  EXPECT_EQ(kept_trace()["ticks"], 51);
+}
+
 TEST_F(FailingController, ThatRefusesEndsTheRunBeforeItsFirstTick) {
   const Outcome outcome = record("refuse");
   EXPECT_EQ(outcome.status, 3);
@@ -128,6 +227,53 @@ TEST_F(FailingController, ThatCommandsNanIsReportedAndTheRunGoesOn) {
             "keeps the command before it\n");
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
   done({"replay", "pendulum.mcap"});  // NaN is repeated bit for bit
+}
+
+/// Ended from outside, long before its end: the signal, its number, and whom it is sent to.
+class Interrupted : public FailingController,
+                    public ::testing::WithParamInterface<std::tuple<const char*, int, const char*>> {
+ protected:
+  /// Ends what follows when it has begun to record.
+  std::string before(const std::string& trace) const {
+    const auto& [name, number, group] = GetParam();
+    return "sh -c 'set -m; \"$@\" & until test -s " + trace + "; do sleep 0.1; done; sleep 0.5; kill -s " + name + " -- " +
+           group + "$!; wait $!' sh ";
+  }
+  int status() const { return 128 + std::get<1>(GetParam()); }
+};
+INSTANTIATE_TEST_SUITE_P(By, Interrupted,
+                         ::testing::Values(std::tuple("INT", 2, "-"), std::tuple("TERM", 15, "-"),
+                                           std::tuple("INT", 2, ""), std::tuple("TERM", 15, "")),
+                         [](const auto& signal) {
+                           const auto& [name, number, group] = signal.param;
+                           return std::string(name) + (*group == '\0' ? "OfTheProcess" : "OfTheGroup");
+                         });
+
+TEST_P(Interrupted, RecordClosesItsTraceAndSaysSo) {
+  const Outcome outcome =
+      run(command, {"record", pendulum(MISBEHAVING, "none").string(), "--duration", "100000"}, before("pendulum.mcap"));
+  EXPECT_EQ(outcome.status, status());
+  EXPECT_THAT(outcome.err, ContainsRegex("^error: interrupted by SIG[A-Z]+ before tick [0-9]+ \\([0-9.]+ s\\)\n$"));
+  EXPECT_THAT(outcome.out, HasSubstr(" in pendulum.mcap\n"));
+  const nlohmann::json info = kept_trace();
+  EXPECT_EQ(outcome_of(info)["complete"], "false");
+  EXPECT_GT(info["ticks"], 0);
+}
+
+TEST_P(Interrupted, CheckJudgesNothingAndLeavesNothing) {
+  ASSERT_EQ(record("none", {"-o", "golden.mcap"}).status, 0);
+  std::string text = read_file(folder() / "pendulum.yaml");
+  text.replace(text.find("duration: 0.05"), 14, "duration: 9999");
+  write("pendulum.yaml", text);
+  const Outcome outcome = run(command, {"check", "pendulum.yaml", "--golden", "golden.mcap"},
+                              before("rehearse-pending/pendulum.mcap"));
+  EXPECT_EQ(outcome.status, status());
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, ContainsRegex("^error: interrupted by SIG[A-Z]+: pendulum was not judged\n$"));
+  std::set<std::string> left;
+  for (const auto& entry : fs::recursive_directory_iterator(folder()))
+    if (entry.is_regular_file()) left.insert(entry.path().filename());
+  EXPECT_THAT(left, ::testing::ElementsAre("golden.mcap", "pendulum.yaml"));
 }
 
 TEST_F(FailingController, InAReplayIsSaidLikewise) {

@@ -67,10 +67,11 @@ TEST_F(Record, MakesNoFileOfTheNameOfStandardOutput) {
 
 TEST_F(Record, IsRefusedAFileThatAnotherOneWrites) {
   const Outcome both =
-      run(command, {"record", box_scenario.string(), "--duration", "300", "-o", "box.mcap"},
-          "sh -c '\"$@\" > first.txt 2>&1 & sleep 1; \"$@\"; status=$?; wait; exit $status' sh ");
+      run(command, {"record", box_scenario.string(), "--duration", "5000", "-o", "box.mcap"},
+          "sh -c 'timeout -s INT 2 \"$@\" > first.txt 2>&1 & sleep 0.8; \"$@\"; status=$?; wait; exit $status' sh ");
   EXPECT_EQ(both.status, 2);
   EXPECT_THAT(both.err, HasSubstr("box.mcap: error: another writer is at this file (name another file, or wait)"));
+  EXPECT_THAT(read_file(folder() / "first.txt"), HasSubstr("interrupted by SIGINT")) << "the first one goes on";
   done({"info", "box.mcap"});
 }
 

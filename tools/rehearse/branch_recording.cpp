@@ -25,8 +25,9 @@ void tell(const BranchSettings& settings, const BranchSummary& branch, double se
     fmt::print("before it the controllers, on the recorded inputs, {}\n",
                before.equal() ? "did what they did, bit for bit" : "differ first at " + to_string(*before.first));
   fmt::print("{} simulated from there, in {:.2f} s\n", count_text(branch.run.ticks - branch.tick, "tick"), seconds);
-  fmt::print("{}, {}, {}, {} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
-             count_text(branch.run.frames, "camera frame"), file_size_text(branch.run.bytes), settings.trace);
+  fmt::print("{}, {}, {}{} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
+             count_text(branch.run.frames, "camera frame"),
+             branch.run.bytes > 0 ? ", " + file_size_text(branch.run.bytes) : "", settings.trace);
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/failure_report.h>
+#include <rehearse/interruption.h>
+#include <rehearse/supervise.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -151,6 +154,13 @@ Result<void> virtualise_like_goldens(const Settings& settings, const std::vector
   return {};
 }
 
+/// A run that was interrupted is judged by nobody.
+Result<RunSummary> record_whole(const Scenario& scenario, const fs::path& trace, const RecordOptions& options) {
+  auto run = record(scenario, trace, options);
+  if (run && run->failure && interruption() != 0) return *run->failure;
+  return run;
+}
+
 /// `folder`: of this run alone.
 Result<CheckReport> check(const Settings& settings, const Scenario& scenario, const fs::path& folder) {
   InterposerWatch watch;
@@ -159,7 +169,7 @@ Result<CheckReport> check(const Settings& settings, const Scenario& scenario, co
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
   if (const fs::path golden = named_golden(settings, scenario); !golden.empty())
-    return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, {record, run_plant});
+    return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, {record_whole, run_plant});
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
   if (auto alone = check_owner(scenario); !alone) return alone.errors();
@@ -167,7 +177,7 @@ Result<CheckReport> check(const Settings& settings, const Scenario& scenario, co
   const auto goldens = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
   if (!goldens) return goldens.errors();
   GoldenStore store(*goldens, folder);
-  return check_golden(scenario, store, *mode, options, {record, run_plant});
+  return check_golden(scenario, store, *mode, options, {record_whole, run_plant});
 }
 
 bool failed(const CheckReport& report) {
@@ -243,6 +253,8 @@ Result<Checked> check_beside_others(const Settings& settings, const Scenario& sc
   auto waiting = WaitingRun::begin(pending_folder(), name);
   if (!waiting) return waiting.errors();
   auto report = check(settings, scenario, waiting->folder());
+  if (interruption() != 0)
+    return error(fmt::format("interrupted by SIG{}: {} was not judged", sigabbrev_np(interruption()), scenario.name));
   if (!report) return report.errors();
   Checked checked;
   checked.scenario = scenario.name;
@@ -304,6 +316,8 @@ Exit run(const Settings& settings, const CLI::App& options) {
   if (!settings.golden.empty() && scenarios->size() != 1)
     return refuse(error("--golden compares one scenario", "name that scenario"));
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
+  supervise_process();
+  end_runs_on_signals();
   Exit worst = Exit::done;
   std::vector<Checked> all;
   for (const Scenario& scenario : *scenarios) {

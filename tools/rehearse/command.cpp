@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <fmt/format.h>
+#include <rehearse/interruption.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -92,7 +93,8 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     spell_out_gdb_arguments(arguments);
     std::reverse(arguments.begin(), arguments.end());  // the order in which CLI11 takes them
     options.parse(arguments);
-    return run();
+    const Exit exit = run();
+    return interruption() == 0 ? exit : static_cast<Exit>(128 + interruption());
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", options.help());
     return Exit::done;

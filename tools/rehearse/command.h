@@ -23,6 +23,7 @@ enum class Exit {
   differs = 1,            // two runs differ
   bad_input = 2,          // bad usage or bad input; nothing was written
   controller_failed = 3,  // it refused, threw, crashed or hung; the trace is kept up to there
+  // 128 and the signal's number: somebody ended the process by SIGINT or SIGTERM
 };
 
 struct Verb {

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
 #include <rehearse/expectation.h>
+#include <rehearse/interruption.h>
 #include <rehearse/plant_run.h>
 #include <rehearse/reproduction.h>
 #include <rehearse/session.h>
+#include <rehearse/supervise.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -118,6 +120,8 @@ Exit run_branch(Settings& settings) {
   settings.branch.options.scenario = settings.scenario;
   settings.branch.options.duration = settings.duration;
   settings.branch.trace = settings.trace;
+  supervise_process();
+  end_runs_on_signals();
   return record_branch_of(settings.branch);
 }
 
@@ -143,6 +147,8 @@ Exit run(Settings& settings, const CLI::App& options) {
                                     settings.verify ? "--verify" : "what the scenario expects"),
                         "write a file"));
 
+  supervise_process();
+  end_runs_on_signals();
   InterposerWatch watch;
   if (is_interposed()) settings.record.watch = &watch;
   const Stopwatch stopwatch;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/branch.h>
 #include <rehearse/replay.h>
+#include <rehearse/supervise.h>
 
 #include <cstdint>
 #include <cstdio>
@@ -153,8 +154,10 @@ Exit run_ticks(Settings& settings) {
 Exit run(Settings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
+  if (!settings.is_of_a_log())
+    if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
+  supervise_process();
   if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);
-  if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
   if (settings.ticks.is_asked() || settings.ticks.every != 1 || settings.ticks.full) return run_ticks(settings);

@@ -72,7 +72,7 @@ bool is_interposed();
 /// left there.
 class StackFill {
  public:
-  static constexpr std::size_t depth = 65536;  // [bytes]
+  static constexpr std::size_t depth = 81920;  // [bytes]; the first 16 KiB are left free by guarded_call()
   explicit StackFill(unsigned char pattern) : pattern_(pattern) {}
   void paint() const;
 

@@ -10,9 +10,10 @@
 #include "cnoid_body.h"
 #include "controller_watch.h"
 #include "debug_hook.h"
-#include "recording/hashing.h"
 #include "info_text.h"
 #include "opened_files.h"
+#include "recording/hashing.h"
+#include "supervisor.h"
 #include "usable_outputs.h"
 
 namespace rehearse {
@@ -138,9 +139,11 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   if (!file) return at(specification.place, file.errors()[0]);
   const std::filesystem::path loaded_file = std::filesystem::absolute(*file);
   auto loaded = [&] {
+    note_call_begin(hosted.label.c_str(), loading, 0, 0.0, options_.call_limit);
     const Watched watched(options_.watch, {hosted.label, loaded_file, "load"});
     return ControllerLibrary::open(loaded_file, options_.call_limit);
   }();
+  note_call_end();
   if (!loaded) return at(specification.place, loaded.errors()[0]);
   hosted.library = *loaded;
   if (options_.keep_libraries) hosted.library->keep_loaded();
@@ -189,12 +192,21 @@ void ControllerHost::tell_trespasses(HostedController& hosted, const char* funct
       event(Severity::warning, hosted.label, fmt::format("{}() at tick {} {}", function, tick_, trespass.deed));
 }
 
+/// A thread may have failed of another controller than the one that is called.
+const std::string& ControllerHost::label_of_failed(const HostedController& called, const CallOutcome& outcome) const {
+  if (!outcome.by_thread_of || called.library->threads().get() == outcome.by_thread_of) return called.label;
+  for (const HostedController& hosted : controllers_)
+    if (hosted.library && hosted.library->threads().get() == outcome.by_thread_of) return hosted.label;
+  return called.label;
+}
+
 bool ControllerHost::call(HostedController& hosted, const char* function, const std::function<void()>& code,
                           HowOften how_often) {
   const PluggedIn plugged_in(hosted.joystick.get());
   const double now = time_of(tick_, scenario_->time_step);
   const DebuggedCall debugged({run_, tick_, now, hosted.label.c_str(), function, hosted.controller.get(), hosted.io.get(),
                                hosted.io_body ? &hosted.io_body->body() : nullptr});
+  note_call_begin(hosted.label.c_str(), function, tick_, now, options_.call_limit);
   ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
   const CallOutcome outcome = [&] {
     const Watched watched(options_.watch, {hosted.label, hosted.library->file(), function, tick_, now});
@@ -205,10 +217,12 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   take_opened_files(hosted);
   tell_trespasses(hosted, function, outcome);
   collect_messages(hosted, outcome.end);
+  note_call_end();
   if (outcome.end == CallEnd::returned) return true;
-  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", hosted.label, outcome.what, function,
-                                 tick_, time_of(tick_, scenario_->time_step));
-  event(Severity::error, hosted.label, text);
+  const std::string& label = label_of_failed(hosted, outcome);
+  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", label, outcome.what, function, tick_,
+                                 time_of(tick_, scenario_->time_step));
+  event(Severity::error, label, text);
   if (!failure_) failure_ = error(std::move(text));
   hosted.running = false;
   hosted.configured = false;
@@ -504,6 +518,12 @@ void ControllerHost::keep_libraries_of_threads() {
           fmt::format("leaves {} running after stop(): {} stays loaded",
                       running == 1 ? "a thread" : fmt::format("{} threads", running.load()),
                       hosted.library->file().filename().string()));
+    if (failure_) continue;
+    const CallOutcome late = guarded_call([] {}, options_.call_limit);  // a thread may have failed after the last call
+    if (late.end == CallEnd::returned) continue;
+    failure_ = error(fmt::format("controller '{}' {} before tick {} ({} s)", label_of_failed(hosted, late), late.what,
+                                 tick_ + 1, time_of(tick_ + 1, scenario_->time_step)));
+    event(Severity::error, label_of_failed(hosted, late), failure_->message);
   }
 }
 

@@ -104,6 +104,7 @@ class ControllerHost {
   bool call(HostedController& hosted, const char* function, const std::function<void()>& code,
             HowOften how_often = HowOften::once);
   void tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome);
+  const std::string& label_of_failed(const HostedController& called, const CallOutcome& outcome) const;
   void keep_libraries_of_threads();
   void refuse(HostedController& hosted, const char* function);
   void take_opened_files(HostedController& hosted);

@@ -16,6 +16,7 @@
 
 #include "guarded_call.h"
 #include "recording/hashing.h"
+#include "supervisor.h"
 
 namespace rehearse {
 namespace {
@@ -168,9 +169,11 @@ void ControllerLibrary::keep_loaded() {
 ControllerLibrary::~ControllerLibrary() {
   if (!handle_ || keep_loaded_) return;
   // its static objects are destroyed in here, when nobody listens any more: what they do is put right all the same
+  note_call_begin(file_.filename().c_str(), unloading, 0, 0.0, call_limit_);
   ProcessGuard::instance().begin(threads_, true);
   const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
   ProcessGuard::instance().put_right();
+  note_call_end();
   if (outcome.end == CallEnd::returned) return;
   guard_process_end();
   interrupted_libraries()[fs::absolute(file_)] = "failed while it was unloaded: it " + outcome.what;

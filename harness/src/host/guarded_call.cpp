@@ -7,7 +7,7 @@
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
 #include <signal.h>
-#include <sys/syscall.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,23 +20,67 @@
 #include <thread>
 #include <typeinfo>
 
+#include "process_guard.h"
+#include "supervisor.h"
+
 namespace rehearse {
 namespace {
 
 constexpr int caught_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+/// These end a process, too. A controller may handle them itself.
+constexpr int deadly_signals[] = {SIGALRM, SIGVTALRM, SIGPROF, SIGXFSZ, SIGSYS};
 constexpr int hang_signal = SIGXCPU;  // sent by the watchdog; nobody else sends it unless a CPU limit is set
 constexpr int exit_instead = -1;      // at the return point, in the place of a signal
 constexpr std::size_t signal_stack_size = 64 * 1024;
+constexpr std::size_t stack_gap = 16 * 1024;
 
 sigjmp_buf return_point;
 volatile sig_atomic_t guarding = 0;
 pthread_t guarded_thread;
-const char* exit_function = nullptr;  // how the code of the last call wanted to end the process
-int exit_status = 0;
+const char* exit_deed = nullptr;  // how the code of the last call wanted to end the process
 struct sigaction outside_actions[NSIG];  // as they were before ours
+
+/// A page that holds 1 during guarded calls, and zeros in a process that is forked in one: the kernel wipes it there.
+/// So a call that ends in such a process is noticed without a system call.
+volatile unsigned char* const unforked = [] {
+  constexpr std::size_t size = 4096;
+  void* page = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (page == MAP_FAILED) return static_cast<unsigned char*>(calloc(size, 1));
+  madvise(page, size, MADV_WIPEONFORK);
+  return static_cast<unsigned char*>(page);
+}();
+
+/// The failure of a thread that a controller started.
+struct ThreadFailure {
+  std::atomic<int> state{0};  // 0: none; 1: one writes it; 2: it can be read
+  const void* library = nullptr;
+  char deed[512] = {};
+} thread_failure;
 
 volatile sig_atomic_t ending = 0;  // the process: what remains of it runs in exit()
 int end_status = 0;
+
+/// In a signal handler, too.
+const char* describe_signal(int signal_number) {
+  switch (signal_number) {
+    case SIGSEGV:
+      return "crashed: segmentation fault (an access to memory that isn't there, as through a null pointer)";
+    case SIGBUS: return "crashed: bus error";
+    case SIGFPE: return "crashed: arithmetic fault (as a division of an integer by zero)";
+    case SIGILL: return "crashed: illegal instruction";
+    case SIGABRT: return "crashed: it called abort, or an assertion of its own failed";
+    case SIGALRM: return "was ended by SIGALRM, of a timer that nobody handles (alarm or setitimer)";
+    case SIGVTALRM: return "was ended by SIGVTALRM, of a timer that nobody handles (setitimer)";
+    case SIGPROF: return "was ended by SIGPROF, of a timer that nobody handles (setitimer)";
+    case SIGXFSZ: return "was ended by SIGXFSZ: a file grew beyond the limit of the process";
+    case SIGSYS: return "was ended by SIGSYS: a system call that it may not make";
+    default: return "was ended by a signal that nobody handles";
+  }
+}
+
+bool is_fault(int signal_number) {
+  return signal_number == SIGSEGV || signal_number == SIGBUS || signal_number == SIGFPE || signal_number == SIGILL;
+}
 
 extern "C" void leave_guarded_code(int signal_number) {
   if (in_guarded_call()) {
@@ -45,22 +89,10 @@ extern "C" void leave_guarded_code(int signal_number) {
   }
   end_if_ending();
   if (signal_number == hang_signal) return;  // it came too late: the call has returned
+  if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(signal_number));
   // A crash outside of guarded code is not ours to hide: whoever handled it before gets it when the fault repeats.
   sigaction(signal_number, &outside_actions[signal_number], nullptr);
-  if (signal_number == SIGABRT) raise(SIGABRT);
-}
-
-/// A debugger looks at this process (or another tracer, as strace). Allocates nothing and takes no lock: the code that
-/// hangs may hold any, that of the dynamic linker included.
-bool is_traced() {
-  const int status = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
-  if (status < 0) return false;
-  char text[4096] = {};
-  const ssize_t size = read(status, text, sizeof text - 1);
-  close(status);
-  constexpr const char* key = "\nTracerPid:\t";
-  const char* tracer = size > 0 ? std::strstr(text, key) : nullptr;
-  return tracer && tracer[std::strlen(key)] != '0';
+  if (!is_fault(signal_number)) raise(signal_number);
 }
 
 /// Watches from a thread of its own that no guarded call takes longer than its limit, unless a debugger holds it. This is wall time on purpose: it
@@ -114,16 +146,10 @@ class Watchdog {
   std::atomic<double> limit_{0.0};
 };
 
-/// The signal stack of this thread, so that an overflow of its ordinary one can be survived. It is there as long as the
-/// process: exit() ends a thread's own objects first.
+/// Of the thread that makes the calls. It is there as long as the process: exit() ends a thread's own objects first.
 void provide_signal_stack() {
-  thread_local char* stack = nullptr;
-  if (stack) return;
-  stack = new char[signal_stack_size];
-  stack_t alternate{};
-  alternate.ss_sp = stack;
-  alternate.ss_size = signal_stack_size;
-  sigaltstack(&alternate, nullptr);
+  thread_local SignalStack* stack = nullptr;
+  if (!stack) stack = new SignalStack;
 }
 
 constexpr double end_limit = 10.0;  // [s] for all that a process still does in exit()
@@ -132,6 +158,7 @@ constexpr double end_limit = 10.0;  // [s] for all that a process still does in 
 extern "C" void guard_rest(int status, void*) {
   if (ending) return;
   std::fflush(nullptr);
+  announce_end(status);
   end_status = status;
   ending = 1;
   guarded_thread = pthread_self();
@@ -149,17 +176,9 @@ void install_handlers() {
   action.sa_flags = SA_ONSTACK | SA_NODEFER;
   for (const int signal_number : caught_signals) sigaction(signal_number, &action, &outside_actions[signal_number]);
   sigaction(hang_signal, &action, &outside_actions[hang_signal]);
-}
-
-std::string describe_signal(int signal_number) {
-  switch (signal_number) {
-    case SIGSEGV:
-      return "crashed: segmentation fault (an access to memory that isn't there, as through a null pointer)";
-    case SIGBUS: return "crashed: bus error";
-    case SIGFPE: return "crashed: arithmetic fault (as a division of an integer by zero)";
-    case SIGILL: return "crashed: illegal instruction";
-    case SIGABRT: return "crashed: it called abort, or an assertion of its own failed";
-    default: return "crashed: signal " + std::to_string(signal_number);
+  for (const int signal_number : deadly_signals) {
+    sigaction(signal_number, nullptr, &outside_actions[signal_number]);
+    if (outside_actions[signal_number].sa_handler == SIG_DFL) sigaction(signal_number, &action, nullptr);
   }
 }
 
@@ -193,7 +212,24 @@ void prepare_guarded_calls() { install_handlers(); }
 void guard_process_end() { on_exit(guard_rest, nullptr); }
 
 void end_if_ending() {
-  if (ending) syscall(SYS_exit_group, end_status);
+  if (ending) leave_process(end_status);
+}
+
+/// With some of the stack left free above it, which an array that is overrun reaches instead of our own frames.
+[[gnu::noinline]] void run_below_gap(const std::function<void()>& code, CallOutcome& outcome) {
+  char* const gap = static_cast<char*>(__builtin_alloca(stack_gap));
+  asm volatile("" : : "r"(gap) : "memory");
+  run_catching(code, outcome);
+  asm volatile("" : : "r"(gap) : "memory");
+}
+
+/// A thread of a controller's failed since the last look.
+void take_thread_failure(CallOutcome& outcome) {
+  if (thread_failure.state.load(std::memory_order_acquire) != 2) return;
+  outcome.end = CallEnd::crashed;
+  outcome.what = fmt::format("started a thread that {}", thread_failure.deed);
+  outcome.by_thread_of = thread_failure.library;
+  thread_failure.state.store(0, std::memory_order_release);
 }
 
 CallOutcome guarded_call(const std::function<void()>& code, double limit) {
@@ -201,6 +237,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   install_handlers();
   provide_signal_stack();
   guarded_thread = pthread_self();
+  *unforked = 1;
   const FloatMode standard, mode_before = float_mode();
   if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
@@ -208,13 +245,14 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
     guarding = 1;
-    run_catching(code, outcome);
+    run_below_gap(code, outcome);
     guarding = 0;
   } else {
     outcome.end = signal_number == exit_instead  ? CallEnd::exited
                   : signal_number == hang_signal ? CallEnd::hung
                                                  : CallEnd::crashed;
   }
+  if (*unforked == 0) leave_process(EXIT_FAILURE);  // a child that the code forked: the run is its parent's
   Watchdog::instance().end();
   outcome.float_mode = float_mode();
   outcome.changed_float_mode = !(outcome.float_mode == standard);
@@ -224,21 +262,63 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   else if (outcome.end == CallEnd::crashed)
     outcome.what = describe_signal(signal_number);
   else if (outcome.end == CallEnd::exited)
-    outcome.what = fmt::format("called {}({})", exit_function, exit_status);
+    outcome.what = exit_deed;
+  take_thread_failure(outcome);
   return outcome;
 }
 
-bool in_guarded_call() { return guarding && pthread_equal(pthread_self(), guarded_thread); }
+bool in_guarded_call() { return guarding && *unforked && pthread_equal(pthread_self(), guarded_thread); }
+
+bool is_forked_by_guest() {
+  return unforked && *unforked == 0 && (own_threads || (guarding && pthread_equal(pthread_self(), guarded_thread)));
+}
+
+bool in_controllers_code() { return in_guarded_call() || own_threads; }
+
+void fail_on_own_thread(const char* deed) {
+  int none = 0;
+  if (thread_failure.state.compare_exchange_strong(none, 1)) {
+    std::strncpy(thread_failure.deed, deed, sizeof thread_failure.deed - 1);
+    thread_failure.library = own_threads ? own_threads->get() : nullptr;
+    thread_failure.state.store(2, std::memory_order_release);
+    if (guarding) pthread_kill(guarded_thread, hang_signal);
+  }
+  for (;;) pause();
+}
+
+bool is_traced(const char* status_file) {
+  const int status = open(status_file, O_RDONLY | O_CLOEXEC);
+  if (status < 0) return false;
+  char text[4096] = {};
+  const ssize_t size = read(status, text, sizeof text - 1);
+  close(status);
+  constexpr const char* key = "\nTracerPid:\t";
+  const char* tracer = size > 0 ? std::strstr(text, key) : nullptr;
+  return tracer && tracer[std::strlen(key)] != '0';
+}
+
+SignalStack::SignalStack() : memory_(new char[signal_stack_size]) {
+  stack_t alternate{};
+  alternate.ss_sp = memory_;
+  alternate.ss_size = signal_stack_size;
+  sigaltstack(&alternate, nullptr);
+}
+
+SignalStack::~SignalStack() {
+  stack_t none{};
+  none.ss_flags = SS_DISABLE;
+  sigaltstack(&none, nullptr);
+  delete[] memory_;
+}
 
 bool ends_calls(int signal_number) {
   return signal_number == hang_signal ||
          std::find(std::begin(caught_signals), std::end(caught_signals), signal_number) != std::end(caught_signals);
 }
 
-void leave_guarded_call(const char* function, int status) {
+void leave_guarded_call(const char* deed) {
   REHEARSE_ASSERT(in_guarded_call(), "there is a call to leave");
-  exit_function = function;
-  exit_status = status;
+  exit_deed = deed;
   guarding = 0;
   siglongjmp(return_point, exit_instead);
 }

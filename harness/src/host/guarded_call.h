@@ -19,7 +19,7 @@ enum class CallEnd {
   threw,    // an exception left it
   crashed,  // a signal: segmentation fault, abort, ...
   hung,     // it did not return within the limit
-  exited,   // it called exit, _exit or quick_exit
+  exited,   // it called exit, _exit, quick_exit or exec
 };
 
 struct CallOutcome {
@@ -27,6 +27,7 @@ struct CallOutcome {
   std::string what;                 // for a person: "threw std::runtime_error: no gait"; empty if it returned
   FloatMode float_mode;             // that it left behind; what was before the call has been set again
   bool changed_float_mode = false;  // it isn't the standard one
+  const void* by_thread_of = nullptr;  // it was a thread that failed: of the library with this count of threads
 };
 
 /// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s].
@@ -45,8 +46,37 @@ void end_if_ending();
 /// This is the thread that makes the guarded calls, and it is inside of one.
 bool in_guarded_call();
 
-/// Ends the guarded call that this is called in, as if the code had ended the process by `function`.
-[[noreturn]] void leave_guarded_call(const char* function, int status);
+/// Ends the guarded call that this is called in, as if the code had ended the process by `function`. `deed`: "called exit(0)".
+[[noreturn]] void leave_guarded_call(const char* deed);
+
+/// A thread of a controller's own has failed. The guarded call that is under way ends for that, or else the next one;
+/// the thread stands still for good, since it can't be left as a call can. `deed`: "threw std::runtime_error: ...".
+[[noreturn]] void fail_on_own_thread(const char* deed);
+
+/// This process was forked by code in a guarded call, or by a thread of a controller's own. It ends where that call ends.
+bool is_forked_by_guest();
+
+/// This thread runs code of a controller: in a guarded call, or as a thread that a controller started.
+bool in_controllers_code();
+
+/// Ends the process, past all that would be called in exit().
+[[noreturn]] void leave_process(int status);
+
+/// A debugger, or another tracer as strace, looks at the process. Allocates nothing and takes no lock: the code that
+/// hangs may hold any, that of the dynamic linker included.
+bool is_traced(const char* status_file = "/proc/self/status");
+
+/// A signal stack for this thread while it lives, so that an overflow of its ordinary stack can be survived.
+class SignalStack {
+ public:
+  SignalStack();
+  ~SignalStack();
+  SignalStack(const SignalStack&) = delete;
+  SignalStack& operator=(const SignalStack&) = delete;
+
+ private:
+  char* memory_;
+};
 
 /// A signal by which a call that crashes or hangs is ended. It has to reach us, whatever the code says of signals.
 bool ends_calls(int signal_number);

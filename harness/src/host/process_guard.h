@@ -32,6 +32,8 @@ struct Trespass {
     locale,
     environment,
     umask,
+    limits,
+    fork,
     descriptors,
     thread_exit
   };
@@ -67,8 +69,10 @@ class ProcessGuard {
   bool keeps_signal(int signal_number);
   /// Of the code that runs in this thread; null: none of a controller's.
   ThreadCount threads_here() const;
-  /// A thread of a controller's own wanted to end the process; it stands still instead.
-  void note_thread_exit(const char* function, int status);
+  /// A thread of a controller's own wanted to end the process; it stands still instead. `deed`: "called exit(0)".
+  void note_thread_exit(const char* deed);
+  /// Guarded code, or a thread of a controller's own, has made a child process.
+  void note_fork();
 
  private:
   struct State;

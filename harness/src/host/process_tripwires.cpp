@@ -3,6 +3,7 @@
 // The dynamic linker finds these first, because this library comes before libc in whatever links it. Outside of a
 // guarded call they do what libc's do. In one, a function that would end the process ends the call; one that would
 // change the process has ProcessGuard look first; what a run stands on is not given away (process_guard.h).
+#include <cxxabi.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -10,15 +11,23 @@
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <exception>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "guarded_call.h"
 #include "process_guard.h"
@@ -36,7 +45,9 @@ using rehearse::ThreadCount;
   FUNCTION(umask) FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv)         \
   FUNCTION(clearenv) FUNCTION(alarm) FUNCTION(setitimer) FUNCTION(sigaction) FUNCTION(signal)                          \
   FUNCTION(pthread_sigmask) FUNCTION(sigprocmask) FUNCTION(close) FUNCTION(dup2) FUNCTION(dup3) FUNCTION(fclose)       \
-  FUNCTION(close_range) FUNCTION(closefrom) FUNCTION(pthread_create)
+  FUNCTION(close_range) FUNCTION(closefrom) FUNCTION(pthread_create) FUNCTION(setrlimit) FUNCTION(setrlimit64)         \
+  FUNCTION(prlimit) FUNCTION(prlimit64) FUNCTION(fork) FUNCTION(execve) FUNCTION(execv) FUNCTION(execvp)               \
+  FUNCTION(execvpe) FUNCTION(fexecve) FUNCTION(syscall)
 
 struct NextFunctions {
 #define REHEARSE_MEMBER(function) \
@@ -63,14 +74,42 @@ bool keeps(int descriptor) {
 
 bool keeps_signal(int number) { return rehearse::in_guarded_call() && ProcessGuard::instance().keeps_signal(number); }
 
-/// Comes back if the process shall end.
-void end_only_the_call(const char* function, int status) {
+/// Comes back if the process shall end, or become another program. `status`: of the exit; none for exec.
+void end_only_the_call(const char* function, std::optional<int> status) {
   rehearse::end_if_ending();
-  if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(function, status);
-  if (!rehearse::own_threads) return;
-  ProcessGuard::instance().note_thread_exit(function, status);
+  if (rehearse::is_forked_by_guest()) {
+    if (status) rehearse::leave_process(*status);
+    return;
+  }
+  if (!rehearse::in_controllers_code()) return;
+  static thread_local char deed[64];
+  if (status)
+    std::snprintf(deed, sizeof deed, "called %s(%d)", function, *status);
+  else
+    std::snprintf(deed, sizeof deed, "called %s", function);
+  if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(deed);
+  ProcessGuard::instance().note_thread_exit(deed);
   for (;;) pause();  // it can't be left as a call can, and what comes after exit() is not meant to run
 }
+
+/// In the parent: it is told. In the child: it ends when the thread that forked it does.
+pid_t forked(pid_t child) {
+  if (child > 0 && rehearse::in_controllers_code()) ProcessGuard::instance().note_fork();
+  if (child == 0 && rehearse::is_forked_by_guest()) prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return child;
+}
+
+/// The words of an execl(), the null pointer at their end included; of an execle() its environment as well.
+struct ExecWords {
+  std::vector<char*> words;
+  char* const* environment = nullptr;
+
+  ExecWords(const char* first, va_list more, bool has_environment) {
+    for (const char* word = first; word; word = va_arg(more, const char*)) words.push_back(const_cast<char*>(word));
+    words.push_back(nullptr);
+    if (has_environment) environment = va_arg(more, char* const*);
+  }
+};
 
 /// Without the signals that end calls, if they were to be blocked.
 sigset_t without_ours(const sigset_t& set) {
@@ -97,7 +136,20 @@ void* run_counted(void* given) {
       --*count;
     }
   } counted(start->count);
-  return start->routine(start->argument);
+  const rehearse::SignalStack signal_stack;
+  char deed[512];
+  try {
+    void* const result = start->routine(start->argument);
+    if (rehearse::is_forked_by_guest()) rehearse::leave_process(EXIT_FAILURE);
+    return result;
+  } catch (const abi::__forced_unwind&) {
+    throw;  // pthread_exit and pthread_cancel
+  } catch (const std::exception& exception) {
+    std::snprintf(deed, sizeof deed, "threw an exception that nobody catches: %s", exception.what());
+  } catch (...) {
+    std::snprintf(deed, sizeof deed, "threw something that nobody catches and that is no std::exception");
+  }
+  rehearse::fail_on_own_thread(deed);
 }
 
 }  // namespace
@@ -126,6 +178,97 @@ void quick_exit(int status) noexcept {
   end_only_the_call("quick_exit", status);
   NEXT(quick_exit)(status);
   __builtin_unreachable();
+}
+
+int execve(const char* file, char* const words[], char* const environment[]) noexcept {
+  end_only_the_call("execve", {});
+  return NEXT(execve)(file, words, environment);
+}
+
+int execv(const char* file, char* const words[]) noexcept {
+  end_only_the_call("execv", {});
+  return NEXT(execv)(file, words);
+}
+
+int execvp(const char* file, char* const words[]) noexcept {
+  end_only_the_call("execvp", {});
+  return NEXT(execvp)(file, words);
+}
+
+int execvpe(const char* file, char* const words[], char* const environment[]) noexcept {
+  end_only_the_call("execvpe", {});
+  return NEXT(execvpe)(file, words, environment);
+}
+
+int fexecve(int file, char* const words[], char* const environment[]) noexcept {
+  end_only_the_call("fexecve", {});
+  return NEXT(fexecve)(file, words, environment);
+}
+
+int execl(const char* file, const char* first, ...) noexcept {
+  end_only_the_call("execl", {});
+  va_list more;
+  va_start(more, first);
+  const ExecWords given(first, more, false);
+  va_end(more);
+  return NEXT(execv)(file, given.words.data());
+}
+
+int execlp(const char* file, const char* first, ...) noexcept {
+  end_only_the_call("execlp", {});
+  va_list more;
+  va_start(more, first);
+  const ExecWords given(first, more, false);
+  va_end(more);
+  return NEXT(execvp)(file, given.words.data());
+}
+
+int execle(const char* file, const char* first, ...) noexcept {
+  end_only_the_call("execle", {});
+  va_list more;
+  va_start(more, first);
+  const ExecWords given(first, more, true);
+  va_end(more);
+  return NEXT(execve)(file, given.words.data(), given.environment);
+}
+
+pid_t fork() noexcept { return forked(NEXT(fork)()); }
+
+/// As fork(): its caller may not return before the child is gone, so it can't be passed on.
+pid_t vfork() noexcept { return fork(); }
+
+long syscall(long number, ...) noexcept {
+  va_list more;
+  va_start(more, number);
+  long given[6];
+  for (long& one : given) one = va_arg(more, long);
+  va_end(more);
+  if (number == SYS_exit_group) end_only_the_call("exit_group", static_cast<int>(given[0]));
+  if (number == SYS_execve) end_only_the_call("execve", {});
+#ifdef SYS_fork
+  if (number == SYS_fork || number == SYS_vfork) return fork();
+#endif
+  return NEXT(syscall)(number, given[0], given[1], given[2], given[3], given[4], given[5]);
+}
+
+int setrlimit(__rlimit_resource_t resource, const rlimit* limit) noexcept {
+  look();
+  return NEXT(setrlimit)(resource, limit);
+}
+
+int setrlimit64(__rlimit_resource_t resource, const rlimit64* limit) noexcept {
+  look();
+  return NEXT(setrlimit64)(resource, limit);
+}
+
+int prlimit(pid_t process, __rlimit_resource resource, const rlimit* limit, rlimit* before) noexcept {
+  if (limit) look();
+  return NEXT(prlimit)(process, resource, limit, before);
+}
+
+int prlimit64(pid_t process, __rlimit_resource resource, const rlimit64* limit, rlimit64* before) noexcept {
+  if (limit) look();
+  return NEXT(prlimit64)(process, resource, limit, before);
 }
 
 int chdir(const char* path) noexcept {
@@ -262,3 +405,12 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 }
 
 }  // extern "C"
+
+namespace rehearse {
+
+void leave_process(int status) {
+  NEXT(_exit)(status);
+  __builtin_unreachable();
+}
+
+}  // namespace rehearse

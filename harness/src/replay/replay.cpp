@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/clock.h>
+#include <rehearse/interruption.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
@@ -246,6 +247,10 @@ bool Replayer::finish_tick() {
   if (last_state) return false;  // after the last step only the state is recorded
   if (now_ >= until_) return cut_short_ = true, false;
   if (!follows_on()) return false;
+  if (auto interrupted = interrupted_at(tick_.tick, scenario_.time_step)) {
+    errors_ = {*std::move(interrupted)};
+    return false;
+  }
   tick_differs_ = false;
   words_.begin_tick([this](Divergence&& found) { say_differs(std::move(found)); });
   if (!host_.control(tick_.tick, inputs_of_tick())) return take_events(), false;

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <rehearse/interruption.h>
 #include <rehearse/ode_messages.h>
 
 #include <utility>
 
 #include "host/float_mode.h"
+#include "host/supervisor.h"
 #include "recording/provenance.h"
 
 namespace rehearse {
@@ -24,6 +26,7 @@ Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOp
   recorder = std::move(*recording);
   descriptor.emplace(recorder->descriptor(), "the recording");
   file = trace;
+  note_recording(file);
   return {};
 }
 
@@ -61,6 +64,7 @@ Result<bool> ClosedLoop::step() {
   const StandardFloatMode float_mode;
   const std::int64_t tick = plant->tick();
   if (tick >= scenario.ticks() || host->failure() || summary.failure) return false;
+  if ((summary.failure = interrupted_at(tick, scenario.time_step))) return false;
 
   plant->sense();
   look();
@@ -139,6 +143,7 @@ Result<RunSummary> ClosedLoop::finish() {
   if (const auto files = host->files_read(); !files.empty())
     if (auto done = recorder->add_metadata(files_record, files); !done) return done.errors();
   if (auto done = recorder->close(outcome); !done) return done.errors();
+  note_recording({});
   summary.ticks = size.ticks;
   summary.channels = size.channels;
   summary.frames = size.frames;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
+#include <rehearse/interruption.h>
 #include <rehearse/ode_messages.h>
 #include <rehearse/plant_run.h>
 
@@ -74,6 +75,7 @@ Result<void> PlantRun::set_back() {
 /// One tick of the loop: sense, record, set back, command, step. False: it was the last.
 Result<bool> PlantRun::step(std::int64_t last) {
   const std::int64_t tick = plant->tick();
+  if (auto interrupted = interrupted_at(tick, scenario.time_step)) return *std::move(interrupted);
   plant->sense();
   if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done.errors();
   // what touches is known after a step; of a run that begins in the middle, the first that is known begins nothing

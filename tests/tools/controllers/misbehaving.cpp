@@ -1,5 +1,6 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance.
+// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance; and what ends the process past
+// the C library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdlib>
@@ -8,9 +9,96 @@
 #include <stdexcept>
 #include <string>
 
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstring>
+#include <thread>
+
 namespace {
+
+void spin() {
+  for (volatile bool forever = true; forever;) {
+  }
+}
+
+/// A system call as a library of one's own would make it.
+long system_call(long number, long first = 0, long second = 0, long third = 0, long fourth = 0) {
+  long result = 0;
+#if defined(__x86_64__)
+  register long r10 asm("r10") = fourth;
+  asm volatile("syscall"
+               : "=a"(result)
+               : "a"(number), "D"(first), "S"(second), "d"(third), "r"(r10)
+               : "rcx", "r11", "memory");
+#else
+  result = syscall(number, first, second, third, fourth);
+#endif
+  return result;
+}
+
+/// 200 bytes into an array of 16.
+[[gnu::noinline]] void overrun(volatile std::size_t size) {
+  char small[16];
+  std::memset(small, 0x5a, size);
+  asm volatile("" : : "r"(small) : "memory");
+}
+
+void null_write() {
+  volatile int* volatile nowhere = nullptr;
+  *nowhere = 1;
+}
+
+void set_timer_and_wait() {
+  const itimerval soon{{0, 0}, {0, 20000}};
+  setitimer(ITIMER_REAL, &soon, nullptr);
+  spin();
+}
+
+void block_and_spin() {
+  const unsigned long all = ~0UL;
+  system_call(SYS_rt_sigprocmask, SIG_BLOCK, reinterpret_cast<long>(&all), 0, sizeof all);
+  spin();
+}
+
+void past_the_library(const std::string& deed) {
+  if (deed == "exit_group") system_call(SYS_exit_group, 0);
+  if (deed == "syscall_exit") syscall(SYS_exit_group, 0);
+  if (deed == "execl") execl("/bin/true", "true", nullptr);
+  if (deed == "raw_exec") {
+    const char* const words[] = {"true", nullptr};
+    system_call(SYS_execve, reinterpret_cast<long>("/bin/true"), reinterpret_cast<long>(words),
+                reinterpret_cast<long>(words + 1));
+  }
+  if (deed == "kill") kill(getpid(), SIGKILL);
+  if (deed == "term") kill(getpid(), SIGTERM);
+  if (deed == "overrun") overrun(200);
+  if (deed == "thread_crash") std::thread(null_write).join();
+  if (deed == "thread_throw") std::thread([] { throw std::runtime_error("no map"); }).join();
+  if (deed == "thread_exit_group") std::thread([] { system_call(SYS_exit_group, 0); }).join();
+  if (deed == "detached_crash") std::thread(null_write).detach();
+  if (deed == "timer") set_timer_and_wait();
+  if (deed == "block_and_hang") block_and_spin();
+  if (deed == "file_limit") {
+    const rlimit none{0, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &none);
+  }
+  if (deed == "fork") fork();
+  if (deed == "raw_fork") system_call(SYS_clone, SIGCHLD);
+  if (deed == "vfork") static_cast<void>(vfork());
+  if (deed == "fork_and_spin" && fork() == 0) spin();
+  if (deed == "fork_and_exit") {
+    const pid_t child = fork();
+    if (child == 0) _exit(7);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 7) std::abort();
+  }
+}
 
 volatile bool deeper = true;
 
@@ -54,10 +142,8 @@ class Misbehaving : public cnoid::SimpleController {
       volatile char bottom = 0;
       sink(&bottom);
     }
-    if (deed_ == "hang") {
-      for (volatile bool forever = true; forever;) {
-      }
-    }
+    if (deed_ == "hang") spin();
+    past_the_library(deed_);
   }
 
   std::string deed_;

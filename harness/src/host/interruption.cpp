@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/interruption.h>
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cstring>
+
+namespace rehearse {
+namespace {
+
+volatile sig_atomic_t came = 0;
+volatile time_t came_at = 0;  // [s]
+
+time_t seconds_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec;
+}
+
+/// A signal may come twice at once: from a terminal's or a time limit's process group, and passed on by the parent.
+extern "C" void take_interruption(int number, siginfo_t* sent, void*) {
+  if (sent->si_code <= 0 && sent->si_pid == getpid()) {  // a controller ends its own process
+    signal(number, SIG_DFL);
+    raise(number);
+  } else if (came == 0) {
+    came_at = seconds_now();
+    came = number;
+  } else if (seconds_now() - came_at > 1) {
+    signal(number, SIG_DFL);
+    raise(number);
+  }
+}
+
+}  // namespace
+
+void end_runs_on_signals() {
+  struct sigaction action {};
+  action.sa_sigaction = take_interruption;
+  action.sa_flags = SA_RESTART | SA_SIGINFO;
+  for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
+}
+
+int interruption() { return came; }
+
+std::optional<Diagnostic> interrupted_at(std::int64_t tick, double time_step) {
+  if (came == 0) return std::nullopt;
+  return error(fmt::format("interrupted by SIG{} before tick {} ({} s)", sigabbrev_np(came), tick,
+                           time_of(tick, time_step)));
+}
+
+}  // namespace rehearse

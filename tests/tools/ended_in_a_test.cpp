@@ -1,0 +1,19 @@
+// A test program of a user's whose controller ends it: run by failing_controllers_test.cpp, not by ctest.
+#include <rehearse/session.h>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+void record_scenario(const char* name) {
+  const auto scenario = rehearse::Scenario::load("pendulum.yaml");
+  ASSERT_TRUE(scenario.ok());
+  EXPECT_TRUE(rehearse::record(*scenario, name).ok());
+}
+
+TEST(Walk, Before) {}
+TEST(Walk, Ended) { record_scenario("ended.mcap"); }
+TEST(Walk, After) {}
+TEST(Walk, Last) { record_scenario("last.mcap"); }
+
+}  // namespace
