@@ -219,6 +219,7 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   collect_messages(hosted, outcome.end);
   note_call_end();
   if (outcome.end == CallEnd::returned) return true;
+  if (outcome.by_thread_of) thread_failed_of_ = outcome.by_thread_of;
   const std::string& label = label_of_failed(hosted, outcome);
   std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", label, outcome.what, function, tick_,
                                  time_of(tick_, scenario_->time_step));
@@ -514,17 +515,26 @@ void ControllerHost::keep_libraries_of_threads() {
     for (int i = 0; i < 50 && running > 0; ++i) usleep(1000);  // one that was told to end may need a moment
     if (running == 0) continue;
     hosted.library->keep_loaded();
-    event(Severity::warning, hosted.label,
-          fmt::format("leaves {} running after stop(): {} stays loaded",
-                      running == 1 ? "a thread" : fmt::format("{} threads", running.load()),
-                      hosted.library->file().filename().string()));
-    if (failure_) continue;
-    const CallOutcome late = guarded_call([] {}, options_.call_limit);  // a thread may have failed after the last call
-    if (late.end == CallEnd::returned) continue;
-    failure_ = error(fmt::format("controller '{}' {} before tick {} ({} s)", label_of_failed(hosted, late), late.what,
-                                 tick_ + 1, time_of(tick_ + 1, scenario_->time_step)));
-    event(Severity::error, label_of_failed(hosted, late), failure_->message);
+    take_late_failure(hosted);
+    const int left = running - (thread_failed_of_ == &running ? 1 : 0);  // one that failed stands still, and is told
+    if (left > 0)
+      event(Severity::warning, hosted.label,
+            fmt::format("leaves {} running after stop(): {} stays loaded",
+                        left == 1 ? "a thread" : fmt::format("{} threads", left),
+                        hosted.library->file().filename().string()));
   }
+}
+
+/// A thread may have failed after the last call.
+void ControllerHost::take_late_failure(const HostedController& hosted) {
+  if (failure_) return;
+  const CallOutcome late = guarded_call([] {}, options_.call_limit);
+  if (late.end == CallEnd::returned) return;
+  thread_failed_of_ = late.by_thread_of;
+  const std::string& label = label_of_failed(hosted, late);
+  failure_ = error(fmt::format("controller '{}' {} before tick {} ({} s)", label, late.what, tick_ + 1,
+                               time_of(tick_ + 1, scenario_->time_step)));
+  event(Severity::error, label, failure_->message);
 }
 
 std::uint64_t ControllerHost::input_hash(const Observation& seen) const {

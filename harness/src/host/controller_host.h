@@ -106,6 +106,7 @@ class ControllerHost {
   void tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome);
   const std::string& label_of_failed(const HostedController& called, const CallOutcome& outcome) const;
   void keep_libraries_of_threads();
+  void take_late_failure(const HostedController& hosted);
   void refuse(HostedController& hosted, const char* function);
   void take_opened_files(HostedController& hosted);
   void show_joystick(const Observation& seen);
@@ -127,6 +128,7 @@ class ControllerHost {
   std::vector<HostedController> controllers_;  // in order of their calls
   std::vector<msg::Event> events_;
   std::optional<Diagnostic> failure_;
+  const void* thread_failed_of_ = nullptr;  // the count of threads of the library whose thread failed
   bool refused_ = false;
   bool other_options_ = false;
   bool stopped_ = false;

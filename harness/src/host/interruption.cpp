@@ -7,6 +7,8 @@
 
 #include <cstring>
 
+#include "guarded_call.h"
+
 namespace rehearse {
 namespace {
 
@@ -21,7 +23,8 @@ time_t seconds_now() {
 
 /// A signal may come twice at once: from a terminal's or a time limit's process group, and passed on by the parent.
 extern "C" void take_interruption(int number, siginfo_t* sent, void*) {
-  if (sent->si_code <= 0 && sent->si_pid == getpid()) {  // a controller ends its own process
+  const bool own = sent->si_code <= 0 && sent->si_pid == getpid();  // a controller ends its own process
+  if (own || is_forked_by_guest()) {
     signal(number, SIG_DFL);
     raise(number);
   } else if (came == 0) {

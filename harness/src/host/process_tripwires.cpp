@@ -93,9 +93,13 @@ void end_only_the_call(const char* function, std::optional<int> status) {
 }
 
 /// In the parent: it is told. In the child: it ends when the thread that forked it does.
-pid_t forked(pid_t child) {
+pid_t fork_noted() {
+  const pid_t parent = getpid(), child = NEXT(fork)();
   if (child > 0 && rehearse::in_controllers_code()) ProcessGuard::instance().note_fork();
-  if (child == 0 && rehearse::is_forked_by_guest()) prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (child == 0 && rehearse::is_forked_by_guest()) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) rehearse::leave_process(EXIT_FAILURE);  // it ended before the line above
+  }
   return child;
 }
 
@@ -232,7 +236,7 @@ int execle(const char* file, const char* first, ...) noexcept {
   return NEXT(execve)(file, given.words.data(), given.environment);
 }
 
-pid_t fork() noexcept { return forked(NEXT(fork)()); }
+pid_t fork() noexcept { return fork_noted(); }
 
 /// As fork(): its caller may not return before the child is gone, so it can't be passed on.
 pid_t vfork() noexcept { return fork(); }

@@ -1,6 +1,6 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance; and what ends the process past
-// the C library, see past_the_library().
+// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance, slow (each
+// call takes 0.2 s); and what ends the process past the C library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdlib>
@@ -124,6 +124,7 @@ class Misbehaving : public cnoid::SimpleController {
 
   bool control() override {
     joint_->u() = -1.0 * joint_->q();
+    if (deed_ == "slow") usleep(200000);
     if (calls_++ == when_) misbehave();
     return true;
   }
