@@ -141,8 +141,9 @@ TEST_F(AuditVerb, RefusesATraceWithoutTheInputs) {
 TEST_F(AuditVerb, SaysThatAControllerRefuses) {
   const Outcome outcome = rehearse({"audit", scenario("good_constant_file", "nowhere.txt").string()});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.out, StartsWith("failed: controller 'Pendulum/Zoo' refuses to take part: initialize() returned false; "
-                                      "nowhere.txt wasn't there"));
+  EXPECT_THAT(outcome.out,
+              StartsWith("failed: controller 'Pendulum/Zoo' refuses to take part: initialize() returned false; "
+                         "nowhere.txt wasn't there"));
 }
 
 TEST_F(AuditVerb, SaysThatNothingWasCompared) {

@@ -45,7 +45,8 @@ class TwoFiles {
     EXPECT_TRUE(trace) << to_string(trace.errors());
     return *trace;
   }
-  Comparison compared(const Payload& golden, const Payload& actual, const std::vector<ToleranceRule>& rules = {}) const {
+  Comparison compared(const Payload& golden, const Payload& actual,
+                      const std::vector<ToleranceRule>& rules = {}) const {
     return compare(load("golden.mcap", {golden, golden, golden}), load("actual.mcap", {golden, actual, golden}), rules);
   }
   const std::string& schema() const { return schema_; }
@@ -114,8 +115,9 @@ TEST(CompareFields, FindsAnyValueOfAnyTypeThatHasATableOfItsOwn) {
 }
 
 TEST(CompareFields, FindsAnyValueOfTypesWithoutATableOfTheirOwn) {
-  every_field_is_compared("/R/Eye/camera_info",
-                          msg::CameraInfo{header(), 4, 6, "plumb_bob", {1, 2}, {3}, {4}, {5}, 1, 1, {1, 2, 3, 4, true}});
+  every_field_is_compared(
+      "/R/Eye/camera_info",
+      msg::CameraInfo{header(), 4, 6, "plumb_bob", {1, 2}, {3}, {4}, {5}, 1, 1, {1, 2, 3, 4, true}});
   every_field_is_compared("/R/Eye/image", msg::CompressedImage{header(), "png", {1, 2, 3}});
   every_field_is_compared("/R/Eye/image",
                           msg::CompressedImage{header(), "png", encode_png({4, 2, std::vector<std::uint8_t>(24, 9)})});

@@ -15,8 +15,8 @@
 namespace rehearse {
 namespace {
 
-using testing::bytes_of;
 using ::testing::AllOf;
+using testing::bytes_of;
 using ::testing::ExitedWithCode;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -59,9 +59,8 @@ TEST_F(GoldenDamage, OfOneBitIsFoundAndKeepsTheHistoryThatCanBeRead) {
   EXPECT_THAT(problem(), HasSubstr("damaged: "));
   EXPECT_THAT(settled(), HasSubstr("the golden can't be used: "));
   EXPECT_EQ(accepted(), "");
-  EXPECT_THAT(digest(),
-              AllOf(HasSubstr("\naccepted 2025-11-20, replaced: the golden before it can't be read"),
-                    HasSubstr("\naccepted before\n  1. 2025-11-20 first\n")));
+  EXPECT_THAT(digest(), AllOf(HasSubstr("\naccepted 2025-11-20, replaced: the golden before it can't be read"),
+                              HasSubstr("\naccepted before\n  1. 2025-11-20 first\n")));
 }
 
 TEST_F(GoldenDamage, NoneIsAGoldenOfANewerFormatButItIsNotUsed) {

@@ -10,8 +10,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::StartsWith;
 using testing::SmallTrace;
+using ::testing::StartsWith;
 using testing::write;
 namespace fs = std::filesystem;
 

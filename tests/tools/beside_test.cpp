@@ -93,8 +93,9 @@ TEST_F(RunsBesideEachOther, TheFolderOfAKilledRunIsRemovedByTheNext) {
 }
 
 TEST_F(RunsBesideEachOther, TestProgramsOfTheSameTestsDoNotDisturbEachOther) {
-  write("fall.yaml", "rehearse: 1\nname: fall\nduration: 0.1\nbodies:\n  - name: Box\n"
-                     "    box: {size: [0.2, 0.2, 0.2]}\n    mass: 1\n    position: [0, 0, 0.5]\n");
+  write("fall.yaml",
+        "rehearse: 1\nname: fall\nduration: 0.1\nbodies:\n  - name: Box\n"
+        "    box: {size: [0.2, 0.2, 0.2]}\n    mass: 1\n    position: [0, 0, 0.5]\n");
   const std::string environment = "REHEARSE_FIXTURES=. REHEARSE_GOLDEN_DIR=golden REHEARSE_REPORT=always ";
   const Outcome made = run(OWNING_TESTS, {}, environment + "REHEARSE_GOLDEN=new");
   ASSERT_EQ(made.status, 0) << made.out;

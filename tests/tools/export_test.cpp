@@ -100,7 +100,8 @@ TEST_F(Export, WritesATableForEachTopic) {
   EXPECT_EQ(read_file(folder() / "tables/events.csv"),
             "time [s],stamp/sec,stamp/nanosec,tick,severity,source,text\n"
             "0.001000000,0,1000000,1,note,Robot,\"said \"\"a, b\"\"\nand more\"\n");
-  EXPECT_THAT(read_file(folder() / "tables/tick.csv"), HasSubstr("0.001000000,1,18446744073709551615,0,0,1,0,1000000\n"));
+  EXPECT_THAT(read_file(folder() / "tables/tick.csv"),
+              HasSubstr("0.001000000,1,18446744073709551615,0,0,1,0,1000000\n"));
   EXPECT_THAT(outcome.out, HasSubstr("tables/Robot_joints.csv: 3 rows, 6 columns\n"));
   EXPECT_THAT(outcome.out, HasSubstr("left out /Robot/Camera/image: pictures: see --frames\n"));
   EXPECT_THAT(outcome.out, HasSubstr("left out /other: messages of encoding 'protobuf' without a schema"));
@@ -112,8 +113,8 @@ TEST_F(Export, LeavesNoPartOfATableOnAFullDisk) {
   fs::create_directory(folder() / "tables");
   write("tables/tick.csv", "time [s],of an earlier export\n");
   // 2 KiB a file, which stands for the disk; a signal would come in place of the error
-  const Outcome full = run("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 4; " + quoted(command.string()) +
-                                                 " export long.mcap -o tables"});
+  const Outcome full =
+      run("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 4; " + quoted(command.string()) + " export long.mcap -o tables"});
   EXPECT_EQ(full.status, 2) << full.out;
   EXPECT_THAT(full.err, HasSubstr("can't write"));
   std::vector<std::string> left;
@@ -144,8 +145,10 @@ TEST_F(Export, WritesFieldsWithoutSeriesToo) {
 
 TEST_F(Export, NamesTheFieldsThatItLeavesOut) {
   const Outcome outcome = done({"export", "run.mcap", "-o", "all.csv", "--joined"});
-  EXPECT_THAT(outcome.out, HasSubstr("left out of /Robot/joints: header/frame_id, header/stamp/nanosec, header/stamp/sec"));
-  const nlohmann::json left_out = done({"export", "run.mcap", "-o", "all.csv", "--joined", "--json"}).json()["left_out"];
+  EXPECT_THAT(outcome.out,
+              HasSubstr("left out of /Robot/joints: header/frame_id, header/stamp/nanosec, header/stamp/sec"));
+  const nlohmann::json left_out =
+      done({"export", "run.mcap", "-o", "all.csv", "--joined", "--json"}).json()["left_out"];
   EXPECT_EQ(left_out[0]["topic"], "/Robot/joints");
 }
 

@@ -123,7 +123,8 @@ TEST_F(FailingController, WhoseTimerNobodyHandlesEndsTheRun) { expect_failure("t
 TEST_F(FailingController, WhoseDetachedThreadCrashesEndsTheRunSoon) {
   const Outcome outcome = record("detached_crash 12");
   EXPECT_EQ(outcome.status, 3) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("error: controller 'Pendulum/Swing' started a thread that crashed: segmentation fault"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("error: controller 'Pendulum/Swing' started a thread that crashed: segmentation fault"));
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
 }
 
@@ -169,17 +170,19 @@ TEST_P(EndOfTheProcess, IsAFailureOfTheControllerWithItsTick) {
 TEST_F(FailingController, ThatCanNotBeInterruptedIsKilled) {
   const Outcome outcome = record("block_and_hang 12", {"--call-limit", "0.2"});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("error: controller 'Pendulum/Swing' did not return within 0.2 s in control() at tick 12 "
-                                     "(0.012 s), and its process had to be killed\n"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("error: controller 'Pendulum/Swing' did not return within 0.2 s in control() at tick 12 "
+                        "(0.012 s), and its process had to be killed\n"));
 }
 
 TEST_F(FailingController, ThatEndsATestProgramLeavesACountOfTestsThatWereNotRun) {
   pendulum(MISBEHAVING, "exit_group 12");
   const Outcome outcome = run(ENDED_IN_A_TEST, {"--gtest_color=no"});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_EQ(outcome.err.substr(0, outcome.err.find("the trace, as far")),
-            "error: controller 'Pendulum/Swing' ended the process with exit status 0 in control() at tick 12 (0.012 s)\n"
-            "error: it was in test Walk.Ended; 2 after it were not run\n");
+  EXPECT_EQ(
+      outcome.err.substr(0, outcome.err.find("the trace, as far")),
+      "error: controller 'Pendulum/Swing' ended the process with exit status 0 in control() at tick 12 (0.012 s)\n"
+      "error: it was in test Walk.Ended; 2 after it were not run\n");
   EXPECT_THAT(outcome.out, HasSubstr("[       OK ] Walk.Before"));
   pendulum(MISBEHAVING, "none");
   EXPECT_EQ(run(ENDED_IN_A_TEST, {}).status, 0) << "and one that ends none is as before";
@@ -236,8 +239,8 @@ class Interrupted : public FailingController,
   /// Ends what follows when it has begun to record.
   std::string before(const std::string& trace) const {
     const auto& [name, number, group] = GetParam();
-    return "bash -c 'set -m; \"$@\" & exec 2>/dev/null; until test -e " + trace + "; do sleep 0.1; done; sleep 0.5; kill -s " + name + " -- " +
-           group + "$!; wait $!' bash ";
+    return "bash -c 'set -m; \"$@\" & exec 2>/dev/null; until test -e " + trace +
+           "; do sleep 0.1; done; sleep 0.5; kill -s " + name + " -- " + group + "$!; wait $!' bash ";
   }
   int status() const { return 128 + std::get<1>(GetParam()); }
 };

@@ -29,7 +29,8 @@ class GoldenOwners : public Command {
   static std::string folders() { return "REHEARSE_FIXTURES=. REHEARSE_GOLDEN_DIR=golden"; }
   void make_repository() const {
     const std::string identity = "git -c user.name=t -c user.email=t@t ";
-    const Outcome made = run("/bin/sh", {"-c", "git init -q . && git add golden && " + identity + "commit -qm goldens"});
+    const Outcome made =
+        run("/bin/sh", {"-c", "git init -q . && git add golden && " + identity + "commit -qm goldens"});
     EXPECT_EQ(made.status, 0) << made.err;
   }
 };

@@ -96,10 +96,9 @@ TEST_F(GoldenVerbs, TheDigestTellsWhatMovedAndWhen) {
   const std::string before = read_file(folder() / digest_file);
   EXPECT_THAT(before, ContainsRegex("\n\naccepted 20[0-9-]+, first\n\n"));
   EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}, "SOURCE_DATE_EPOCH=1763640000").status, 0);
-  EXPECT_THAT(
-      read_file(folder() / digest_file),
-      ContainsRegex("\naccepted 2025-11-20, replaced: physics changed: [^\n]* differs at tick 0 [^\n]*\n"
-                    "  /Box/Box/pose position/z: 0.1 m at tick 0, 21 of [0-9]+ values\n"));
+  EXPECT_THAT(read_file(folder() / digest_file),
+              ContainsRegex("\naccepted 2025-11-20, replaced: physics changed: [^\n]* differs at tick 0 [^\n]*\n"
+                            "  /Box/Box/pose position/z: 0.1 m at tick 0, 21 of [0-9]+ values\n"));
   EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}, "SOURCE_DATE_EPOCH=now").status, 2);
 }
 

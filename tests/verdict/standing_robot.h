@@ -94,7 +94,8 @@ class StandingRobot {
     const auto made = record(scenario(), folder_ / "golden.mcap", options);
     ASSERT_TRUE(made.ok() && !made->failure) << to_string(made.ok() ? Diagnostics{*made->failure} : made.errors());
   }
-  Result<CheckReport> check(const CheckOptions& options = {}, const Simulation& simulation = {record, run_plant}) const {
+  Result<CheckReport> check(const CheckOptions& options = {},
+                            const Simulation& simulation = {record, run_plant}) const {
     return check_scenario(scenario(), folder_ / "golden.mcap", folder_ / "actual.mcap", options, simulation);
   }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }

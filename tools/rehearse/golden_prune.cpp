@@ -82,9 +82,9 @@ Result<std::set<std::string>> named_by_tests(const std::string& program, const f
   std::set<std::string> names = names_listed(listing);
   if (*listed != 0 || names.empty())
     return error(fmt::format("{} lists no tests", program), "name programs that GoogleTest made");
-  const auto ran = run_program({program, "--gtest_also_run_disabled_tests=0"},
-                               {"REHEARSE_PENDING=" + fs::absolute(pending).string(), "REHEARSE_REPORT=never"},
-                               scratch / "run.txt");
+  const auto ran =
+      run_program({program, "--gtest_also_run_disabled_tests=0"},
+                  {"REHEARSE_PENDING=" + fs::absolute(pending).string(), "REHEARSE_REPORT=never"}, scratch / "run.txt");
   if (!ran) return ran.errors();
   if (*ran != 0 && *ran != 1)
     return error(fmt::format("{} ended with status {} before all its tests had run", program, *ran),
@@ -114,7 +114,8 @@ bool is_pair(const GoldenStore& store, const GoldenEntry& entry) {
 
 /// Whether the last commit has the file as it is.
 bool is_committed(const fs::path& file, const fs::path& scratch) {
-  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".", name = file.filename().string();
+  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".",
+                    name = file.filename().string();
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"/usr/bin/git", "-C", folder, "ls-files", "--error-unmatch", "--", name},
         {"/usr/bin/git", "-C", folder, "diff", "--quiet", "HEAD", "--", name}}) {
@@ -162,8 +163,8 @@ Removal remove_all(GoldenStore& store, const std::vector<std::string>& names, co
   const auto scratch = RunFolder::make(store.where_runs_wait());
   if (!scratch) return {{}, {}, scratch.errors()};
   for (const std::string& name : names) {
-    const bool committed = is_committed(store.trace_file(name), scratch->path()) &&
-                           is_committed(store.digest_file(name), scratch->path());
+    const bool committed =
+        is_committed(store.trace_file(name), scratch->path()) && is_committed(store.digest_file(name), scratch->path());
     if (auto gone = store.remove(name, committed ? fs::path() : pruned); !gone)
       done.problems.insert(done.problems.end(), gone.errors().begin(), gone.errors().end());
     else
@@ -173,8 +174,7 @@ Removal remove_all(GoldenStore& store, const std::vector<std::string>& names, co
 }
 
 void tell(const Removal& done, const fs::path& pruned) {
-  if (!done.removed.empty())
-    fmt::print("removed {}, which git has\n", count_text(std::ssize(done.removed), "golden"));
+  if (!done.removed.empty()) fmt::print("removed {}, which git has\n", count_text(std::ssize(done.removed), "golden"));
   if (!done.moved.empty())
     fmt::print("moved {} to {}\n", count_text(std::ssize(done.moved), "golden"), pruned.string());
 }

@@ -27,7 +27,7 @@ class KinematicBody final : public SimulatedBody {
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override { place(); }
   void take_centers(const SimulatedBody&) override {}  // its links are where they are, whatever their masses
-  void nudge(std::uint64_t) override {}  // it moves exactly as it is told
+  void nudge(std::uint64_t) override {}                // it moves exactly as it is told
 
  private:
   std::vector<double> force_reading(std::size_t) const override { return std::vector<double>(6, 0.0); }  // none acts

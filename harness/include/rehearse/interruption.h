@@ -1,4 +1,5 @@
-// Interruption: runs that end at a tick, with all they write closed, when somebody ends the process by SIGINT or SIGTERM.
+// Interruption: runs that end at a tick, with all they write closed, when somebody ends the process by SIGINT or
+// SIGTERM.
 #pragma once
 
 #include <rehearse/diagnostic.h>

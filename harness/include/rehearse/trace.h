@@ -62,8 +62,8 @@ struct TraceColumn {
   CellKind kind = CellKind::floating;
 };
 
-/// From which message on a channel's messages have the same rest: the same bytes, but for the numbers that have a column
-/// and for a stamp that is the log time.
+/// From which message on a channel's messages have the same rest: the same bytes, but for the numbers that have a
+/// column and for a stamp that is the log time.
 struct TraceRest {
   std::size_t first = 0;    // message
   std::uint64_t hash = 0;   // of the rest
@@ -77,10 +77,10 @@ struct TraceChannel {
   std::string type;      // sensor_msgs/msg/JointState; empty without schema
   std::string encoding;  // cdr
   mcap::StringMap metadata;
-  std::vector<std::uint64_t> times;       // log time of each message [ns]
-  std::vector<TraceColumn> columns;       // empty if the channel has no numbers
-  std::vector<std::uint64_t> cells;       // rows() * columns.size() bit patterns
-  std::vector<mcap::Location> locations;  // of each message, for Trace::payload; empty for the types listed above
+  std::vector<std::uint64_t> times;        // log time of each message [ns]
+  std::vector<TraceColumn> columns;        // empty if the channel has no numbers
+  std::vector<std::uint64_t> cells;        // rows() * columns.size() bit patterns
+  std::vector<mcap::Location> locations;   // of each message, for Trace::payload; empty for the types listed above
   std::vector<std::uint64_t> hashes = {};  // of the bytes of each message
   std::vector<TraceRest> rests = {};       // in the order of `first`; empty if no column or no schema is known
 

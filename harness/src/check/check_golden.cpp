@@ -120,7 +120,8 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   if (!report) return report;
   if (options.closed && !report->within()) {
     if (auto kept = store.keep_pending_verdict(name, report->verdict); !kept) return kept.errors();
-    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done) return done.errors();
+    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done)
+      return done.errors();
   } else if (const auto digest = store.check_digest(name); !digest) {
     if (mode != GoldenMode::accept) return digest.errors();
     if (auto renewed = store.accept(name, store.trace_file(name)); !renewed) return renewed.errors();

@@ -26,20 +26,20 @@ nlohmann::ordered_json json_of(const ExpectationResult& result) {
 }  // namespace
 
 std::string to_json(const CheckReport& report) {
-  nlohmann::ordered_json object{{"verdict", report.verdict},
-                                {"equal", report.equal()},
-                                {"within", report.within()},
-                                {"not_reproduced", report.not_reproduced},
-                                {"levels",
-                                 {{"controller", to_string(report.controller)},
-                                  {"plant", to_string(report.plant)},
-                                  {"closed", to_string(report.closed)}}},
-                                {"first", json_of(report.first)},
-                                {"comparisons",
-                                 {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
-                                {"horizon", nullptr},
-                                {"expectations", nlohmann::ordered_json::array()},
-                                {"remarks", report.remarks}};
+  nlohmann::ordered_json object{
+      {"verdict", report.verdict},
+      {"equal", report.equal()},
+      {"within", report.within()},
+      {"not_reproduced", report.not_reproduced},
+      {"levels",
+       {{"controller", to_string(report.controller)},
+        {"plant", to_string(report.plant)},
+        {"closed", to_string(report.closed)}}},
+      {"first", json_of(report.first)},
+      {"comparisons", {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
+      {"horizon", nullptr},
+      {"expectations", nlohmann::ordered_json::array()},
+      {"remarks", report.remarks}};
   if (report.horizon) object["horizon"] = *report.horizon;
   for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
   return text_of(object);

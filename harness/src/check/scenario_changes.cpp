@@ -78,9 +78,11 @@ std::optional<Divergence> changed_duration(const Scenario& scenario, const Trace
 std::string changed_controllers(const Scenario& scenario, const Trace& recording) {
   const std::set<std::string> now = controllers_of(scenario), then = controllers_of(recording);
   for (const std::string& label : then)
-    if (now.count(label) == 0) return fmt::format("{} has no controller '{}', and the golden has", scenario.name, label);
+    if (now.count(label) == 0)
+      return fmt::format("{} has no controller '{}', and the golden has", scenario.name, label);
   for (const std::string& label : now)
-    if (then.count(label) == 0) return fmt::format("{} has a controller '{}', and the golden hasn't", scenario.name, label);
+    if (then.count(label) == 0)
+      return fmt::format("{} has a controller '{}', and the golden hasn't", scenario.name, label);
   return "";
 }
 

@@ -110,8 +110,8 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
   Fields golden_fields = fields_of(decoders_->golden, expected), actual_fields = fields_of(decoders_->actual, actual);
   std::map<std::string_view, const MessageField*> of_actual;
   const auto same_path = [](const MessageField& a, const MessageField& b) { return a.path == b.path; };
-  const bool same_paths = std::equal(golden_fields.begin(), golden_fields.end(), actual_fields.begin(),
-                                     actual_fields.end(), same_path);
+  const bool same_paths =
+      std::equal(golden_fields.begin(), golden_fields.end(), actual_fields.begin(), actual_fields.end(), same_path);
   if (!same_paths)
     for (const MessageField& field : actual_fields) of_actual.emplace(field.path, &field);
   for (std::size_t i = 0; i < golden_fields.size(); ++i) {
@@ -244,8 +244,8 @@ void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected,
   const auto text = [&](std::uint64_t bits) {
     return is_signed ? fmt::format("{}", static_cast<std::int64_t>(bits)) : fmt::format("{}", bits);
   };
-  const bool grew = is_signed ? static_cast<std::int64_t>(expected) < static_cast<std::int64_t>(actual)
-                              : expected < actual;
+  const bool grew =
+      is_signed ? static_cast<std::int64_t>(expected) < static_cast<std::int64_t>(actual) : expected < actual;
   const std::uint64_t apart = grew ? actual - expected : expected - actual;
   divergence.expected = number(expected);
   divergence.actual = number(actual);

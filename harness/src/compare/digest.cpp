@@ -84,8 +84,9 @@ void describe_contacts(const TraceChannel& channel, std::string& text) {
       if (depth && value > deepest) deepest = value;
     }
   }
-  if (any) fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n",
-                          number_text(most, "", "N"), number_text(deepest, "", "m"));
+  if (any)
+    fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", number_text(most, "", "N"),
+                   number_text(deepest, "", "m"));
 }
 
 /// One line for all beams of a range sensor: how near and how far they met something, and how often nothing.

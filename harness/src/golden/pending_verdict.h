@@ -1,5 +1,5 @@
-// The verdict on a run that waits to be accepted, kept beside its trace: what a person reads when he decides, and what is
-// written into the golden, is what the check said.
+// The verdict on a run that waits to be accepted, kept beside its trace: what a person reads when he decides, and what
+// is written into the golden, is what the check said.
 #pragma once
 
 #include <rehearse/diagnostic.h>

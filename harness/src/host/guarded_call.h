@@ -24,9 +24,9 @@ enum class CallEnd {
 
 struct CallOutcome {
   CallEnd end = CallEnd::returned;
-  std::string what;                 // for a person: "threw std::runtime_error: no gait"; empty if it returned
-  FloatMode float_mode;             // that it left behind; what was before the call has been set again
-  bool changed_float_mode = false;  // it isn't the standard one
+  std::string what;                    // for a person: "threw std::runtime_error: no gait"; empty if it returned
+  FloatMode float_mode;                // that it left behind; what was before the call has been set again
+  bool changed_float_mode = false;     // it isn't the standard one
   const void* by_thread_of = nullptr;  // it was a thread that failed: of the library with this count of threads
 };
 
@@ -46,14 +46,16 @@ void end_if_ending();
 /// This is the thread that makes the guarded calls, and it is inside of one.
 bool in_guarded_call();
 
-/// Ends the guarded call that this is called in, as if the code had ended the process by `function`. `deed`: "called exit(0)".
+/// Ends the guarded call that this is called in, as if the code had ended the process by `function`. `deed`: "called
+/// exit(0)".
 [[noreturn]] void leave_guarded_call(const char* deed);
 
 /// A thread of a controller's own has failed. The guarded call that is under way ends for that, or else the next one;
 /// the thread stands still for good, since it can't be left as a call can. `deed`: "threw std::runtime_error: ...".
 [[noreturn]] void fail_on_own_thread(const char* deed);
 
-/// This process was forked by code in a guarded call, or by a thread of a controller's own. It ends where that call ends.
+/// This process was forked by code in a guarded call, or by a thread of a controller's own. It ends where that call
+/// ends.
 bool is_forked_by_guest();
 
 /// This thread runs code of a controller: in a guarded call, or as a thread that a controller started.

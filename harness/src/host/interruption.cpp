@@ -49,8 +49,8 @@ int interruption() { return came; }
 
 std::optional<Diagnostic> interrupted_at(std::int64_t tick, double time_step) {
   if (came == 0) return std::nullopt;
-  return error(fmt::format("interrupted by SIG{} before tick {} ({} s)", sigabbrev_np(came), tick,
-                           time_of(tick, time_step)));
+  return error(
+      fmt::format("interrupted by SIG{} before tick {} ({} s)", sigabbrev_np(came), tick, time_of(tick, time_step)));
 }
 
 }  // namespace rehearse

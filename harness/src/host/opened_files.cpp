@@ -61,9 +61,9 @@ std::vector<OpenedFile> take_files_opened() {
     const fs::file_status status = fs::status(path, failed);
     if (is_made_up(path) || (fs::exists(status) && !fs::is_regular_file(status))) continue;
     const bool is_there = fs::is_regular_file(status);
-    opened.push_back({fs::path(path).filename().string(),
-                      is_there ? fmt::format("{} bytes, {}", fs::file_size(path, failed), content_hash_of(path))
-                               : missing_file});
+    opened.push_back(
+        {fs::path(path).filename().string(),
+         is_there ? fmt::format("{} bytes, {}", fs::file_size(path, failed), content_hash_of(path)) : missing_file});
   }
   files.used.store(0);
   return opened;

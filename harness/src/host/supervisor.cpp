@@ -1,6 +1,7 @@
 #include "supervisor.h"
 
 #include <fmt/format.h>
+#include <pthread.h>
 #include <rehearse/mcap_recover.h>
 #include <rehearse/supervise.h>
 #include <signal.h>
@@ -70,8 +71,8 @@ class Parent {
   std::string saved() const;
 
   const pid_t child_;
-  int ended_ = 0;             // as waitpid() says
-  sigset_t received_{};       // from outside
+  int ended_ = 0;        // as waitpid() says
+  sigset_t received_{};  // from outside
   std::uint64_t calls_ = 0;
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
   bool hung_ = false;
@@ -201,6 +202,7 @@ void supervise_process() {
   if (shared == MAP_FAILED) return;
   notes = new (shared) Notes;
   std::fflush(nullptr);
+  signal(SIGCHLD, SIG_DFL);  // whoever started us may have it ignored: then nobody learns how a child ended
   sigset_t all, before;
   sigfillset(&all);
   for (const int number : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT}) sigdelset(&all, number);
@@ -211,6 +213,7 @@ void supervise_process() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
+    pthread_atfork(nullptr, nullptr, [] { notes = nullptr; });  // what a child of this one does is no news of it
   } else {
     notes = nullptr;  // it can't be done here
   }

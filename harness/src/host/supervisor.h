@@ -1,8 +1,9 @@
 // Supervisor: a parent process that tells how the process with the controllers ended.
 //
-// A controller can end its process past all that survives it: by a system call, a resource limit, memory that it damaged.
-// Nothing in that process can report this. So the process that runs controllers is a child of one that waits for it, and
-// notes in memory that both share which controller is called. An end that was not announced is a failed controller.
+// A controller can end its process past all that survives it: by a system call, a resource limit, memory that it
+// damaged. Nothing in that process can report this. So the process that runs controllers is a child of one that waits
+// for it, and notes in memory that both share which controller is called. An end that was not announced is a failed
+// controller.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 #include "cut_files.h"
 
-#include <csignal>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <array>
 #include <atomic>

@@ -1,5 +1,5 @@
-// Files that another program cuts while they are mapped. Reading behind their new end raises SIGBUS, which would end the
-// process; instead zeros are read there, and the reader is told. Internal.
+// Files that another program cuts while they are mapped. Reading behind their new end raises SIGBUS, which would end
+// the process; instead zeros are read there, and the reader is told. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>

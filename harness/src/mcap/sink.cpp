@@ -96,14 +96,16 @@ class MemorySink : public Sink {
   std::vector<std::byte>& out_;
 };
 
-/// Holds off other writers until the descriptor is closed. False: there is one. Where files can't be locked, there is none.
+/// Holds off other writers until the descriptor is closed. False: there is one. Where files can't be locked, there is
+/// none.
 bool lock(int file) { return ::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
 
 /// The ordinary file that stands there, held off other writers.
 class FileThere {
  public:
   explicit FileThere(const std::filesystem::path& file) {
-    struct stat opened {}, there {};
+    struct stat opened {
+    }, there{};
     if (::stat(file.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
     descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor_ < 0) return;
@@ -136,8 +138,8 @@ int replace(const std::filesystem::path& file) {
   const int opened = ::mkostemp(name.data(), O_CLOEXEC);
   if (opened < 0) return -1;
   struct stat now {};
-  if (lock(opened) && ::fchmod(opened, old.st_mode & 07777) == 0 && ::fstat(opened, &now) == 0 && now.st_gid == old.st_gid &&
-      ::rename(name.c_str(), file.c_str()) == 0)
+  if (lock(opened) && ::fchmod(opened, old.st_mode & 07777) == 0 && ::fstat(opened, &now) == 0 &&
+      now.st_gid == old.st_gid && ::rename(name.c_str(), file.c_str()) == 0)
     return opened;
   ::close(opened);
   ::unlink(name.c_str());

@@ -13,7 +13,7 @@ Tolerance default_tolerance(std::string_view unit) {
   if (unit == "range") return {.atol = 1e-9, .rtol = 0x1p-23};
   constexpr UnitDefault defaults[] = {{"rad", 1e-9},   {"m", 1e-9},   {"quaternion", 1e-9}, {"unit vector", 1e-9},
                                       {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},     {"m/s²", 1e-4},
-                                      {"N·m", 1e-3},   {"N", 1e-4}, {"camera", 1e-9}};
+                                      {"N·m", 1e-3},   {"N", 1e-4},   {"camera", 1e-9}};
   for (const UnitDefault& known : defaults)
     if (known.unit == unit) return {.atol = known.atol};
   return {};

@@ -91,10 +91,10 @@ Result<bool> ClosedLoop::step() {
 void ClosedLoop::tell_ode_messages(std::int64_t tick) {
   const std::vector<std::string> messages = take_ode_messages();
   if (messages.empty() || std::exchange(told_ode_messages_, true)) return;
-  Diagnostic& remark = summary.remarks.emplace_back(
-      error(fmt::format("world: the step after tick {} ({} s) found no exact solution: {}", tick,
-                        time_of(tick, scenario.time_step), messages[0]),
-            "later steps may have done so as well; this is said once"));
+  Diagnostic& remark =
+      summary.remarks.emplace_back(error(fmt::format("world: the step after tick {} ({} s) found no exact solution: {}",
+                                                     tick, time_of(tick, scenario.time_step), messages[0]),
+                                         "later steps may have done so as well; this is said once"));
   remark.severity = Severity::warning;
 }
 

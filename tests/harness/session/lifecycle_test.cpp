@@ -50,8 +50,7 @@ TEST_P(Refusals, EndTheRunBeforeItsFirstTick) {
   EXPECT_EQ(summary_.ticks, 0);
   EXPECT_TRUE(summary_.controller_refused);
   ASSERT_TRUE(summary_.failure);
-  EXPECT_EQ(summary_.failure->message,
-            "controller 'Rig/Bad' refuses to take part: " + function + "() returned false");
+  EXPECT_EQ(summary_.failure->message, "controller 'Rig/Bad' refuses to take part: " + function + "() returned false");
   EXPECT_THAT(summary_.failure->hint, HasSubstr("`optional: true`"));
 }
 
@@ -81,8 +80,8 @@ TEST_P(Refusals, AreRepeatedByAReplay) {
 }
 
 TEST_F(Lifecycle, AParentThatRefusesLeavesItsChildrenRunning) {
-  const std::string family =
-      "{name: P, library: Behaviours, optional: true, options: refuse initialize, children: [" + behaviour("Child", "push 1") + "]}";
+  const std::string family = "{name: P, library: Behaviours, optional: true, options: refuse initialize, children: [" +
+                             behaviour("Child", "push 1") + "]}";
   EXPECT_GT(record_run(rig(family)).last("Rig/SHOULDER/dq"), 0.03);
 }
 

@@ -201,7 +201,8 @@ class LoadingBadly : public RunTest {
   }
   const std::string library_ =
       "LoadsBadly" +
-      std::filesystem::path(::testing::UnitTest::GetInstance()->current_test_info()->name()).filename().string() + ".so";
+      std::filesystem::path(::testing::UnitTest::GetInstance()->current_test_info()->name()).filename().string() +
+      ".so";
   const std::string scenario_ = rig("{name: Bad, library: " + library_ + "}");
 };
 
@@ -265,7 +266,8 @@ class UnloadingBadly : public LoadingBadly, public ::testing::WithParamInterface
 };
 
 INSTANTIATE_TEST_SUITE_P(By, UnloadingBadly,
-                         ::testing::Values(Deed{"exit_at_end", "called exit(4)"}, Deed{"exit_in_atexit", "called exit(4)"},
+                         ::testing::Values(Deed{"exit_at_end", "called exit(4)"},
+                                           Deed{"exit_in_atexit", "called exit(4)"},
                                            Deed{"crash_at_end", "crashed: segmentation fault"},
                                            Deed{"hang_at_end", "did not return within 0.3 s"}),
                          [](const auto& deed) { return std::string(deed.param.name); });
