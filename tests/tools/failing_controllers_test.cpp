@@ -129,11 +129,15 @@ TEST_F(FailingController, WhoseDetachedThreadCrashesEndsTheRunSoon) {
 }
 
 TEST_F(FailingController, ThatSetsALimitIsToldAndTheRunGoesOn) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "AddressSanitizer calls setrlimit itself, before ours can run";
+#endif
   const Outcome outcome = record("file_limit 12");
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_EQ(outcome.err,
-            "warning: Pendulum/Swing: control() at tick 12 changed a resource limit of the process (setrlimit); it was "
-            "set back\n");
+  EXPECT_EQ(
+      outcome.err,
+      "warning: Pendulum/Swing: control() at tick 12 asked for another resource limit of the process (setrlimit); "
+      "it stays as it is\n");
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
 }
 
@@ -191,7 +195,8 @@ TEST_F(FailingController, ThatEndsATestProgramLeavesACountOfTestsThatWereNotRun)
 /// Its child must neither go on with the run nor hold what we write to.
 class ForkingController : public FailingController, public ::testing::WithParamInterface<const char*> {};
 INSTANTIATE_TEST_SUITE_P(By, ForkingController,
-                         ::testing::Values("fork", "raw_fork", "vfork", "fork_and_spin", "fork_and_exit"),
+                         ::testing::Values("fork", "syscall_clone", "raw_fork", "vfork", "fork_and_spin",
+                                           "fork_and_exit"),
                          [](const auto& deed) { return std::string(deed.param); });
 
 TEST_P(ForkingController, IsToldAndTheRunGoesOnOnce) {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <limits.h>
 #include <signal.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -95,12 +94,8 @@ struct ProcessGuard::State {
   std::locale cpp_locale;
   std::vector<std::string> environment = variables();
   mode_t file_mask = current_umask();
-  std::array<rlimit, RLIM_NLIMITS> limits{};
 
   State() {
-    // not getrlimit(): in a controller's call an audit answers it with other limits
-    for (std::size_t i = 0; i < limits.size(); ++i)
-      prlimit(0, static_cast<__rlimit_resource>(i), nullptr, &limits[i]);
     for (int i = 1; i < signal_count; ++i) sigaction(i, nullptr, &actions[i]);
     pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
     for (std::size_t i = 0; i < std::size(timers); ++i) getitimer(static_cast<__itimer_which>(timers[i]), &armed[i]);
@@ -113,7 +108,6 @@ struct ProcessGuard::State {
   void restore_locale(const State& now, std::vector<Trespass>& found) const;
   void compare_environment(const State& now, std::vector<Trespass>& found) const;
   void restore_umask(const State& now, std::vector<Trespass>& found) const;
-  void restore_limits(const State& now, std::vector<Trespass>& found) const;
 };
 
 void ProcessGuard::State::restore_directory(const State& now, std::vector<Trespass>& found) const {
@@ -192,23 +186,6 @@ void ProcessGuard::State::restore_umask(const State& now, std::vector<Trespass>&
   if (now.file_mask == file_mask) return;
   umask(file_mask);
   found.push_back({Kind::umask, fmt::format("changed the umask to {:03o}; it was set back", now.file_mask)});
-}
-
-void ProcessGuard::State::restore_limits(const State& now, std::vector<Trespass>& found) const {
-  bool changed = false, back = true;
-  for (std::size_t i = 0; i < limits.size(); ++i) {
-    const rlimit &before = limits[i], &after = now.limits[i];
-    if (before.rlim_cur == after.rlim_cur && before.rlim_max == after.rlim_max) continue;
-    changed = true;
-    const auto resource = static_cast<__rlimit_resource>(i);
-    const rlimit most{std::min(before.rlim_cur, after.rlim_max), after.rlim_max};
-    if (setrlimit(resource, &before) == 0) continue;
-    back = false;  // the upper one is lowered for good, unless this process has privileges
-    setrlimit(resource, &most);
-  }
-  if (changed)
-    found.push_back({Kind::limits, fmt::format("changed a resource limit of the process (setrlimit); it {}",
-                                               back ? "was set back" : "can't be set back wholly")});
 }
 
 ProcessGuard::ProcessGuard()
@@ -293,6 +270,10 @@ void ProcessGuard::note_thread_exit(const char* deed) {
   note({Kind::thread_exit, fmt::format("started a thread that {}; that thread was stopped for good", deed)});
 }
 
+void ProcessGuard::note_limit() {
+  note({Kind::limits, "asked for another resource limit of the process (setrlimit); it stays as it is"});
+}
+
 void ProcessGuard::note_fork() {
   note({Kind::fork, "forked; the run is the parent's, and the child ends where the call ends in it"});
 }
@@ -309,7 +290,6 @@ std::vector<Trespass> ProcessGuard::put_right() {
     before->restore_locale(now, found);
     before->compare_environment(now, found);
     before->restore_umask(now, found);
-    before->restore_limits(now, found);
   }
   if (!has_noted_) return found;
   const std::scoped_lock lock(mutex_);

@@ -73,6 +73,8 @@ class ProcessGuard {
   void note_thread_exit(const char* deed);
   /// Guarded code, or a thread of a controller's own, has made a child process.
   void note_fork();
+  /// It wants another resource limit: that isn't set, since threads of ours may write or allocate meanwhile.
+  void note_limit();
 
  private:
   struct State;

@@ -10,6 +10,7 @@
 #include <locale.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -49,6 +50,14 @@ using rehearse::ThreadCount;
   FUNCTION(prlimit) FUNCTION(prlimit64) FUNCTION(fork) FUNCTION(execve) FUNCTION(execv) FUNCTION(execvp)               \
   FUNCTION(execvpe) FUNCTION(fexecve) FUNCTION(syscall)
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define REHEARSE_ADDRESS_SANITIZER
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define REHEARSE_ADDRESS_SANITIZER
+#endif
+
 struct NextFunctions {
 #define REHEARSE_MEMBER(function) \
   decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(dlsym(RTLD_NEXT, #function));
@@ -72,6 +81,13 @@ bool keeps(int descriptor) {
   return (rehearse::in_guarded_call() || rehearse::own_threads) && ProcessGuard::instance().keeps(descriptor);
 }
 
+/// `process`: whose limit is to be changed; 0: this one.
+bool keeps_limits(pid_t process = 0) {
+  if (!rehearse::in_controllers_code() || (process != 0 && process != getpid())) return false;
+  ProcessGuard::instance().note_limit();
+  return true;
+}
+
 bool keeps_signal(int number) { return rehearse::in_guarded_call() && ProcessGuard::instance().keeps_signal(number); }
 
 /// Comes back if the process shall end, or become another program. `status`: of the exit; none for exec.
@@ -93,8 +109,7 @@ void end_only_the_call(const char* function, std::optional<int> status) {
 }
 
 /// In the parent: it is told. In the child: it ends when the thread that forked it does.
-pid_t fork_noted() {
-  const pid_t parent = getpid(), child = NEXT(fork)();
+pid_t note_fork(pid_t parent, pid_t child) {
   if (child > 0 && rehearse::in_controllers_code()) ProcessGuard::instance().note_fork();
   if (child == 0 && rehearse::is_forked_by_guest()) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -236,7 +251,10 @@ int execle(const char* file, const char* first, ...) noexcept {
   return NEXT(execve)(file, given.words.data(), given.environment);
 }
 
-pid_t fork() noexcept { return fork_noted(); }
+pid_t fork() noexcept {
+  const pid_t parent = getpid();
+  return note_fork(parent, NEXT(fork)());
+}
 
 /// As fork(): its caller may not return before the child is gone, so it can't be passed on.
 pid_t vfork() noexcept { return fork(); }
@@ -252,27 +270,28 @@ long syscall(long number, ...) noexcept {
 #ifdef SYS_fork
   if (number == SYS_fork || number == SYS_vfork) return fork();
 #endif
-  return NEXT(syscall)(number, given[0], given[1], given[2], given[3], given[4], given[5]);
+  const bool forks = number == SYS_clone && (given[0] & CLONE_VM) == 0;
+  const pid_t parent = forks ? getpid() : 0;
+  const long result = NEXT(syscall)(number, given[0], given[1], given[2], given[3], given[4], given[5]);
+  return forks ? note_fork(parent, static_cast<pid_t>(result)) : result;
 }
 
+#if !defined(REHEARSE_ADDRESS_SANITIZER)  // which calls these before instrumented code can run
 int setrlimit(__rlimit_resource_t resource, const rlimit* limit) noexcept {
-  look();
-  return NEXT(setrlimit)(resource, limit);
+  return keeps_limits() ? 0 : NEXT(setrlimit)(resource, limit);
 }
 
 int setrlimit64(__rlimit_resource_t resource, const rlimit64* limit) noexcept {
-  look();
-  return NEXT(setrlimit64)(resource, limit);
+  return keeps_limits() ? 0 : NEXT(setrlimit64)(resource, limit);
 }
+#endif
 
 int prlimit(pid_t process, __rlimit_resource resource, const rlimit* limit, rlimit* before) noexcept {
-  if (limit) look();
-  return NEXT(prlimit)(process, resource, limit, before);
+  return NEXT(prlimit)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
 }
 
 int prlimit64(pid_t process, __rlimit_resource resource, const rlimit64* limit, rlimit64* before) noexcept {
-  if (limit) look();
-  return NEXT(prlimit64)(process, resource, limit, before);
+  return NEXT(prlimit64)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
 }
 
 int chdir(const char* path) noexcept {

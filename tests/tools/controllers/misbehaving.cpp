@@ -83,12 +83,14 @@ void past_the_library(const std::string& deed) {
   if (deed == "detached_crash") std::thread(null_write).detach();
   if (deed == "timer") set_timer_and_wait();
   if (deed == "block_and_hang") block_and_spin();
-  if (deed == "file_limit") {
+  if (deed == "file_limit") {  // and gives whoever writes in the background time to run into it
     const rlimit none{0, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &none);
+    usleep(50000);
   }
   if (deed == "fork") fork();
   if (deed == "raw_fork") system_call(SYS_clone, SIGCHLD);
+  if (deed == "syscall_clone") syscall(SYS_clone, SIGCHLD, 0, 0, 0, 0);
   if (deed == "vfork") static_cast<void>(vfork());
   if (deed == "fork_and_spin" && fork() == 0) spin();
   if (deed == "fork_and_exit") {
