@@ -73,6 +73,13 @@ class GoldenAssertion : public ::testing::Test {
 const std::string push = "pushes: [{body: Box, force: [0, 0, 5], from: 0.03, until: 0.05}]\n";
 constexpr double slightly = 1.0 + 1e-12;  // [m]: within what a scenario tolerates by default
 
+TEST_F(GoldenAssertion, ReplaysNothingOfARunWithoutControllers) {
+  make_golden();
+  const TestVerdict verdict = internal::replay_golden("Box.Falls");
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_THAT(verdict.message, HasSubstr("nothing was compared: no controller commands anything in "));
+}
+
 TEST_F(GoldenAssertion, KeepsToTheScenariosTolerancesUnlessTold) {
   make_golden();
   EXPECT_TRUE(match(fall(slightly)).passed);
