@@ -36,12 +36,18 @@ rehearse_add_library(harness
   src/recording/variable_recorder.cpp
   src/replay/altered_inputs.cpp
   src/replay/branch_origin.cpp
-  src/replay/replayed_part.cpp
+  src/replay/copying_sink.cpp
+  src/replay/recording_source.cpp
   src/replay/write_replay.cpp
   src/replay/recorded_words.cpp
   src/replay/tick_span.cpp
   src/replay/replay.cpp
-  src/replay/trace_scenario.cpp)
+  src/replay/replay_comparison.cpp
+  src/replay/replay_conditions.cpp
+  src/replay/trace_scenario.cpp
+  src/run/hosted_commands.cpp
+  src/run/recording_sink.cpp
+  src/run/run.cpp)
 target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})
 target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
 set_source_files_properties(src/recording/provenance.cpp PROPERTIES

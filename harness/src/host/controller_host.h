@@ -25,6 +25,7 @@
 #include "guarded_call.h"
 #include "host_joystick.h"
 #include "process_guard.h"
+#include "timing.h"
 #include "variables.h"
 
 namespace rehearse {
@@ -71,7 +72,6 @@ class ControllerHost {
   void start();
   /// Inputs, control(), outputs of all. False if one failed: the run ends here.
   bool control(std::int64_t tick, const Observation& seen);
-  enum class Timing { same_step, next_step };
   /// What it commands acts one tick late: it asked for nothing else, nor did its parent.
   bool is_delayed(const HostedController& hosted) const;
   /// Writes the outputs of the controllers without (or with) delay into the command, in order; the last one wins,

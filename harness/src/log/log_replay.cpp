@@ -237,8 +237,8 @@ Result<bool> LogReplayer::run_tick() {
     place_links(seen_);
   }
   const bool alive = host_->control(tick_, seen_);
-  host_->output(ControllerHost::Timing::same_step, command_);  // says what isn't finite
-  host_->output(ControllerHost::Timing::next_step, command_);
+  host_->output(Timing::same_step, command_);  // says what isn't finite
+  host_->output(Timing::next_step, command_);
   if (auto done = record_tick(); !done) return done.errors();
   if (!alive) return false;
   compare();

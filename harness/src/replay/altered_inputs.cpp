@@ -345,11 +345,15 @@ void AlteredInputs::apply(std::int64_t tick, Observation& observation) {
     if ((!alteration.span || alteration.span->has(tick)) && apply(alteration, observation)) alteration.used = true;
 }
 
-std::vector<std::string> AlteredInputs::unused() const {
-  std::vector<std::string> texts;
-  for (const Alteration& alteration : alterations_)
-    if (!alteration.used) texts.push_back(alteration.text);
-  return texts;
+Diagnostics AlteredInputs::unused() const {
+  Diagnostics warnings;
+  for (const Alteration& alteration : alterations_) {
+    if (alteration.used) continue;
+    Diagnostic& warning = warnings.emplace_back(error(
+        fmt::format("'{}' altered nothing: there was no such tick, or nothing was measured then", alteration.text)));
+    warning.severity = Severity::warning;
+  }
+  return warnings;
 }
 
 std::int64_t AlteredInputs::begins() const {

@@ -32,8 +32,8 @@ class AlteredInputs {
   Result<void> check_read_by(const ControllerHost& host) const;
   /// In the order in which they were given.
   void apply(std::int64_t tick, Observation& observation);
-  /// Those that changed nothing so far: the run has no such tick, or the sensor said nothing then.
-  std::vector<std::string> unused() const;
+  /// A warning for each that changed nothing so far: the run has no such tick, or the sensor said nothing then.
+  Diagnostics unused() const;
 
   /// What a tick's alterations, of whatever tick, can reach.
   bool alters_joints(int body) const;

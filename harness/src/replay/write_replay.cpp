@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "branch_origin.h"
+#include "copying_sink.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
 #include "host/process_guard.h"
 #include "mcap/whole_input.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
-#include "replayed_part.h"
+#include "run/hosted_commands.h"
 #include "trace_scenario.h"
 
 namespace rehearse {
@@ -36,7 +37,7 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
   if (!host) return host.errors();
   auto altered = AlteredInputs::parse(options.set, scenario);
   if (!altered) return altered.errors();
-  (*host)->initialize(initial_observation(scenario));
+  Command at_rest = (*host)->initialize(initial_observation(scenario));
   if (auto read = altered->check_read_by(**host); !read) return read;
   auto recorder = Recorder::create(trace, scenario, facts_of(scenario, **host, reader));
   if (!recorder) return recorder.errors();
@@ -52,17 +53,19 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
     if (altered->alters_joints(static_cast<int>(body))) (*recorder)->measure_joints(static_cast<int>(body));
   (*recorder)->declare(host->get());
   (*host)->start();
-  ReplayedPart part(scenario, reader, **host, **recorder, *altered);
-  if (auto done = part.run(std::nullopt); !done) return done;
-  (*host)->stop(part.last_state() ? part.last_state()->tick : part.ticks());
-  if (part.last_state())
-    if (auto done = (*recorder)->record_tick(part.last_state()->tick, nullptr, {part.last_state()->state_hash, 0, 0});
-        !done)
-      return done;
+  RecordingSource inputs(scenario, reader, **host, *altered);
+  HostedCommands commands(**host, HostedCommands::Written::in_time);
+  CopyingSink copy(scenario, reader, **host, **recorder, *altered);
+  Run run(scenario.time_step, inputs, commands, copy, 0, Run::no_end);
+  run.command = std::move(at_rest);
+  if (auto done = copy.copy(inputs, run, std::nullopt); !done) return done;
+  const std::optional<msg::Tick>& last = inputs.last_state();
+  (*host)->stop(last ? last->tick : run.tick());
+  if (last)
+    if (auto done = (*recorder)->record_tick(last->tick, nullptr, {last->state_hash, 0, 0}); !done) return done;
   if (auto done = (*recorder)->record_events((*host)->take_events()); !done) return done;
-  mcap::StringMap outcome{{"ticks", std::to_string(part.ticks())},
-                          {"complete", part.last_state() ? "true" : "false"},
-                          {"checkpoints", "none"}};
+  mcap::StringMap outcome{
+      {"ticks", std::to_string(run.tick())}, {"complete", last ? "true" : "false"}, {"checkpoints", "none"}};
   if ((*host)->failure()) outcome["failure"] = (*host)->failure()->message;
   descriptor.reset();
   return (*recorder)->close(outcome);

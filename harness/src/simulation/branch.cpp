@@ -9,13 +9,11 @@
 
 #include "closed_loop.h"
 #include "host/float_mode.h"
-#include "recorded_checkpoints.h"
-#include "recorded_commands.h"
 #include "recording/mesh_digests.h"
 #include "recording/provenance.h"
 #include "replay/branch_origin.h"
+#include "replay/copying_sink.h"
 #include "replay/replay_recording.h"
-#include "replay/replayed_part.h"
 #include "replay/tick_span.h"
 #include "replay/trace_scenario.h"
 
@@ -86,6 +84,7 @@ class Branch {
   Result<void> lead_world(ClosedLoop& loop);
   Result<void> choose_checkpoint();
   Result<void> copy_source(ClosedLoop& loop);
+  void close(ClosedLoop& loop);
   Result<BranchSummary> go_on();
   std::int64_t checkpoint_interval() const;
 
@@ -279,47 +278,44 @@ Result<void> Branch::create(ClosedLoop& loop) {
   else if (source_origin_ && source_origin_->acted_until)
     origin_.acted_until = std::min(*source_origin_->acted_until, origin_.tick);
   if (auto done = loop.recorder->add_metadata(branch_record, origin_.facts()); !done) return done;
-  loop.checkpoint_interval = checkpoint_interval();
   for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
     if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
-  loop.command = loop.host->initialize(initial_observation(*scenario_));
+  loop.initialize();
   if (auto read = loop.altered.check_read_by(*loop.host); !read) return read;
-  loop.watch_contacts();
-  loop.recorder->declare(loop.host.get());
-  loop.host->start();
+  loop.start();
   return {};
 }
+
+/// Of the steps before the moment nothing is recorded; what touches there touched before.
+class ContactsSink final : public Sink {
+ public:
+  explicit ContactsSink(Recorder& recorder) : recorder_(recorder) {}
+  Result<void> emit(const Moment& now) override {
+    recorder_.begin_with_contacts(*now.touching);
+    return {};
+  }
+
+ private:
+  Recorder& recorder_;
+};
 
 /// The world as it was at the moment, with all that is under way in it.
 Result<void> Branch::lead_world(ClosedLoop& loop) {
   auto commands = RecordedCommands::find(*scenario_, *recording_);
   if (!commands) return commands.errors();
-  using Timing = RecordedCommands::Timing;
   Plant& plant = *loop.plant;
-  moved_ = commands->initial();
-  plant.obey(-1, moved_);
-  for (std::int64_t tick = 0; tick < checkpoint_; ++tick) {  // so that devices are as they were there
-    commands->put(tick, Timing::same_step, moved_);
-    for (BodyCommand& body : moved_.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
-    commands->put(tick, Timing::next_step, moved_);
-    plant.obey(tick, moved_);
-  }
-  if (checkpoint_ > 0) {
-    const auto restored = RecordedCheckpoints(*recording_, *scenario_).restore(checkpoint_, plant.world());
-    if (!restored) return restored.errors();
-    REHEARSE_ASSERT(*restored, "it was chosen from those there are");
-    plant.begin_at(checkpoint_);
-  }
-  for (std::int64_t tick = checkpoint_; tick < origin_.tick; ++tick) {
-    plant.sense();
-    commands->put(tick, Timing::same_step, moved_);
-    loop.recorder->begin_with_contacts(plant.world().touching());
-    if (!plant.step(moved_))
-      return in_file(file_,
-                     error(fmt::format("led by the recorded commands, the simulation exploded after tick {}", tick)));
-    commands->put(tick, Timing::next_step, moved_);
-    plant.obey(tick, moved_);
-  }
+  ContactsSink sink(*loop.recorder);
+  Run leading(scenario_->time_step, *loop.world, *commands, sink, checkpoint_, origin_.tick);
+  RecordedCheckpoints checkpoints(*recording_, *scenario_);
+  const auto restored = begin_at_checkpoint(checkpoint_, plant, checkpoints, *commands, leading.command);
+  if (!restored) return restored.errors();
+  REHEARSE_ASSERT(*restored, "it was chosen from those there are");
+  if (auto led = leading.go(); !led) return led;
+  if (leading.interruption()) return *leading.interruption();
+  if (leading.broke_down())
+    return in_file(file_, error(fmt::format("led by the recorded commands, the simulation exploded after tick {}",
+                                            leading.tick() - 1)));
+  moved_ = std::move(leading.command);
   const auto moment = static_cast<std::size_t>(origin_.tick);
   if (moment >= ticks_.state_hashes.size() || plant.world().state_hash() == ticks_.state_hashes[moment]) return {};
   Diagnostic& remark = summary_.run.remarks.emplace_back(
@@ -331,16 +327,27 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
 }
 
 Result<void> Branch::copy_source(ClosedLoop& loop) {
-  ReplayedPart part(*scenario_, *reader_, *loop.host, *loop.recorder, loop.altered);
-  part.keep_acted(origin_.acted_until, source_origin_ ? source_origin_->acted_until : std::nullopt);
-  if (auto done = part.run(origin_.tick); !done) return done;
+  RecordingSource inputs(*scenario_, *reader_, *loop.host, loop.altered);
+  CopyingSink copy(*scenario_, *reader_, *loop.host, *loop.recorder, loop.altered);
+  copy.keep_acted(origin_.acted_until, source_origin_ ? source_origin_->acted_until : std::nullopt);
+  loop.run->change(inputs, copy, origin_.tick);
+  if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
   if (loop.host->failure()) return in_file(file_, error("before the moment, " + loop.host->failure()->message));
-  // what the recorded controllers commanded last still acts; from now on joints are driven as these here say
+  return {};
+}
+
+/// From the moment on the loop is closed, with what the recorded controllers commanded last still in force. But joints
+/// are driven as the controllers here say.
+void Branch::close(ClosedLoop& loop) {
+  Command& command = loop.run->command;
   for (std::size_t body = 0; body < moved_.bodies.size(); ++body)
     for (std::size_t joint = 0; joint < moved_.bodies[body].joints.size(); ++joint)
-      moved_.bodies[body].joints[joint].drive = loop.command.bodies[body].joints[joint].drive;
-  loop.command = std::move(moved_);
-  return {};
+      moved_.bodies[body].joints[joint].drive = command.bodies[body].joints[joint].drive;
+  command = std::move(moved_);
+  loop.world->save_checkpoints(checkpoint_interval());
+  loop.world->alter(loop.altered);
+  loop.run->change(*loop.world, *loop.sink, scenario_->ticks());
+  loop.run->report_progress(options_.progress, scenario_->ticks() - origin_.tick);
 }
 
 Result<BranchSummary> Branch::make() {
@@ -369,23 +376,16 @@ Result<BranchSummary> Branch::go_on() {
   if (auto created = create(loop); !created) return created.errors();
   if (auto led = lead_world(loop); !led) return led.errors();
   if (auto copied = copy_source(loop); !copied) return copied.errors();
-  const std::int64_t all = scenario_->ticks() - origin_.tick;
-  const std::int64_t stride = std::max<std::int64_t>(1, all / 100);
+  close(loop);
   for (;;) {
     const Result<bool> going_on = loop.step();
     if (!going_on) return going_on.errors();
     if (!*going_on) break;
-    const std::int64_t done = loop.plant->tick() - origin_.tick;
-    if (options_.progress && done % stride == 0) options_.progress(done, all);
   }
   auto run = loop.finish();
   if (!run) return run.errors();
   run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
-  for (const std::string& text : loop.altered.unused()) {
-    Diagnostic& remark = run->remarks.emplace_back(
-        error(fmt::format("'{}' altered nothing: there was no such tick, or nothing was measured then", text)));
-    remark.severity = Severity::warning;
-  }
+  for (Diagnostic& remark : loop.altered.unused()) run->remarks.push_back(std::move(remark));
   summary_.run = *std::move(run);
   summary_.tick = origin_.tick;
   summary_.time = origin_.time;

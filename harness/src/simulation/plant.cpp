@@ -81,9 +81,13 @@ bool step_world(World& world, const Scenario& scenario, const Command& command) 
   return world.step();
 }
 
+void use_up_wrenches(Command& command) {
+  for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+}
+
 bool Plant::step(Command& command) {
   const bool alive = step_world(*world_, scenario_, command);
-  for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+  use_up_wrenches(command);
   return alive;
 }
 

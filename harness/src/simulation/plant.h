@@ -63,6 +63,9 @@ class Plant {
 /// One step of a scenario's world, at its own tick, under a command and the scenario's pushes. False: it exploded.
 bool step_world(World& world, const Scenario& scenario, const Command& command);
 
+/// External wrenches act in one step only.
+void use_up_wrenches(Command& command);
+
 /// What a scenario makes a world of.
 std::vector<WorldBody> world_bodies(const Scenario& scenario);
 WorldSettings world_settings(const Scenario& scenario);

@@ -1,18 +1,16 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
-#include <rehearse/interruption.h>
-#include <rehearse/ode_messages.h>
 #include <rehearse/plant_run.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "check/scenario_changes.h"
 #include "host/float_mode.h"
-#include "plant.h"
-#include "recorded_checkpoints.h"
-#include "recorded_commands.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
+#include "run/recording_sink.h"
+#include "world_source.h"
 
 namespace rehearse {
 namespace {
@@ -24,80 +22,46 @@ std::int64_t last_tick_of(const Trace& recording, double time_step) {
   return std::llround(static_cast<double>(ticks->times.back()) * 1e-9 / time_step);
 }
 
-struct PlantRun {
-  const Scenario& scenario;
-  const PlantOptions& options;
-  RecordedCheckpoints checkpoints;
-  RecordedCommands commands;
-  std::unique_ptr<Plant> plant;
-  std::unique_ptr<Recorder> recorder;
-  Command command;
-  PlantSummary summary;
+/// A world that is set back to the recorded state before each step from a tick that has a checkpoint.
+class SetBackWorld final : public WorldSource {
+ public:
+  SetBackWorld(const Scenario& scenario, Plant& plant, RecordedCheckpoints& checkpoints, const PlantOptions& options,
+               PlantSummary& summary)
+      : WorldSource(scenario, plant), plant_(plant), checkpoints_(checkpoints), options_(options), summary_(summary) {}
 
-  Result<void> begin();
-  Result<void> set_back();
-  Result<bool> step(std::int64_t last);
-};
+  Result<bool> advance(Moment& now, Commander& commands) override {
+    if (options_.resync && summary_.from_the_start.empty())
+      if (auto done = set_back(now.tick); !done) return done.errors();
+    return WorldSource::advance(now, commands);
+  }
 
-/// Controllers' words until the first tick, so that devices are as they were there.
-Result<void> PlantRun::begin() {
-  command = commands.initial();
-  plant->obey(-1, command);
-  if (options.from == 0) {
-    if (options.nudge) plant->world().nudge(*options.nudge);
+ private:
+  Result<void> set_back(std::int64_t tick) {
+    const auto restored = checkpoints_.restore(tick, plant_.world());
+    if (!restored) return restored.errors();
+    if (!*restored) return {};
+    ++summary_.restored;
+    if (options_.nudge) plant_.world().nudge(*options_.nudge + static_cast<std::uint32_t>(tick));
     return {};
   }
-  for (std::int64_t tick = 0; tick < options.from; ++tick) {
-    commands.put(tick, RecordedCommands::Timing::same_step, command);
-    for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
-    commands.put(tick, RecordedCommands::Timing::next_step, command);
-    plant->obey(tick, command);
-  }
-  const auto restored = checkpoints.restore(options.from, plant->world());
-  if (!restored) return restored.errors();
-  if (!*restored) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
-  plant->begin_at(options.from);
-  ++summary.restored;
-  return {};
-}
 
-/// To the recorded state, if there is a checkpoint at this tick.
-Result<void> PlantRun::set_back() {
-  if (!options.resync || !summary.from_the_start.empty()) return {};
-  const auto restored = checkpoints.restore(plant->tick(), plant->world());
-  if (!restored) return restored.errors();
-  if (!*restored) return {};
-  ++summary.restored;
-  if (options.nudge) plant->world().nudge(*options.nudge + static_cast<std::uint32_t>(plant->tick()));
-  return {};
-}
+  Plant& plant_;
+  RecordedCheckpoints& checkpoints_;
+  const PlantOptions& options_;
+  PlantSummary& summary_;
+};
 
-/// One tick of the loop: sense, record, set back, command, step. False: it was the last.
-Result<bool> PlantRun::step(std::int64_t last) {
-  const std::int64_t tick = plant->tick();
-  if (auto interrupted = interrupted_at(tick, scenario.time_step)) return *std::move(interrupted);
-  plant->sense();
-  if (auto done = recorder->record_state(tick, plant->seen(), plant->read()); !done) return done.errors();
-  // what touches is known after a step; of a run that begins in the middle, the first that is known begins nothing
-  if (options.from > 0 && tick <= options.from + 1)
-    recorder->begin_with_contacts(plant->world().touching());
-  else if (auto done = recorder->record_contacts(tick, plant->world().touching()); !done)
-    return done.errors();
-  if (auto done = recorder->record_tick(tick, nullptr, {plant->world().state_hash(), 0, 0}); !done)
-    return done.errors();
-  if (tick >= last) return false;
-  if (auto done = set_back(); !done) return done.errors();
-  commands.put(tick, RecordedCommands::Timing::same_step, command);
-  const bool alive = plant->step(command);
-  take_ode_messages();  // a session tells them
-  if (!alive) {
-    summary.failure = error(fmt::format("the simulation exploded in the step after tick {}", tick));
-    return false;
-  }
-  commands.put(tick, RecordedCommands::Timing::next_step, command);
-  plant->obey(tick, command);
-  ++summary.ticks;
-  return true;
+/// The run from its first tick to the state after its last.
+Result<void> go(Run& run, std::int64_t last, PlantSummary& summary) {
+  const std::int64_t from = run.tick();
+  if (from > last) return {};
+  if (auto done = run.go(); !done) return done;
+  if (run.interruption()) return *run.interruption();
+  summary.ticks = run.tick() - from;
+  if (!run.broke_down()) return run.close();
+  --summary.ticks;  // the last one has no state after it
+  summary.failure = error(fmt::format("the simulation exploded in the step after tick {}", run.tick() - 1));
+  return {};
 }
 
 }  // namespace
@@ -119,33 +83,35 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
       trace, scenario, provenance(scenario, nullptr, World::engine_description(), (*plant)->renderer_description()));
   if (!recorder) return recorder.errors();
   (*recorder)->declare(nullptr);
-  PlantRun run{scenario, options, {recording, scenario}, std::move(*commands), std::move(*plant),
-               std::move(*recorder), {}, {}};
-  auto objection = run.checkpoints.objection();
+  PlantSummary summary;
+  RecordedCheckpoints checkpoints(recording, scenario);
+  auto objection = checkpoints.objection();
   if (!objection) return objection.errors();
-  run.summary.from_the_start = *std::move(objection);
-  if (auto begun = run.begin(); !begun) return begun.errors();
+  summary.from_the_start = *std::move(objection);
 
   const std::int64_t end = last_tick_of(recording, scenario.time_step);
+  const std::int64_t last = std::min(end, options.until.value_or(end));
+  SetBackWorld world(scenario, **plant, checkpoints, options, summary);
+  RecordingSink sink(**recorder);
+  if (options.from > 0) sink.take_contacts_for_known(options.from + 2);
+  Run run(scenario.time_step, world, *commands, sink, options.from, last);
+  run.report_progress(options.progress, last - options.from);
+  const auto begun = begin_at_checkpoint(options.from, **plant, checkpoints, *commands, run.command);
+  if (!begun) return begun.errors();
+  if (!*begun) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
+  summary.restored = options.from > 0 ? 1 : 0;
+  if (options.from == 0 && options.nudge) (*plant)->world().nudge(*options.nudge);
   if (end < 0) {
     Diagnostic finding = error("it has no ticks: nothing of the run was recorded");
     finding.file = recording.file();
     return finding;
   }
-  const std::int64_t last = std::min(end, options.until.value_or(end));
-  const std::int64_t stride = std::max<std::int64_t>(1, (last - options.from) / 100);
-  for (bool going_on = last >= options.from; going_on;) {
-    const auto done = run.step(last);
-    if (!done) return done.errors();
-    going_on = *done;
-    if (options.progress && run.summary.ticks % stride == 0)
-      options.progress(run.summary.ticks, last - options.from);
-  }
-  mcap::StringMap outcome{{"ticks", std::to_string(run.summary.ticks)},
-                          {"complete", run.summary.failure ? "false" : "true"}};
-  if (run.summary.failure) outcome["failure"] = run.summary.failure->message;
-  if (auto closed = run.recorder->close(outcome); !closed) return closed.errors();
-  return run.summary;
+  if (auto done = go(run, last, summary); !done) return done.errors();
+
+  mcap::StringMap outcome{{"ticks", std::to_string(summary.ticks)}, {"complete", summary.failure ? "false" : "true"}};
+  if (summary.failure) outcome["failure"] = summary.failure->message;
+  if (auto closed = (*recorder)->close(outcome); !closed) return closed.errors();
+  return summary;
 }
 
 }  // namespace rehearse

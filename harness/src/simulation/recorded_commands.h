@@ -10,9 +10,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/timing.h"
+#include "run/run.h"
+
 namespace rehearse {
 
-class RecordedCommands {
+class RecordedCommands final : public Commander {
  public:
   /// Finds the controllers' outputs. Fails if the trace has commands to something that the scenario hasn't: a body, a
   /// controller, a joint, a device; all of them in one go. Scenario and trace must outlive this.
@@ -21,10 +24,12 @@ class RecordedCommands {
   /// Before the first tick: joints are driven as the controllers drive them, and stay where they begin; devices hear
   /// what was said to them in initialize().
   Command initial() const;
-  enum class Timing { same_step, next_step };
   /// Writes what was commanded in a tick by the controllers without (or with) delay into the command; the last one wins,
   /// external wrenches add up, numbers that aren't finite are left out. Ticks must come in ascending order.
   void put(std::int64_t tick, Timing timing, Command& command);
+
+  void act(Moment& now) override { put(now.tick, Timing::same_step, now.command); }
+  void act_late(Moment& now) override { put(now.tick, Timing::next_step, now.command); }
 
  private:
   /// One number of a joint's command.

@@ -31,14 +31,14 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   if (auto created = loop.create(trace, options); !created) return created.errors();
   if (options.nudge) loop.plant->world().nudge(*options.nudge);
   if (options.checkpoint_period > 0.0)
-    loop.checkpoint_interval = std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
-  loop.command = loop.host->initialize(initial_observation(scenario));
-  loop.watch_contacts();
-  loop.plant->obey(-1, loop.command);
-  loop.recorder->declare(loop.host.get());
-  loop.host->start();
+    loop.world->save_checkpoints(
+        std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step)));
+  loop.run->report_progress(options.progress, scenario.ticks());
+  loop.initialize();
+  loop.plant->obey(-1, loop.run->command);
+  loop.start();
   if (auto done = impl->record_remarks(); !done) return done.errors();
-  if (auto done = loop.record_events(); !done) return done.errors();
+  if (auto done = loop.sink->record_events(loop.host->take_events()); !done) return done.errors();
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
 
@@ -51,23 +51,17 @@ Result<void> Session::Impl::record_remarks() {
     event.source = "world";
     event.text = remark.message;
   }
-  append_remarks(events, loop.summary.remarks);
-  return loop.recorder->record_events(events);
+  return loop.sink->record_events(events);
 }
 
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace, const RecordOptions& options) {
   auto session = Session::create(scenario, trace, options);
   if (!session) return session.errors();
-  const std::int64_t all = scenario.ticks();
-  const std::int64_t stride = std::max<std::int64_t>(1, all / 100);
   for (;;) {
     const Result<bool> going_on = (*session)->step();
     if (!going_on) return going_on.errors();
-    if (!*going_on) break;
-    const std::int64_t done = (*session)->tick();
-    if (options.progress && done % stride == 0) options.progress(done, all);
+    if (!*going_on) return (*session)->finish();
   }
-  return (*session)->finish();
 }
 
 }  // namespace rehearse

@@ -1,0 +1,111 @@
+#include "recording_source.h"
+
+#include <fmt/format.h>
+#include <rehearse/cdr.h>
+#include <rehearse/clock.h>
+
+#include <utility>
+
+namespace rehearse {
+
+Diagnostic in_recording(const mcap::Reader& recording, Diagnostic finding) {
+  if (finding.file.empty()) finding.file = recording.name();
+  return finding;
+}
+
+RecordingSource::RecordingSource(const Scenario& scenario, mcap::Reader& recording, const ControllerHost& host,
+                                 AlteredInputs& altered)
+    : scenario_(scenario),
+      recording_(recording),
+      host_(host),
+      altered_(altered),
+      inputs_(scenario, recording),
+      channels_(inputs_.channels_read_by(host)) {
+  const auto& all = recording.channels();
+  is_input_.assign(all.empty() ? 0 : std::size_t{all.rbegin()->first} + 1, false);
+  for (const std::uint16_t id : channels_) is_input_[id] = true;
+  for (const auto& [id, channel] : all)
+    if (channel.topic == "/tick") tick_channel_ = id;
+  if (has_ticks()) channels_.push_back(tick_channel_);
+}
+
+Result<void> RecordingSource::drive(Run& run, const Take& take, std::span<const std::uint16_t> channels,
+                                    std::uint64_t before) {
+  Result<void> failed;
+  bool going_on = true;
+  const auto finish_tick = [&] {
+    if (!std::exchange(tick_here_, false)) return true;  // before the first tick, or a tick that wasn't closed
+    const auto stepped = run.step();
+    if (!stepped) failed = stepped.errors();
+    return stepped && *stepped;
+  };
+  const auto gather = [&](const mcap::Message& message) {
+    if (message.log_time != time_ && !(going_on = finish_tick())) return false;
+    time_ = message.log_time;
+    if (time_ >= before) return going_on = false;
+    failed = accept(message);
+    if (failed) failed = take(message);
+    return going_on = failed.ok();
+  };
+  damage_ = recording_.for_each_message_in_order(gather, channels).errors();
+  if (going_on) finish_tick();
+  return failed;
+}
+
+Result<void> RecordingSource::accept(const mcap::Message& message) {
+  const std::uint16_t id = message.channel->id;
+  if (id == tick_channel_) {
+    CdrReader reader(message.data);
+    if ((tick_here_ = msg::decode(reader, tick_))) return {};
+    return in_recording(recording_,
+                        error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time)));
+  }
+  if (!is_input_[id]) return {};
+  auto accepted = inputs_.accept(message);
+  return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
+}
+
+Result<bool> RecordingSource::observe(Moment& now) {
+  const bool is_last_state = tick_.controller_results.size() != host_.controllers().size();
+  if (is_last_state) {  // after the last step only the state is recorded
+    last_state_ = tick_;
+    return false;
+  }
+  if (time_ >= until_) {
+    cut_short_ = true;
+    return false;
+  }
+  if (tick_.tick != now.tick) return gap(now.tick);
+  now.seen = now.read = &inputs_.observation();
+  now.state_hash = tick_.state_hash;
+  if (altered_.empty()) return true;
+  altered_observation_ = inputs_.observation();
+  altered_.apply(now.tick, altered_observation_);
+  now.seen = now.read = &altered_observation_;
+  return true;
+}
+
+/// A controller is what all ticks before made of it. So none may be missing: the recording was cut, or some of it was
+/// lost.
+Diagnostic RecordingSource::gap(std::int64_t expected) const {
+  return in_recording(
+      recording_,
+      expected == 0
+          ? error(fmt::format(
+                      "its first tick is {}: what was before isn't in it, and controllers can't begin in the middle",
+                      tick_.tick),
+                  "replay the whole recording, with --from")
+          : error(fmt::format(
+                      "tick {} follows tick {}: what was between isn't in it, and controllers can't go on without",
+                      tick_.tick, expected - 1),
+                  fmt::format("replay it up to there: --until {:g}", time_of(expected, scenario_.time_step))));
+}
+
+/// The recorded world has moved by itself.
+Result<bool> RecordingSource::advance(Moment& now, Commander& commands) {
+  commands.act_late(now);
+  inputs_.begin_tick();
+  return true;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,185 @@
+#include "replay_comparison.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/tolerance.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/asked_variables.h"
+#include "recording/variable_topics.h"
+
+namespace rehearse {
+
+ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
+                                   ControllerHost& host, const RecordingSource& source, ReplayReport& report)
+    : options_(options),
+      scenario_(scenario),
+      recording_(recording),
+      host_(host),
+      source_(source),
+      report_(report),
+      words_(host, recording),
+      channels_(words_.channels()),
+      from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
+  const std::size_t ids = std::size_t{recording.channels().rbegin()->first} + 1;
+  is_word_.assign(ids, false);
+  output_of_.assign(ids, nullptr);
+  for (const std::uint16_t id : words_.channels()) is_word_[id] = true;
+  outputs_.reserve(host.controllers().size());
+  for (const HostedController& hosted : host.controllers()) {
+    RecordedOutputs& outputs = outputs_.emplace_back(hosted, scenario, recording);
+    for (const std::uint16_t id : outputs.channels()) {
+      output_of_[id] = &outputs;
+      channels_.push_back(id);
+    }
+  }
+  if (options.on_outputs) output_record_.emplace(host, scenario);
+  if (options.on_started && output_record_) options.on_started(output_record_->fields());
+}
+
+Result<void> ReplayComparison::take(const mcap::Message& message) {
+  const std::uint16_t id = message.channel->id;
+  Result<void> accepted;
+  if (is_word_[id])
+    accepted = words_.accept(message);
+  else if (output_of_[id])
+    accepted = output_of_[id]->accept(message);
+  return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
+}
+
+Result<void> ReplayComparison::emit(const Moment& now) {
+  tick_differs_ = false;
+  const std::int64_t before = std::max<std::int64_t>(0, now.tick - 1);
+  words_.begin_tick([&](Divergence&& found) { word_differs(std::move(found), before); });
+  if (now.alive) {
+    report_outputs(now.tick);
+    compare(now);
+    ++report_.ticks;
+  }
+  take_events();
+  for (RecordedOutputs& outputs : outputs_) outputs.begin_tick();
+  return {};
+}
+
+void ReplayComparison::report_outputs(std::int64_t tick) {
+  if (output_record_) options_.on_outputs(tick, output_record_->row());
+  if (!options_.on_variable) return;
+  for (const HostedController& hosted : host_.controllers())
+    for (const ControllerVariables::Variable& variable : hosted.variables.all())
+      if (variable.is_set)
+        options_.on_variable(tick, variable_topic(hosted.label, variable.name).substr(1), variable.value);
+}
+
+bool ReplayComparison::is_compared(std::int64_t tick) const {
+  return nanoseconds_of(tick, scenario_.time_step) >= from_;
+}
+
+void ReplayComparison::compare(const Moment& now) {
+  if (!source_.alters()) compare_inputs(now);
+  if (now.tick == 0) compare_delays();
+  if (!is_compared(now.tick)) return;
+  for (const RecordedOutputs& outputs : outputs_)
+    report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
+  compare_results();
+  compare_variables();
+  report_.ticks_different += tick_differs_ ? 1 : 0;
+}
+
+/// A controller that reads more or less than the recorded one has other hashes from the first tick on: then they tell
+/// nothing. Else another hash later on means that the recorded inputs are not those of the run.
+void ReplayComparison::compare_inputs(const Moment& now) {
+  if (reads_the_same_ && !*reads_the_same_) return;
+  const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;
+  if (!reads_the_same_) reads_the_same_ = same;
+  if (same || !*reads_the_same_ || !is_compared(now.tick)) return;
+  Divergence found;
+  found.channel = "/tick";
+  found.element = "input_hash";
+  found.stage = Stage::inputs;
+  found.note = "what the recording holds of the inputs is not what the controllers were fed with when it was made";
+  differs(std::move(found));
+  reads_the_same_ = false;  // said once
+}
+
+/// The same numbers a tick later, or earlier, are other commands.
+void ReplayComparison::compare_delays() {
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    const HostedController& hosted = host_.controllers()[i];
+    if (!hosted.running) continue;
+    outputs_[i].compare_delay(host_.is_delayed(hosted), [this](Divergence&& found) { differs(std::move(found)); });
+  }
+}
+
+void ReplayComparison::compare_results() {
+  for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
+    ++report_.values;
+    const bool result = host_.controllers()[i].result;
+    if (result == source_.recorded().controller_results[i]) continue;
+    Divergence found;
+    found.channel = "/tick";
+    found.element = fmt::format("controller_results/{}", i);
+    found.expected = source_.recorded().controller_results[i] ? 1.0 : 0.0;
+    found.actual = result ? 1.0 : 0.0;
+    found.difference = 1.0;
+    found.note = fmt::format("control() of '{}' returned {}, and {} in the recording", host_.controllers()[i].label,
+                             result, !result);
+    differs(std::move(found));
+  }
+}
+
+/// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.
+double ReplayComparison::tolerance_for(const Divergence& found) const {
+  if (!options_.tolerances || !found.note.empty()) return 0.0;
+  const std::string owner = found.channel.substr(1, found.channel.rfind('/'));
+  const Tolerance tolerance = tolerance_of(owner + found.element, found.unit, *options_.tolerances);
+  return tolerance.bound(std::abs(found.expected));
+}
+
+void ReplayComparison::differs(Divergence&& found) {
+  found.tick = source_.recorded().tick;
+  found.time = time_of(source_.recorded().tick, scenario_.time_step);
+  found.tolerance = tolerance_for(found);
+  tick_differs_ = true;
+  ++report_.values_different;
+  if (!report_.beyond && (!found.note.empty() || !(found.difference <= found.tolerance))) report_.beyond = found;
+  if (options_.on_difference) options_.on_difference(found);
+  if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
+  if (!report_.first) report_.first = std::move(found);
+}
+
+/// Those that a rule asks for are compared like commands.
+void ReplayComparison::compare_variables() {
+  report_.words.variables += words_.compare_variables([this](Divergence&& found) {
+    if (!asks_for_variable(found.channel.substr(1), scenario_.tolerances))
+      return word_differs(std::move(found), source_.recorded().tick);
+    ++report_.values;
+    differs(std::move(found));
+  });
+}
+
+void ReplayComparison::word_differs(Divergence&& found, std::int64_t tick) {
+  found.tick = tick;
+  found.time = time_of(tick, scenario_.time_step);
+  if (found.time < options_.from) return;
+  ++report_.words.different;
+  if (!report_.words.first || found.tick < report_.words.first->tick) report_.words.first = std::move(found);
+}
+
+void ReplayComparison::take_events() {
+  const std::vector<msg::Event> events = host_.take_events();
+  append_remarks(events, report_.remarks);
+  words_.say(events);
+  if (options_.on_event)
+    for (const msg::Event& event : events) options_.on_event(event);
+}
+
+/// A line is found when the next tick begins, or the replay ends.
+void ReplayComparison::end_lines() {
+  const std::int64_t last = host_.failure() ? source_.recorded().tick : std::max<std::int64_t>(0, report_.ticks - 1);
+  words_.end([&](Divergence&& found) { word_differs(std::move(found), last); });
+  report_.words.lines = words_.lines();
+}
+
+}  // namespace rehearse

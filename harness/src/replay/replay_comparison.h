@@ -1,0 +1,66 @@
+// ReplayComparison: what controllers do in a replay beside what they did in the recording, tick by tick.
+#pragma once
+
+#include <rehearse/mcap.h>
+#include <rehearse/replay.h>
+#include <rehearse/scenario.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/controller_host.h"
+#include "output_record.h"
+#include "recorded_outputs.h"
+#include "recorded_words.h"
+#include "recording_source.h"
+#include "run/run.h"
+
+namespace rehearse {
+
+class ReplayComparison final : public Sink {
+ public:
+  /// The controllers have started. What is found goes into the report. All must outlive this.
+  ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
+                   ControllerHost& host, const RecordingSource& source, ReplayReport& report);
+
+  /// The channels that it compares.
+  const std::vector<std::uint16_t>& channels() const { return channels_; }
+  /// A message of the tick that is emitted next; of other channels, too.
+  Result<void> take(const mcap::Message& message);
+  Result<void> emit(const Moment& now) override;
+  /// Events since the last call.
+  void take_events();
+  /// No line follows in the recording or here.
+  void end_lines();
+
+ private:
+  bool is_compared(std::int64_t tick) const;
+  void compare(const Moment& now);
+  void compare_inputs(const Moment& now);
+  void compare_delays();
+  void compare_results();
+  void compare_variables();
+  void report_outputs(std::int64_t tick);
+  void differs(Divergence&& found);
+  void word_differs(Divergence&& found, std::int64_t tick);
+  double tolerance_for(const Divergence& found) const;
+
+  const ReplayOptions& options_;
+  const Scenario& scenario_;
+  mcap::Reader& recording_;
+  ControllerHost& host_;
+  const RecordingSource& source_;
+  ReplayReport& report_;
+  RecordedWords words_;
+  std::vector<RecordedOutputs> outputs_;       // by controller
+  std::optional<OutputRecord> output_record_;  // if somebody wants it
+  std::vector<std::uint16_t> channels_;
+  std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
+  std::vector<bool> is_word_;                // by channel id
+  const std::uint64_t from_;                 // [ns]
+  bool tick_differs_ = false;
+  std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
+};
+
+}  // namespace rehearse

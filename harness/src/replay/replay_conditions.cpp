@@ -1,0 +1,99 @@
+#include "replay_conditions.h"
+
+#include <fmt/format.h>
+
+#include "audit/virtualised.h"
+#include "host/opened_files.h"
+#include "recording/provenance.h"
+#include "recording/recorder.h"
+#include "recording_source.h"
+
+namespace rehearse {
+Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host,
+                              const RecordedInputs& inputs) {
+  Diagnostics missing;
+  if (scenario.joystick && !inputs.has_joystick())
+    missing.push_back(
+        in_recording(recording, error("the run has a joystick, but what it did was not recorded: there is no /joy",
+                                      "record the scenario again")));
+  for (const HostedController& hosted : host.controllers()) {
+    if (!hosted.running) continue;
+    const Model& model = *scenario.bodies[hosted.body].model;
+    const auto report = [&](const std::string& what) {
+      missing.push_back(in_recording(
+          recording, error(fmt::format("controller '{}' reads {}, which was not recorded", hosted.label, what),
+                           "record again with this controller")));
+    };
+    for (const IoField& field : hosted.io->inputs().fields)
+      if (!inputs.has(hosted.body, field))
+        report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
+    for (const int link : hosted.io->contact_links())
+      if (!inputs.has_contacts(hosted.body, link))
+        report(fmt::format("the contact points of link '{}'", model.links[link].name));
+    for (const int device : hosted.io->input_devices()) {
+      const DeviceKind& kind = model.devices[device].kind;
+      const bool is_still_camera = std::holds_alternative<Camera>(kind) &&
+                                   !scenario.runs_camera(scenario.bodies[hosted.body].name, model.devices[device].name);
+      const bool said_nothing = is_still_camera || std::holds_alternative<Light>(kind);
+      if (!said_nothing && !inputs.has_device(hosted.body, device))
+        report(fmt::format("device '{}'", model.devices[device].name));
+    }
+  }
+  return missing;
+}
+
+std::vector<std::string> other_controllers(const mcap::Reader& recording, const ControllerHost& host) {
+  const mcap::StringMap* facts = nullptr;
+  for (const mcap::Metadata& metadata : recording.metadata())
+    if (metadata.name == "rehearse") facts = &metadata.values;
+  std::vector<std::string> others;
+  for (const HostedController& hosted : host.controllers()) {
+    const auto recorded = facts ? facts->find("controller." + hosted.label) : mcap::StringMap::const_iterator();
+    if (!facts || recorded == facts->end() || !recorded->second.ends_with(" " + hosted.library->content_hash()))
+      others.push_back(hosted.label);
+  }
+  return others;
+}
+
+/// What a run ended by a failure would have read later isn't known. A recording from before files were recorded says
+/// nothing of what was in them.
+std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host) {
+  const mcap::StringMap* recorded = nullptr;
+  for (const mcap::Metadata& metadata : recording.metadata())
+    if (metadata.name == files_record) recorded = &metadata.values;
+  std::vector<std::string> changes;
+  for (const auto& [file, content] : host.files_read()) {
+    const auto before = recorded ? recorded->find(file) : mcap::StringMap::const_iterator();
+    const bool is_known = recorded && before != recorded->end();
+    if (is_known && before->second == content) continue;
+    if (content == missing_file)
+      changes.push_back(fmt::format("{} wasn't found", file));
+    else if (is_known)
+      changes.push_back(fmt::format("{} has changed since the recording", file));
+    else
+      changes.push_back(fmt::format("{} is read, and the recording doesn't say what was in it", file));
+  }
+  return changes;
+}
+
+Diagnostics other_arithmetic_than(const mcap::Reader& recording, const Scenario& scenario) {
+  for (const mcap::Metadata& metadata : recording.metadata()) {
+    if (metadata.name != "rehearse") continue;
+    const std::string other = other_arithmetic(metadata.values, provenance(scenario, nullptr, "", ""));
+    if (!other.empty())
+      return {error(fmt::format("this process may round otherwise than the one that recorded: {}", other),
+                    "last bits may differ for that alone; rehearse check compares within tolerance then")};
+  }
+  return {};
+}
+
+Diagnostics other_clock_than(const mcap::Reader& recording) {
+  if (!virtualised_seed(recording) || !virtualisation().empty()) return {};
+  return {in_recording(
+      recording,
+      error("its controllers were given simulated time and seeded random numbers, and here they are given the "
+            "system's: their commands may differ for that",
+            "rehearse replay gives them what they had"))};
+}
+
+}  // namespace rehearse

@@ -1,0 +1,30 @@
+// HostedCommands: the commands of a run come from its controllers.
+#pragma once
+
+#include "host/controller_host.h"
+#include "run.h"
+
+namespace rehearse {
+
+class HostedCommands final : public Commander {
+ public:
+  /// When the commands are written into the run's command. What isn't finite is reported then.
+  enum class Written {
+    in_time,  // each controller's before or after the step: a world moves, or moved
+    at_once,  // all before the step, which moves nothing: the robot of a log
+    never,    // somebody reads the controllers' outputs instead
+  };
+
+  /// The host must outlive this.
+  HostedCommands(ControllerHost& host, Written written) : host_(host), written_(written) {}
+
+  bool failed() const override { return host_.failure().has_value(); }
+  void act(Moment& now) override;
+  void act_late(Moment& now) override;
+
+ private:
+  ControllerHost& host_;
+  const Written written_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,35 @@
+#include "recording_sink.h"
+
+namespace rehearse {
+
+Result<void> RecordingSink::emit(const Moment& now) {
+  if (!now.checkpoint.empty())
+    if (auto done = recorder_.record_checkpoint(now.tick, now.checkpoint); !done) return done;
+  if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
+  if (auto done = record_contacts(now); !done) return done;
+  return close_tick(now);
+}
+
+Result<void> RecordingSink::record_contacts(const Moment& now) {
+  if (!now.touching) return {};
+  if (now.tick >= known_before_) return recorder_.record_contacts(now.tick, *now.touching);
+  recorder_.begin_with_contacts(*now.touching);
+  return {};
+}
+
+Result<void> RecordingSink::close_tick(const Moment& now) {
+  TickHashes hashes{now.state_hash, 0, 0};
+  if (now.host) hashes = {now.state_hash, now.host->input_hash(*now.read), now.host->output_hash()};
+  if (auto done = recorder_.record_tick(now.tick, now.host, hashes); !done) return done;
+  if (auto done = record_events(now.events); !done) return done;
+  return now.host ? record_events(now.host->take_events()) : Result<void>();
+}
+
+Result<void> RecordingSink::record_events(const std::vector<msg::Event>& events) {
+  if (remarks_)
+    for (const msg::Event& event : events)
+      if (event.source != "log") append_remarks({event}, *remarks_);  // a log's are told by topic
+  return recorder_.record_events(events);
+}
+
+}  // namespace rehearse

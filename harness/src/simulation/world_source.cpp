@@ -1,0 +1,75 @@
+#include "world_source.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/ode_messages.h>
+
+#include <utility>
+
+namespace rehearse {
+
+Result<bool> WorldSource::observe(Moment& now) {
+  REHEARSE_ASSERT(plant_.tick() == now.tick, "run and world are at the same tick");
+  plant_.sense();
+  now.seen = &plant_.seen();
+  now.read = &plant_.read();
+  now.state_hash = plant_.world().state_hash();
+  now.touching = &plant_.world().touching();
+  if (now.is_closing) return true;
+  if (altered_) apply_alterations(now);
+  if (checkpoint_interval_ == 0 || now.tick % checkpoint_interval_ != 0) return true;
+  now.checkpoint = plant_.world().save();
+  trial_.begin(now.tick / checkpoint_interval_, now.checkpoint);
+  return true;
+}
+
+/// Devices and joystick are recorded as they are read; joints and links as they are, too.
+void WorldSource::apply_alterations(Moment& now) {
+  altered_read_ = *now.read;
+  altered_->apply(now.tick, altered_read_);
+  altered_seen_ = *now.seen;
+  altered_seen_.joystick = altered_read_.joystick;
+  for (std::size_t body = 0; body < altered_seen_.bodies.size(); ++body)
+    altered_seen_.bodies[body].devices = altered_read_.bodies[body].devices;
+  now.seen = &altered_seen_;
+  now.read = &altered_read_;
+}
+
+Result<bool> WorldSource::advance(Moment& now, Commander& commands) {
+  trial_.step(now.command);
+  const bool alive = plant_.step(now.command);
+  report_ode_messages(now.tick);
+  trial_.compare(plant_.world());
+  commands.act_late(now);
+  plant_.obey(now.tick, now.command);
+  return alive;
+}
+
+/// ODE repeats itself from step to step: only the first step with a message is reported.
+void WorldSource::report_ode_messages(std::int64_t tick) {
+  const std::vector<std::string> messages = take_ode_messages();
+  if (messages.empty() || !remarks_ || std::exchange(reported_ode_, true)) return;
+  Diagnostic& remark =
+      remarks_->emplace_back(error(fmt::format("world: the step after tick {} ({} s) found no exact solution: {}", tick,
+                                               time_of(tick, scenario_.time_step), messages[0]),
+                                   "later steps may have done so as well; this is said once"));
+  remark.severity = Severity::warning;
+}
+
+Result<bool> begin_at_checkpoint(std::int64_t tick, Plant& plant, RecordedCheckpoints& checkpoints,
+                                 RecordedCommands& commands, Command& command) {
+  command = commands.initial();
+  plant.obey(-1, command);
+  for (std::int64_t past = 0; past < tick; ++past) {
+    commands.put(past, Timing::same_step, command);
+    use_up_wrenches(command);
+    commands.put(past, Timing::next_step, command);
+    plant.obey(past, command);
+  }
+  if (tick == 0) return true;
+  const auto restored = checkpoints.restore(tick, plant.world());
+  if (restored && *restored) plant.begin_at(tick);
+  return restored;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,55 @@
+// WorldSource: what is observed comes from a simulated world, which the commands move.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/scenario.h>
+
+#include <cstdint>
+#include <string>
+
+#include "checkpoint_trial.h"
+#include "plant.h"
+#include "recorded_checkpoints.h"
+#include "recorded_commands.h"
+#include "replay/altered_inputs.h"
+#include "run/run.h"
+
+namespace rehearse {
+
+class WorldSource : public ObservationSource {
+ public:
+  /// Messages of ODE become warnings in `remarks`; null: they are dropped. All must outlive this.
+  WorldSource(const Scenario& scenario, Plant& plant, Diagnostics* remarks = nullptr)
+      : scenario_(scenario), plant_(plant), remarks_(remarks), trial_(scenario) {}
+
+  /// A checkpoint every so many ticks; some are tried out. 0: none.
+  void save_checkpoints(std::int64_t interval) { checkpoint_interval_ = interval; }
+  /// What was found out about them, for the outcome of a recording.
+  std::string checkpoint_verdict() const { return checkpoint_interval_ > 0 ? trial_.verdict() : "none"; }
+  /// What is seen is altered from now on.
+  void alter(AlteredInputs& altered) { altered_ = altered.empty() ? nullptr : &altered; }
+
+  Result<bool> observe(Moment& now) override;
+  Result<bool> advance(Moment& now, Commander& commands) override;
+
+ private:
+  void apply_alterations(Moment& now);
+  void report_ode_messages(std::int64_t tick);
+
+  const Scenario& scenario_;
+  Plant& plant_;
+  Diagnostics* remarks_;
+  AlteredInputs* altered_ = nullptr;
+  Observation altered_seen_, altered_read_;
+  std::int64_t checkpoint_interval_ = 0;  // [ticks]
+  CheckpointTrial trial_;
+  bool reported_ode_ = false;
+};
+
+/// Sets the world to the recorded state at the beginning of that tick, and devices to what was said to them until then.
+/// `command` becomes what is in force there. At tick 0 the world stays as it is. False: there is no checkpoint at the
+/// tick.
+Result<bool> begin_at_checkpoint(std::int64_t tick, Plant& plant, RecordedCheckpoints& checkpoints,
+                                 RecordedCommands& commands, Command& command);
+
+}  // namespace rehearse
