@@ -11,6 +11,7 @@ rehearse_add_library(log
   src/log/device_feeds.cpp
   src/log/joint_feed.cpp
   src/log/log_commands.cpp
+  src/log/log_observations.cpp
   src/log/log_replay.cpp
   src/log/log_requirements.cpp
   src/log/log_scenario.cpp

@@ -13,25 +13,20 @@
 #include "host/controller_host.h"
 #include "host/float_mode.h"
 #include "host/process_guard.h"
-#include "log_commands.h"
-#include "log_feed.h"
+#include "log_observations.h"
 #include "log_requirements.h"
 #include "log_scenario.h"
 #include "log_survey.h"
 #include "recording/hashing.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
-#include "topic_watch.h"
+#include "run/hosted_commands.h"
+#include "run/recording_sink.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// So many gaps of one source are events of the recording; how many there were stands in its metadata.
-constexpr std::int64_t max_gap_events = 20;
-
-std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
   diagnostic.file = file;
@@ -59,14 +54,54 @@ Result<std::string> hash_of(const fs::path& file) {
   return hash_text(hash);
 }
 
-/// A source while it is fed.
-struct Fed {
-  const MappedSource& mapped;
-  std::unique_ptr<LogFeed> feed;  // null: of commands
-  TopicWatch watch;
-  std::int64_t unreadable = 0;
-  std::int64_t gap_events = 0;
+/// The run goes into a trace, and its commands beside those of the robot's own controller.
+class LogSink final : public RecordingSink {
+ public:
+  LogSink(Recorder& recorder, const LogReplayOptions& options, const LogMap& map, const Scenario& scenario,
+          LogObservations& log, LogReplayReport& report)
+      : RecordingSink(recorder, &report.remarks),
+        options_(options),
+        map_(map),
+        scenario_(scenario),
+        log_(log),
+        report_(report) {}
+
+  Result<void> emit(const Moment& now) override {
+    auto done = RecordingSink::emit(now);
+    if (done && now.alive && log_.commands()) compare(now);
+    return done;
+  }
+
+ private:
+  void compare(const Moment& now);
+
+  const LogReplayOptions& options_;
+  const LogMap& map_;
+  const Scenario& scenario_;
+  LogObservations& log_;
+  LogReplayReport& report_;
 };
+
+void LogSink::compare(const Moment& now) {
+  const double time = time_of(now.tick, map_.time_step);
+  if (time < options_.from) return;
+  const std::int64_t wanted = now.tick + map_.commands->shift;
+  bool differs = false;
+  const std::int64_t compared = log_.commands()->compare(
+      log_.time_of_tick(wanted), log_.time_of_tick(wanted + 1), *now.host, scenario_, [&](Divergence&& found) {
+        found.tick = now.tick;
+        found.time = time;
+        differs = true;
+        ++report_.values_different;
+        if (!report_.beyond && !(found.difference <= found.tolerance)) report_.beyond = found;
+        if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
+        if (options_.on_difference) options_.on_difference(found);
+        if (!report_.first) report_.first = std::move(found);
+      });
+  report_.values += compared;
+  report_.ticks_compared += compared > 0 ? 1 : 0;
+  report_.ticks_different += differs ? 1 : 0;
+}
 
 class LogReplayer {
  public:
@@ -78,20 +113,15 @@ class LogReplayer {
 
  private:
   Result<void> find_span();
-  Result<void> make_feeds(const std::vector<LogTopic>& topics);
   bool on_message(const mcap::Message& message);
   Result<void> run_ticks_before(std::int64_t time);
-  Result<bool> run_tick();
-  Result<void> look(Observation& seen);
-  void place_links(Observation& seen) const;
   Result<void> begin();
-  Result<Scenario> make_scenario();
+  Result<void> host_controller();
+  Result<Scenario> make_scenario(const BodyObservation& seen);
   mcap::StringMap facts() const;
-  Result<void> record_tick();
-  Result<void> record_events(std::vector<msg::Event> events);
-  void compare();
+  void report_topics();
   Result<void> finish();
-  std::int64_t time_of_tick(std::int64_t tick) const;
+  Result<void> close_file();
 
   mcap::Reader& log_;
   const LogMap& map_;
@@ -101,26 +131,19 @@ class LogReplayer {
   LogTimes times_;
   std::vector<MappedSource> sources_;
   LogSurvey survey_;
-  std::vector<Fed> fed_;  // parallel to sources_
-  std::unique_ptr<LogCommands> commands_;
-  std::int64_t ticks_ = 0;      // to be run
-  std::int64_t tick_ = 0;       // the next one
-  std::int64_t lookahead_ = 0;  // what lies so far behind a tick may still matter to it [ns]
-  Observation seen_;
+  std::int64_t ticks_ = 0;  // to be run
+  std::optional<LogObservations> observations_;
   std::optional<Scenario> scenario_;
   std::unique_ptr<ControllerHost> host_;
   std::unique_ptr<Recorder> recorder_;
   std::optional<ProtectedDescriptor> descriptor_;  // the recorder's
-  Command command_;
-  std::vector<msg::Event> gap_events_;
+  std::optional<HostedCommands> commands_;
+  std::optional<LogSink> sink_;
+  std::optional<Run> run_;  // none before the first tick
+  bool over_ = false;
   Diagnostics errors_;
   LogReplayReport report_;
 };
-
-std::int64_t LogReplayer::time_of_tick(std::int64_t tick) const {
-  if (tick < 0) return report_.start - static_cast<std::int64_t>(nanoseconds_of(-tick, map_.time_step));
-  return report_.start + static_cast<std::int64_t>(nanoseconds_of(tick, map_.time_step));
-}
 
 /// The first tick and how many there are, by what the survey found.
 Result<void> LogReplayer::find_span() {
@@ -159,31 +182,6 @@ Result<void> LogReplayer::find_span() {
   return {};
 }
 
-Result<void> LogReplayer::make_feeds(const std::vector<LogTopic>& topics) {
-  lookahead_ = 0;
-  for (const MappedSource& mapped : sources_) {
-    const auto topic = std::find_if(topics.begin(), topics.end(),
-                                    [&](const LogTopic& known) { return known.name == mapped.source->topic; });
-    REHEARSE_ASSERT(topic != topics.end(), "the map was read against these topics");
-    const auto schema = ros2msg::Schema::parse(topic->type, topic->schema);
-    if (!schema) return schema.errors();
-    Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age)});
-    if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, *model_, *schema);
-    if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
-    if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
-    if (mapped.devices)
-      fed.feed =
-          make_device_feed(*mapped.devices, *model_, {report_.start, map_.time_step, map_.clock}, *topic, *schema);
-    if (mapped.commands) {
-      commands_ = std::make_unique<LogCommands>(map_, *model_, *schema);
-      lookahead_ = std::max(lookahead_, nanoseconds(map_.time_step * (std::max(0, map_.commands->shift) + 1)));
-    }
-    if (mapped.source->sampling == Sampling::interpolate)
-      lookahead_ = std::max(lookahead_, nanoseconds(*mapped.source->max_age));
-  }
-  return {};
-}
-
 Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, std::string log_hash) {
   report_.log_hash = std::move(log_hash);
   report_.has_commands = map_.commands.has_value();
@@ -191,7 +189,8 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   survey_ = survey(log_, map_, *model_, sources_);
   warn(report_.remarks, survey_.damage);
   if (auto found = find_span(); !found) return found.errors();
-  if (auto made = make_feeds(topics); !made) return made.errors();
+  observations_.emplace(map_, *model_, sources_, report_.start);
+  if (auto made = observations_->make_feeds(topics); !made) return made.errors();
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
   if (errors_.empty())
@@ -205,103 +204,38 @@ bool LogReplayer::on_message(const mcap::Message& message) {
   const auto time = times_.of(message);
   if (!time) return true;
   // whatever is logged from now on isn't earlier than this
-  const std::int64_t known = static_cast<std::int64_t>(message.log_time) - survey_.latest - lookahead_;
+  const std::int64_t known = static_cast<std::int64_t>(message.log_time) - survey_.latest - observations_->lookahead();
   if (auto done = run_ticks_before(known); !done) errors_ = done.errors();
   if (!errors_.empty()) return false;
-  for (Fed& fed : fed_) {
-    if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(*time)) continue;
-    const bool fits = fed.feed ? fed.feed->take(*time, message.data) : commands_->take(*time, message.data);
-    fed.unreadable += fits ? 0 : 1;
-  }
-  return tick_ < ticks_;
+  observations_->take(*time, message);
+  return !over_;
 }
 
 /// All ticks before that time of the log [ns].
 Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
-  while (tick_ < ticks_ && time_of_tick(tick_) < time) {
-    const auto going_on = run_tick();
+  while (!over_ && observations_->time_of_tick(run_ ? run_->tick() : 0) < time) {
+    if (!run_)
+      if (auto begun = begin(); !begun) return begun;
+    const auto going_on = run_->step();
     if (!going_on) return going_on.errors();
-    if (!*going_on) ticks_ = tick_;
+    over_ = !*going_on || run_->tick() == ticks_;
   }
   return {};
-}
-
-/// False: the replay ends with it.
-Result<bool> LogReplayer::run_tick() {
-  if (tick_ == 0) {
-    if (auto begun = begin(); !begun) return begun.errors();
-    if (host_->failure()) return false;
-  } else {
-    for (DeviceReading& device : seen_.bodies[0].devices) device.fresh = false;
-    if (auto looked = look(seen_); !looked) return looked.errors();
-    place_links(seen_);
-  }
-  const bool alive = host_->control(tick_, seen_);
-  host_->output(Timing::same_step, command_);  // says what isn't finite
-  host_->output(Timing::next_step, command_);
-  if (auto done = record_tick(); !done) return done.errors();
-  if (!alive) return false;
-  compare();
-  ++tick_;
-  if (options_.progress && tick_ % std::max<std::int64_t>(1, ticks_ / 100) == 0) options_.progress(tick_, ticks_);
-  return true;
-}
-
-/// What all sources know at the tick.
-Result<void> LogReplayer::look(Observation& seen) {
-  const LogMoment moment{time_of_tick(tick_), tick_, time_of(tick_, map_.time_step)};
-  for (Fed& fed : fed_) {
-    const bool both_sides = fed.mapped.source->sampling == Sampling::interpolate;
-    const auto age = fed.watch.look(moment.time, moment.seconds, both_sides);
-    if (!fed.feed) continue;
-    if (auto looked = fed.feed->look(moment, seen); !looked) return looked;
-    if (age != TopicWatch::Age::gap_begins || ++fed.gap_events > max_gap_events) continue;
-    msg::Event& event = gap_events_.emplace_back();
-    event.stamp = msg::Time::from_ns(nanoseconds_of(tick_, map_.time_step));
-    event.tick = tick_;
-    event.severity = to_string(Severity::warning);
-    event.source = "log";
-    event.text = fmt::format("nothing on {} for more than {} s: its last value is held{}", fed.mapped.source->topic,
-                             *fed.mapped.source->max_age,
-                             fed.gap_events == max_gap_events ? "; further gaps of it are counted only" : "");
-  }
-  return {};
-}
-
-/// Where the links are follows from the joints and the root link; how they move is known of the root alone.
-void LogReplayer::place_links(Observation& seen) const {
-  BodyObservation& body = seen.bodies[0];
-  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
-  root.translation() = body.links[0].position;
-  root.linear() = body.links[0].rotation.toRotationMatrix();
-  std::vector<double> q;
-  for (const JointReading& joint : body.joints) q.push_back(joint.q);
-  const std::vector<Eigen::Isometry3d> poses = forward_kinematics(*model_, root, q);
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    body.links[i].position = poses[i].translation();
-    body.links[i].rotation = Eigen::Quaterniond(poses[i].linear()).normalized();
-  }
 }
 
 /// The first tick: its posture is the scenario's, and only now is it clear what a controller reads.
 Result<void> LogReplayer::begin() {
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  BodyObservation& body = seen_.bodies.emplace_back();
-  body.joints.assign(model_->joints.size(), {unknown, unknown, 0.0, unknown});
-  body.links.resize(model_->links.size());
-  body.devices.resize(model_->devices.size());
-  if (map_.joystick) seen_.joystick.emplace();
-  if (auto looked = look(seen_); !looked) return looked;
-  for (Fed& fed : fed_)
-    if (fed.feed)
-      for (Diagnostic& remark : fed.feed->take_remarks()) report_.remarks.push_back(std::move(remark));
-  auto scenario = make_scenario();
+  const auto seen = observations_->look_first();
+  if (!seen) return seen.errors();
+  for (Diagnostic& remark : observations_->take_remarks()) report_.remarks.push_back(std::move(remark));
+  auto scenario = make_scenario(**seen);
   if (!scenario) return scenario.errors();
   scenario_ = *std::move(scenario);
-  for (std::size_t id = 0; id < body.joints.size(); ++id)
-    if (std::isnan(body.joints[id].q)) body.joints[id].q = scenario_->bodies[0].joints[id];
-  place_links(seen_);
+  observations_->complete_posture(scenario_->bodies[0].joints);
+  return host_controller();
+}
 
+Result<void> LogReplayer::host_controller() {
   auto host = ControllerHost::create(*scenario_, options_);
   if (!host) {
     Diagnostics errors = host.errors();
@@ -310,7 +244,7 @@ Result<void> LogReplayer::begin() {
     return errors;
   }
   host_ = std::move(*host);
-  command_ = host_->initialize(initial_observation(*scenario_));
+  Command at_rest = host_->initialize(initial_observation(*scenario_));
   if (Diagnostics missing = inputs_not_given(*host_, *model_, map_, sources_, survey_); !missing.empty())
     return missing;
   auto recorder = Recorder::create(trace_, *scenario_, facts());
@@ -320,14 +254,19 @@ Result<void> LogReplayer::begin() {
   if (auto done = recorder_->attach("map.yaml", "application/yaml", map_.text); !done) return done;
   recorder_->declare(host_.get());
   host_->start();
-  return record_events(host_->take_events());
+  commands_.emplace(*host_, HostedCommands::Written::at_once);
+  sink_.emplace(*recorder_, options_, map_, *scenario_, *observations_, report_);
+  run_.emplace(map_.time_step, *observations_, *commands_, *sink_, 0, ticks_);
+  run_->command = std::move(at_rest);
+  run_->report_progress(options_.progress, ticks_);
+  return sink_->record_events(host_->take_events());
 }
 
-Result<Scenario> LogReplayer::make_scenario() {
+Result<Scenario> LogReplayer::make_scenario(const BodyObservation& seen) {
   const fs::path model_file = fs::path(model_->source_file).filename();
   const std::string text =
       log_scenario_text({map_, *model_, model_file.string(), fs::path(log_.name()).filename().string(),
-                         options_.controller, ticks_, seen_.bodies[0]});
+                         options_.controller, ticks_, seen});
   const Scenario::ModelSource model = [this](const std::string&, const UrdfOptions&) -> Result<Model> {
     return *model_;
   };
@@ -348,64 +287,41 @@ mcap::StringMap LogReplayer::facts() const {
   return facts;
 }
 
-Result<void> LogReplayer::record_tick() {
-  if (auto done = recorder_->record_state(tick_, seen_, seen_); !done) return done;
-  // there is no simulation whose state could have a hash
-  if (auto done = recorder_->record_tick(tick_, host_.get(), {0, host_->input_hash(seen_), host_->output_hash()});
-      !done)
-    return done;
-  if (auto done = record_events(std::exchange(gap_events_, {})); !done) return done;
-  return record_events(host_->take_events());
-}
-
-Result<void> LogReplayer::record_events(std::vector<msg::Event> events) {
-  for (const msg::Event& event : events)
-    if (event.source != "log") append_remarks({event}, report_.remarks);  // gaps are told by topic
-  return recorder_->record_events(events);
-}
-
-void LogReplayer::compare() {
-  if (!commands_) return;
-  const double now = time_of(tick_, map_.time_step);
-  if (now < options_.from) return;
-  const std::int64_t wanted = tick_ + map_.commands->shift;
-  bool differs = false;
-  const std::int64_t compared =
-      commands_->compare(time_of_tick(wanted), time_of_tick(wanted + 1), *host_, *scenario_, [&](Divergence&& found) {
-        found.tick = tick_;
-        found.time = now;
-        differs = true;
-        ++report_.values_different;
-        if (!report_.beyond && !(found.difference <= found.tolerance)) report_.beyond = found;
-        if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
-        if (options_.on_difference) options_.on_difference(found);
-        if (!report_.first) report_.first = std::move(found);
-      });
-  report_.values += compared;
-  report_.ticks_compared += compared > 0 ? 1 : 0;
-  report_.ticks_different += differs ? 1 : 0;
-}
-
-/// The recording's end, and what is to be said of the topics.
-Result<void> LogReplayer::finish() {
-  REHEARSE_ASSERT(recorder_, "there is at least one tick");
-  host_->stop(tick_);
-  report_.failure = host_->failure();
-  report_.controller_refused = host_->any_refused();
-  if (auto done = record_events(host_->take_events()); !done) return done;
-  for (std::size_t i = 0; i < fed_.size(); ++i) {
-    LogTopicReport& topic = report_.topics.emplace_back();
-    fed_[i].watch.report(topic, report_.start);
-    topic.topic = sources_[i].source->topic;
-    topic.use = sources_[i].use;
+void LogReplayer::report_topics() {
+  report_.topics = observations_->report();
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    LogTopicReport& topic = report_.topics[i];
     for (const auto& [id, channel] : log_.channels())
       if (channel.topic == topic.topic && log_.schema_of(channel)) topic.type = log_.schema_of(channel)->name;
     const SourceSurvey& whole = survey_.sources[i];
-    topic.unreadable = fed_[i].unreadable + (fed_[i].feed ? fed_[i].feed->unreadable() : 0) + whole.without_time;
+    topic.unreadable += whole.without_time;
     topic.skipped += whole.messages - whole.without_time - topic.messages;  // behind the last tick
     topic.messages = whole.messages;
     topic.out_of_order = whole.out_of_order;
   }
+}
+
+/// The recording's end, and what is to be said of the topics.
+Result<void> LogReplayer::finish() {
+  REHEARSE_ASSERT(run_, "there is at least one tick");
+  host_->stop(run_->tick());
+  report_.failure = run_->interruption() ? run_->interruption() : host_->failure();
+  report_.controller_refused = host_->any_refused();
+  if (auto done = sink_->record_events(host_->take_events()); !done) return done;
+  report_topics();
+  if (auto done = close_file(); !done) return done;
+  if (report_.has_commands && report_.values == 0 && !report_.failure) {
+    Diagnostic& remark = report_.remarks.emplace_back(
+        at(map_.commands->place,
+           error(fmt::format("nothing was compared: '{}' has none of what the controller commands in these ticks",
+                             map_.commands->topic),
+                 "look at its joints and quantities, and at shift")));
+    remark.severity = Severity::warning;
+  }
+  return {};
+}
+
+Result<void> LogReplayer::close_file() {
   const RecordingSize& size = recorder_->size();
   mcap::StringMap outcome{
       {"ticks", std::to_string(size.ticks)}, {"complete", report_.failure ? "false" : "true"}, {"checkpoints", "none"}};
@@ -422,14 +338,6 @@ Result<void> LogReplayer::finish() {
   if (auto done = recorder_->close(outcome); !done) return done;
   std::error_code ignored;
   report_.bytes = fs::file_size(trace_, ignored);
-  if (report_.has_commands && report_.values == 0 && !report_.failure) {
-    Diagnostic& remark = report_.remarks.emplace_back(
-        at(map_.commands->place,
-           error(fmt::format("nothing was compared: '{}' has none of what the controller commands in these ticks",
-                             map_.commands->topic),
-                 "look at its joints and quantities, and at shift")));
-    remark.severity = Severity::warning;
-  }
   return {};
 }
 

@@ -7,9 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "host/controller_host.h"
+#include "run/hosted_commands.h"
+#include "run/run.h"
 
 namespace rehearse {
 namespace {
@@ -35,7 +38,7 @@ template <class Names>
 
 }  // namespace
 
-struct ControllerBench::Impl {
+struct ControllerBench::Impl final : ObservationSource, Sink {
   Scenario scenario;
   std::unique_ptr<ControllerHost> host;
   Observation seen;
@@ -46,12 +49,15 @@ struct ControllerBench::Impl {
   std::array<double, joystick_axes.size()> axes{};
   std::array<bool, joystick_buttons.size()> buttons{};
   std::vector<std::string> messages;
-  std::int64_t ticks = 0;
+  std::optional<HostedCommands> commands;
+  std::optional<Run> run;
 
   const Model& model() const { return *scenario.bodies[0].model; }
   void set_up(const std::string& library, const std::string& model_file, const BenchOptions& options);
-  void observe();
-  void observe_device(std::size_t index);
+  Result<bool> observe(Moment& now) override;
+  Result<void> emit(const Moment& now) override;
+  Result<bool> advance(Moment&, Commander&) override { return true; }  // nothing moves by itself
+  void observe_device(std::size_t index, std::int64_t tick);
   void observe_joystick();
   void require_joystick(std::string_view what) const;
   void read_outputs();
@@ -64,8 +70,8 @@ ControllerBench::ControllerBench(const std::string& library, const std::string& 
 }
 
 ControllerBench::~ControllerBench() = default;
-double ControllerBench::time() const { return time_of(impl_->ticks, impl_->scenario.time_step); }
-std::int64_t ControllerBench::ticks() const { return impl_->ticks; }
+double ControllerBench::time() const { return time_of(ticks(), impl_->scenario.time_step); }
+std::int64_t ControllerBench::ticks() const { return impl_->run->tick(); }
 const std::vector<std::string>& ControllerBench::messages() const { return impl_->messages; }
 
 void ControllerBench::Impl::set_up(const std::string& library, const std::string& model_file,
@@ -105,6 +111,8 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   host->initialize(seen);
   host->start();
   check();
+  commands.emplace(*host, HostedCommands::Written::never);
+  run.emplace(scenario.time_step, *this, *commands, *this, 0, Run::no_end);
 }
 
 /// Collects what the host has to say, and throws if the controller is out.
@@ -118,7 +126,7 @@ void ControllerBench::Impl::check() {
   if (host->any_refused()) throw std::runtime_error(last_error);
 }
 
-void ControllerBench::Impl::observe() {
+Result<bool> ControllerBench::Impl::observe(Moment& now) {
   BodyObservation& body = seen.bodies[0];
   for (std::size_t i = 0; i < joints.size(); ++i)
     body.joints[i] = {joints[i].q, joints[i].dq, joints[i].ddq, joints[i].u};
@@ -131,8 +139,10 @@ void ControllerBench::Impl::observe() {
     body.links[i] = {link.position,     Eigen::Quaterniond(link.rotation), link.velocity, link.angular_velocity,
                      link.acceleration, link.angular_acceleration};
   }
-  for (std::size_t i = 0; i < devices.size(); ++i) observe_device(i);
+  for (std::size_t i = 0; i < devices.size(); ++i) observe_device(i, now.tick);
   if (seen.joystick) observe_joystick();
+  now.seen = now.read = &seen;
+  return true;
 }
 
 void ControllerBench::Impl::observe_joystick() {
@@ -150,7 +160,7 @@ void ControllerBench::Impl::require_joystick(std::string_view what) const {
     throw std::logic_error(fmt::format("there is no {}: the options of the bench say that there is no joystick", what));
 }
 
-void ControllerBench::Impl::observe_device(std::size_t index) {
+void ControllerBench::Impl::observe_device(std::size_t index, std::int64_t tick) {
   const BenchDevice& device = devices[index];
   const Device& described = model().devices[index];
   DeviceReading& reading = seen.bodies[0].devices[index];
@@ -164,7 +174,7 @@ void ControllerBench::Impl::observe_device(std::size_t index) {
     reading.values = device.values;
   else if (!device.values.empty())
     reading.ranges = std::make_shared<const std::vector<float>>(device.values.begin(), device.values.end());
-  reading.measured_at = time_of(ticks, scenario.time_step);
+  reading.measured_at = time_of(tick, scenario.time_step);
   reading.image = device.image;
   reading.depth = device.depth;
   reading.fresh = !device.values.empty() || (device.image && device.image != delivered[index]);
@@ -190,14 +200,17 @@ void ControllerBench::Impl::read_outputs() {
   }
 }
 
+Result<void> ControllerBench::Impl::emit(const Moment&) {
+  check();
+  read_outputs();
+  return {};
+}
+
 bool ControllerBench::tick() {
-  Impl& bench = *impl_;
-  bench.observe();
-  bench.host->control(bench.ticks, bench.seen);
-  bench.check();
-  bench.read_outputs();
-  ++bench.ticks;
-  return bench.host->controllers()[0].result;
+  value_or_throw(impl_->run->step());
+  if (impl_->run->interruption()) throw std::runtime_error(impl_->run->interruption()->message);
+  impl_->check();  // it may have failed in an earlier tick
+  return impl_->host->controllers()[0].result;
 }
 
 BenchJoint& ControllerBench::joint(std::string_view name) {

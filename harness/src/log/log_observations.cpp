@@ -1,0 +1,151 @@
+#include "log_observations.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace rehearse {
+namespace {
+
+/// So many gaps of one source are events of the recording; how many there were stands in its metadata.
+constexpr std::int64_t max_gap_events = 20;
+
+std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+}  // namespace
+
+std::int64_t LogObservations::time_of_tick(std::int64_t tick) const {
+  if (tick < 0) return start_ - static_cast<std::int64_t>(nanoseconds_of(-tick, map_.time_step));
+  return start_ + static_cast<std::int64_t>(nanoseconds_of(tick, map_.time_step));
+}
+
+Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
+  for (const MappedSource& mapped : sources_) {
+    const auto topic = std::find_if(topics.begin(), topics.end(),
+                                    [&](const LogTopic& known) { return known.name == mapped.source->topic; });
+    REHEARSE_ASSERT(topic != topics.end(), "the map was read against these topics");
+    const auto schema = ros2msg::Schema::parse(topic->type, topic->schema);
+    if (!schema) return schema.errors();
+    Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age)});
+    if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, *schema);
+    if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
+    if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
+    if (mapped.devices)
+      fed.feed = make_device_feed(*mapped.devices, model_, {start_, map_.time_step, map_.clock}, *topic, *schema);
+    if (mapped.commands) {
+      commands_ = std::make_unique<LogCommands>(map_, model_, *schema);
+      lookahead_ = std::max(lookahead_, nanoseconds(map_.time_step * (std::max(0, map_.commands->shift) + 1)));
+    }
+    if (mapped.source->sampling == Sampling::interpolate)
+      lookahead_ = std::max(lookahead_, nanoseconds(*mapped.source->max_age));
+  }
+  return {};
+}
+
+void LogObservations::take(std::int64_t time, const mcap::Message& message) {
+  for (Fed& fed : fed_) {
+    if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(time)) continue;
+    const bool fits = fed.feed ? fed.feed->take(time, message.data) : commands_->take(time, message.data);
+    fed.unreadable += fits ? 0 : 1;
+  }
+}
+
+/// What all sources know at the tick.
+Result<void> LogObservations::look(std::int64_t tick) {
+  const LogMoment moment{time_of_tick(tick), tick, time_of(tick, map_.time_step)};
+  for (Fed& fed : fed_) {
+    const bool both_sides = fed.mapped.source->sampling == Sampling::interpolate;
+    const auto age = fed.watch.look(moment.time, moment.seconds, both_sides);
+    if (!fed.feed) continue;
+    if (auto looked = fed.feed->look(moment, seen_); !looked) return looked;
+    if (age == TopicWatch::Age::gap_begins && ++fed.gap_events <= max_gap_events) add_gap_event(fed, tick);
+  }
+  return {};
+}
+
+void LogObservations::add_gap_event(Fed& fed, std::int64_t tick) {
+  msg::Event& event = gap_events_.emplace_back();
+  event.stamp = msg::Time::from_ns(nanoseconds_of(tick, map_.time_step));
+  event.tick = tick;
+  event.severity = to_string(Severity::warning);
+  event.source = "log";
+  event.text = fmt::format("nothing on {} for more than {} s: its last value is held{}", fed.mapped.source->topic,
+                           *fed.mapped.source->max_age,
+                           fed.gap_events == max_gap_events ? "; further gaps of it are counted only" : "");
+}
+
+/// Where the links are follows from the joints and the root link; how they move is known of the root alone.
+void LogObservations::place_links() {
+  BodyObservation& body = seen_.bodies[0];
+  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
+  root.translation() = body.links[0].position;
+  root.linear() = body.links[0].rotation.toRotationMatrix();
+  std::vector<double> q;
+  for (const JointReading& joint : body.joints) q.push_back(joint.q);
+  const std::vector<Eigen::Isometry3d> poses = forward_kinematics(model_, root, q);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    body.links[i].position = poses[i].translation();
+    body.links[i].rotation = Eigen::Quaterniond(poses[i].linear()).normalized();
+  }
+}
+
+Result<const BodyObservation*> LogObservations::look_first() {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  BodyObservation& body = seen_.bodies.emplace_back();
+  body.joints.assign(model_.joints.size(), {unknown, unknown, 0.0, unknown});
+  body.links.resize(model_.links.size());
+  body.devices.resize(model_.devices.size());
+  if (map_.joystick) seen_.joystick.emplace();
+  if (auto looked = look(0); !looked) return looked.errors();
+  return &body;
+}
+
+void LogObservations::complete_posture(const std::vector<double>& joints) {
+  BodyObservation& body = seen_.bodies[0];
+  for (std::size_t id = 0; id < body.joints.size(); ++id)
+    if (std::isnan(body.joints[id].q)) body.joints[id].q = joints[id];
+  place_links();
+}
+
+Diagnostics LogObservations::take_remarks() {
+  Diagnostics remarks;
+  for (Fed& fed : fed_)
+    if (fed.feed)
+      for (Diagnostic& remark : fed.feed->take_remarks()) remarks.push_back(std::move(remark));
+  return remarks;
+}
+
+Result<bool> LogObservations::observe(Moment& now) {
+  if (now.tick > 0) {
+    for (DeviceReading& device : seen_.bodies[0].devices) device.fresh = false;
+    if (auto looked = look(now.tick); !looked) return looked.errors();
+    place_links();
+  }
+  now.seen = now.read = &seen_;
+  now.events = std::exchange(gap_events_, {});
+  return true;
+}
+
+/// The robot of the log has moved by itself.
+Result<bool> LogObservations::advance(Moment& now, Commander& commands) {
+  commands.act_late(now);
+  return true;
+}
+
+std::vector<LogTopicReport> LogObservations::report() const {
+  std::vector<LogTopicReport> topics;
+  for (const Fed& fed : fed_) {
+    LogTopicReport& topic = topics.emplace_back();
+    fed.watch.report(topic, start_);
+    topic.topic = fed.mapped.source->topic;
+    topic.use = fed.mapped.use;
+    topic.unreadable = fed.unreadable + (fed.feed ? fed.feed->unreadable() : 0);
+  }
+  return topics;
+}
+
+}  // namespace rehearse
