@@ -7,15 +7,13 @@
 #include <cmath>
 #include <utility>
 
+#include "branch_source.h"
 #include "closed_loop.h"
 #include "host/float_mode.h"
-#include "recording/mesh_digests.h"
 #include "recording/provenance.h"
 #include "replay/branch_origin.h"
 #include "replay/copying_sink.h"
 #include "replay/replay_recording.h"
-#include "replay/tick_span.h"
-#include "replay/trace_scenario.h"
 
 namespace rehearse {
 namespace {
@@ -27,45 +25,6 @@ Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
   return diagnostic;
 }
 
-/// The ticks that a recording holds whole, and the hash of the state at the beginning of each of them and of the one
-/// after the last, if it has that.
-struct WholeTicks {
-  std::int64_t whole = 0;
-  std::vector<std::uint64_t> state_hashes;
-};
-
-WholeTicks ticks_of(const Trace& recording) {
-  WholeTicks ticks;
-  const TraceChannel* channel = recording.find_channel("/tick");
-  if (!channel) return ticks;
-  std::size_t state = channel->columns.size();
-  for (std::size_t column = 0; column < channel->columns.size(); ++column)
-    if (channel->columns[column].element == "state_hash") state = column;
-  if (state < channel->columns.size())
-    for (std::size_t row = 0; row < channel->rows(); ++row) ticks.state_hashes.push_back(channel->bits(row, state));
-  ticks.whole = static_cast<std::int64_t>(ticks.state_hashes.size());
-  const mcap::StringMap* outcome = recording.find_metadata("rehearse.outcome");
-  const auto complete = outcome ? outcome->find("complete") : mcap::StringMap::const_iterator();
-  if (outcome && complete != outcome->end() && complete->second == "true")
-    --ticks.whole;  // the last is the end's state
-  return ticks;
-}
-
-/// How many ticks before a moment the cameras and range sensors have to run so that all that arrives at it or later was
-/// captured meanwhile: twice the longest cycle, of which vision.h has that it is a second at most.
-std::int64_t lead_of(const Scenario& scenario) {
-  double longest = 0.0;
-  for (const ScenarioBody& body : scenario.bodies) {
-    for (const Device& device : body.model->devices) {
-      if (const auto* camera = std::get_if<Camera>(&device.kind)) longest = std::max(longest, 1.0 / camera->frame_rate);
-      if (const auto* laser = std::get_if<RangeSensor>(&device.kind))
-        longest = std::max(longest, 1.0 / laser->scan_rate);
-    }
-  }
-  constexpr std::int64_t for_contacts = 2;  // what touched is known after a step
-  return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
-}
-
 class Branch {
  public:
   Branch(const BranchPoint& from, fs::path trace, const BranchOptions& options)
@@ -75,7 +34,6 @@ class Branch {
 
  private:
   Result<void> open();
-  Result<void> take_meshes();
   Result<void> find_moment();
   Result<void> set_end();
   Result<void> add_pushes();
@@ -86,17 +44,13 @@ class Branch {
   Result<void> copy_source(ClosedLoop& loop);
   void close(ClosedLoop& loop);
   Result<BranchSummary> go_on();
-  std::int64_t checkpoint_interval() const;
 
   const BranchPoint& from_;
   const std::string file_;
   const fs::path trace_;
   const BranchOptions& options_;
-  std::unique_ptr<mcap::Reader> reader_;
-  std::optional<Trace> recording_;
-  std::optional<Scenario> scenario_;
-  std::optional<BranchOrigin> source_origin_;
-  WholeTicks ticks_;
+  std::optional<BranchSource> source_;
+  Scenario* scenario_ = nullptr;  // the source's, with the branch's own end and pushes
   BranchOrigin origin_;
   std::int64_t checkpoint_ = 0;  // tick at which the world begins
   Command moved_;                // what moved the world before the moment
@@ -104,76 +58,23 @@ class Branch {
 };
 
 Result<void> Branch::open() {
-  auto reader = mcap::Reader::open(from_.trace);
-  if (!reader) return reader.errors();
-  reader_ = std::move(*reader);
-  auto scenario = scenario_of(*reader_);
-  if (!scenario) return scenario.errors();
-  scenario_ = *std::move(scenario);
-  if (auto taken = take_meshes(); !taken) return taken;
-  auto recording = Trace::load(from_.trace, Trace::Damage::tolerate);
-  if (!recording) return recording.errors();
-  recording_ = *std::move(recording);
-  source_origin_ = BranchOrigin::of(*reader_);
-  const mcap::StringMap* facts = recording_->find_metadata("rehearse");
-  const bool of_a_log = facts && facts->count("source") && facts->at("source") == "log";
-  if (of_a_log || (source_origin_ && !source_origin_->simulated))
-    return in_file(file_, error(of_a_log ? "it was recorded from a log: there is no world to go on with"
-                                         : "it is a replay: its world didn't follow its commands, and can't go on",
-                                "branch from the recording of a simulation"));
-  const bool has_pictures =
-      std::any_of(recording_->channels().begin(), recording_->channels().end(),
-                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
-  scenario_->record_frames = scenario_->record_frames && has_pictures;
-  ticks_ = ticks_of(*recording_);
-  if (ticks_.whole > 0) return {};
-  return in_file(file_, error("it has no ticks: nothing of the run was recorded"));
-}
-
-/// The models with their meshes, out of the scenario's files.
-Result<void> Branch::take_meshes() {
-  const auto text_of = [&](const std::string& name) {
-    for (const mcap::Attachment& attachment : reader_->attachments())
-      if (attachment.name == name)
-        return std::string(reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size());
-    return std::string();
-  };
-  if (options_.scenario.empty()) {
-    for (const ScenarioBody& body : scenario_->bodies)
-      if (!text_of(body.model_file + ".meshes").empty())
-        return in_file(file_, error(fmt::format("{} has meshes, which a recording doesn't hold", body.model_file),
-                                    "name the scenario that was recorded as well: rehearse record SCENARIO "
-                                    "--from-checkpoint TRACE@..."));
-    return {};
-  }
-  auto loaded = Scenario::load(options_.scenario);
-  if (!loaded) return loaded.errors();
-  const auto other = [&](const std::string& what) {
-    return in_file(options_.scenario.string(), error(fmt::format("{} isn't what {} was recorded of", what, file_)));
-  };
-  if (loaded->text != scenario_->text) return other("it");
-  for (const ScenarioBody& body : loaded->bodies) {
-    if (body.model_file.empty()) continue;
-    if (body.model->source_text != text_of(body.model_file)) return other(body.model_file);
-    if (mesh_digests(*body.model) != text_of(body.model_file + ".meshes")) return other("a mesh of " + body.model_file);
-  }
-  loaded->seed = scenario_->seed;
-  loaded->duration = scenario_->duration;
-  loaded->pushes = scenario_->pushes;
-  scenario_ = *std::move(loaded);
+  auto source = BranchSource::open(from_.trace, options_.scenario);
+  if (!source) return source.errors();
+  source_.emplace(*std::move(source));
+  scenario_ = &source_->scenario;
   return {};
 }
 
 Result<void> Branch::find_moment() {
   const double step = scenario_->time_step;
   const double wanted = from_.tick ? static_cast<double>(*from_.tick) : std::round(*from_.time / step);
-  if (!(wanted <= static_cast<double>(ticks_.whole)))
+  if (!(wanted <= static_cast<double>(source_->whole_ticks)))
     return in_file(
-        file_, error(fmt::format("its last whole tick is {} ({:g} s){}, before {}", ticks_.whole - 1,
-                                 time_of(ticks_.whole - 1, step),
-                                 recording_->damage().empty() ? "" : ", where it is cut or damaged",
+        file_, error(fmt::format("its last whole tick is {} ({:g} s){}, before {}", source_->whole_ticks - 1,
+                                 time_of(source_->whole_ticks - 1, step),
+                                 source_->recording.damage().empty() ? "" : ", where it is cut or damaged",
                                  from_.tick ? fmt::format("tick {}", *from_.tick) : fmt::format("{:g} s", *from_.time)),
-                     fmt::format("branch from @tick:{} at the latest", ticks_.whole)));
+                     fmt::format("branch from @tick:{} at the latest", source_->whole_ticks)));
   origin_.tick = static_cast<std::int64_t>(wanted);
   origin_.time = time_of(origin_.tick, step);
   return {};
@@ -209,28 +110,15 @@ Result<void> Branch::add_pushes() {
     }
   }
   if (!findings.empty()) return findings;
-  origin_.push = source_origin_ ? source_origin_->push : std::vector<std::string>();
+  origin_.push = source_->origin ? source_->origin->push : std::vector<std::string>();
   origin_.push.insert(origin_.push.end(), options_.push.begin(), options_.push.end());
   return {};
 }
 
-std::int64_t Branch::checkpoint_interval() const {
-  const std::vector<std::int64_t> at = RecordedCheckpoints(*recording_, *scenario_).ticks();
-  if (at.size() >= 2) return at[1] - at[0];
-  if (at.empty()) return 0;
-  constexpr double usual = 0.1;  // [s]
-  return std::max(ticks_.whole, static_cast<std::int64_t>(std::llround(usual / scenario_->time_step)));
-}
-
-/// The latest from which the world can be led to the moment so that all of it is known there.
 Result<void> Branch::choose_checkpoint() {
-  const RecordedCheckpoints checkpoints(*recording_, *scenario_);
-  const auto objection = checkpoints.objection();
+  const auto objection = RecordedCheckpoints(source_->recording, *scenario_).objection();
   if (!objection) return objection.errors();
-  const std::int64_t latest = origin_.tick - lead_of(*scenario_);
-  if (objection->empty())
-    for (const std::int64_t tick : checkpoints.ticks())
-      if (tick <= latest) checkpoint_ = std::max(checkpoint_, tick);
+  checkpoint_ = source_->latest_checkpoint(origin_.tick, *objection);
   origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
   summary_.world = checkpoint_ > 0
                        ? fmt::format(
@@ -254,7 +142,7 @@ Result<void> Branch::replay_before() {
     if (altered->begins() < origin_.tick) before.push_back(text);
   }
   replaying.set = before;
-  auto report = replay_recording(*reader_, *scenario_, replaying);
+  auto report = replay_recording(*source_->reader, *scenario_, replaying);
   if (!report) return report.errors();
   summary_.before = *std::move(report);
   if (!summary_.before.failure) return {};
@@ -267,7 +155,7 @@ Result<void> Branch::create(ClosedLoop& loop) {
   loop.altered = *std::move(altered);
   if (auto created = loop.create(trace_, options_); !created) return created;
   origin_.set = options_.set;
-  const mcap::StringMap* facts = recording_->find_metadata("rehearse");
+  const mcap::StringMap* facts = source_->recording.find_metadata("rehearse");
   for (const auto& [fact, library] : controller_facts(*loop.host)) {
     const auto then = facts->find(fact);
     if (then == facts->end() || then->second != library)
@@ -275,8 +163,8 @@ Result<void> Branch::create(ClosedLoop& loop) {
   }
   if (!summary_.before.equal() || !summary_.before.same_controllers)
     origin_.acted_until = origin_.tick;
-  else if (source_origin_ && source_origin_->acted_until)
-    origin_.acted_until = std::min(*source_origin_->acted_until, origin_.tick);
+  else if (source_->origin && source_->origin->acted_until)
+    origin_.acted_until = std::min(*source_->origin->acted_until, origin_.tick);
   if (auto done = loop.recorder->add_metadata(branch_record, origin_.facts()); !done) return done;
   for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
     if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
@@ -301,12 +189,12 @@ class ContactsSink final : public Sink {
 
 /// The world as it was at the moment, with all that is under way in it.
 Result<void> Branch::lead_world(ClosedLoop& loop) {
-  auto commands = RecordedCommands::find(*scenario_, *recording_);
+  auto commands = RecordedCommands::find(*scenario_, source_->recording);
   if (!commands) return commands.errors();
   Plant& plant = *loop.plant;
   ContactsSink sink(*loop.recorder);
   Run leading(scenario_->time_step, *loop.world, *commands, sink, checkpoint_, origin_.tick);
-  RecordedCheckpoints checkpoints(*recording_, *scenario_);
+  RecordedCheckpoints checkpoints(source_->recording, *scenario_);
   const auto restored = begin_at_checkpoint(checkpoint_, plant, checkpoints, *commands, leading.command);
   if (!restored) return restored.errors();
   REHEARSE_ASSERT(*restored, "it was chosen from those there are");
@@ -317,7 +205,7 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
                                             leading.tick() - 1)));
   moved_ = std::move(leading.command);
   const auto moment = static_cast<std::size_t>(origin_.tick);
-  if (moment >= ticks_.state_hashes.size() || plant.world().state_hash() == ticks_.state_hashes[moment]) return {};
+  if (moment >= source_->state_hashes.size() || plant.world().state_hash() == source_->state_hashes[moment]) return {};
   Diagnostic& remark = summary_.run.remarks.emplace_back(
       error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
                         origin_.tick),
@@ -327,9 +215,9 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
 }
 
 Result<void> Branch::copy_source(ClosedLoop& loop) {
-  RecordingSource inputs(*scenario_, *reader_, *loop.host, loop.altered);
-  CopyingSink copy(*scenario_, *reader_, *loop.host, *loop.recorder, loop.altered);
-  copy.keep_acted(origin_.acted_until, source_origin_ ? source_origin_->acted_until : std::nullopt);
+  RecordingSource inputs(*scenario_, *source_->reader, *loop.host, loop.altered);
+  CopyingSink copy(*scenario_, *source_->reader, *loop.host, *loop.recorder, loop.altered);
+  copy.keep_acted(origin_.acted_until, source_->origin ? source_->origin->acted_until : std::nullopt);
   loop.run->change(inputs, copy, origin_.tick);
   if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
   if (loop.host->failure()) return in_file(file_, error("before the moment, " + loop.host->failure()->message));
@@ -344,7 +232,7 @@ void Branch::close(ClosedLoop& loop) {
     for (std::size_t joint = 0; joint < moved_.bodies[body].joints.size(); ++joint)
       moved_.bodies[body].joints[joint].drive = command.bodies[body].joints[joint].drive;
   command = std::move(moved_);
-  loop.world->save_checkpoints(checkpoint_interval());
+  loop.world->save_checkpoints(source_->checkpoint_interval());
   loop.world->alter(loop.altered);
   loop.run->change(*loop.world, *loop.sink, scenario_->ticks());
   loop.run->report_progress(options_.progress, scenario_->ticks() - origin_.tick);

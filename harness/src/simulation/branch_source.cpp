@@ -1,0 +1,139 @@
+#include "branch_source.h"
+
+#include <fmt/format.h>
+#include <rehearse/clock.h>
+#include <rehearse/messages.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "recorded_checkpoints.h"
+#include "recording/mesh_digests.h"
+#include "replay/recording_source.h"
+#include "replay/trace_scenario.h"
+
+namespace rehearse {
+namespace {
+
+void find_ticks(BranchSource& source) {
+  const TraceChannel* channel = source.recording.find_channel("/tick");
+  if (!channel) return;
+  std::size_t state = channel->columns.size();
+  for (std::size_t column = 0; column < channel->columns.size(); ++column)
+    if (channel->columns[column].element == "state_hash") state = column;
+  if (state < channel->columns.size())
+    for (std::size_t row = 0; row < channel->rows(); ++row) source.state_hashes.push_back(channel->bits(row, state));
+  source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
+  const mcap::StringMap* outcome = source.recording.find_metadata("rehearse.outcome");
+  const auto complete = outcome ? outcome->find("complete") : mcap::StringMap::const_iterator();
+  if (outcome && complete != outcome->end() && complete->second == "true")
+    --source.whole_ticks;  // the last is the end's state
+}
+
+/// How many ticks before a moment the cameras and range sensors have to run so that all that arrives at it or later was
+/// captured meanwhile: twice the longest cycle, of which vision.h has that it is a second at most.
+std::int64_t lead_of(const Scenario& scenario) {
+  double longest = 0.0;
+  for (const ScenarioBody& body : scenario.bodies) {
+    for (const Device& device : body.model->devices) {
+      if (const auto* camera = std::get_if<Camera>(&device.kind)) longest = std::max(longest, 1.0 / camera->frame_rate);
+      if (const auto* laser = std::get_if<RangeSensor>(&device.kind))
+        longest = std::max(longest, 1.0 / laser->scan_rate);
+    }
+  }
+  constexpr std::int64_t for_contacts = 2;  // what touched is known after a step
+  return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
+}
+
+/// The models with their meshes, out of the scenario's files.
+Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scenario_file) {
+  Scenario& scenario = source.scenario;
+  const auto text_of = [&](const std::string& name) {
+    for (const mcap::Attachment& attachment : source.reader->attachments())
+      if (attachment.name == name)
+        return std::string(reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size());
+    return std::string();
+  };
+  if (scenario_file.empty()) {
+    for (const ScenarioBody& body : scenario.bodies)
+      if (!text_of(body.model_file + ".meshes").empty())
+        return in_recording(*source.reader,
+                            error(fmt::format("{} has meshes, which a recording doesn't hold", body.model_file),
+                                  "name the scenario that was recorded as well: rehearse record SCENARIO "
+                                  "--from-checkpoint TRACE@..."));
+    return {};
+  }
+  auto loaded = Scenario::load(scenario_file);
+  if (!loaded) return loaded.errors();
+  const auto other = [&](const std::string& what) {
+    Diagnostic finding = error(fmt::format("{} isn't what {} was recorded of", what, source.reader->name()));
+    finding.file = scenario_file.string();
+    return finding;
+  };
+  if (loaded->text != scenario.text) return other("it");
+  for (const ScenarioBody& body : loaded->bodies) {
+    if (body.model_file.empty()) continue;
+    if (body.model->source_text != text_of(body.model_file)) return other(body.model_file);
+    if (mesh_digests(*body.model) != text_of(body.model_file + ".meshes")) return other("a mesh of " + body.model_file);
+  }
+  loaded->seed = scenario.seed;
+  loaded->duration = scenario.duration;
+  loaded->pushes = scenario.pushes;
+  scenario = *std::move(loaded);
+  return {};
+}
+
+/// A log has no world, and that of a replay didn't follow its commands.
+Result<void> check_simulated(const BranchSource& source) {
+  const mcap::StringMap* facts = source.recording.find_metadata("rehearse");
+  const bool of_a_log = facts && facts->count("source") && facts->at("source") == "log";
+  if (!of_a_log && (!source.origin || source.origin->simulated)) return {};
+  return in_recording(*source.reader,
+                      error(of_a_log ? "it was recorded from a log: there is no world to go on with"
+                                     : "it is a replay: its world didn't follow its commands, and can't go on",
+                            "branch from the recording of a simulation"));
+}
+
+}  // namespace
+
+Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const std::filesystem::path& scenario_file) {
+  BranchSource source;
+  auto reader = mcap::Reader::open(file);
+  if (!reader) return reader.errors();
+  source.reader = std::move(*reader);
+  auto scenario = scenario_of(*source.reader);
+  if (!scenario) return scenario.errors();
+  source.scenario = *std::move(scenario);
+  if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
+  auto recording = Trace::load(file, Trace::Damage::tolerate);
+  if (!recording) return recording.errors();
+  source.recording = *std::move(recording);
+  source.origin = BranchOrigin::of(*source.reader);
+  if (auto simulated = check_simulated(source); !simulated) return simulated.errors();
+  const bool has_pictures =
+      std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
+                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  source.scenario.record_frames = source.scenario.record_frames && has_pictures;
+  find_ticks(source);
+  if (source.whole_ticks > 0) return source;
+  return in_recording(*source.reader, error("it has no ticks: nothing of the run was recorded"));
+}
+
+std::int64_t BranchSource::checkpoint_interval() const {
+  const std::vector<std::int64_t> at = RecordedCheckpoints(recording, scenario).ticks();
+  if (at.size() >= 2) return at[1] - at[0];
+  if (at.empty()) return 0;
+  constexpr double usual = 0.1;  // [s]
+  return std::max(whole_ticks, static_cast<std::int64_t>(std::llround(usual / scenario.time_step)));
+}
+
+std::int64_t BranchSource::latest_checkpoint(std::int64_t moment, const std::string& objection) const {
+  if (!objection.empty()) return 0;
+  std::int64_t checkpoint = 0;
+  for (const std::int64_t tick : RecordedCheckpoints(recording, scenario).ticks())
+    if (tick <= moment - lead_of(scenario)) checkpoint = std::max(checkpoint, tick);
+  return checkpoint;
+}
+
+}  // namespace rehearse
