@@ -174,7 +174,7 @@ void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
   else
     guarded_call(collect, options_.call_limit);
   for (std::string& line : lines) event(Severity::note, hosted.label, std::move(line));
-  if (hosted.io->take_enabled_too_late() && !std::exchange(hosted.enabled_too_late, true))
+  if (hosted.io->take_enabled_too_late() && !std::exchange(hosted.reported.enabled_too_late, true))
     event(Severity::warning, hosted.label, "enabled an input or output after initialize(): it has no effect");
   for (const std::string& finding : hosted.variables.take_findings()) event(Severity::warning, hosted.label, finding);
 }
@@ -188,7 +188,7 @@ void ControllerHost::tell_trespasses(HostedController& hosted, const char* funct
          fmt::format("left another floating-point mode behind ({}); it was set back{}", describe(outcome.float_mode),
                      is_fast_math(outcome.float_mode) ? " (is it built with -ffast-math?)" : "")});
   for (const Trespass& trespass : trespasses)
-    if (hosted.trespasses.insert(trespass.kind).second)
+    if (hosted.reported.trespasses.insert(trespass.kind).second)
       event(Severity::warning, hosted.label, fmt::format("{}() at tick {} {}", function, tick_, trespass.deed));
 }
 
@@ -314,7 +314,7 @@ Command ControllerHost::initialize(const Observation& initial) {
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;
     for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
-    hosted.reported.assign(hosted.io->outputs().size, false);
+    hosted.reported.odd_outputs.assign(hosted.io->outputs().size, false);
   }
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
     HostedController& hosted = controllers_[i];
@@ -364,8 +364,7 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   const double now = time_of(tick, scenario_->time_step);
   show_joystick(seen);
   for (HostedController& hosted : controllers_) {
-    hosted.result = hosted.has_input = hosted.has_output = false;
-    hosted.device_outputs.clear();
+    hosted.tick = {};
     if (controlled_) hosted.variables.begin_tick();
   }
   controlled_ = true;
@@ -378,7 +377,7 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
             HowOften::in_ticks))
       return false;
     hosted.io->set_time(now);
-    hosted.has_input = hosted.running;
+    hosted.tick.has_input = hosted.running;
     if (hosted.running) hosted.io->input(body);
   }
   bool alive = true;
@@ -386,15 +385,15 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     if (!hosted.running) continue;
     const auto control = [&] {
       stop_for_debugger();
-      hosted.result = hosted.controller->control();
+      hosted.tick.result = hosted.controller->control();
     };
     alive = alive && call(hosted, "control", control, HowOften::in_ticks);
-    hosted.has_output = alive;
+    hosted.tick.has_output = alive;
     if (!alive) break;
   }
   // a child may write to a joint that its parent commands: both are read when all have returned, as Choreonoid does
   for (HostedController& hosted : controllers_)
-    if (hosted.has_output) hosted.io->output();
+    if (hosted.tick.has_output) hosted.io->output();
   if (!alive) return false;
   for (HostedController& hosted : controllers_)
     if (hosted.parent < 0 && hosted.io_body) take_device_outputs(hosted);
@@ -403,7 +402,7 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
 
 /// Those of this tick, and at tick 0 what initialize() said of other devices.
 void ControllerHost::take_device_outputs(HostedController& hosted) {
-  std::vector<DeviceOutput>& outputs = hosted.device_outputs;
+  std::vector<DeviceOutput>& outputs = hosted.tick.device_outputs;
   outputs = hosted.io_body->take_device_outputs();
   for (DeviceOutput& early : std::exchange(hosted.early_outputs, {})) {
     const auto place = std::lower_bound(outputs.begin(), outputs.end(), early.device,
@@ -456,7 +455,7 @@ void ControllerHost::tell(const HostedController& hosted, const DeviceOutput& ou
 
 void ControllerHost::apply(HostedController& hosted, Command& command) {
   BodyCommand& body = command.bodies[hosted.body];
-  for (const DeviceOutput& output : hosted.device_outputs) tell(hosted, output, command);
+  for (const DeviceOutput& output : hosted.tick.device_outputs) tell(hosted, output, command);
   if (!hosted.running) return;
   const std::vector<double>& values = hosted.io->output_values();
   for (const IoField& field : hosted.io->outputs().fields) {
@@ -464,13 +463,13 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
     const double* end = value + width_of(field.quantity);
     const double* odd = std::find_if(value, end, [](double number) { return !std::isfinite(number); });
     if (odd != end) {
-      if (!hosted.reported[field.offset])
+      if (!hosted.reported.odd_outputs[field.offset])
         event(Severity::error, hosted.label,
               fmt::format("wrote {} into {} of link '{}' at tick {}; it was recorded, but the robot keeps the command "
                           "before it",
                           *odd, name_of(field.quantity), scenario_->bodies[hosted.body].model->links[field.link].name,
                           tick_));
-      hosted.reported[field.offset] = true;
+      hosted.reported.odd_outputs[field.offset] = true;
       continue;
     }
     switch (field.quantity) {
@@ -540,7 +539,7 @@ void ControllerHost::take_late_failure(const HostedController& hosted) {
 std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
   std::uint64_t hash = seen.joystick ? hash_joystick(*seen.joystick, 0) : 0;
   for (const HostedController& hosted : controllers_) {
-    if (!hosted.has_input) continue;
+    if (!hosted.tick.has_input) continue;
     hash = hash_values(hosted.io->input_values(), hash);
     for (const std::vector<ContactReading>& contacts : hosted.io->input_contacts())
       hash = hash_contacts(contacts, hash);
@@ -560,11 +559,11 @@ std::uint64_t ControllerHost::input_hash(const Observation& seen) const {
 std::uint64_t ControllerHost::output_hash() const {
   std::uint64_t hash = 0;
   for (const HostedController& hosted : controllers_) {
-    const unsigned char result = hosted.result ? 1 : 0;
+    const unsigned char result = hosted.tick.result ? 1 : 0;
     hash = hash_bytes(&result, 1, hash);
-    if (!hosted.has_output) continue;
+    if (!hosted.tick.has_output) continue;
     hash = hash_values(hosted.io->output_values(), hash);
-    for (const DeviceOutput& output : hosted.device_outputs) {
+    for (const DeviceOutput& output : hosted.tick.device_outputs) {
       hash = hash_bytes(&output.device, sizeof output.device, hash);
       hash = hash_values(output.values, hash);
     }

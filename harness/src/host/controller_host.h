@@ -30,30 +30,40 @@
 
 namespace rehearse {
 
-/// One controller of a run and what it read and wrote in the current tick.
+/// One controller of a run.
 struct HostedController {
-  std::string label;  // "SR1/SR1Minimum"
-  int body = 0;       // index into Scenario::bodies
-  int parent = -1;    // index of the controller whose body it shares; -1: none
+  std::string label;      // "SR1/SR1Minimum"
+  int body = 0;           // index into Scenario::bodies
+  int parent = -1;        // index of the controller whose body it shares; -1: none
+  bool optional = false;  // the run goes on if it refuses
+
   std::shared_ptr<ControllerLibrary> library;
   std::unique_ptr<HostJoystick> joystick;  // null: the run has none; holds slots whose code is in the library
   std::unique_ptr<cnoid::SimpleController> controller;
   std::unique_ptr<ControllerIo> io;
   std::unique_ptr<cnoid::SimpleControllerConfig> config;
   std::shared_ptr<IoBody> io_body;
-  bool optional = false;                     // the run goes on if it refuses
+
   bool configured = false;
   bool running = false;                      // takes part: it initialised and started
-  bool has_input = false;                    // its inputs were handed over in this tick
-  bool has_output = false;                   // control() returned in this tick, and its outputs were taken
-  bool result = false;                       // what control() returned
-  std::vector<DeviceOutput> device_outputs;  // of its body, in this tick; a child's are its parent's
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
-  ControllerVariables variables;             // as it set them in this tick
-  std::set<Trespass::Kind> trespasses;       // of which one was told
   std::map<std::string, std::string> files;  // that it opened to read: content by name (opened_files.h)
-  bool enabled_too_late = false;             // of which one was told
-  std::vector<bool> reported;                // by output number: a value that isn't finite was reported
+  ControllerVariables variables;             // as it set them in the current tick
+
+  /// What it read and gave in the current tick.
+  struct Tick {
+    bool has_input = false;                    // its inputs were handed over
+    bool has_output = false;                   // control() returned, and its outputs were taken
+    bool result = false;                       // what control() returned
+    std::vector<DeviceOutput> device_outputs;  // of its body; a child's are its parent's
+  } tick;
+
+  /// What is reported of it once.
+  struct Reported {
+    std::set<Trespass::Kind> trespasses;
+    bool enabled_too_late = false;
+    std::vector<bool> odd_outputs;  // by output number: it wasn't finite
+  } reported;
 };
 
 class ControllerHost {

@@ -99,7 +99,7 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
   if (!latest) return 0;
   std::int64_t compared = 0;
   for (const HostedController& hosted : host.controllers()) {
-    if (!hosted.has_output) continue;
+    if (!hosted.tick.has_output) continue;
     for (const IoField& field : hosted.io->outputs().fields) {
       if (field.joint < 0) continue;
       const Commanded& commanded = latest->joints[field.joint];

@@ -413,15 +413,15 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
   message.controller_results.clear();
   for (std::size_t c = 0; host && c < impl.controllers.size(); ++c) {
     const HostedController& hosted = host->controllers()[c];
-    message.controller_results.push_back(hosted.result);
+    message.controller_results.push_back(hosted.tick.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (hosted.has_input) {  // of a controller that then failed, too: what it read may be why
+    if (hosted.tick.has_input) {  // of a controller that then failed, too: what it read may be why
       if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
       if (auto done = impl.write_contacts(tick, channels.contacts, hosted.io->input_contacts()); !done) return done;
     }
-    if (hosted.has_output)
+    if (hosted.tick.has_output)
       if (auto done = impl.write_side(tick, channels.output, hosted.io->output_values()); !done) return done;
-    for (const DeviceOutput& output : hosted.device_outputs) {
+    for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
       if (!channel)  // most controllers command no device: its channel appears with the first command

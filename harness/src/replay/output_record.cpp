@@ -121,10 +121,10 @@ const std::vector<std::uint64_t>& OutputRecord::row() {
   for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
     const HostedController& hosted = host_.controllers()[i];
     row_[word++] = hosted.running ? 1 : 0;
-    row_[word++] = hosted.result ? 1 : 0;
+    row_[word++] = hosted.tick.result ? 1 : 0;
     if (has_outputs_[i])
       for (const double value : hosted.io->output_values()) row_[word++] = std::bit_cast<std::uint64_t>(value);
-    for (const DeviceOutput& output : hosted.device_outputs) {
+    for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const DevicePlace& place = devices_[i][static_cast<std::size_t>(output.device)];
       row_[place.begin] = 1;
       for (std::size_t v = 0; v < std::min(place.values, output.values.size()); ++v)

@@ -192,7 +192,7 @@ std::int64_t RecordedOutputs::compare(const OnDifference& differs) const {
     }
   }
   if (!hosted_.running) return compared;
-  for (const DeviceOutput& output : hosted_.device_outputs) {
+  for (const DeviceOutput& output : hosted_.tick.device_outputs) {
     const auto of_device = [&output](const auto& entry) { return entry.second.device == output.device; };
     if (std::any_of(by_id_.begin(), by_id_.end(), of_device)) continue;
     Divergence found = divergence("/" + hosted_.label + "/output", model_.devices[output.device].name);
@@ -221,7 +221,7 @@ void RecordedOutputs::compare_delay(bool delayed, const OnDifference& differs) c
 
 std::int64_t RecordedOutputs::compare_device(const Channel& channel, const OnDifference& differs) const {
   const DeviceOutput* now = nullptr;
-  for (const DeviceOutput& output : hosted_.device_outputs)
+  for (const DeviceOutput& output : hosted_.tick.device_outputs)
     if (output.device == channel.device) now = &output;
   if (!channel.here && !now) return 0;
   if (channel.here != (now != nullptr)) {

@@ -115,7 +115,7 @@ void ReplayComparison::compare_delays() {
 void ReplayComparison::compare_results() {
   for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
     ++report_.values;
-    const bool result = host_.controllers()[i].result;
+    const bool result = host_.controllers()[i].tick.result;
     if (result == source_.recorded().controller_results[i]) continue;
     Divergence found;
     found.channel = "/tick";

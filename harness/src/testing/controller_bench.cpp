@@ -196,7 +196,7 @@ void ControllerBench::Impl::read_outputs() {
         default: break;  // nothing that moves a robot
       }
     }
-    for (const DeviceOutput& output : hosted.device_outputs) devices[output.device].on = output.on;
+    for (const DeviceOutput& output : hosted.tick.device_outputs) devices[output.device].on = output.on;
   }
 }
 
@@ -210,7 +210,7 @@ bool ControllerBench::tick() {
   value_or_throw(impl_->run->step());
   if (impl_->run->interruption()) throw std::runtime_error(impl_->run->interruption()->message);
   impl_->check();  // it may have failed in an earlier tick
-  return impl_->host->controllers()[0].result;
+  return impl_->host->controllers()[0].tick.result;
 }
 
 BenchJoint& ControllerBench::joint(std::string_view name) {
