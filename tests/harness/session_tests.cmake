@@ -30,6 +30,7 @@ rehearse_add_test(session_tests LABEL sim
     session/recording_test.cpp
     session/replay_test.cpp
     session/reproduction_test.cpp
+    session/run_test.cpp
     session/self_collision_test.cpp
     session/traps_test.cpp
     session/words_test.cpp
