@@ -22,11 +22,11 @@ RecordingSource::RecordingSource(const Scenario& scenario, mcap::Reader& recordi
       inputs_(scenario, recording),
       channels_(inputs_.channels_read_by(host)) {
   const auto& all = recording.channels();
-  is_input_.assign(all.empty() ? 0 : std::size_t{all.rbegin()->first} + 1, false);
-  for (const std::uint16_t id : channels_) is_input_[id] = true;
   for (const auto& [id, channel] : all)
     if (channel.topic == "/tick") tick_channel_ = id;
   if (has_ticks()) channels_.push_back(tick_channel_);
+  is_observed_.assign(all.empty() ? 0 : std::size_t{all.rbegin()->first} + 1, false);
+  for (const std::uint16_t id : channels_) is_observed_[id] = true;
 }
 
 Result<void> RecordingSource::drive(Run& run, const Take& take, std::span<const std::uint16_t> channels,
@@ -43,8 +43,9 @@ Result<void> RecordingSource::drive(Run& run, const Take& take, std::span<const 
     if (message.log_time != time_ && !(going_on = finish_tick())) return false;
     time_ = message.log_time;
     if (time_ >= before) return going_on = false;
-    failed = accept(message);
-    if (failed) failed = take(message);
+    auto taken = is_observed_[message.channel->id] ? accept(message) : Result<void>();
+    if (taken) taken = take(message);
+    if (!taken) failed = std::move(taken);
     return going_on = failed.ok();
   };
   damage_ = recording_.for_each_message_in_order(gather, channels).errors();
@@ -53,16 +54,14 @@ Result<void> RecordingSource::drive(Run& run, const Take& take, std::span<const 
 }
 
 Result<void> RecordingSource::accept(const mcap::Message& message) {
-  const std::uint16_t id = message.channel->id;
-  if (id == tick_channel_) {
-    CdrReader reader(message.data);
-    if ((tick_here_ = msg::decode(reader, tick_))) return {};
-    return in_recording(recording_,
-                        error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time)));
+  if (message.channel->id != tick_channel_) {
+    auto accepted = inputs_.accept(message);
+    return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
   }
-  if (!is_input_[id]) return {};
-  auto accepted = inputs_.accept(message);
-  return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
+  CdrReader reader(message.data);
+  if ((tick_here_ = msg::decode(reader, tick_))) return {};
+  return in_recording(recording_,
+                      error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time)));
 }
 
 Result<bool> RecordingSource::observe(Moment& now) {

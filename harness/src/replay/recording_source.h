@@ -63,7 +63,7 @@ class RecordingSource final : public ObservationSource {
   AlteredInputs& altered_;
   RecordedInputs inputs_;
   std::vector<std::uint16_t> channels_;
-  std::vector<bool> is_input_;  // by channel id
+  std::vector<bool> is_observed_;  // by channel id
   std::uint16_t tick_channel_ = 0;
   std::uint64_t until_ = no_end;  // [ns]
   std::uint64_t time_ = 0;        // of the messages that are being read [ns]

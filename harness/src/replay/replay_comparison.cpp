@@ -41,11 +41,8 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
 
 Result<void> ReplayComparison::take(const mcap::Message& message) {
   const std::uint16_t id = message.channel->id;
-  Result<void> accepted;
-  if (is_word_[id])
-    accepted = words_.accept(message);
-  else if (output_of_[id])
-    accepted = output_of_[id]->accept(message);
+  if (!is_word_[id] && !output_of_[id]) return {};
+  auto accepted = is_word_[id] ? words_.accept(message) : output_of_[id]->accept(message);
   return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
 }
 
