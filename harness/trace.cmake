@@ -4,6 +4,7 @@ find_package(nlohmann_json 3.10 REQUIRED)
 
 rehearse_add_library(trace
   src/recording/hashing.cpp
+  src/trace/channel_name.cpp
   src/trace/message_json.cpp
   src/trace/message_print.cpp
   src/trace/message_rest.cpp

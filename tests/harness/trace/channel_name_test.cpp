@@ -1,0 +1,195 @@
+// The vocabulary of recordings: topics, and the table of kinds.
+#include "trace/channel_name.h"
+
+#include <rehearse/mcap.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+using namespace rehearse;
+
+namespace {
+
+struct Case {
+  const char* topic;
+  const char* body;
+  const char* controller;
+  ChannelSide side;
+  const char* owner;
+  ChannelKind kind;
+  Stage stage;
+};
+
+class Topics : public testing::TestWithParam<Case> {};
+
+TEST_P(Topics, AreParsedAndWritten) {
+  const Case& expected = GetParam();
+  const ChannelName name = ChannelName::parse(expected.topic);
+  EXPECT_EQ(name.body, expected.body);
+  EXPECT_EQ(name.controller, expected.controller);
+  EXPECT_EQ(name.side, expected.side);
+  EXPECT_EQ(name.owner, expected.owner);
+  EXPECT_EQ(name.kind, expected.kind);
+  EXPECT_EQ(name.topic(), expected.topic);
+  EXPECT_EQ(stage_of(name), expected.stage);
+}
+
+constexpr ChannelSide none = ChannelSide::none, input = ChannelSide::input, output = ChannelSide::output;
+
+INSTANTIATE_TEST_SUITE_P(
+    OfRecordings, Topics,
+    testing::Values(
+        Case{"/tick", "", "", none, "", ChannelKind::tick, Stage::controller},
+        Case{"/tf", "", "", none, "", ChannelKind::transforms, Stage::physics},
+        Case{"/joy", "", "", none, "", ChannelKind::joystick, Stage::inputs},
+        Case{"/events", "", "", none, "", ChannelKind::events, Stage::controller},
+        Case{"/contacts", "", "", none, "", ChannelKind::contact_changes, Stage::physics},
+        Case{"/checkpoint", "", "", none, "", ChannelKind::checkpoint, Stage::physics},
+        Case{"/SR1/joints", "SR1", "", none, "", ChannelKind::joints, Stage::physics},
+        Case{"/SR1/measured_joints", "SR1", "", none, "", ChannelKind::measured_joints, Stage::sensors},
+        Case{"/SR1/WAIST/pose", "SR1", "", none, "WAIST", ChannelKind::pose, Stage::physics},
+        Case{"/SR1/WAIST/twist", "SR1", "", none, "WAIST", ChannelKind::twist, Stage::physics},
+        Case{"/SR1/LeftForce/wrench", "SR1", "", none, "LeftForce", ChannelKind::wrench, Stage::sensors},
+        Case{"/SR1/Gyro/imu", "SR1", "", none, "Gyro", ChannelKind::imu, Stage::sensors},
+        Case{"/SR1/Sole/contact", "SR1", "", none, "Sole", ChannelKind::contact, Stage::sensors},
+        Case{"/SR1/Laser/scan", "SR1", "", none, "Laser", ChannelKind::scan, Stage::sensors},
+        Case{"/SR1/Laser/points", "SR1", "", none, "Laser", ChannelKind::points, Stage::sensors},
+        Case{"/SR1/Eye/image", "SR1", "", none, "Eye", ChannelKind::image, Stage::renderer},
+        Case{"/SR1/Eye/depth", "SR1", "", none, "Eye", ChannelKind::depth, Stage::renderer},
+        Case{"/SR1/Eye/camera_info", "SR1", "", none, "Eye", ChannelKind::camera_info, Stage::renderer},
+        Case{"/SR1/Lamp/state", "SR1", "", none, "Lamp", ChannelKind::device_state, Stage::physics},
+        Case{"/SR1/Walk/input/joints", "SR1", "Walk", input, "", ChannelKind::joints, Stage::inputs},
+        Case{"/SR1/Walk/input/WAIST/accel", "SR1", "Walk", input, "WAIST", ChannelKind::acceleration, Stage::inputs},
+        Case{"/SR1/Walk/input/SOLE/contacts", "SR1", "Walk", input, "SOLE", ChannelKind::contacts, Stage::inputs},
+        Case{"/SR1/Walk/output/joint_accelerations", "SR1", "Walk", output, "", ChannelKind::joint_accelerations,
+             Stage::controller},
+        Case{"/SR1/Walk/output/WAIST/wrench", "SR1", "Walk", output, "WAIST", ChannelKind::wrench, Stage::controller},
+        Case{"/SR1/Walk/acted/Lamp/state", "SR1", "Walk", ChannelSide::acted, "Lamp", ChannelKind::device_state,
+             Stage::physics},
+        Case{"/SR1/Walk/variable/phase", "SR1", "Walk", ChannelSide::variable, "phase", ChannelKind::variable,
+             Stage::controller}));
+
+INSTANTIATE_TEST_SUITE_P(
+    WithOddNames, Topics,
+    testing::Values(
+        Case{"/R/head%2F100%25/imu", "R", "", none, "head/100%", ChannelKind::imu, Stage::sensors},
+        Case{"/R/C/output/a%252Fb/pose", "R", "C", output, "a%2Fb", ChannelKind::pose, Stage::controller},
+        Case{"/50%/C/variable/a%2Fb", "50%", "C", ChannelSide::variable, "a/b", ChannelKind::variable,
+             Stage::controller},
+        Case{"/input/output/input/joints", "input", "output", input, "", ChannelKind::joints, Stage::inputs}));
+
+constexpr ChannelKind other = ChannelKind::other;
+
+INSTANTIATE_TEST_SUITE_P(OfOthers, Topics,
+                         testing::Values(Case{"", "", "", none, "", other, Stage::physics},
+                                         Case{"/", "", "", none, "", other, Stage::physics},
+                                         Case{"tick", "", "", none, "", other, Stage::physics},
+                                         Case{"/joint_states", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/tick", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1//pose", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/WAIST/pose/", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/WAIST%2f/pose", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/WAIST%/pose", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/Walk/side/WAIST/pose", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/Walk/variable/", "", "", none, "", other, Stage::physics},
+                                         Case{"/SR1/Walk/variable/a/b", "", "", none, "", other, Stage::physics},
+                                         Case{"/a/b/c/d/e/pose", "", "", none, "", other, Stage::physics},
+                                         Case{"/imu", "", "", none, "", other, Stage::sensors},
+                                         Case{"/head/camera_info", "", "", none, "", other, Stage::renderer}));
+
+TEST(ChannelName, IsMadeOfItsParts) {
+  EXPECT_EQ(ChannelName::of_body("SR1", ChannelKind::joints).topic(), "/SR1/joints");
+  EXPECT_EQ(ChannelName::of_owner("SR1", "a/b", ChannelKind::pose).topic(), "/SR1/a%2Fb/pose");
+  const ChannelName command = ChannelName::of_controller("SR1/Walk", output, ChannelKind::joints);
+  EXPECT_EQ(command.topic(), "/SR1/Walk/output/joints");
+  EXPECT_TRUE(command.is_of("SR1/Walk", output));
+  EXPECT_FALSE(command.is_of("SR1/Walk", input));
+  EXPECT_FALSE(command.is_of("SR1/Wal", output));
+  EXPECT_EQ(ChannelName::of_variable("SR1/Walk", "step/phase").topic(), "/SR1/Walk/variable/step%2Fphase");
+  EXPECT_EQ(ChannelName::parse("/SR1/joints").label(), "");
+}
+
+TEST(ChannelName, TellsTheStageOfEachElement) {
+  EXPECT_EQ(stage_of("/tick", "state_hash"), Stage::physics);
+  EXPECT_EQ(stage_of("/tick", "input_hash"), Stage::inputs);
+  EXPECT_EQ(stage_of("/tick", "output_hash"), Stage::controller);
+  EXPECT_EQ(stage_of("/tf", "Rover/Laser/scan/position/x"), Stage::sensors);
+}
+
+TEST(ChannelForms, StandInTheOrderOfTheKinds) {
+  std::set<std::pair<int, std::string_view>> segments;
+  for (int kind = 0; kind < static_cast<int>(ChannelKind::other); ++kind) {
+    const ChannelForm& form = form_of(static_cast<ChannelKind>(kind));
+    EXPECT_EQ(static_cast<int>(form.kind), kind);
+    EXPECT_TRUE(segments.emplace(static_cast<int>(form.level), form.segment).second) << form.segment;
+  }
+}
+
+TEST(ChannelForms, NameTheirElements) {
+  const auto names = [](ChannelKind kind) {
+    std::vector<std::string> all;
+    for (const ChannelElement& element : elements_of(kind)) all.push_back(element.name);
+    return all;
+  };
+  EXPECT_THAT(names(ChannelKind::pose),
+              testing::ElementsAre("position/x", "position/y", "position/z", "orientation/x", "orientation/y",
+                                   "orientation/z", "orientation/w"));
+  EXPECT_THAT(names(ChannelKind::contact), testing::ElementsAre("count", "force/x", "force/y", "force/z"));
+  EXPECT_EQ(elements_of(ChannelKind::wrench)[3].unit, "N·m");
+  EXPECT_EQ(unit_of_joint("dq", true), "m/s");
+  EXPECT_EQ(unit_of_joint("ddq", false), "rad/s²");
+  EXPECT_EQ(unit_of_joint("T", false), "");
+}
+
+TEST(Units, AreStatedForAnElementItsGroupOrAll) {
+  const mcap::StringMap metadata{{"unit:KNEE/q", "rad"}, {"unit:force", "N"}, {"unit", "m"}};
+  EXPECT_EQ(unit_of(metadata, "KNEE/q"), "rad");
+  EXPECT_EQ(unit_of(metadata, "force/x"), "N");
+  EXPECT_EQ(unit_of(metadata, "contacts/0/force/x"), "N");
+  EXPECT_EQ(unit_of(metadata, "forces/x"), "m");
+  EXPECT_EQ(unit_of(metadata, ""), "m");
+  EXPECT_EQ(unit_of({}, "force/x"), "");
+}
+
+/// Joints have the units of their joint's type, of which a topic says nothing.
+void expect_units_of_joints(const mcap::Channel& channel, const ChannelForm& form) {
+  for (const auto& [key, unit] : channel.metadata) {
+    if (!key.starts_with("unit:")) continue;
+    const std::string quantity = key.substr(key.rfind('/') + 1);
+    EXPECT_TRUE(unit == unit_of_joint(quantity, false) || unit == unit_of_joint(quantity, true)) << key;
+    EXPECT_TRUE(std::any_of(form.groups.begin(), form.groups.end(),
+                            [&](const ElementGroup& group) { return group.name == quantity; }));
+  }
+}
+
+TEST(Goldens, HaveTheTopicsTypesAndUnitsOfTheTable) {
+  std::set<ChannelKind> kinds;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(FIXTURES_DIR) / ".." / "golden")) {
+    if (entry.path().extension() != ".mcap") continue;
+    const auto reader = mcap::Reader::open(entry.path());
+    ASSERT_TRUE(reader) << entry.path();
+    for (const auto& [id, channel] : (*reader)->channels()) {
+      SCOPED_TRACE(entry.path().filename().string() + " " + channel.topic);
+      const ChannelName name = ChannelName::parse(channel.topic);
+      ASSERT_NE(name.kind, ChannelKind::other);
+      EXPECT_EQ(name.topic(), channel.topic);
+      const ChannelForm& form = form_of(name.kind);
+      EXPECT_EQ((*reader)->schema_of(channel)->name, form.type);
+      kinds.insert(name.kind);
+      if (form.level == ChannelForm::Level::body) {
+        expect_units_of_joints(channel, form);
+        continue;
+      }
+      mcap::StringMap units;
+      for (const auto& [key, unit] : channel.metadata)
+        if (key.starts_with("unit")) units[key] = unit;
+      EXPECT_EQ(units, unit_metadata(name.kind));
+    }
+  }
+  EXPECT_GE(kinds.size(), 16u);
+}
+
+}  // namespace
