@@ -155,9 +155,6 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
 /// it says so, and nothing else.
 Result<void> check_version(const Trace& trace);
 
-/// Which part of the loop makes the values of a topic, by its name. The hashes and results in /tick have each their own.
-Stage stage_of(std::string_view topic, std::string_view element = {});
-
 /// The tolerances of the scenario that the trace carries; none if it carries none.
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace);
 

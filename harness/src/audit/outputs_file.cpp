@@ -15,6 +15,8 @@
 #include <sstream>
 #include <utility>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 namespace fs = std::filesystem;
@@ -226,7 +228,7 @@ Divergence divergence_at(const OutputField& field, std::uint64_t expected, std::
 std::optional<Divergence> first_difference(const Outputs& expected, const Outputs& actual, double time_step,
                                            const std::string& controller) {
   Divergence found;
-  found.channel = controller.empty() ? "/tick" : "/" + controller + "/output";
+  found.channel = controller.empty() ? run_topics::tick : "/" + controller + "/output";
   if (!same_layout(expected, actual)) {
     const bool begun = !expected.fields().empty() && !actual.fields().empty();
     found.note = begun ? "another set of outputs was enabled" : "only one of two runs came to its first tick";

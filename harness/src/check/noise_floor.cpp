@@ -97,7 +97,7 @@ std::map<std::string, double, std::less<>> noise_of_series(const NoiseFloor& noi
     by_unit[{channel.channel, channel.unit}] = std::max(channel.controller.value_or(0.0), channel.plant.value_or(0.0));
   for (const TraceChannel& channel : golden.channels()) {
     for (const TraceColumn& column : channel.columns) {
-      const std::string unit = unit_of(channel, column.element);
+      const std::string unit = unit_of(channel.metadata, column.element);
       const auto known = by_unit.find({channel.topic, unit == "quaternion" ? "rad" : unit});
       if (known != by_unit.end()) floors.emplace(series_of(channel, column), known->second);
     }

@@ -83,7 +83,7 @@ std::optional<Divergence> ChannelInWhole::compare_row(std::size_t message, std::
       found.actual = channel_.number(message, column);
       found.difference = std::abs(found.actual - found.expected);
       found.ulps = ulps_between(found.expected, found.actual);
-      found.unit = unit_of(*other_, element);
+      found.unit = unit_of(other_->metadata, element);
     }
     return found;
   }
@@ -125,7 +125,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> sample_spans(const Trace& rec
   const auto tick_of = [&](std::uint64_t time) {
     return static_cast<std::int64_t>(std::llround(static_cast<double>(time) * 1e-9 / time_step));
   };
-  if (const TraceChannel* checkpoints = recording.find_channel("/checkpoint"))
+  if (const TraceChannel* checkpoints = recording.find_channel(run_topics::checkpoint))
     for (const std::uint64_t time : checkpoints->times) ends.push_back(tick_of(time));
   const TickClock clock(recording);
   if (!clock.empty() && (ends.empty() || ends.back() < tick_of(clock.last_time())))

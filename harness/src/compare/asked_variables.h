@@ -9,12 +9,14 @@
 #include <string_view>
 #include <vector>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 /// `series`: "SR1/Walker/variable/phase".
 inline bool asks_for_variable(std::string_view series, const std::vector<ToleranceRule>& rules) {
   return std::any_of(rules.begin(), rules.end(), [&](const ToleranceRule& rule) {
-    return rule.channel.find("/variable/") != std::string::npos && matches(rule.channel, series);
+    return rule.channel.find(run_topics::variable_part) != std::string::npos && matches(rule.channel, series);
   });
 }
 

@@ -12,7 +12,6 @@
 #include "compare_fields.h"
 #include "compare_parts.h"
 #include "counterpart.h"
-#include "recording/variable_topics.h"
 #include "replay/trace_scenario.h"
 
 namespace rehearse {
@@ -102,39 +101,6 @@ bool comes_before(const Divergence& a, const Divergence& b) {
   return a.tick != b.tick ? a.tick < b.tick : rank_of(a.stage) < rank_of(b.stage);
 }
 
-Stage stage_of(std::string_view topic, std::string_view element) {
-  const std::string_view kind = topic.substr(topic.rfind('/') + 1);
-  if (topic == "/tick") {
-    if (element == "state_hash") return Stage::physics;
-    if (element == "input_hash") return Stage::inputs;
-    return Stage::controller;
-  }
-  if (topic == "/tf" && element.find("/scan/") != std::string_view::npos) return Stage::sensors;
-  if (topic.find("/input/") != std::string_view::npos || topic == "/joy") return Stage::inputs;
-  if (topic.find("/output/") != std::string_view::npos || topic == "/events") return Stage::controller;
-  if (!variable_of_topic(topic).empty()) return Stage::controller;
-  if (kind == "image" || kind == "depth" || kind == "camera_info") return Stage::renderer;
-  if (kind == "wrench" || kind == "imu" || kind == "scan" || kind == "points" || kind == "measured_joints" ||
-      kind == "contact")
-    return Stage::sensors;
-  return Stage::physics;
-}
-
-std::string unit_of(const TraceChannel& channel, const std::string& element) {
-  const auto stated = [&](const std::string& key) -> const std::string* {
-    const auto found = channel.metadata.find(key);
-    return found == channel.metadata.end() ? nullptr : &found->second;
-  };
-  if (const std::string* unit = stated("unit:" + element)) return *unit;
-  for (std::size_t begin = 0; begin < element.size();) {
-    const std::size_t end = std::min(element.find('/', begin), element.size());
-    if (const std::string* unit = stated("unit:" + element.substr(begin, end - begin))) return *unit;
-    begin = end + 1;
-  }
-  const std::string* unit = stated("unit");
-  return unit ? *unit : "";
-}
-
 std::size_t column_of(const TraceChannel& channel, std::string_view element) {
   const auto found = std::find_if(channel.columns.begin(), channel.columns.end(),
                                   [&](const TraceColumn& column) { return column.element == element; });
@@ -148,12 +114,6 @@ const std::string& series_of(const TraceChannel& channel, const TraceColumn& col
 std::string_view series_of(const TraceChannel& channel) {
   const std::string_view topic = channel.topic;
   return topic.starts_with('/') ? topic.substr(1) : topic;
-}
-
-std::string_view body_of(std::string_view topic) {
-  if (topic.starts_with('/')) topic.remove_prefix(1);
-  const std::size_t slash = topic.find('/');
-  return slash == std::string_view::npos ? std::string_view() : topic.substr(0, slash);
 }
 
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time) {
@@ -316,7 +276,7 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   comparison.within = !comparison.first;
   comparison.words_alone = comparison.within && !comparison.equal &&
                            std::ranges::all_of(comparison.channels, [](const ChannelComparison& channel) {
-                             return channel.channel == "/events";
+                             return channel.channel == run_topics::events;
                            });
   comparison.agreement = agreement_of(comparison);
   std::stable_sort(
@@ -372,7 +332,7 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
   const auto taken = [&](const TraceChannel& channel) {
     return takes(options, channel) && !isnt_compared(channel, rules);
   };
-  compare_ticks(traces, add("/tick"));
+  compare_ticks(traces, add(run_topics::tick));
   std::vector<ChannelComparison> of_events;  // after the values: of two findings of a tick, a value tells more
   compare_events(
       traces,

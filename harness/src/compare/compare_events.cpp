@@ -241,8 +241,8 @@ class MessageJudge {
 }  // namespace
 
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences) {
-  if (traces.options.takes(stage_of("/events"))) {
-    ChannelFindings findings(add("/events"));
+  if (traces.options.takes(stage_of(run_topics::events))) {
+    ChannelFindings findings(add(run_topics::events));
     for (const auto kind : {MessageJudge::Kind::judged, MessageJudge::Kind::words})
       MessageJudge(traces, kind, findings, differences).judge();
   }

@@ -136,7 +136,7 @@ void FieldJudge::compare_field(const Fields& all, const MessageField& golden, co
   if (expected.kind != other.kind) return report(golden.path, "is a value of another kind than in the golden");
   if (expected.kind == Kind::blob) return compare_bytes(all, golden, actual);
   if (expected.kind == Kind::floating)
-    return compare_numbers(golden.path, expected.number, other.number, unit_of(channel_.golden, golden.path));
+    return compare_numbers(golden.path, expected.number, other.number, unit_of(channel_.golden.metadata, golden.path));
   if (expected.kind == Kind::text) {
     if (expected.text != other.text && !is_held(golden))
       report(golden.path, fmt::format("is {}, expected {}", quoted(other.text), quoted(expected.text)));

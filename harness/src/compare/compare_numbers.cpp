@@ -157,7 +157,7 @@ void NumberJudge::match_columns() {
     column.actual = at;
     column.kind = expected.kind;
     column.element = expected.element;
-    column.unit = unit_of(golden, expected.element);
+    column.unit = unit_of(golden.metadata, expected.element);
     column.hash = is_hash(golden, expected.element);
     column.wraps = golden.metadata.count("wrap:" + expected.element) > 0;
     find_tolerance(column);
@@ -176,7 +176,8 @@ void NumberJudge::find_tolerance(Column& column) const {
   const std::string& series = series_of(golden, golden.columns[column.golden]);
   if (!traces_.blanked.empty()) {
     const bool transforms = golden.type == msg::TFMessage::type_name;
-    const auto spans = traces_.blanked.find(body_of(transforms ? column.element : golden.topic));
+    const auto spans = traces_.blanked.find(transforms ? body_of_name(column.element)
+                                                       : std::string_view(ChannelName::parse(golden.topic).body));
     if (spans != traces_.blanked.end()) column.blanked = &spans->second;
   }
   if (column.kind != CellKind::floating) return;

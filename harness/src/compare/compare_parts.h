@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 /// Which tick a time belongs to, by a trace's /tick channel.
@@ -97,9 +99,6 @@ class ChannelFindings {
 /// Order of causes: by tick, then by stage. Equal places keep the order in which they were found.
 bool comes_before(const Divergence& a, const Divergence& b);
 
-/// The unit that a channel's metadata states for an element; empty if none.
-std::string unit_of(const TraceChannel& channel, const std::string& element);
-
 /// The column of that element, or columns.size().
 std::size_t column_of(const TraceChannel& channel, std::string_view element);
 
@@ -108,9 +107,6 @@ const std::string& series_of(const TraceChannel& channel, const TraceColumn& col
 
 /// The name by which rules know the messages of a channel that has no columns: its topic without the first slash.
 std::string_view series_of(const TraceChannel& channel);
-
-/// "SR1" of "/SR1/LeftForce/wrench" and of "SR1/WAIST"; empty if there is but one segment.
-std::string_view body_of(std::string_view topic);
 
 /// A divergence of that channel at that time, without values.
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time);

@@ -20,7 +20,7 @@ std::string share_text(std::size_t count, std::size_t all) {
 class PictureJudge {
  public:
   PictureJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings)
-      : traces_(traces), channel_(channel), findings_(findings), unit_(unit_of(channel.golden, "")) {
+      : traces_(traces), channel_(channel), findings_(findings), unit_(unit_of(channel.golden.metadata, "")) {
     tolerance_ = picture_tolerance(channel.golden, traces.rules);
   }
 
@@ -126,7 +126,7 @@ bool is_picture(const TraceChannel& channel) {
 }
 
 Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
-  const std::string unit = unit_of(channel, "");
+  const std::string unit = unit_of(channel.metadata, "");
   return tolerance_of(series_of(channel), unit == "m" ? "depth" : unit, rules);
 }
 

@@ -198,7 +198,7 @@ Diagnostics unmatched_rules(const ComparedTraces& traces) {
       for (const TraceColumn& column : channel.columns) names.insert(series_of(channel, column));
       for (const auto& [key, value] : channel.metadata)
         if (key.starts_with("limits:"))
-          names.insert("limits/" + std::string(body_of(channel.topic)) + "/" + key.substr(key.find(':') + 1));
+          names.insert("limits/" + ChannelName::parse(channel.topic).body + "/" + key.substr(key.find(':') + 1));
     }
     for (const msg::ContactChange& change : trace->contact_changes())
       names.insert("contacts/" + change.link + "/" + change.other);

@@ -20,7 +20,7 @@ std::string counted(std::int64_t count, const char* noun) {
 
 /// Files that aren't ours have no ticks: then places are numbers of messages.
 bool has_ticks(const Comparison& comparison) {
-  const auto is_a_tick = [](const std::optional<Divergence>& d) { return d && d->channel == "/tick"; };
+  const auto is_a_tick = [](const std::optional<Divergence>& d) { return d && d->channel == run_topics::tick; };
   return comparison.ticks > 0 || is_a_tick(comparison.first) || is_a_tick(comparison.first_bit);
 }
 
@@ -45,12 +45,9 @@ struct Row {
 
 /// The topic with a star for whose it is: "/SR1/*/wrench", "/SR1/Walker/input/*/pose".
 std::string pattern_of(const std::string& topic) {
-  const std::size_t last = topic.rfind('/');
-  if (last == 0 || last == std::string::npos) return topic;
-  const std::size_t before = topic.rfind('/', last - 1);
-  const std::string owner = topic.substr(before + 1, last - before - 1);
-  if (before == 0) return topic.substr(0, 1) + "*" + topic.substr(last);  // of a body itself
-  return owner == "input" || owner == "output" ? topic : topic.substr(0, before + 1) + "*" + topic.substr(last);
+  const std::string_view whose = distinguishing_segment(topic);
+  if (whose.empty()) return topic;
+  return std::string(topic).replace(static_cast<std::size_t>(whose.data() - topic.data()), whose.size(), "*");
 }
 
 double badness(const ChannelComparison& channel) {
@@ -104,9 +101,8 @@ std::string shortened(const std::string& text, std::size_t most) {
 /// Whose of the pattern's star it is, as far as the pattern doesn't say.
 std::string element_of(const Row& row, const Divergence& d) {
   if (row.count == 1 || row.channels.size() == 1) return d.element;
-  const std::size_t last = d.channel.rfind('/'), before = d.channel.rfind('/', last - 1);
-  const std::string owner = d.channel.substr(before + 1, last - before - 1);
-  return d.element.empty() ? owner : owner + " " + d.element;
+  const std::string whose(distinguishing_segment(d.channel));
+  return d.element.empty() ? whose : whose + " " + d.element;
 }
 
 /// The element, then what can't be done without: how much and when.
@@ -240,7 +236,7 @@ std::string table(const Comparison& comparison) {
     if (worst && !told && !comparison.within)
       text += "  worst: " + describe(*worst, when_text(comparison, *worst), has_ticks(comparison)) + "\n";
     const auto& bit = comparison.first_bit;
-    const bool has_a_hash_alone = bit && bit->channel == "/tick";
+    const bool has_a_hash_alone = bit && bit->channel == run_topics::tick;
     if (comparison.within && bit && !has_a_hash_alone)
       text += "  first: " + describe(*bit, when_text(comparison, *bit), has_ticks(comparison)) + "\n";
     text += remarks_text(comparison.remarks);

@@ -9,7 +9,6 @@
 
 #include "compare_parts.h"
 #include "counterpart.h"
-#include "recording/topic_segment.h"
 #include "recording/trace_version.h"
 
 namespace rehearse {
@@ -26,7 +25,7 @@ Divergence place_of_tick(const TickClock& clock, std::uint64_t time) {
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
   divergence.time = static_cast<double>(time) / 1e9;
-  divergence.channel = "/tick";
+  divergence.channel = run_topics::tick;
   divergence.stage = Stage::inputs;
   return divergence;
 }
@@ -162,23 +161,19 @@ class LoneChannels {
   }
 
   Group group_of(const std::string& topic) const {
-    std::vector<std::size_t> slashes;
-    for (std::size_t at = 0; (at = topic.find('/', at)) != std::string::npos; ++at) slashes.push_back(at);
-    if (slashes.size() < 2) return {topic, ""};
-    const auto name = [&](std::size_t segments) {  // without the first slash
-      std::string text;
-      for (std::size_t i = 0; i < segments; ++i)
-        text += (i ? "/" : "") + name_of_segment(topic.substr(slashes[i] + 1, slashes[i + 1] - slashes[i] - 1));
-      return text;
-    };
-    if (const std::string body = topic.substr(0, slashes[1] + 1); lacks(body)) return {body, "body '" + name(1) + "'"};
-    if (slashes.size() < 3) return {topic, ""};
-    const std::string owner = topic.substr(0, slashes[2] + 1);
+    const ChannelName name = ChannelName::parse(topic);
+    if (name.body.empty()) return {topic, ""};
+    const std::string body = "/" + name.body + "/";
+    if (lacks(body)) return {body, "body '" + name.body + "'"};
+    const bool controls = !name.controller.empty();
+    if (!controls && name.owner.empty()) return {topic, ""};
+    const std::string owner = body + (controls ? name.controller : topic_segment(name.owner)) + "/";
     if (!lacks(owner)) return {topic, ""};
-    const std::string rest = topic.substr(slashes[2] + 1);
-    const bool controls = rest.starts_with("input/") || rest.starts_with("output/") || rest.starts_with("variable/");
-    const bool moves = rest == "pose" || rest == "twist" || rest == "accel";
-    return {owner, fmt::format("{} '{}'", controls ? "controller" : moves ? "link" : "device", name(2))};
+    return {owner, fmt::format("{} '{}/{}'",
+                               controls            ? "controller"
+                               : name.is_of_link() ? "link"
+                                                   : "device",
+                               name.body, controls ? name.controller : name.owner)};
   }
 
   /// Takes the channels that begin like this away; returns how many there were.

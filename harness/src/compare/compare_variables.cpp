@@ -7,14 +7,12 @@
 
 #include "asked_variables.h"
 #include "compare_parts.h"
-#include "recording/variable_topics.h"
-#include "replay/branch_origin.h"
 
 namespace rehearse {
 namespace {
 
 bool is_variable(const TraceChannel& channel) {
-  return channel.type == msg::Float64::type_name && !variable_of_topic(channel.topic).empty();
+  return channel.type == msg::Float64::type_name && ChannelName::parse(channel.topic).kind == ChannelKind::variable;
 }
 
 /// The time of the first message that isn't the same in both [ns]; none: they are the same.
@@ -33,7 +31,7 @@ std::optional<std::uint64_t> first_difference(const TraceChannel& a, const Trace
 }  // namespace
 
 bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
-  if (is_acted_topic(channel.topic)) return true;
+  if (ChannelName::parse(channel.topic).side == ChannelSide::acted) return true;
   return is_variable(channel) && !asks_for_variable(series_of(channel), rules);
 }
 

@@ -34,7 +34,8 @@ std::string cell_text(const TraceChannel& channel, std::size_t row, std::size_t 
   const TraceColumn& series = channel.columns[column];
   switch (series.kind) {
     case CellKind::floating:
-      return number_text(std::bit_cast<double>(bits), series_of(channel, series), unit_of(channel, series.element));
+      return number_text(std::bit_cast<double>(bits), series_of(channel, series),
+                         unit_of(channel.metadata, series.element));
     case CellKind::signed_integer: return fmt::format("{}", static_cast<std::int64_t>(bits));
     case CellKind::unsigned_integer: return fmt::format("{}", bits);
     case CellKind::boolean: return bits ? "true" : "false";
@@ -54,7 +55,7 @@ void describe_series(const TraceChannel& channel, std::size_t column, std::strin
     if (!(value >= channel.number(least, column))) least = row;
     if (!(value <= channel.number(most, column))) most = row;
   }
-  const std::string unit = unit_of(channel, series.element);
+  const std::string unit = unit_of(channel.metadata, series.element);
   fmt::format_to(Out(text), "  {} [{}] first {} last {} min {} max {}", series.element, unit.empty() ? "-" : unit,
                  cell_text(channel, 0, column), cell_text(channel, rows - 1, column), cell_text(channel, least, column),
                  cell_text(channel, most, column));

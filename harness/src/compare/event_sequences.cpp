@@ -26,7 +26,8 @@ class SequenceMaker {
       return a.tick == b.tick && a.begins == b.begins && a.link == b.link && a.other == b.other;
     };
     const auto &contacts = golden_.contact_changes(), &others = actual_.contact_changes();
-    const bool both_tell = golden_.find_channel("/contacts") && actual_.find_channel("/contacts");
+    const bool both_tell =
+        golden_.find_channel(run_topics::contact_changes) && actual_.find_channel(run_topics::contact_changes);
     if (both_tell && !std::equal(contacts.begin(), contacts.end(), others.begin(), others.end(), same)) {
       add_contacts(golden_, &EventSequence::golden);
       add_contacts(actual_, &EventSequence::actual);
@@ -53,10 +54,10 @@ class SequenceMaker {
         continue;
       }
       sequence.source = {EventKind::contact,
-                         "/contacts",
+                         run_topics::contact_changes,
                          change.link + " " + change.other,
                          "the contact",
-                         {std::string(body_of(change.link)), std::string(body_of(change.other))}};
+                         {std::string(body_of_name(change.link)), std::string(body_of_name(change.other))}};
       (sequence.*edges).push_back({change.tick, time, change.begins});
     }
   }
@@ -69,13 +70,13 @@ class SequenceMaker {
       const auto now = actual.metadata.find("limits:" + element);
       if (!read_limits(stated.at("limits:" + element), lower, upper)) continue;
       EventSequence sequence;
-      sequence.source = {
-          EventKind::limit, golden.topic, element, "being at its limit", {std::string(body_of(golden.topic))}};
+      const std::string body = ChannelName::parse(golden.topic).body;
+      sequence.source = {EventKind::limit, golden.topic, element, "being at its limit", {body}};
       sequence.golden = edges_at(golden, element, lower, upper);
       if (now != actual.metadata.end()) read_limits(now->second, lower, upper);
       sequence.actual = edges_at(actual, element, lower, upper);
       if (!sequence.golden.empty() || !sequence.actual.empty())
-        sequences_.emplace("limits/" + std::string(body_of(golden.topic)) + "/" + element, std::move(sequence));
+        sequences_.emplace("limits/" + body + "/" + element, std::move(sequence));
     }
   }
 

@@ -263,9 +263,10 @@ void RunJudge::take_series(const Expectation& e, const Trace& piece, Case& to) c
     const TraceChannel& channel = piece.channels()[place.channel];
     auto known = to.series.find(name);
     if (known == to.series.end())
-      known =
-          to.series.emplace(name, JudgedSeries{SeriesJudge(e), unit_of(channel, channel.columns[place.column].element)})
-              .first;
+      known = to.series
+                  .emplace(name, JudgedSeries{SeriesJudge(e),
+                                              unit_of(channel.metadata, channel.columns[place.column].element)})
+                  .first;
     if (!e.angle || known->second.unit == "rad") known->second.judge.take(channel, place.column, clock_);
   }
 }
@@ -422,10 +423,10 @@ Divergence divergence_of(const ExpectationResult& violation, const Trace& run) {
     const TraceChannel& channel = run.channels()[place->channel];
     divergence.channel = channel.topic;
     divergence.element = channel.columns[place->column].element;
-    divergence.unit = unit_of(channel, divergence.element);
+    divergence.unit = unit_of(channel.metadata, divergence.element);
     divergence.stage = stage_of(divergence.channel, divergence.element);
   } else if (violation.expectation.subject != Expectation::Subject::series) {
-    divergence.channel = "/events";
+    divergence.channel = run_topics::events;
     divergence.stage = stage_of(divergence.channel);
   }
   if (violation.first && violation.first->value) divergence.actual = *violation.first->value;

@@ -163,7 +163,8 @@ namespace {
 std::vector<const ChannelComparison*> in_order(const Comparison& comparison) {
   std::vector<const ChannelComparison*> worst;
   for (const ChannelComparison& channel : comparison.channels)
-    if (channel.worst && channel.channel != "/tick" && channel.channel != "/tf") worst.push_back(&channel);
+    if (channel.worst && channel.channel != run_topics::tick && channel.channel != run_topics::transforms)
+      worst.push_back(&channel);
   std::ranges::stable_sort(worst, [](const auto* a, const auto* b) { return badness(*a) > badness(*b); });
   std::vector<const ChannelComparison*> order, others;
   for (const ChannelComparison* channel : worst) {
@@ -216,7 +217,7 @@ std::string worst_plots(const Trace& golden, const Trace& run, const Comparison&
     if (!other) continue;
     --channels;
     const TraceColumn& drawn = of_golden->columns[*column];
-    const std::string unit = unit_of(*of_golden, drawn.element);
+    const std::string unit = unit_of(of_golden->metadata, drawn.element);
     const Divergence& first = channel->first ? *channel->first : *channel->first_bit;
     text += draw(drawn.series + (unit.empty() || unit == "quaternion" ? "" : " [" + unit + "]"),
                  curve_of(*of_golden, *column), curve_of(*of_run, *other), first.time);

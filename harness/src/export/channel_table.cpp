@@ -102,7 +102,7 @@ class FieldTable final : public ChannelTable {
   std::vector<Column> columns() const override {
     std::vector<Column> columns;
     for (const TraceColumn& column : channel_.columns)
-      columns.push_back({column.element, unit_of(channel_, column.element)});
+      columns.push_back({column.element, unit_of(channel_.metadata, column.element)});
     return columns;
   }
 
@@ -221,7 +221,8 @@ void SeriesTable::append_row(std::string& line) const {
 std::vector<ChannelTable::Column> SeriesTable::columns() const {
   std::vector<Column> columns;
   for (const TraceColumn& column : channel_.columns)
-    columns.push_back({column.series.empty() ? column.element : column.series, unit_of(channel_, column.element)});
+    columns.push_back(
+        {column.series.empty() ? column.element : column.series, unit_of(channel_.metadata, column.element)});
   return columns;
 }
 

@@ -11,6 +11,8 @@
 #include <limits>
 #include <map>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 namespace {
 
@@ -87,7 +89,8 @@ Result<std::string> date_of_today() {
 std::vector<std::string> moved_lines(const Comparison& comparison) {
   std::vector<ChannelComparison> channels;
   for (const ChannelComparison& channel : comparison.channels) {
-    const bool follows = channel.channel == "/tick" || channel.channel == "/tf";  // made of the others
+    const bool follows =
+        channel.channel == run_topics::tick || channel.channel == run_topics::transforms;  // made of the others
     if (!follows || channel.missing > 0 || channel.extra > 0) channels.push_back(channel);
   }
   std::stable_sort(channels.begin(), channels.end(), is_worse);

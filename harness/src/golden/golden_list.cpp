@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "golden_files.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -97,8 +98,8 @@ void read_provenance(const mcap::Reader& reader, const mcap::StringMap& present,
   const std::vector<Acceptance> history = history_of(reader.metadata());
   entry.acceptances = static_cast<int>(history.size());
   if (!history.empty()) entry.accepted = history.back().date;
-  const bool has_checkpoints =
-      std::ranges::any_of(reader.channels(), [](const auto& channel) { return channel.second.topic == "/checkpoint"; });
+  const bool has_checkpoints = std::ranges::any_of(
+      reader.channels(), [](const auto& channel) { return channel.second.topic == run_topics::checkpoint; });
   if (!has_checkpoints && reader.damage().empty())
     entry.notes.push_back("it has no checkpoints: its physics can't be checked piece by piece");
 }

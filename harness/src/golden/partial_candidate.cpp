@@ -27,7 +27,9 @@ double seconds(std::uint64_t time) { return static_cast<double>(time) * 1e-9; }
 
 /// Made of other messages of their tick: they follow these.
 bool is_derived(std::string_view topic) {
-  return topic == "/tick" || topic == "/checkpoint" || topic == "/tf" || topic == "/events";
+  const ChannelKind kind = ChannelName::parse(topic).kind;
+  return kind == ChannelKind::tick || kind == ChannelKind::checkpoint || kind == ChannelKind::transforms ||
+         kind == ChannelKind::events;
 }
 
 template <class T>
@@ -45,7 +47,7 @@ std::vector<std::byte> encode(const T& message) {
 
 const std::vector<std::uint64_t>& tick_times(const Trace& trace) {
   static const std::vector<std::uint64_t> none;
-  const TraceChannel* ticks = trace.find_channel("/tick");
+  const TraceChannel* ticks = trace.find_channel(run_topics::tick);
   return ticks ? ticks->times : none;
 }
 
@@ -124,7 +126,7 @@ Result<void> PartialCandidate::compare_structure(const Trace& golden, const Trac
   for (const auto& [topic, part] : parts_) {
     const TraceChannel *of_golden = golden.find_channel(topic), *of_run = run.find_channel(topic);
     if (of_golden && of_run && of_golden->type == of_run->type) continue;
-    if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) || topic == "/events")
+    if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) || topic == run_topics::events)
       continue;
     return error(fmt::format("the channel {} {}, so the golden can't keep it as it is", topic,
                              !of_run      ? "isn't in the run"
@@ -226,9 +228,9 @@ void PartialCandidate::keep_account_of(std::string_view topic) {
 
 /// Takes the golden's content where what the message is made of is the golden's. `message` is the run's.
 void PartialCandidate::follow(Message& message, const Message* golden, TickSources& sources) {
-  if (message.topic == "/tick" && golden) return follow_tick(message, *golden, sources);
+  if (message.topic == run_topics::tick && golden) return follow_tick(message, *golden, sources);
   if (!golden || is_selected(message)) return;
-  const Sources& state = sources.of(message.topic == "/events" ? Stage::controller : Stage::physics);
+  const Sources& state = sources.of(message.topic == run_topics::events ? Stage::controller : Stage::physics);
   if (state.run.empty()) message.data = golden->data;
 }
 

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 enum class Quantity : std::uint8_t {
@@ -43,6 +45,18 @@ constexpr const char* name_of(Quantity quantity) {
     case Quantity::wrench: return "F_ext";
   }
   return "";
+}
+
+/// The kind of the channels that a quantity is recorded in.
+constexpr ChannelKind channel_kind_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::ddq: return ChannelKind::joint_accelerations;
+    case Quantity::pose: return ChannelKind::pose;
+    case Quantity::twist: return ChannelKind::twist;
+    case Quantity::acceleration: return ChannelKind::acceleration;
+    case Quantity::wrench: return ChannelKind::wrench;
+    default: return ChannelKind::joints;
+  }
 }
 
 struct IoField {

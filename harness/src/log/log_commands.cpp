@@ -22,15 +22,6 @@ struct NumberArray {
   }
 };
 
-const char* unit_of(const Joint& joint, Quantity quantity) {
-  const bool linear = is_linear(joint.type);
-  switch (quantity) {
-    case Quantity::q: return linear ? "m" : "rad";
-    case Quantity::dq: return linear ? "m/s" : "rad/s";
-    default: return linear ? "N" : "N·m";
-  }
-}
-
 }  // namespace
 
 struct LogCommands::Readers {
@@ -112,14 +103,14 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
       if (identical(*expected, actual)) continue;
       const Joint& joint = model_.links[field.link].joint;
       Divergence found;
-      found.channel = "/" + hosted.label + "/output/joints";
+      found.channel = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
       found.element = joint.name + "/" + name_of(field.quantity);
-      found.unit = unit_of(joint, field.quantity);
+      found.unit = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
       found.expected = *expected;
       found.actual = actual;
       found.difference = std::abs(actual - *expected);
       found.ulps = ulps_between(*expected, actual);
-      const std::string series = hosted.label + "/output/" + found.element;
+      const std::string series = series_name(found.channel, found.element);
       found.tolerance = tolerance_of(series, found.unit, scenario.tolerances).bound(std::abs(*expected));
       differs(std::move(found));
     }

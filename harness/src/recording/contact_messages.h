@@ -9,12 +9,6 @@
 
 namespace rehearse {
 
-inline const mcap::StringMap contact_units{{"unit:position", "m"},
-                                           {"unit:normal", "unit vector"},
-                                           {"unit:force", "N"},
-                                           {"unit:velocity", "m/s"},
-                                           {"unit:depth", "m"}};
-
 /// The header stays as it is.
 inline void put_contacts(const std::vector<ContactReading>& contacts, msg::Contacts& message) {
   message.contacts.resize(contacts.size());

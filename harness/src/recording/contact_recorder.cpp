@@ -3,7 +3,7 @@
 namespace rehearse {
 
 ContactRecorder::ContactRecorder(TraceOutput& output, const Scenario& scenario)
-    : channel_(output.channel<msg::ContactChange>("/contacts")) {
+    : channel_(output.channel<msg::ContactChange>(ChannelName::of_run(ChannelKind::contact_changes))) {
   for (const ScenarioBody& body : scenario.bodies) {
     std::vector<std::string>& names = names_.emplace_back();
     for (const Link& link : body.model->links) names.push_back(body.name + "/" + link.name);

@@ -6,20 +6,12 @@
 #include <cstring>
 
 #include "camera_info.h"
-#include "topic_segment.h"
 #include "trace/range_messages.h"
 
 namespace rehearse {
 namespace {
 
 constexpr double no_covariance = -1.0;                                  // ROS: "this quantity is not measured"
-
-const mcap::StringMap imu_units{{"unit:angular_velocity", "rad/s"}, {"unit:linear_acceleration", "m/s²"}};
-const mcap::StringMap scan_units{{"unit:ranges", "m"},
-                                 {"unit:range_min", "m"},
-                                 {"unit:range_max", "m"},
-                                 {"unit:angle_min", "rad"},
-                                 {"unit:angle_max", "rad"}};
 
 msg::Vector3 vector(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -34,24 +26,24 @@ std::string scan_frame(const std::string& body, const Device& device) { return b
 DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body,
                                const Device& device)
     : device_(&device), frame_(body.name + "/" + device.name) {
-  const std::string topic = "/" + body.name + "/" + topic_segment(device.name) + "/";
+  const auto name = [&](ChannelKind kind) { return ChannelName::of_owner(body.name, device.name, kind); };
   if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
     frame_ = scan_frame(body.name, device);
-    measured_ = is_planar(*laser) ? output.channel<msg::LaserScan>(topic + "scan", scan_units)
-                                  : output.channel<msg::PointCloud2>(topic + "points", scan_units);
+    measured_ = is_planar(*laser) ? output.channel<msg::LaserScan>(name(ChannelKind::scan))
+                                  : output.channel<msg::PointCloud2>(name(ChannelKind::points));
   } else if (const auto* camera = std::get_if<Camera>(&device.kind)) {
     if (!scenario.record_frames || !scenario.runs_camera(body.name, device.name)) return;
-    color_ = output.channel<msg::CompressedImage>(topic + "image", {{"unit", "pixels"}}, mcap::pictures);
-    info_ = output.channel<msg::CameraInfo>(topic + "camera_info");
-    if (camera->depth) depth_ = output.channel<msg::Image>(topic + "depth", {{"unit", "m"}}, depth_pictures);
+    color_ = output.channel<msg::CompressedImage>(name(ChannelKind::image), {}, mcap::pictures);
+    info_ = output.channel<msg::CameraInfo>(name(ChannelKind::camera_info));
+    if (camera->depth) depth_ = output.channel<msg::Image>(name(ChannelKind::depth), {}, depth_pictures);
   } else if (std::holds_alternative<ForceSensor>(device.kind)) {
-    measured_ = output.channel<msg::WrenchStamped>(topic + "wrench", wrench_units);
+    measured_ = output.channel<msg::WrenchStamped>(name(ChannelKind::wrench));
   } else if (std::holds_alternative<ContactSensor>(device.kind)) {
-    measured_ = output.channel<msg::ContactForce>(topic + "contact", {{"unit:force", "N"}});
+    measured_ = output.channel<msg::ContactForce>(name(ChannelKind::contact));
   } else if (std::holds_alternative<Light>(device.kind)) {
-    measured_ = output.channel<msg::DeviceState>(topic + "state");
+    measured_ = output.channel<msg::DeviceState>(name(ChannelKind::device_state));
   } else if (value_count(device) > 0) {
-    measured_ = output.channel<msg::Imu>(topic + "imu", imu_units);
+    measured_ = output.channel<msg::Imu>(name(ChannelKind::imu));
   }
 }
 

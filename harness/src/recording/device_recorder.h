@@ -13,8 +13,6 @@
 
 namespace rehearse {
 
-inline const mcap::StringMap wrench_units{{"unit:force", "N"}, {"unit:torque", "N·m"}};
-
 /// The frame of a range sensor's messages. It lies where the device frame does, with the axes of ROS.
 std::string scan_frame(const std::string& body, const Device& device);
 

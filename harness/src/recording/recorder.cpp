@@ -12,7 +12,6 @@
 #include "contact_recorder.h"
 #include "device_recorder.h"
 #include "mesh_digests.h"
-#include "topic_segment.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
 #include "variable_recorder.h"
@@ -29,18 +28,13 @@ msg::Quaternion quaternion(const double* xyzw) { return {xyzw[0], xyzw[1], xyzw[
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-const char* length_unit(const Joint& joint) { return is_linear(joint.type) ? "m" : "rad"; }
-const char* effort_unit(const Joint& joint) { return is_linear(joint.type) ? "N" : "N·m"; }
-
-/// Units of a JointState's elements. None of them wraps around: angles are counted on and on.
-mcap::StringMap joint_metadata(const Model& model, const std::vector<int>& joints) {
+/// Units of the elements of a message of joints. None of them wraps around: angles are counted on and on.
+mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::vector<int>& joints) {
   mcap::StringMap metadata;
   for (const int id : joints) {
     const Joint& joint = model.links[model.joints[id]].joint;
-    const std::string unit = length_unit(joint);
-    metadata["unit:" + joint.name + "/q"] = unit;
-    metadata["unit:" + joint.name + "/dq"] = unit + "/s";
-    metadata["unit:" + joint.name + "/u"] = effort_unit(joint);
+    for (const ElementGroup& group : form_of(kind).groups)
+      metadata[fmt::format("unit:{}/{}", joint.name, group.name)] = unit_of_joint(group.name, is_linear(joint.type));
   }
   return metadata;
 }
@@ -57,10 +51,6 @@ void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
     if (body.effort_limits) state(joint.name + "/u", -joint.effort, joint.effort);
   }
 }
-
-const mcap::StringMap pose_units{{"unit:position", "m"}, {"unit:orientation", "quaternion"}};
-const mcap::StringMap twist_units{{"unit:linear", "m/s"}, {"unit:angular", "rad/s"}};
-const mcap::StringMap acceleration_units{{"unit:linear_acceleration", "m/s²"}, {"unit:angular_acceleration", "rad/s²"}};
 
 /// A joint message of one controller: which array holds which of its numbers.
 struct JointChannel {
@@ -152,7 +142,8 @@ struct Recorder::Impl : TraceOutput {
   Result<void> attach_sources();
   void declare_body(const ScenarioBody& body);
   void declare_controllers(const ControllerHost& host);
-  void declare_side(const std::string& prefix, const Model& model, const IoLayout& layout, SideChannels& side);
+  void declare_side(const std::string& label, ChannelSide of, const Model& model, const IoLayout& layout,
+                    SideChannels& side);
   Result<void> write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
                             const std::vector<JointReading>& joints);
   Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
@@ -214,16 +205,15 @@ void Recorder::declare(const ControllerHost* host) {
   Impl& impl = *impl_;
   for (const ScenarioBody& body : impl.scenario.bodies) impl.declare_body(body);
   if (impl.scenario.joystick)
-    impl.joystick_channel =
-        impl.channel<msg::Joy>("/joy", {{"axes", fmt::format("{}", fmt::join(joystick_axes, " "))},
-                                        {"buttons", fmt::format("{}", fmt::join(joystick_buttons, " "))}});
+    impl.joystick_channel = impl.channel<msg::Joy>(ChannelName::of_run(ChannelKind::joystick),
+                                                   {{"axes", fmt::format("{}", fmt::join(joystick_axes, " "))},
+                                                    {"buttons", fmt::format("{}", fmt::join(joystick_buttons, " "))}});
   if (host) impl.declare_controllers(*host);
-  impl.transform_channel =
-      impl.channel<msg::TFMessage>("/tf", {{"unit:position", "m"}, {"unit:orientation", "quaternion"}});
+  impl.transform_channel = impl.channel<msg::TFMessage>(ChannelName::of_run(ChannelKind::transforms));
   impl.contact_recorder.emplace(impl, impl.scenario);
-  impl.checkpoint_channel = impl.channel<msg::Checkpoint>("/checkpoint");
-  impl.event_channel = impl.channel<msg::Event>("/events");
-  impl.tick_channel = impl.channel<msg::Tick>("/tick");
+  impl.checkpoint_channel = impl.channel<msg::Checkpoint>(ChannelName::of_run(ChannelKind::checkpoint));
+  impl.event_channel = impl.channel<msg::Event>(ChannelName::of_run(ChannelKind::events));
+  impl.tick_channel = impl.channel<msg::Tick>(ChannelName::of_run(ChannelKind::tick));
   impl.transform_interval =
       std::max<std::int64_t>(1, std::llround(1.0 / (transforms_per_second * impl.scenario.time_step)));
 }
@@ -232,12 +222,12 @@ void Recorder::Impl::declare_controllers(const ControllerHost& host) {
   for (const HostedController& hosted : host.controllers()) {
     ControllerChannels& channels = controllers.emplace_back();
     const ScenarioBody& body = scenario.bodies[hosted.body];
-    declare_side("/" + hosted.label + "/input/", *body.model, hosted.io->inputs(), channels.input);
+    declare_side(hosted.label, ChannelSide::input, *body.model, hosted.io->inputs(), channels.input);
     for (const int link : hosted.io->contact_links())
-      channels.contacts.push_back(channel<msg::Contacts>(
-          "/" + hosted.label + "/input/" + topic_segment(body.model->links[link].name) + "/contacts", contact_units));
+      channels.contacts.push_back(channel<msg::Contacts>(ChannelName::of_controller(
+          hosted.label, ChannelSide::input, ChannelKind::contacts, body.model->links[link].name)));
     channels.output.metadata = {{"delay", host.is_delayed(hosted) ? "true" : "false"}};
-    declare_side("/" + hosted.label + "/output/", *body.model, hosted.io->outputs(), channels.output);
+    declare_side(hosted.label, ChannelSide::output, *body.model, hosted.io->outputs(), channels.output);
     channels.devices.assign(body.model->devices.size(), 0);
   }
 }
@@ -245,34 +235,35 @@ void Recorder::Impl::declare_controllers(const ControllerHost& host) {
 void Recorder::Impl::declare_body(const ScenarioBody& body) {
   BodyChannels& channels = bodies.emplace_back();
   const Model& model = *body.model;
-  const std::string topic = "/" + body.name + "/";
   if (!model.joints.empty()) {
     std::vector<int> all;
     for (std::size_t id = 0; id < model.joints.size(); ++id) {
       all.push_back(static_cast<int>(id));
       channels.joint_message.name.push_back(model.links[model.joints[id]].joint.name);
     }
-    mcap::StringMap metadata = joint_metadata(model, all);
+    mcap::StringMap metadata = joint_metadata(ChannelKind::joints, model, all);
+    const mcap::StringMap units = metadata;
     add_limits(body, metadata);
-    channels.joints = channel<msg::JointState>(topic + "joints", std::move(metadata));
+    channels.joints =
+        channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::joints), std::move(metadata));
     if (body.noise.disturbs_joints() || measured_bodies.count(static_cast<int>(bodies.size()) - 1) > 0)
-      channels.measured_joints = channel<msg::JointState>(topic + "measured_joints", joint_metadata(model, all));
+      channels.measured_joints =
+          channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::measured_joints), units);
   }
   if (root_moves(body)) {
-    const std::string root = topic + topic_segment(model.links[0].name);
-    channels.pose = channel<msg::PoseStamped>(root + "/pose", pose_units);
-    channels.twist = channel<msg::TwistStamped>(root + "/twist", twist_units);
+    const auto root = [&](ChannelKind kind) { return ChannelName::of_owner(body.name, model.links[0].name, kind); };
+    channels.pose = channel<msg::PoseStamped>(root(ChannelKind::pose));
+    channels.twist = channel<msg::TwistStamped>(root(ChannelKind::twist));
     channels.pose_message.header.frame_id = "world";
     channels.twist_message.header.frame_id = "world";
   }
   for (const Device& device : model.devices) channels.devices.emplace_back(*this, scenario, body, device);
 }
 
-void Recorder::Impl::declare_side(const std::string& prefix, const Model& model, const IoLayout& layout,
+void Recorder::Impl::declare_side(const std::string& label, ChannelSide of, const Model& model, const IoLayout& layout,
                                   SideChannels& side) {
-  const auto with = [&side](mcap::StringMap units) {
-    units.insert(side.metadata.begin(), side.metadata.end());
-    return units;
+  const auto name = [&](ChannelKind kind, const std::string& owner = {}) {
+    return ChannelName::of_controller(label, of, kind, owner);
   };
   std::vector<int> joints;  // in link order, each once
   std::set<Quantity> used;
@@ -294,15 +285,14 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
     side.acceleration_message.name = message.name;
     side.acceleration_message.acceleration.assign(joints.size(), not_enabled);
     side.acceleration_offsets.assign(joints.size(), -1);
-    mcap::StringMap units;
-    for (const int joint : joints) {
-      const Joint& named = model.links[model.joints[joint]].joint;
-      units["unit:" + named.name + "/ddq"] = std::string(length_unit(named)) + "/s²";
-    }
-    side.accelerations = channel<msg::JointAccelerations>(prefix + "joint_accelerations", std::move(units));
+    side.accelerations = channel<msg::JointAccelerations>(
+        name(ChannelKind::joint_accelerations), joint_metadata(ChannelKind::joint_accelerations, model, joints));
   }
-  if (used.count(Quantity::q) || used.count(Quantity::dq) || used.count(Quantity::u))
-    side.joints.channel = channel<msg::JointState>(prefix + "joints", with(joint_metadata(model, joints)));
+  if (used.count(Quantity::q) || used.count(Quantity::dq) || used.count(Quantity::u)) {
+    mcap::StringMap metadata = joint_metadata(ChannelKind::joints, model, joints);
+    metadata.insert(side.metadata.begin(), side.metadata.end());
+    side.joints.channel = channel<msg::JointState>(name(ChannelKind::joints), std::move(metadata));
+  }
 
   std::size_t index = 0;
   for (const IoField& field : layout.fields) {
@@ -313,13 +303,13 @@ void Recorder::Impl::declare_side(const std::string& prefix, const Model& model,
         if (quantity == field.quantity) side.joints.slots.push_back({field.offset, array, index});
       continue;
     }
-    const std::string topic = prefix + topic_segment(model.links[field.link].name);
+    const ChannelName link = name(channel_kind_of(field.quantity), model.links[field.link].name);
     std::uint16_t id = 0;
     switch (field.quantity) {
-      case Quantity::pose: id = channel<msg::PoseStamped>(topic + "/pose", with(pose_units)); break;
-      case Quantity::twist: id = channel<msg::TwistStamped>(topic + "/twist", with(twist_units)); break;
-      case Quantity::acceleration: id = channel<msg::AccelStamped>(topic + "/accel", with(acceleration_units)); break;
-      default: id = channel<msg::WrenchStamped>(topic + "/wrench", with(wrench_units)); break;
+      case Quantity::pose: id = channel<msg::PoseStamped>(link, side.metadata); break;
+      case Quantity::twist: id = channel<msg::TwistStamped>(link, side.metadata); break;
+      case Quantity::acceleration: id = channel<msg::AccelStamped>(link, side.metadata); break;
+      default: id = channel<msg::WrenchStamped>(link, side.metadata); break;
     }
     side.links.push_back({id, field});
   }
@@ -426,7 +416,8 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       std::uint16_t& channel = channels.devices[output.device];
       if (!channel)  // most controllers command no device: its channel appears with the first command
         channel = impl.channel<msg::DeviceState>(
-            "/" + hosted.label + "/output/" + topic_segment(model.devices[output.device].name) + "/state",
+            ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::device_state,
+                                       model.devices[output.device].name),
             first_words_metadata(channels, output));
       msg::DeviceState state;
       state.header = {impl.stamp(tick),

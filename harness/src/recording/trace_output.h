@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 /// Chunks of their own for depth pictures: large, and not compressed by themselves.
@@ -36,10 +38,14 @@ struct TraceOutput {
   RecordingSize size;
   std::map<std::string, std::uint16_t> by_topic;  // channels
 
-  /// Adds a channel for messages of type T; returns its id, which is never 0.
+  /// Adds a channel for messages of type T, which is that of the name's kind; returns its id, which is never 0. Its
+  /// metadata is the units of that kind, and `metadata`.
   template <class T>
-  std::uint16_t channel(const std::string& topic, mcap::StringMap metadata = {},
+  std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {},
                         mcap::ChunkGroup group = mcap::numbers) {
+    REHEARSE_ASSERT(form_of(name.kind).type == T::type_name, "a channel has the messages of its kind");
+    const std::string topic = name.topic();
+    metadata.merge(unit_metadata(name.kind));
     const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
     ++size.channels;
     return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), group);

@@ -2,8 +2,6 @@
 
 #include <rehearse/float64_message.h>
 
-#include "variable_topics.h"
-
 namespace rehearse {
 
 Result<void> VariableRecorder::write(TraceOutput& output, std::int64_t tick, const std::string& controller_label,
@@ -12,7 +10,8 @@ Result<void> VariableRecorder::write(TraceOutput& output, std::int64_t tick, con
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const ControllerVariables::Variable& variable = variables.all()[i];
     if (!variable.is_set) continue;
-    if (!channels_[i]) channels_[i] = output.channel<msg::Float64>(variable_topic(controller_label, variable.name));
+    if (!channels_[i])
+      channels_[i] = output.channel<msg::Float64>(ChannelName::of_variable(controller_label, variable.name));
     if (auto done = output.write(channels_[i], tick, msg::Float64{variable.value}); !done) return done;
   }
   return {};

@@ -10,51 +10,25 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string_view>
 #include <type_traits>
 
-#include "recording/topic_segment.h"
 #include "scenario/scenario_findings.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {
 
-using Parts = std::vector<std::string>;
-
-constexpr std::array<const char*, 3> axes{"x", "y", "z"};
-
 /// The elements of a device's values, by their number.
-Parts value_names(const Device& device) {
-  Parts names;
-  const auto vector = [&](const char* quantity) {
-    for (const char* axis : axes) names.push_back(fmt::format("{}/{}", quantity, axis));
-  };
-  if (std::holds_alternative<ForceSensor>(device.kind)) return vector("force"), vector("torque"), names;
-  if (std::holds_alternative<Gyro>(device.kind)) return vector("angular_velocity"), names;
-  if (std::holds_alternative<Accelerometer>(device.kind)) return vector("linear_acceleration"), names;
-  if (std::holds_alternative<Imu>(device.kind)) return vector("angular_velocity"), vector("linear_acceleration"), names;
-  if (std::holds_alternative<ContactSensor>(device.kind)) return names.push_back("count"), vector("force"), names;
-  return names;
-}
-
-/// The quantities of a link, and their elements.
-struct LinkWords {
-  Quantity quantity;
-  Parts elements;
-};
-const std::vector<LinkWords>& link_words() {
-  const auto vectors = [](const char* first, const char* second) {
-    Parts names;
-    for (const char* quantity : {first, second})
-      for (const char* axis : axes) names.push_back(fmt::format("{}/{}", quantity, axis));
-    return names;
-  };
-  static const std::vector<LinkWords> words{
-      {Quantity::pose,
-       {"position/x", "position/y", "position/z", "orientation/x", "orientation/y", "orientation/z", "orientation/w"}},
-      {Quantity::twist, vectors("linear", "angular")},
-      {Quantity::acceleration, vectors("linear_acceleration", "angular_acceleration")}};
-  return words;
+std::span<const ChannelElement> value_elements(const Device& device) {
+  const std::span<const ChannelElement> of_imu = elements_of(ChannelKind::imu);
+  if (std::holds_alternative<ForceSensor>(device.kind)) return elements_of(ChannelKind::wrench);
+  if (std::holds_alternative<Gyro>(device.kind)) return of_imu.first(3);
+  if (std::holds_alternative<Accelerometer>(device.kind)) return of_imu.last(3);
+  if (std::holds_alternative<Imu>(device.kind)) return of_imu;
+  if (std::holds_alternative<ContactSensor>(device.kind)) return elements_of(ChannelKind::contact);
+  return {};
 }
 
 /// A number behind the text, "3" of "ranges/3".
@@ -91,11 +65,10 @@ std::string of_the_body(const std::string& series, const Scenario& scenario) {
 
 /// The numbers of a contact, one after the other: position, normal, force, velocity, depth.
 std::optional<std::size_t> contact_element(std::string_view name) {
-  constexpr std::array<std::string_view, 4> vectors{"position/", "normal/", "force/", "velocity/"};
-  for (std::size_t i = 0; i < vectors.size(); ++i)
-    for (std::size_t axis = 0; axis < axes.size(); ++axis)
-      if (name == std::string(vectors[i]) + axes[axis]) return 3 * i + axis;
-  return name == "depth" ? std::optional<std::size_t>(12) : std::nullopt;
+  const std::vector<ChannelElement>& elements = elements_of(ChannelKind::contacts);
+  const auto found = std::find_if(elements.begin(), elements.end(),
+                                  [name](const ChannelElement& element) { return element.name == name; });
+  return found == elements.end() ? std::nullopt : std::optional<std::size_t>(found - elements.begin());
 }
 
 }  // namespace
@@ -113,14 +86,16 @@ void AlteredInputs::add_names(const Scenario& scenario, std::vector<std::pair<st
                           quantity == Quantity::q && !is_linear(joint.type)}});
     }
     for (std::size_t link = 0; link < body.model->links.size(); ++link)
-      for (const LinkWords& words : link_words())
-        for (std::size_t i = 0; i < words.elements.size(); ++i)
-          names.push_back({body.name + "/" + topic_segment(body.model->links[link].name) + "/" + words.elements[i],
-                           {Kind::link, index, static_cast<int>(link), i, 0, words.quantity}});
+      for (const Quantity quantity : {Quantity::pose, Quantity::twist, Quantity::acceleration}) {
+        const std::vector<ChannelElement>& elements = elements_of(channel_kind_of(quantity));
+        for (std::size_t i = 0; i < elements.size(); ++i)
+          names.push_back({body.name + "/" + topic_segment(body.model->links[link].name) + "/" + elements[i].name,
+                           {Kind::link, index, static_cast<int>(link), i, 0, quantity}});
+      }
     for (std::size_t device = 0; device < body.model->devices.size(); ++device) {
-      const Parts values = value_names(body.model->devices[device]);
+      const std::span<const ChannelElement> values = value_elements(body.model->devices[device]);
       for (std::size_t i = 0; i < values.size(); ++i)
-        names.push_back({body.name + "/" + topic_segment(body.model->devices[device].name) + "/" + values[i],
+        names.push_back({body.name + "/" + topic_segment(body.model->devices[device].name) + "/" + values[i].name,
                          {Kind::device, index, static_cast<int>(device), i}});
     }
   }

@@ -41,16 +41,6 @@ std::optional<std::int64_t> integer_of(const mcap::StringMap& facts, const char*
   return number;
 }
 
-/// Where "/output/" stands as the third segment of a topic; npos: nowhere.
-std::size_t third_segment(std::string_view topic, std::string_view segment) {
-  std::size_t at = 0;
-  for (int slashes = 0; slashes < 2; ++slashes) {
-    at = topic.find('/', at + 1);
-    if (at == std::string_view::npos) return at;
-  }
-  return topic.substr(at).starts_with(segment) ? at : std::string_view::npos;
-}
-
 }  // namespace
 
 mcap::StringMap BranchOrigin::facts() const {
@@ -160,14 +150,5 @@ Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
   push.until = time_of(span->last + 1, scenario.time_step);
   return push;
 }
-
-std::string acted_topic(std::string_view topic) {
-  constexpr std::string_view output = "/output/";
-  const std::size_t at = third_segment(topic, output);
-  if (at == std::string_view::npos) return {};
-  return std::string(topic.substr(0, at)) + "/acted/" + std::string(topic.substr(at + output.size()));
-}
-
-bool is_acted_topic(std::string_view topic) { return third_segment(topic, "/acted/") != std::string_view::npos; }
 
 }  // namespace rehearse

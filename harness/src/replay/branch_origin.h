@@ -40,8 +40,4 @@ Result<std::string> name_and_hash(const std::filesystem::path& file);
 /// link frame [m]. The span as parse_span() has it.
 Result<Push> parse_push(const std::string& text, const Scenario& scenario);
 
-/// The topic that has `acted` in the place of `output`; empty: this is no output of a controller.
-std::string acted_topic(std::string_view output_topic);
-bool is_acted_topic(std::string_view topic);
-
 }  // namespace rehearse

@@ -5,11 +5,10 @@
 #include <rehearse/clock.h>
 #include <rehearse/messages.h>
 
+#include <algorithm>
 #include <cmath>
-#include <string_view>
 
-#include "branch_origin.h"
-#include "recording/topic_segment.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -26,28 +25,26 @@ CopyingSink::CopyingSink(const Scenario& scenario, mcap::Reader& source, const C
 }
 
 CopyingSink::Part CopyingSink::part_of(const mcap::Channel& channel) const {
-  if (channel.topic == "/tick") return Part::tick;
-  if (channel.topic == "/events") return Part::events;
-  for (const HostedController& hosted : host_.controllers()) {
-    const std::string prefix = "/" + hosted.label + "/";
-    if (!channel.topic.starts_with(prefix)) continue;
-    const std::string_view rest = std::string_view(channel.topic).substr(prefix.size());
-    for (const char* side : {"input/", "output/", "variable/", "acted/"})
-      if (rest.starts_with(side)) return Part::controller;
-  }
-  return Part::state;
+  const ChannelName name = ChannelName::parse(channel.topic);
+  if (name.kind == ChannelKind::tick) return Part::tick;
+  if (name.kind == ChannelKind::events) return Part::events;
+  const bool is_hosted = std::any_of(host_.controllers().begin(), host_.controllers().end(),
+                                     [&](const HostedController& hosted) { return hosted.label == name.label(); });
+  return is_hosted ? Part::controller : Part::state;
 }
 
 /// What is recorded of a reading that is another one here.
 bool CopyingSink::is_altered(const std::string& topic) const {
-  if (topic == "/joy") return altered_.alters_joystick();
+  const ChannelName name = ChannelName::parse(topic);
+  if (name.kind == ChannelKind::joystick) return altered_.alters_joystick();
+  if (name.side != ChannelSide::none) return false;
   for (std::size_t b = 0; b < scenario_.bodies.size(); ++b) {
     const ScenarioBody& body = scenario_.bodies[b];
     const int index = static_cast<int>(b);
-    if (topic == "/" + body.name + "/measured_joints") return altered_.alters_joints(index);
-    for (std::size_t d = 0; d < body.model->devices.size(); ++d)
-      if (topic.starts_with("/" + body.name + "/" + topic_segment(body.model->devices[d].name) + "/"))
-        return altered_.alters_device(index, static_cast<int>(d));
+    if (body.name != name.body) continue;
+    if (name.kind == ChannelKind::measured_joints) return altered_.alters_joints(index);
+    const int device = name.owner.empty() ? -1 : body.model->find_device(name.owner);
+    if (device >= 0) return altered_.alters_device(index, device);
   }
   return false;
 }
@@ -86,11 +83,11 @@ Result<void> CopyingSink::take(const mcap::Message& message) {
 Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::Schema& schema) {
   const std::int64_t tick = std::llround(static_cast<double>(message.log_time) * 1e-9 / scenario_.time_step);
   if (!acted_until_ || tick >= *acted_until_) return {};
-  const std::string& topic = message.channel->topic;
   const bool acted_there = source_acted_until_ && tick < *source_acted_until_;
-  if (is_acted_topic(topic)) return acted_there ? recorder_.copy(message, schema, topic) : Result<void>();
-  const std::string as_acted = acted_topic(topic);
-  return as_acted.empty() || acted_there ? Result<void>() : recorder_.copy(message, schema, as_acted);
+  ChannelName name = ChannelName::parse(message.channel->topic);
+  if (name.side != (acted_there ? ChannelSide::acted : ChannelSide::output)) return {};
+  name.side = ChannelSide::acted;
+  return recorder_.copy(message, schema, name.topic());
 }
 
 Result<void> CopyingSink::emit(const Moment& now) {

@@ -9,11 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <string_view>
+#include <set>
 
-#include "recording/contact_messages.h"
 #include "host/joint_arrays.h"
-#include "recording/topic_segment.h"
+#include "recording/contact_messages.h"
 #include "trace/range_messages.h"
 
 namespace rehearse {
@@ -21,21 +20,9 @@ namespace {
 
 Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
 
-/// The names in a topic, without the leading slash.
-std::vector<std::string> segments(std::string_view topic) {
-  std::vector<std::string> parts;
-  while (!topic.empty()) {
-    if (topic.front() == '/') topic.remove_prefix(1);
-    const std::size_t slash = topic.find('/');
-    parts.push_back(name_of_segment(topic.substr(0, slash)));
-    topic = slash == std::string_view::npos ? std::string_view() : topic.substr(slash);
-  }
-  return parts;
-}
-
 /// The distances in a LaserScan or PointCloud2; none if the sensor was switched off.
-bool decode_ranges(const std::string& topic, CdrReader& reader, msg::Header& header, std::vector<float>& ranges) {
-  if (topic.ends_with("/scan")) {
+bool decode_ranges(ChannelKind kind, CdrReader& reader, msg::Header& header, std::vector<float>& ranges) {
+  if (kind == ChannelKind::scan) {
     msg::LaserScan scan;
     if (!msg::decode(reader, scan)) return false;
     header = scan.header;
@@ -52,10 +39,9 @@ bool decode_ranges(const std::string& topic, CdrReader& reader, msg::Header& hea
 
 /// Where the messages of one channel go.
 struct RecordedInputs::Feed {
-  enum class Kind { joints, joint_accelerations, pose, twist, acceleration, contacts, device, joystick };
-  Kind kind = Kind::joints;
-  int body = 0;    // -1: of none
-  int target = 0;  // link or device index
+  ChannelKind kind = ChannelKind::joints;  // measured joints are joints
+  int body = -1;                           // -1: of none
+  int link = -1, device = -1;              // index; -1: of none
   JointArrays joints;
   std::vector<int> joint_ids;  // by index in the message; -1: no such joint
   std::string topic;
@@ -69,92 +55,51 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& rea
     seen.devices.resize(body.model->devices.size());
   }
   if (scenario.joystick) observation_.joystick.emplace();
-  for (const auto& [id, channel] : reader.channels()) {
-    if (scenario.joystick && channel.topic == "/joy") {
-      Feed& feed = add(channel);
-      feed.kind = Feed::Kind::joystick;
-      feed.body = -1;
-    }
-    const std::vector<std::string> parts = segments(channel.topic);
-    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
-      const ScenarioBody& body = scenario.bodies[b];
-      if (parts.empty() || parts[0] != body.name) continue;
-      const int index = static_cast<int>(b);
-      const bool measured = std::any_of(reader.channels().begin(), reader.channels().end(), [&](const auto& entry) {
-        return entry.second.topic == "/" + body.name + "/measured_joints";
-      });
-      if (parts.size() == 2 && parts[1] == (measured ? "measured_joints" : "joints")) {
-        add_joints(index, channel);
-      } else if (parts.size() == 3 && body.model->find_device(parts[1]) >= 0) {
-        add_device(index, body.model->find_device(parts[1]), parts[2], channel);
-      } else if (parts.size() == 3) {
-        add_link(index, parts[1], parts[2], channel);
-      } else if (parts.size() == 4 && parts[2] == "input" && parts[3] == "joint_accelerations") {
-        add(channel).kind = Feed::Kind::joint_accelerations;
-        feeds_[id]->body = index;
-      } else if (parts.size() == 5 && parts[2] == "input") {
-        add_link(index, parts[3], parts[4], channel);
-      }
-    }
+  std::map<std::uint16_t, ChannelName> names;
+  for (const auto& [id, channel] : reader.channels()) names[id] = ChannelName::parse(channel.topic);
+  std::set<std::string> measured;  // bodies
+  for (const auto& [id, name] : names)
+    if (name.kind == ChannelKind::measured_joints) measured.insert(name.body);
+  for (const auto& [id, name] : names) {
+    if (name.kind == ChannelKind::joints && name.side == ChannelSide::none && measured.contains(name.body)) continue;
+    add(id, name, reader.channels().at(id).topic);
   }
 }
 
 RecordedInputs::~RecordedInputs() = default;
 
-RecordedInputs::Feed& RecordedInputs::add(const mcap::Channel& channel) {
-  std::unique_ptr<Feed>& feed = feeds_[channel.id];
-  feed = std::make_unique<Feed>();
-  feed->topic = channel.topic;
-  return *feed;
-}
-
-void RecordedInputs::add_joints(int body, const mcap::Channel& channel) {
-  Feed& feed = add(channel);
-  feed.kind = Feed::Kind::joints;
-  feed.body = body;
-}
-
-void RecordedInputs::add_link(int body, const std::string& link, const std::string& kind,
-                              const mcap::Channel& channel) {
-  const int index = scenario_.bodies[body].model->find_link(link);
-  if (index < 0) return;
-  const std::pair<const char*, Feed::Kind> kinds[] = {{"pose", Feed::Kind::pose},
-                                                      {"twist", Feed::Kind::twist},
-                                                      {"accel", Feed::Kind::acceleration},
-                                                      {"contacts", Feed::Kind::contacts}};
-  for (const auto& [name, feed_kind] : kinds) {
-    if (kind != name) continue;
-    Feed& feed = add(channel);
-    feed.kind = feed_kind;
-    feed.body = body;
-    feed.target = index;
-    if (feed_kind == Feed::Kind::contacts)
-      observation_.bodies[body].contacts.resize(scenario_.bodies[body].model->links.size());
+void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::string& topic) {
+  Feed feed;
+  feed.kind = name.kind == ChannelKind::measured_joints ? ChannelKind::joints : name.kind;
+  feed.topic = topic;
+  const auto keep = [&] { feeds_[id] = std::make_unique<Feed>(std::move(feed)); };
+  if (name.kind == ChannelKind::joystick) {
+    if (scenario_.joystick) keep();
+    return;
   }
-}
-
-void RecordedInputs::add_device(int body, int device, const std::string& kind, const mcap::Channel& channel) {
-  constexpr std::string_view kinds[] = {"wrench", "imu", "image", "depth", "scan", "points", "state", "contact"};
-  if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) return;
-  Feed& feed = add(channel);
-  feed.kind = Feed::Kind::device;
-  feed.body = body;
-  feed.target = device;
+  const auto body = std::find_if(scenario_.bodies.begin(), scenario_.bodies.end(),
+                                 [&](const ScenarioBody& known) { return known.name == name.body; });
+  if (body == scenario_.bodies.end()) return;
+  feed.body = static_cast<int>(body - scenario_.bodies.begin());
+  const bool of_body = name.side == ChannelSide::none;
+  if (!of_body && name.side != ChannelSide::input) return;
+  if (name.is_of_link()) {
+    feed.link = body->model->find_link(name.owner);
+    if (feed.link < 0 || feed.kind == ChannelKind::wrench) return;  // a wrench that is read is always zero
+    if (feed.kind == ChannelKind::contacts) observation_.bodies[feed.body].contacts.resize(body->model->links.size());
+    return keep();
+  }
+  if (of_body && !name.owner.empty()) {
+    feed.device = body->model->find_device(name.owner);
+    if (feed.device >= 0 && feed.kind != ChannelKind::camera_info) keep();
+  } else if (name.owner.empty() && of_body == (feed.kind == ChannelKind::joints)) {
+    keep();  // of a controller's side the accelerations alone, which the body's channels don't have
+  }
 }
 
 bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) const {
-  if (feed.body != body) return false;
-  switch (field.quantity) {
-    case Quantity::q:
-    case Quantity::dq:
-    case Quantity::u: return feed.kind == Feed::Kind::joints;
-    case Quantity::ddq: return feed.kind == Feed::Kind::joint_accelerations;
-    case Quantity::pose: return feed.kind == Feed::Kind::pose && feed.target == field.link;
-    case Quantity::twist: return feed.kind == Feed::Kind::twist && feed.target == field.link;
-    case Quantity::acceleration: return feed.kind == Feed::Kind::acceleration && feed.target == field.link;
-    case Quantity::wrench: return false;
-  }
-  return false;
+  if (feed.body != body || feed.device >= 0 || feed.kind != channel_kind_of(field.quantity)) return false;
+  return feed.link < 0 || feed.link == field.link;
 }
 
 bool RecordedInputs::has(int body, const IoField& field) const {
@@ -166,33 +111,32 @@ bool RecordedInputs::has(int body, const IoField& field) const {
 bool RecordedInputs::has_device(int body, int device) const {
   return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
     const Feed& feed = *entry.second;
-    return feed.kind == Feed::Kind::device && feed.body == body && feed.target == device;
+    return feed.body == body && feed.device == device;
   });
 }
 
 bool RecordedInputs::has_contacts(int body, int link) const {
   return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
     const Feed& feed = *entry.second;
-    return feed.kind == Feed::Kind::contacts && feed.body == body && feed.target == link;
+    return feed.kind == ChannelKind::contacts && feed.body == body && feed.link == link;
   });
 }
 
 bool RecordedInputs::has_joystick() const {
   return std::any_of(feeds_.begin(), feeds_.end(),
-                     [](const auto& entry) { return entry.second->kind == Feed::Kind::joystick; });
+                     [](const auto& entry) { return entry.second->kind == ChannelKind::joystick; });
 }
 
 std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host) const {
   std::vector<std::uint16_t> channels;
   for (const auto& [id, feed] : feeds_) {
-    bool read = feed->kind == Feed::Kind::joystick;
+    bool read = feed->kind == ChannelKind::joystick;
     for (const HostedController& hosted : host.controllers()) {
       if (!hosted.running || hosted.body != feed->body) continue;
       for (const IoField& field : hosted.io->inputs().fields) read |= feeds(*feed, hosted.body, field);
-      for (const int device : hosted.io->input_devices())
-        read |= feed->kind == Feed::Kind::device && feed->target == device;
+      for (const int device : hosted.io->input_devices()) read |= feed->device == device;
       for (const int link : hosted.io->contact_links())
-        read |= feed->kind == Feed::Kind::contacts && feed->target == link;
+        read |= feed->kind == ChannelKind::contacts && feed->link == link;
     }
     if (read) channels.push_back(id);
   }
@@ -206,43 +150,43 @@ void RecordedInputs::begin_tick() {
 
 Result<void> RecordedInputs::accept(const mcap::Message& message) {
   Feed& feed = *feeds_.at(message.channel->id);
-  if (feed.kind == Feed::Kind::joystick) return accept_joystick(message);
+  if (feed.kind == ChannelKind::joystick) return accept_joystick(message);
+  if (feed.device >= 0) return accept_device(feed, message);
   BodyObservation& body = observation_.bodies[feed.body];
   CdrReader reader(message.data);
   bool fits = true;
   switch (feed.kind) {
-    case Feed::Kind::joints: fits = accept_joints(feed, message.data); break;
-    case Feed::Kind::joint_accelerations: fits = accept_accelerations(feed, message.data); break;
-    case Feed::Kind::pose: {
+    case ChannelKind::joints: fits = accept_joints(feed, message.data); break;
+    case ChannelKind::joint_accelerations: fits = accept_accelerations(feed, message.data); break;
+    case ChannelKind::pose: {
       msg::PoseStamped pose;
       fits = msg::decode(reader, pose);
       const auto& [position, orientation] = pose.pose;
-      body.links[feed.target].position = {position.x, position.y, position.z};
-      body.links[feed.target].rotation = {orientation.w, orientation.x, orientation.y, orientation.z};
+      body.links[feed.link].position = {position.x, position.y, position.z};
+      body.links[feed.link].rotation = {orientation.w, orientation.x, orientation.y, orientation.z};
       break;
     }
-    case Feed::Kind::twist: {
+    case ChannelKind::twist: {
       msg::TwistStamped twist;
       fits = msg::decode(reader, twist);
-      body.links[feed.target].velocity = vector(twist.twist.linear);
-      body.links[feed.target].angular_velocity = vector(twist.twist.angular);
+      body.links[feed.link].velocity = vector(twist.twist.linear);
+      body.links[feed.link].angular_velocity = vector(twist.twist.angular);
       break;
     }
-    case Feed::Kind::acceleration: {
+    case ChannelKind::acceleration: {
       msg::AccelStamped acceleration;
       fits = msg::decode(reader, acceleration);
-      body.links[feed.target].acceleration = vector(acceleration.accel.linear);
-      body.links[feed.target].angular_acceleration = vector(acceleration.accel.angular);
+      body.links[feed.link].acceleration = vector(acceleration.accel.linear);
+      body.links[feed.link].angular_acceleration = vector(acceleration.accel.angular);
       break;
     }
-    case Feed::Kind::contacts: {
+    case ChannelKind::contacts: {
       msg::Contacts contacts;
       fits = msg::decode(reader, contacts);
-      body.contacts[feed.target] = contacts_of(contacts);
+      body.contacts[feed.link] = contacts_of(contacts);
       break;
     }
-    case Feed::Kind::device: return accept_device(feed, message);
-    case Feed::Kind::joystick: break;  // it has no body
+    default: break;  // add() keeps no others
   }
   if (fits) return {};
   return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));
@@ -296,8 +240,8 @@ Result<void> RecordedInputs::accept_joystick(const mcap::Message& message) {
 }
 
 Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message& message) {
-  const Device& device = scenario_.bodies[feed.body].model->devices[feed.target];
-  DeviceReading& reading = observation_.bodies[feed.body].devices[feed.target];
+  const Device& device = scenario_.bodies[feed.body].model->devices[feed.device];
+  DeviceReading& reading = observation_.bodies[feed.body].devices[feed.device];
   CdrReader reader(message.data);
   const auto mismatch = [&] {
     return error(fmt::format("a message on {} at {} ns is not what device '{}' measures", feed.topic, message.log_time,
@@ -328,7 +272,7 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
   } else if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
     std::vector<float> ranges;
     msg::Header header;
-    if (!decode_ranges(feed.topic, reader, header, ranges)) return mismatch();
+    if (!decode_ranges(feed.kind, reader, header, ranges)) return mismatch();
     if (!ranges.empty() && ranges.size() != static_cast<std::size_t>(laser->beams())) return mismatch();
     reading.measured_at = measured_at(header.stamp);
     reading.ranges = ranges.empty() ? nullptr : std::make_shared<const std::vector<float>>(std::move(ranges));
@@ -340,7 +284,7 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
     if (std::holds_alternative<Accelerometer>(device.kind)) reading.values = {a.x, a.y, a.z};
     if (std::holds_alternative<Imu>(device.kind)) reading.values = {w.x, w.y, w.z, a.x, a.y, a.z};
     reading.measured_at = measured_at(imu.header.stamp);
-  } else if (feed.topic.ends_with("/image")) {
+  } else if (feed.kind == ChannelKind::image) {
     msg::CompressedImage color;
     if (!msg::decode(reader, color)) return mismatch();
     reading.measured_at = measured_at(color.header.stamp);

@@ -13,6 +13,7 @@
 
 #include "host/controller_host.h"
 #include "host/io_layout.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -39,10 +40,7 @@ class RecordedInputs {
  private:
   struct Feed;
   bool feeds(const Feed& feed, int body, const IoField& field) const;
-  void add_joints(int body, const mcap::Channel& channel);
-  void add_link(int body, const std::string& link, const std::string& kind, const mcap::Channel& channel);
-  void add_device(int body, int device, const std::string& kind, const mcap::Channel& channel);
-  Feed& add(const mcap::Channel& channel);
+  void add(std::uint16_t id, const ChannelName& name, const std::string& topic);
   bool accept_joints(Feed& feed, mcap::Bytes payload);
   bool accept_accelerations(const Feed& feed, mcap::Bytes payload);
   Result<void> accept_joystick(const mcap::Message& message);

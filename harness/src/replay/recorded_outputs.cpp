@@ -1,7 +1,5 @@
 #include "recorded_outputs.h"
 
-#include "recording/topic_segment.h"
-
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/messages.h>
@@ -9,74 +7,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trace/message_numbers.h"
+
 namespace rehearse {
 namespace {
 
-struct LinkKind {
-  const char* name;  // last segment of the topic
-  Quantity quantity;
-  std::vector<const char*> elements;
-};
-
-const std::vector<LinkKind>& link_kinds() {
-  static const std::vector<LinkKind> kinds{
-      {"pose",
-       Quantity::pose,
-       {"position/x", "position/y", "position/z", "orientation/x", "orientation/y", "orientation/z", "orientation/w"}},
-      {"twist", Quantity::twist, {"linear/x", "linear/y", "linear/z", "angular/x", "angular/y", "angular/z"}},
-      {"accel",
-       Quantity::acceleration,
-       {"linear_acceleration/x", "linear_acceleration/y", "linear_acceleration/z", "angular_acceleration/x",
-        "angular_acceleration/y", "angular_acceleration/z"}},
-      {"wrench", Quantity::wrench, {"force/x", "force/y", "force/z", "torque/x", "torque/y", "torque/z"}},
-  };
-  return kinds;
+template <class Message>
+bool read_numbers(CdrReader& reader, std::vector<double>& values) {
+  Message message;
+  if (!msg::decode(reader, message)) return false;
+  const auto numbers = numbers_of(message);
+  values.assign(numbers.begin(), numbers.end());
+  return true;
 }
 
-const LinkKind* find_kind(const std::string& name) {
-  for (const LinkKind& kind : link_kinds())
-    if (kind.name == name) return &kind;
-  return nullptr;
-}
-
-std::string unit_of(const mcap::StringMap& metadata, const std::string& element) {
-  const auto exact = metadata.find("unit:" + element);
-  if (exact != metadata.end()) return exact->second;
-  const auto group = metadata.find("unit:" + element.substr(0, element.find('/')));
-  return group == metadata.end() ? "" : group->second;
-}
-
-void put(std::vector<double>& values, const msg::Vector3& v) { values.insert(values.end(), {v.x, v.y, v.z}); }
-
-/// The numbers of a link's or device's message, in the order of LinkKind::elements.
-bool read_values(const std::string& kind, mcap::Bytes payload, std::vector<double>& values) {
+/// The numbers of a link's or device's message, in the order of its elements.
+bool read_values(ChannelKind kind, mcap::Bytes payload, std::vector<double>& values) {
   CdrReader reader(payload);
-  values.clear();
-  if (kind == "pose") {
-    msg::PoseStamped pose;
-    if (!msg::decode(reader, pose)) return false;
-    const auto& [p, q] = pose.pose;
-    values = {p.x, p.y, p.z, q.x, q.y, q.z, q.w};
-  } else if (kind == "twist") {
-    msg::TwistStamped twist;
-    if (!msg::decode(reader, twist)) return false;
-    put(values, twist.twist.linear);
-    put(values, twist.twist.angular);
-  } else if (kind == "accel") {
-    msg::AccelStamped acceleration;
-    if (!msg::decode(reader, acceleration)) return false;
-    put(values, acceleration.accel.linear);
-    put(values, acceleration.accel.angular);
-  } else if (kind == "wrench") {
-    msg::WrenchStamped wrench;
-    if (!msg::decode(reader, wrench)) return false;
-    put(values, wrench.wrench.force);
-    put(values, wrench.wrench.torque);
-  } else {
-    msg::DeviceState state;
-    if (!msg::decode(reader, state)) return false;
-    values = state.values;
+  switch (kind) {
+    case ChannelKind::pose: return read_numbers<msg::PoseStamped>(reader, values);
+    case ChannelKind::twist: return read_numbers<msg::TwistStamped>(reader, values);
+    case ChannelKind::acceleration: return read_numbers<msg::AccelStamped>(reader, values);
+    case ChannelKind::wrench: return read_numbers<msg::WrenchStamped>(reader, values);
+    default: break;
   }
+  msg::DeviceState state;
+  if (!msg::decode(reader, state)) return false;
+  values = std::move(state.values);
   return true;
 }
 
@@ -84,21 +41,15 @@ bool read_values(const std::string& kind, mcap::Bytes payload, std::vector<doubl
 
 RecordedOutputs::RecordedOutputs(const HostedController& hosted, const Scenario& scenario, const mcap::Reader& trace)
     : hosted_(hosted), model_(*scenario.bodies[hosted.body].model) {
-  const std::string prefix = "/" + hosted.label + "/output/";
   for (const auto& [id, channel] : trace.channels()) {
-    if (!channel.topic.starts_with(prefix)) continue;
-    const std::string rest = channel.topic.substr(prefix.size());
-    const std::size_t slash = rest.find('/');
-    const std::string owner = slash == std::string::npos ? "" : name_of_segment(rest.substr(0, slash));
+    const ChannelName name = ChannelName::parse(channel.topic);
+    if (!name.is_of(hosted.label, ChannelSide::output)) continue;
     Channel& added = by_id_[id];
     added.topic = channel.topic;
     added.metadata = channel.metadata;
-    added.kind = slash == std::string::npos ? rest : rest.substr(slash + 1);
-    if (added.kind == "state") added.device = model_.find_device(owner);
-    if (find_kind(added.kind)) {
-      added.link = model_.find_link(owner);
-      pair_link(added);
-    }
+    added.kind = name.kind;
+    if (name.kind == ChannelKind::device_state) added.device = model_.find_device(name.owner);
+    if (name.is_of_link()) pair_link(added, model_.find_link(name.owner));
     channels_.push_back(id);
   }
 }
@@ -109,12 +60,15 @@ int RecordedOutputs::place_of(int link, Quantity quantity) const {
   return -1;
 }
 
-void RecordedOutputs::pair_link(Channel& channel) {
-  const LinkKind& kind = *find_kind(channel.kind);
-  channel.values.assign(kind.elements.size(), 0.0);
-  const int place = place_of(channel.link, kind.quantity);
-  for (std::size_t i = 0; i < kind.elements.size(); ++i)
-    channel.pairs.push_back({&channel.values[i], place < 0 ? -1 : place + static_cast<int>(i), kind.elements[i]});
+void RecordedOutputs::pair_link(Channel& channel, int link) {
+  const std::vector<ChannelElement>& elements = elements_of(channel.kind);
+  channel.values.assign(elements.size(), 0.0);
+  int place = -1;
+  for (const IoField& field : hosted_.io->outputs().fields)
+    if (field.link == link && field.quantity > Quantity::u && channel_kind_of(field.quantity) == channel.kind)
+      place = field.offset;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    channel.pairs.push_back({&channel.values[i], place < 0 ? -1 : place + static_cast<int>(i), elements[i].name});
 }
 
 void RecordedOutputs::pair_joints(Channel& channel) {
@@ -143,10 +97,10 @@ Result<void> RecordedOutputs::accept(const mcap::Message& message) {
   Channel& channel = by_id_.at(message.channel->id);
   channel.here = true;
   bool fits = true;
-  if (channel.kind == "joints") {
+  if (channel.kind == ChannelKind::joints) {
     fits = channel.joints.read(message.data);
     if (fits && channel.joints.names_changed()) pair_joints(channel);
-  } else if (channel.kind != "joint_accelerations") {
+  } else if (channel.kind != ChannelKind::joint_accelerations) {
     const std::size_t count = channel.values.size();
     fits = read_values(channel.kind, message.data, channel.values);
     if (channel.device < 0) fits = fits && channel.values.size() == count;  // pairs point into it

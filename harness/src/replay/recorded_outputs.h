@@ -14,6 +14,7 @@
 
 #include "host/controller_host.h"
 #include "host/joint_arrays.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -43,9 +44,8 @@ class RecordedOutputs {
   };
   struct Channel {
     std::string topic;
-    std::string kind;  // the topic's last segment
+    ChannelKind kind = ChannelKind::other;
     mcap::StringMap metadata;
-    int link = -1;
     int device = -1;
     bool here = false;  // had a message in this tick
     JointArrays joints;
@@ -54,7 +54,7 @@ class RecordedOutputs {
   };
 
   void pair_joints(Channel& channel);
-  void pair_link(Channel& channel);
+  void pair_link(Channel& channel, int link);
   int place_of(int link, Quantity quantity) const;
   std::int64_t compare_device(const Channel& channel, const OnDifference& differs) const;
   Divergence divergence(const std::string& topic, const std::string& element) const;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "recording/variable_topics.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -16,9 +16,10 @@ RecordedWords::RecordedWords(const ControllerHost& host, const mcap::Reader& tra
   for (const auto& [id, channel] : trace.channels()) {
     const mcap::Schema* schema = trace.schema_of(channel);
     if (!schema) continue;
-    if (channel.topic == "/events" && schema->name == msg::Event::type_name)
+    const ChannelKind kind = ChannelName::parse(channel.topic).kind;
+    if (kind == ChannelKind::events && schema->name == msg::Event::type_name)
       events_channel_ = id;
-    else if (schema->name == msg::Float64::type_name && !variable_of_topic(channel.topic).empty())
+    else if (kind == ChannelKind::variable && schema->name == msg::Float64::type_name)
       variables_[id].topic = channel.topic;
     else
       continue;
@@ -65,7 +66,7 @@ void RecordedWords::end(const OnDifference& differs) {
   const auto [then, now] = std::mismatch(recorded.begin(), recorded.end(), said.begin(), said.end());
   if (then == recorded.end() && now == said.end()) return;
   Divergence found;
-  found.channel = "/events";
+  found.channel = run_topics::events;
   found.stage = Stage::controller;
   found.note = now == said.end()        ? fmt::format("this line is missing: \"{}\"", *then)
                : then == recorded.end() ? fmt::format("this line is extra: \"{}\"", *now)
@@ -79,13 +80,13 @@ std::int64_t RecordedWords::compare_variables(const OnDifference& differs) const
     if (variable.this_tick) pairs[variable.topic].first = variable.this_tick;
   for (const HostedController& hosted : host_.controllers())
     for (const ControllerVariables::Variable& variable : hosted.variables.all())
-      if (variable.is_set) pairs[variable_topic(hosted.label, variable.name)].second = variable.value;
+      if (variable.is_set) pairs[ChannelName::of_variable(hosted.label, variable.name).topic()].second = variable.value;
   for (const auto& [topic, values] : pairs) {
     const auto& [recorded, now] = values;
     if (recorded && now && identical(*recorded, *now)) continue;
     Divergence found;
     found.channel = topic;
-    found.element = variable_of_topic(topic);
+    found.element = topic_segment(ChannelName::parse(topic).owner);
     found.stage = Stage::controller;
     if (recorded && now) {
       found.expected = *recorded;

@@ -6,6 +6,8 @@
 
 #include <utility>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 Diagnostic in_recording(const mcap::Reader& recording, Diagnostic finding) {
@@ -23,7 +25,7 @@ RecordingSource::RecordingSource(const Scenario& scenario, mcap::Reader& recordi
       channels_(inputs_.channels_read_by(host)) {
   const auto& all = recording.channels();
   for (const auto& [id, channel] : all)
-    if (channel.topic == "/tick") tick_channel_ = id;
+    if (channel.topic == run_topics::tick) tick_channel_ = id;
   if (has_ticks()) channels_.push_back(tick_channel_);
   is_observed_.assign(all.empty() ? 0 : std::size_t{all.rbegin()->first} + 1, false);
   for (const std::uint16_t id : channels_) is_observed_[id] = true;

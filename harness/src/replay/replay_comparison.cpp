@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "compare/asked_variables.h"
-#include "recording/variable_topics.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -66,7 +66,8 @@ void ReplayComparison::report_outputs(std::int64_t tick) {
   for (const HostedController& hosted : host_.controllers())
     for (const ControllerVariables::Variable& variable : hosted.variables.all())
       if (variable.is_set)
-        options_.on_variable(tick, variable_topic(hosted.label, variable.name).substr(1), variable.value);
+        options_.on_variable(tick, ChannelName::of_variable(hosted.label, variable.name).topic().substr(1),
+                             variable.value);
 }
 
 bool ReplayComparison::is_compared(std::int64_t tick) const {
@@ -92,7 +93,7 @@ void ReplayComparison::compare_inputs(const Moment& now) {
   if (!reads_the_same_) reads_the_same_ = same;
   if (same || !*reads_the_same_ || !is_compared(now.tick)) return;
   Divergence found;
-  found.channel = "/tick";
+  found.channel = run_topics::tick;
   found.element = "input_hash";
   found.stage = Stage::inputs;
   found.note = "what the recording holds of the inputs is not what the controllers were fed with when it was made";
@@ -115,7 +116,7 @@ void ReplayComparison::compare_results() {
     const bool result = host_.controllers()[i].tick.result;
     if (result == source_.recorded().controller_results[i]) continue;
     Divergence found;
-    found.channel = "/tick";
+    found.channel = run_topics::tick;
     found.element = fmt::format("controller_results/{}", i);
     found.expected = source_.recorded().controller_results[i] ? 1.0 : 0.0;
     found.actual = result ? 1.0 : 0.0;
@@ -129,8 +130,8 @@ void ReplayComparison::compare_results() {
 /// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.
 double ReplayComparison::tolerance_for(const Divergence& found) const {
   if (!options_.tolerances || !found.note.empty()) return 0.0;
-  const std::string owner = found.channel.substr(1, found.channel.rfind('/'));
-  const Tolerance tolerance = tolerance_of(owner + found.element, found.unit, *options_.tolerances);
+  const Tolerance tolerance =
+      tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
   return tolerance.bound(std::abs(found.expected));
 }
 

@@ -9,6 +9,7 @@
 
 #include "compare/recorded_picture.h"
 #include "export/picture_file.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -66,7 +67,7 @@ PictureWriter::Album PictureWriter::survey(const TraceChannel* actual, const Tra
   Album album;
   album.near = std::numeric_limits<float>::infinity();
   const TraceChannel& either = actual ? *actual : *golden;
-  if (!either.topic.ends_with("/depth") && unit_of(either, "") != "m") return album;
+  if (ChannelName::parse(either.topic).kind != ChannelKind::depth && unit_of(either.metadata, "") != "m") return album;
   if (actual) find_range(actual_.trace, *actual, album);
   if (golden) find_range(golden_->trace, *golden, album);
   if (!std::isfinite(album.near)) album.near = album.far = 0.0f;
@@ -125,8 +126,8 @@ void PictureWriter::write(const TraceChannel* actual, const TraceChannel* golden
   }
   if (album.lost > 0)
     omitted_.push_back(fmt::format("{} of the pictures of {} can't be shown: {}", album.lost, either.topic, album.why));
-  std::string name = either.topic.substr(either.topic.starts_with('/') ? 1 : 0);
-  name = name.substr(0, name.rfind('/'));
+  std::string name = series_name(either.topic, "");
+  if (!name.empty()) name.pop_back();
   ReportJson camera{{"name", name},
                     {"topic", either.topic},
                     {"kind", album.is_depth ? "depth" : "color"},

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-#include "recording/topic_segment.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -149,8 +149,7 @@ void RobotWriter::write_body(const ScenarioBody& body) {
 
 /// Seven names; null: nothing moves it.
 ReportJson RobotWriter::pose_series(const ScenarioBody& body) {
-  const std::string topic =
-      fmt::format("/{}/{}/pose", topic_segment(body.name), topic_segment(body.model->links[0].name));
+  const std::string topic = ChannelName::of_owner(body.name, body.model->links[0].name, ChannelKind::pose).topic();
   const TraceChannel* channel = run_.trace.find_channel(topic);
   if (!channel || channel->rows() == 0) return nullptr;
   ReportJson names = ReportJson::array();
@@ -169,7 +168,7 @@ ReportJson RobotWriter::joint_json(const ScenarioBody& body, const Link& link) {
   const bool turns = joint.type == JointType::revolute || joint.type == JointType::continuous;
   const bool slides = joint.type == JointType::prismatic;
   ReportJson q, q0 = 0.0;
-  const std::string topic = fmt::format("/{}/joints", topic_segment(body.name));
+  const std::string topic = ChannelName::of_body(body.name, ChannelKind::joints).topic();
   if (turns || slides) {
     if (const TraceChannel* channel = run_.trace.find_channel(topic); channel && channel->rows() > 0) {
       const std::size_t column = column_of(*channel, joint.name + "/q");

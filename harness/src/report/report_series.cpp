@@ -80,13 +80,10 @@ std::int64_t differing(const TraceChannel& actual, std::size_t column, const Tra
 }  // namespace
 
 std::string_view series_group(const TraceChannel& channel) {
-  const std::string_view topic = channel.topic;
-  if (channel.type == msg::Tick::type_name || channel.type == msg::TFMessage::type_name ||
-      topic.ends_with("/camera_info"))
-    return "other";
-  if (topic.find("/variable/") != std::string_view::npos) return "variable";
-  if (topic.find("/output/") != std::string_view::npos) return "output";
-  switch (stage_of(topic)) {
+  const ChannelName name = ChannelName::parse(channel.topic);
+  if (channel.type == msg::Tick::type_name || channel.type == msg::TFMessage::type_name) return "other";
+  if (name.kind == ChannelKind::variable) return "variable";
+  switch (stage_of(name)) {
     case Stage::inputs: return "input";
     case Stage::controller: return "output";
     case Stage::physics: return "state";
@@ -140,7 +137,7 @@ void SeriesWriter::write_column(const Column& actual, const Column& golden) {
   const TraceColumn& column = channel.columns[either.index];
   ReportJson series{{"name", column.series},
                     {"topic", channel.topic},
-                    {"unit", unit_of(channel, column.element)},
+                    {"unit", unit_of(channel.metadata, column.element)},
                     {"group", series_group(channel)},
                     {"kind", name_of(column.kind)},
                     {"axis", either.axis},

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <set>
 
-#include "recording/topic_segment.h"
 #include "replay/branch_origin.h"
 
 namespace rehearse {
@@ -49,12 +48,12 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
   Diagnostics findings;
   std::set<std::string_view> taken;
   const auto add = [&](const ScenarioController& controller, std::size_t body, bool delay) {
-    const std::string owner = "/" + scenario.bodies[body].name + "/" + controller.name;
+    const std::string label = scenario.bodies[body].name + "/" + controller.name;
     for (const TraceChannel& channel : trace.channels()) {
-      const std::string prefix = owner + (is_acted_topic(channel.topic) ? "/acted/" : "/output/");
-      if (!channel.topic.starts_with(prefix) || !taken.insert(channel.topic).second) continue;
-      const auto added = commands.add(controller, static_cast<int>(body), delay, channel,
-                                      std::string_view(channel.topic).substr(prefix.size()));
+      const ChannelName name = ChannelName::parse(channel.topic);
+      if (!name.is_of(label, ChannelSide::output) && !name.is_of(label, ChannelSide::acted)) continue;
+      if (!taken.insert(channel.topic).second) continue;
+      const auto added = commands.add(name, static_cast<int>(body), delay, channel);
       findings.insert(findings.end(), added.errors().begin(), added.errors().end());
     }
   };
@@ -65,7 +64,7 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
     }
   }
   for (const TraceChannel& channel : trace.channels())
-    if (channel.topic.find("/output/") != std::string::npos && taken.count(channel.topic) == 0)
+    if (ChannelName::parse(channel.topic).side == ChannelSide::output && taken.count(channel.topic) == 0)
       findings.push_back(error(fmt::format("the recording has commands on {}, but {} has no such controller",
                                            channel.topic, scenario.name)));
   for (Diagnostic& finding : findings) finding.file = trace.file();
@@ -73,32 +72,28 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
   return commands;
 }
 
-Result<void> RecordedCommands::add(const ScenarioController& controller, int body, bool delay,
-                                   const TraceChannel& channel, std::string_view rest) {
+Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay, const TraceChannel& channel) {
   const ScenarioBody& commanded = scenario_.bodies[body];
   Source source;
   source.channel = &channel;
-  source.is_acted = is_acted_topic(channel.topic);
+  source.is_acted = name.side == ChannelSide::acted;
   source.body = body;
   const auto stated = channel.metadata.find("delay");
   source.delayed = stated == channel.metadata.end() ? delay : stated->second != "false";
   source.before_the_run = channel.metadata.count("since") > 0;
-  const std::size_t slash = rest.find('/');
-  const std::string owner = slash == std::string_view::npos ? "" : name_of_segment(rest.substr(0, slash));
-  const std::string_view kind = slash == std::string_view::npos ? rest : rest.substr(slash + 1);
   const auto unknown = [&](const char* what) {
-    return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' hasn't", controller.name, what, owner,
+    return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' hasn't", name.controller, what, name.owner,
                              commanded.name));
   };
-  if (kind == "joints") {
+  if (name.kind == ChannelKind::joints) {
     if (auto added = add_joints(source); !added) return added;
-  } else if (kind == "state") {
+  } else if (name.kind == ChannelKind::device_state) {
     source.kind = Kind::device;
-    source.target = commanded.model->find_device(owner);
+    source.target = commanded.model->find_device(name.owner);
     if (source.target < 0) return unknown("device");
-  } else if (kind == "wrench" || kind == "pose") {
-    source.kind = kind == "pose" ? Kind::root : Kind::wrench;
-    source.target = commanded.model->find_link(owner);
+  } else if (name.kind == ChannelKind::wrench || name.kind == ChannelKind::pose) {
+    source.kind = name.kind == ChannelKind::pose ? Kind::root : Kind::wrench;
+    source.target = commanded.model->find_link(name.owner);
     if (source.target < 0) return unknown("link");
     if (source.kind == Kind::root && source.target != 0) return {};  // no effect: the host has said so
   } else {

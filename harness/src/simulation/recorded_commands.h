@@ -12,6 +12,7 @@
 
 #include "host/timing.h"
 #include "run/run.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -53,8 +54,7 @@ class RecordedCommands final : public Commander {
   };
 
   explicit RecordedCommands(const Scenario& scenario) : scenario_(scenario) {}
-  Result<void> add(const ScenarioController& controller, int body, bool delay, const TraceChannel& channel,
-                   std::string_view rest);
+  Result<void> add(const ChannelName& name, int body, bool delay, const TraceChannel& channel);
   Result<void> add_joints(Source& source);
   bool is_used(const Source& source, std::int64_t tick) const;
   void set_drives(std::int64_t tick, Command& command) const;

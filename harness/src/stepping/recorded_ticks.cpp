@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "recording/variable_topics.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -33,7 +33,7 @@ std::unique_ptr<RecordedTicks::Source> RecordedTicks::make_source(MessageFinder&
 
 void RecordedTicks::add_replayed(MessageFinder& variables) {
   for (const auto& [id, channel] : variables.reader().channels()) {
-    if (variable_of_topic(channel.topic).empty()) continue;
+    if (ChannelName::parse(channel.topic).kind != ChannelKind::variable) continue;
     std::unique_ptr<Source> source = make_source(variables, channel);
     learn(*source);
     const auto same = [&topic = channel.topic](const std::unique_ptr<Source>& other) {

@@ -14,6 +14,7 @@
 #include <tuple>
 
 #include "replay/replay_recording.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -63,7 +64,7 @@ class ReplayedOutputs::Writing {
   Writing(ReplayedOutputs& outputs, mcap::Writer& writer, double time_step)
       : outputs_(outputs), writer_(writer), time_step_(time_step) {
     outputs.differences_ = writer.add_channel(0, "/differences", "");
-    outputs.events_ = writer.add_channel(0, "/events", "cdr");
+    outputs.events_ = writer.add_channel(0, run_topics::events, "cdr");
   }
 
   void add(const Divergence& found) {

@@ -53,20 +53,14 @@ SteppedTrace::Impl::Impl(std::unique_ptr<MessageFinder> finder, Scenario scenari
     : finder_(std::move(finder)),
       scenario_(std::move(scenario)),
       recorded_(*finder_),
-      events_(channel_of(finder_->reader(), "/events")),
-      contact_changes_(channel_of(finder_->reader(), "/contacts")),
-      contacts_(*finder_, contact_changes_, all_links(scenario_)) {
-  for (const ScenarioBody& body : scenario_.bodies)
-    for (const ScenarioController& controller : body.controllers) {
-      controllers_.push_back(body.name + "/" + controller.name);
-      for (const ScenarioController& child : controller.children) controllers_.push_back(body.name + "/" + child.name);
-    }
-}
+      events_(channel_of(finder_->reader(), run_topics::events)),
+      contact_changes_(channel_of(finder_->reader(), run_topics::contact_changes)),
+      contacts_(*finder_, contact_changes_, all_links(scenario_)) {}
 
 /// From the first message on /tick to the last, without the state after the last step.
 Result<void> SteppedTrace::Impl::find_ticks() {
   const mcap::Reader& reader = finder_->reader();
-  const auto channel = channel_of(reader, "/tick");
+  const auto channel = channel_of(reader, run_topics::tick);
   const Diagnostic nothing = in_trace(reader, error("it has no ticks: nothing of the run was recorded"));
   if (!channel) return nothing;
   const auto number = [](const std::optional<MessageFinder::Found>& found) -> std::optional<std::int64_t> {
@@ -128,20 +122,6 @@ Result<void> SteppedTrace::Impl::replay(const SteppingOptions& options) {
   return {};
 }
 
-std::string SteppedTrace::Impl::controller_of(std::string_view topic) const {
-  for (const std::string& label : controllers_) {
-    if (topic.size() <= label.size() + 2 || topic.substr(1, label.size()) != label) continue;
-    const std::string_view rest = topic.substr(label.size() + 1);
-    if (rest.starts_with("/")) return label;
-  }
-  return "";
-}
-
-bool SteppedTrace::Impl::is_command(const std::string& topic) const {
-  const std::string label = controller_of(topic);
-  return !label.empty() && topic.compare(label.size() + 1, 8, "/output/") == 0;
-}
-
 const std::vector<Divergence>& SteppedTrace::Impl::differences(std::int64_t tick) {
   KnownDifferences* oldest = &known_differences_.front();
   for (KnownDifferences& known : known_differences_) {
@@ -198,7 +178,7 @@ const std::string& SteppedTrace::series_name(std::size_t series) const {
 std::string SteppedTrace::series_unit(std::size_t series) const {
   const SeriesPlace place = series_place(series);
   const TraceChannel& channel = impl_->recorded_.channel(place.channel);
-  return unit_of(channel, channel.columns[place.column].element);
+  return unit_of(channel.metadata, channel.columns[place.column].element);
 }
 
 Result<std::size_t> SteppedTrace::find_series(std::string_view name) {
@@ -290,7 +270,7 @@ Result<SteppedTrace::Picture> SteppedTrace::picture(std::string_view camera, std
   if (topics.empty()) return error("the recording has no pictures", "record it without --no-frames, with cameras");
   std::vector<std::string> names;  // of the camera, and with what it shows
   for (const std::string& topic : topics) {
-    const bool shows_colors = topic.ends_with("/image");
+    const bool shows_colors = ChannelName::parse(topic).kind == ChannelKind::image;
     names.push_back(topic.substr(1, topic.size() - 1 - (shows_colors ? 6 : 0)));
   }
   if (camera.empty() && names.size() > 1)

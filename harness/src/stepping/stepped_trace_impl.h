@@ -16,6 +16,7 @@
 #include "message_finder.h"
 #include "recorded_ticks.h"
 #include "replayed_outputs.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 
@@ -30,11 +31,10 @@ class SteppedTrace::Impl {
   std::int64_t tick_of(std::uint64_t ns) const {
     return std::llround(static_cast<double>(ns) * 1e-9 / scenario_.time_step);
   }
-  /// "SR1/SR1Minimum" if the topic is of what it read or commanded; empty: it is of no controller's.
-  std::string controller_of(std::string_view topic) const;
-  bool is_command(const std::string& topic) const;
+  static bool is_command(std::string_view topic) { return ChannelName::parse(topic).side == ChannelSide::output; }
   ViewChannel channel_at(std::size_t channel, std::int64_t tick, const RecordedTicks::Row& row);
-  void classify(ViewChannel& shown) const;
+  /// By its topic.
+  static void classify(ViewChannel& shown);
   /// Kept for the last ticks that were asked for.
   const std::vector<Divergence>& differences(std::int64_t tick);
 
@@ -45,7 +45,6 @@ class SteppedTrace::Impl {
   std::unique_ptr<MessageFinder> finder_;
   Scenario scenario_;
   RecordedTicks recorded_;
-  std::vector<std::string> controllers_;  // "SR1/SR1Minimum"
   std::optional<std::uint16_t> events_, contact_changes_;
   ContactHistory contacts_;
   std::unique_ptr<ReplayedOutputs> replayed_;

@@ -24,31 +24,18 @@ ViewMessage shown(const msg::Event& event, ViewMessage::Where where) {
 
 }  // namespace
 
-/// By what stands in the topic behind its owner.
-void SteppedTrace::Impl::classify(ViewChannel& shown) const {
+void SteppedTrace::Impl::classify(ViewChannel& shown) {
   using Kind = ViewChannel::Kind;
-  shown.owner = controller_of(shown.topic);
-  if (!shown.owner.empty()) {
-    const std::string rest = shown.topic.substr(shown.owner.size() + 2);
-    const std::size_t slash = rest.find('/');
-    const std::string side = rest.substr(0, slash);
-    shown.kind = side == "input" ? Kind::input : side == "output" ? Kind::output : Kind::other;
-    shown.part = shown.kind == Kind::other || slash == std::string::npos ? rest : rest.substr(slash + 1);
-    return;
-  }
-  const std::size_t slash = shown.topic.find('/', 1);
-  shown.part = shown.topic.substr(1);
-  if (slash == std::string::npos) return;
-  const std::string owner = shown.topic.substr(1, slash - 1);
-  const bool is_body = std::any_of(scenario_.bodies.begin(), scenario_.bodies.end(),
-                                   [&](const ScenarioBody& body) { return body.name == owner; });
-  if (!is_body) return;
-  shown.owner = owner;
-  shown.part = shown.topic.substr(slash + 1);
-  constexpr std::array<std::string_view, 5> of_sensors{"wrench", "imu", "contact", "scan", "points"};
-  const std::string kind = shown.part.substr(shown.part.rfind('/') + 1);
-  const bool is_sensor = std::find(of_sensors.begin(), of_sensors.end(), kind) != of_sensors.end();
-  shown.kind = is_sensor ? Kind::sensor : Kind::state;
+  ChannelName name = ChannelName::parse(shown.topic);
+  shown.owner = name.controller.empty() ? name.body : name.label();
+  if (name.side == ChannelSide::input) shown.kind = Kind::input;
+  if (name.side == ChannelSide::output) shown.kind = Kind::output;
+  const bool is_measured = stage_of(name) == Stage::sensors && name.kind != ChannelKind::measured_joints;
+  if (name.side == ChannelSide::none && !name.body.empty()) shown.kind = is_measured ? Kind::sensor : Kind::state;
+  if (shown.kind != Kind::other) name.side = ChannelSide::none;
+  name.body = name.controller = "";
+  const std::string rest = name.topic();
+  shown.part = rest.substr(std::min<std::size_t>(1, rest.size()));
 }
 
 ViewChannel SteppedTrace::Impl::channel_at(std::size_t index, std::int64_t tick, const RecordedTicks::Row& row) {
@@ -66,7 +53,7 @@ ViewChannel SteppedTrace::Impl::channel_at(std::size_t index, std::int64_t tick,
     ViewValue value;
     value.element = channel.columns[column].element;
     value.series = channel.columns[column].series;
-    value.unit = unit_of(channel, value.element);
+    value.unit = unit_of(channel.metadata, value.element);
     value.value = recorded_.number(index, column, now);
     if (before) value.before = recorded_.number(index, column, *before);
     const bool was_there = value.before && !std::isnan(*value.before);

@@ -144,6 +144,8 @@ ChannelName ChannelName::parse(std::string_view topic) {
   return foreign;
 }
 
+ChannelName ChannelName::of_run(ChannelKind kind) { return {{}, {}, ChannelSide::none, {}, kind}; }
+
 ChannelName ChannelName::of_body(std::string body, ChannelKind kind) {
   return {std::move(body), {}, ChannelSide::none, {}, kind};
 }
@@ -179,6 +181,17 @@ std::string ChannelName::topic() const {
 
 std::string ChannelName::label() const { return controller.empty() ? std::string() : body + "/" + controller; }
 
+bool ChannelName::is_of_link() const {
+  switch (kind) {
+    case ChannelKind::pose:
+    case ChannelKind::twist:
+    case ChannelKind::acceleration:
+    case ChannelKind::contacts: return true;
+    case ChannelKind::wrench: return side != ChannelSide::none;  // a force sensor's else
+    default: return false;
+  }
+}
+
 std::string topic_segment(std::string_view name) {
   std::string segment;
   for (const char c : name) {
@@ -188,6 +201,21 @@ std::string topic_segment(std::string_view name) {
       segment += c;
   }
   return segment;
+}
+
+std::string series_name(std::string_view topic, std::string_view element) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  const std::size_t last = topic.rfind('/');
+  return std::string(topic.substr(0, last == std::string_view::npos ? 0 : last + 1)).append(element);
+}
+
+std::string_view distinguishing_segment(std::string_view topic) {
+  const ChannelName name = ChannelName::parse(topic);
+  if (!name.controller.empty() && (name.owner.empty() || name.kind == ChannelKind::variable)) return {};
+  const std::size_t last = topic.rfind('/');
+  if (last == 0 || last == std::string_view::npos) return {};
+  const std::size_t before = topic.rfind('/', last - 1);
+  return topic.substr(before + 1, last - before - 1);
 }
 
 std::string_view body_of_name(std::string_view name) {

@@ -53,14 +53,15 @@ enum class ChannelSide : std::uint8_t {
 /// The parts of a topic: "/tick", "/BODY/joints", "/BODY/OWNER/pose", "/BODY/CONTROLLER/input/joints",
 /// "/BODY/CONTROLLER/output/OWNER/pose", "/BODY/CONTROLLER/variable/OWNER".
 struct ChannelName {
-  std::string body;                      // empty: of the whole run
-  std::string controller;                // empty: of the body itself
+  std::string body = {};                 // empty: of the whole run
+  std::string controller = {};           // empty: of the body itself
   ChannelSide side = ChannelSide::none;  // of the controller
-  std::string owner;                     // link, device or variable, which may have a '/' in its name; may be empty
+  std::string owner = {};                // link, device or variable, which may have a '/' in its name; may be empty
   ChannelKind kind = ChannelKind::other;
   std::string foreign = {};  // of kind `other`: the whole topic
 
   static ChannelName parse(std::string_view topic);
+  static ChannelName of_run(ChannelKind kind);
   static ChannelName of_body(std::string body, ChannelKind kind);
   static ChannelName of_owner(std::string body, std::string owner, ChannelKind kind);
   /// `label`: "BODY/CONTROLLER", as HostedController has it.
@@ -75,11 +76,31 @@ struct ChannelName {
     return side == of_side && label() == controller_label;
   }
 
+  /// Of a link, and neither of a device nor of all joints.
+  bool is_of_link() const;
+
   bool operator==(const ChannelName&) const = default;
 };
 
+/// The topics of the whole run, and the part that all topics of variables, their series and no others have.
+namespace run_topics {
+inline constexpr const char* tick = "/tick";
+inline constexpr const char* transforms = "/tf";
+inline constexpr const char* events = "/events";
+inline constexpr const char* contact_changes = "/contacts";
+inline constexpr const char* checkpoint = "/checkpoint";
+inline constexpr const char* variable_part = "/variable/";
+}  // namespace run_topics
+
 /// An owner's name as a segment of a topic or of a series: '/' is written %2F, and '%' is written %25.
 std::string topic_segment(std::string_view name);
+
+/// The name of a series in a trace: the topic without its first slash and its last segment, then the element.
+std::string series_name(std::string_view topic, std::string_view element);
+
+/// The segment by which channels of one kind differ, as it stands in the topic: the owner's, else the body's; of a
+/// topic that isn't ours the one before the last. Empty: the topic is the only one of its kind.
+std::string_view distinguishing_segment(std::string_view topic);
 
 /// The body that a series, a frame or a link's full name begins with: "SR1" of "SR1/WAIST"; empty: there is no '/'.
 std::string_view body_of_name(std::string_view name);

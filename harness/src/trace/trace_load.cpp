@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "channel_name.h"
 #include "message_rest.h"
 #include "recording/hashing.h"
 
@@ -231,17 +232,6 @@ void TraceLoader::complain(std::string message) {
 
 namespace {
 
-/// SR1/WAIST of /SR1/WAIST/pose.
-std::string owner_of(std::string_view topic) {
-  if (topic.starts_with('/')) topic.remove_prefix(1);
-  const std::size_t last = topic.rfind('/');
-  return std::string(last == std::string_view::npos ? std::string_view() : topic.substr(0, last));
-}
-
-std::string join(const std::string& prefix, const std::string& element) {
-  return prefix.empty() ? element : prefix + "/" + element;
-}
-
 }  // namespace
 
 void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series) {
@@ -249,13 +239,13 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
     TraceChannel& channel = *channels[c];
     const std::string topic = channel.topic.starts_with('/') ? channel.topic.substr(1) : channel.topic;
     // The last is for a topic that two channels share.
-    for (const std::string& prefix : {owner_of(channel.topic), topic, fmt::format("{}#{}", topic, c)}) {
+    for (const std::string& prefix : {series_name(topic, ""), topic + "/", fmt::format("{}#{}/", topic, c)}) {
       const bool taken = std::any_of(channel.columns.begin(), channel.columns.end(), [&](const TraceColumn& column) {
-        return series.contains(join(prefix, column.element));
+        return series.contains(prefix + column.element);
       });
       if (taken) continue;
       for (std::size_t i = 0; i < channel.columns.size(); ++i) {
-        channel.columns[i].series = join(prefix, channel.columns[i].element);
+        channel.columns[i].series = prefix + channel.columns[i].element;
         series.emplace(channel.columns[i].series, SeriesPlace{c, i});
       }
       break;

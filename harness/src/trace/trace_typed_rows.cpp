@@ -1,5 +1,6 @@
+#include "channel_name.h"
+#include "message_numbers.h"
 #include "range_messages.h"
-#include "recording/variable_topics.h"
 #include "trace_rows.h"
 
 #include <rehearse/float64_message.h>
@@ -142,51 +143,18 @@ class JoyReader : public RowReader {
 
 // What a row of each type holds.
 
-void put_row(const msg::PoseStamped& m, RowWriter& row) {
-  row.put("position/x", m.pose.position.x);
-  row.put("position/y", m.pose.position.y);
-  row.put("position/z", m.pose.position.z);
-  row.put("orientation/x", m.pose.orientation.x);
-  row.put("orientation/y", m.pose.orientation.y);
-  row.put("orientation/z", m.pose.orientation.z);
-  row.put("orientation/w", m.pose.orientation.w);
+template <class Message>
+void put_numbers(ChannelKind kind, const Message& m, RowWriter& row) {
+  const auto numbers = numbers_of(m);
+  const std::vector<ChannelElement>& elements = elements_of(kind);
+  for (std::size_t i = 0; i < numbers.size(); ++i) row.put(elements[i].name, numbers[i]);
 }
 
-void put_row(const msg::TwistStamped& m, RowWriter& row) {
-  row.put("linear/x", m.twist.linear.x);
-  row.put("linear/y", m.twist.linear.y);
-  row.put("linear/z", m.twist.linear.z);
-  row.put("angular/x", m.twist.angular.x);
-  row.put("angular/y", m.twist.angular.y);
-  row.put("angular/z", m.twist.angular.z);
-}
-
-void put_row(const msg::AccelStamped& m, RowWriter& row) {
-  row.put("linear_acceleration/x", m.accel.linear.x);
-  row.put("linear_acceleration/y", m.accel.linear.y);
-  row.put("linear_acceleration/z", m.accel.linear.z);
-  row.put("angular_acceleration/x", m.accel.angular.x);
-  row.put("angular_acceleration/y", m.accel.angular.y);
-  row.put("angular_acceleration/z", m.accel.angular.z);
-}
-
-void put_row(const msg::WrenchStamped& m, RowWriter& row) {
-  row.put("force/x", m.wrench.force.x);
-  row.put("force/y", m.wrench.force.y);
-  row.put("force/z", m.wrench.force.z);
-  row.put("torque/x", m.wrench.torque.x);
-  row.put("torque/y", m.wrench.torque.y);
-  row.put("torque/z", m.wrench.torque.z);
-}
-
-void put_row(const msg::Imu& m, RowWriter& row) {
-  row.put("angular_velocity/x", m.angular_velocity.x);
-  row.put("angular_velocity/y", m.angular_velocity.y);
-  row.put("angular_velocity/z", m.angular_velocity.z);
-  row.put("linear_acceleration/x", m.linear_acceleration.x);
-  row.put("linear_acceleration/y", m.linear_acceleration.y);
-  row.put("linear_acceleration/z", m.linear_acceleration.z);
-}
+void put_row(const msg::PoseStamped& m, RowWriter& row) { put_numbers(ChannelKind::pose, m, row); }
+void put_row(const msg::TwistStamped& m, RowWriter& row) { put_numbers(ChannelKind::twist, m, row); }
+void put_row(const msg::AccelStamped& m, RowWriter& row) { put_numbers(ChannelKind::acceleration, m, row); }
+void put_row(const msg::WrenchStamped& m, RowWriter& row) { put_numbers(ChannelKind::wrench, m, row); }
+void put_row(const msg::Imu& m, RowWriter& row) { put_numbers(ChannelKind::imu, m, row); }
 
 void put_row(const msg::LaserScan& m, RowWriter& row) {
   row.put("angle_min", m.angle_min);
@@ -250,26 +218,23 @@ void put_row(const msg::Tick& m, RowWriter& row) {
 
 void put_row(const msg::TFMessage& m, RowWriter& row) {
   std::string element;
-  const auto put = [&](const std::string& frame, std::string_view part, double value) {
-    element = frame;
-    element += part;
-    row.put(element, value);
-  };
+  const std::vector<ChannelElement>& parts = elements_of(ChannelKind::transforms);
   for (const msg::TransformStamped& t : m.transforms) {
-    put(t.child_frame_id, "/position/x", t.transform.translation.x);
-    put(t.child_frame_id, "/position/y", t.transform.translation.y);
-    put(t.child_frame_id, "/position/z", t.transform.translation.z);
-    put(t.child_frame_id, "/orientation/x", t.transform.rotation.x);
-    put(t.child_frame_id, "/orientation/y", t.transform.rotation.y);
-    put(t.child_frame_id, "/orientation/z", t.transform.rotation.z);
-    put(t.child_frame_id, "/orientation/w", t.transform.rotation.w);
+    const auto& [p, q] = t.transform;
+    const double numbers[] = {p.x, p.y, p.z, q.x, q.y, q.z, q.w};
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      element = t.child_frame_id;
+      element += '/';
+      element += parts[i].name;
+      row.put(element, numbers[i]);
+    }
   }
 }
 
-/// The rows of a controller's variable: its name is the last segment of the topic, and so the element's.
+/// The rows of a controller's variable: its element is named as the last segment of the topic.
 class VariableReader : public RowReader {
  public:
-  explicit VariableReader(TraceChannel& channel) : row_(channel), name_(variable_of_topic(channel.topic)) {}
+  VariableReader(TraceChannel& channel, const ChannelName& name) : row_(channel), name_(topic_segment(name.owner)) {}
 
   bool read(Bytes payload) override {
     CdrReader reader(payload);
@@ -327,8 +292,9 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
     return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/ddq"});
   }
   if (channel.type == msg::Joy::type_name) return std::make_unique<JoyReader>(channel);
-  if (channel.type == msg::Float64::type_name && !variable_of_topic(channel.topic).empty())
-    return std::make_unique<VariableReader>(channel);
+  const ChannelName name = ChannelName::parse(channel.topic);
+  if (channel.type == msg::Float64::type_name && name.kind == ChannelKind::variable)
+    return std::make_unique<VariableReader>(channel, name);
   return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu,
                     msg::LaserScan, msg::PointCloud2, msg::Contacts, msg::ContactForce, msg::Tick, msg::TFMessage>(
       channel);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "runs.h"
+#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -68,6 +69,23 @@ TEST_F(Actuation, AKinematicBodysRootGoesWhereLinkPositionSays) {
   EXPECT_NEAR(trace.last("Rig/Rig/linear/x"), 1.0, 1e-9);
   EXPECT_THAT(said(trace), IsEmpty());
   expect_equal_replay();
+}
+
+TEST_F(Actuation, AReplayedCommandHasTheUnitThatTheRecordingStates) {
+  const Trace trace = record_run(kinematic_box("teleport"));
+  std::vector<OutputField> fields;
+  ReplayOptions options;
+  options.on_started = [&fields](const std::vector<OutputField>& all) { fields = all; };
+  options.on_outputs = [](std::int64_t, const std::vector<std::uint64_t>&) {};
+  ASSERT_TRUE(replay_run(options).ok());
+  std::vector<std::string> units;
+  for (const OutputField& field : fields) {
+    const TraceChannel* channel = trace.find_channel(field.channel);
+    if (!channel || field.kind != OutputField::Kind::number) continue;
+    EXPECT_EQ(field.unit, unit_of(channel->metadata, field.element)) << field.element;
+    units.push_back(field.unit);
+  }
+  EXPECT_THAT(units, Contains("quaternion"));
 }
 
 TEST_F(Actuation, AKinematicBodysJointsGoWhereTheyAreCommanded) {

@@ -112,6 +112,31 @@ TEST(ChannelName, IsMadeOfItsParts) {
   EXPECT_EQ(ChannelName::parse("/SR1/joints").label(), "");
 }
 
+TEST(ChannelName, GivesSeriesTheirNames) {
+  EXPECT_EQ(series_name("/SR1/joints", "KNEE/q"), "SR1/KNEE/q");
+  EXPECT_EQ(series_name("/SR1/Walk/variable/phase", "phase"), "SR1/Walk/variable/phase");
+  EXPECT_EQ(series_name("/tick", "tick"), "tick");
+  EXPECT_EQ(series_name("a/b", "c"), "a/c");
+}
+
+TEST(ChannelName, TellsWhichSegmentDistinguishesChannelsOfAKind) {
+  EXPECT_EQ(distinguishing_segment("/tick"), "");
+  EXPECT_EQ(distinguishing_segment("/SR1/joints"), "SR1");
+  EXPECT_EQ(distinguishing_segment("/SR1/a%2Fb/wrench"), "a%2Fb");
+  EXPECT_EQ(distinguishing_segment("/SR1/Walk/output/joints"), "");
+  EXPECT_EQ(distinguishing_segment("/SR1/Walk/input/WAIST/pose"), "WAIST");
+  EXPECT_EQ(distinguishing_segment("/SR1/Walk/variable/phase"), "");
+  EXPECT_EQ(distinguishing_segment("/head/left/color/image"), "color");
+}
+
+TEST(ChannelName, KnowsTheTopicsOfTheRun) {
+  EXPECT_EQ(ChannelName::of_run(ChannelKind::tick).topic(), run_topics::tick);
+  EXPECT_EQ(ChannelName::of_run(ChannelKind::transforms).topic(), run_topics::transforms);
+  EXPECT_EQ(ChannelName::of_run(ChannelKind::events).topic(), run_topics::events);
+  EXPECT_EQ(ChannelName::of_run(ChannelKind::contact_changes).topic(), run_topics::contact_changes);
+  EXPECT_EQ(ChannelName::of_run(ChannelKind::checkpoint).topic(), run_topics::checkpoint);
+}
+
 TEST(ChannelName, TellsTheStageOfEachElement) {
   EXPECT_EQ(stage_of("/tick", "state_hash"), Stage::physics);
   EXPECT_EQ(stage_of("/tick", "input_hash"), Stage::inputs);
