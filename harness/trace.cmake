@@ -12,6 +12,7 @@ rehearse_add_library(trace
   src/trace/ros2msg_parse.cpp
   src/trace/ros2msg_decode.cpp
   src/trace/ros2msg_literal.cpp
+  src/trace/run_facts.cpp
   src/trace/trace_rows.cpp
   src/trace/trace_typed_rows.cpp
   src/trace/trace_doctor.cpp

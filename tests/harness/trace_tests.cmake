@@ -8,6 +8,7 @@ rehearse_add_test(trace_test LABEL unit
     trace/message_json_test.cpp
     trace/messages_test.cpp
     trace/ros2msg_test.cpp
+    trace/run_facts_test.cpp
     trace/trace_test.cpp
   LIBRARIES Rehearse::trace nlohmann_json::nlohmann_json)
 target_include_directories(trace_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)  # the names of channels

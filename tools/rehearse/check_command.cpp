@@ -29,6 +29,7 @@
 #include "replay/trace_scenario.h"
 #include "report/stale_report.h"
 #include "scenario_text.h"
+#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {
@@ -83,9 +84,7 @@ Result<std::vector<Scenario>> usual() {
 Result<Scenario> scenario_of_a_log(const std::string& file) {
   const auto trace = mcap::Reader::open(file);
   if (!trace) return trace.errors();
-  for (const mcap::Metadata& metadata : (*trace)->metadata())
-    if (metadata.name == "rehearse" && metadata.values.count("source") && metadata.values.at("source") == "log")
-      return scenario_of(**trace);
+  if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
   Diagnostic finding = error("it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
   finding.file = file;
   return finding;

@@ -23,6 +23,8 @@
 #include "mcap/whole_input.h"
 #include "output.h"
 #include "replay/trace_scenario.h"
+#include "trace/channel_name.h"
+#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {
@@ -140,7 +142,7 @@ Interesting find_interesting(const Scenario& scenario, std::vector<std::string> 
 Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
   std::vector<std::uint16_t> channels;
   for (const auto& [id, channel] : trace.channels())
-    if (channel.topic == "/tick") channels.push_back(id);
+    if (channel.topic == run_topics::tick) channels.push_back(id);
   if (channels.empty()) return error("it has no ticks: nothing of the run was recorded");
   std::int64_t ticks = 0;
   const auto count = [&](const mcap::Message& message) {
@@ -155,9 +157,7 @@ Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
 
 /// A line for each controller whose library isn't the recorded one.
 Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& scenario, const HostOptions& host) {
-  const mcap::StringMap* facts = nullptr;
-  for (const mcap::Metadata& metadata : trace.metadata())
-    if (metadata.name == "rehearse") facts = &metadata.values;
+  const RunFacts recorded = RunFacts::of(trace);
   for (const NamedController& known : controllers_of(scenario)) {
     std::string library = known.controller->library;
     fs::path folder = fs::path(scenario.file).parent_path();
@@ -168,8 +168,7 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
       }
     const auto file = find_controller_library(library, folder);
     if (!file) return file.errors();
-    const auto recorded = facts ? facts->find("controller." + known.label) : mcap::StringMap::const_iterator();
-    if (facts && recorded != facts->end() && !recorded->second.ends_with(" " + content_hash_of(*file)))
+    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, content_hash_of(*file)))
       fmt::print("{} is not the library that {} was recorded with\n", file->string(), known.label);
   }
   return {};

@@ -11,17 +11,18 @@
 
 #include "golden_verbs.h"
 #include "options.h"
+#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {
 
 /// What stands in the provenance of a recording that this program makes; without a renderer if it can't make one.
 mcap::StringMap present_versions() {
-  mcap::StringMap facts{{"rehearse", REHEARSE_VERSION},
-                        {"physics", World::engine_description()},
-                        {"libc", std::string("glibc ") + gnu_get_libc_version()}};
-  if (const auto renderer = Renderer::create()) facts["renderer"] = (*renderer)->description();
-  return facts;
+  mcap::StringMap present{{facts::rehearse, REHEARSE_VERSION},
+                          {facts::physics, World::engine_description()},
+                          {facts::libc, std::string("glibc ") + gnu_get_libc_version()}};
+  if (const auto renderer = Renderer::create()) present[facts::renderer] = (*renderer)->description();
+  return present;
 }
 
 std::string state_of(const GoldenEntry& entry) {

@@ -7,6 +7,8 @@
 #include <limits>
 #include <tuple>
 
+#include "trace/channel_name.h"
+
 namespace rehearse::tool {
 namespace {
 
@@ -277,9 +279,8 @@ std::string contact_text(const ViewContact& contact) {
 }
 
 std::string difference_text(const Divergence& difference) {
-  // as the series is called
-  const std::string owner = difference.channel.substr(1, difference.channel.rfind('/'));
-  const std::string place = difference.element.empty() ? difference.channel : owner + difference.element;
+  const std::string place =
+      difference.element.empty() ? difference.channel : series_name(difference.channel, difference.element);
   if (!difference.note.empty()) return fmt::format("{}: {}", plain_text(place), difference.note);
   const std::string unit = difference.unit.empty() ? "" : " " + difference.unit;
   const std::string ulps = ulps_text(difference.ulps);

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "trace/run_facts.h"
+
 namespace rehearse {
 namespace {
 
@@ -44,15 +46,12 @@ std::string virtualisation() {
 }
 
 std::optional<std::uint64_t> virtualised_seed(const mcap::Reader& trace) {
-  for (const mcap::Metadata& metadata : trace.metadata()) {
-    if (metadata.name != "rehearse") continue;
-    const auto fact = metadata.values.find("virtualised");
-    if (fact == metadata.values.end() || !fact->second.starts_with(words_before_seed)) continue;
-    std::uint64_t seed = 0;
-    const std::string_view text = std::string_view(fact->second).substr(words_before_seed.size());
-    if (std::from_chars(text.data(), text.data() + text.size(), seed).ec == std::errc()) return seed;
-  }
-  return std::nullopt;
+  const std::string fact = RunFacts::of(trace).stated(facts::virtualised);
+  if (!fact.starts_with(words_before_seed)) return std::nullopt;
+  std::uint64_t seed = 0;
+  const std::string_view text = std::string_view(fact).substr(words_before_seed.size());
+  const bool is_number = std::from_chars(text.data(), text.data() + text.size(), seed).ec == std::errc();
+  return is_number ? std::optional(seed) : std::nullopt;
 }
 
 Result<void> virtualise_process_like(const std::filesystem::path& trace) {

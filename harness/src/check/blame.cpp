@@ -44,13 +44,6 @@ class Detective {
   const Suspects& with_;
 };
 
-std::optional<std::string> fact(const Trace& trace, const std::string& name) {
-  const mcap::StringMap* facts = trace.find_metadata("rehearse");
-  const auto found = facts ? facts->find(name) : mcap::StringMap::const_iterator();
-  if (!facts || found == facts->end()) return std::nullopt;
-  return found->second;
-}
-
 /// Until the beginning of that tick.
 std::optional<Comparison> Detective::plant_again(const Scenario& scenario, const PlantOptions& options) {
   auto again = compare_plant(with_.simulation, scenario, with_.golden, with_.scratch, options);
@@ -167,7 +160,8 @@ std::string Detective::origin(const Divergence& place, const Comparison& compari
   const auto recorded = recorded_scenario(with_.golden);
   if (!recorded) return files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
   if (place.stage != Stage::physics && is_noise(place, *recorded)) {
-    const std::string seed = fact(with_.golden, "seed").value_or("?");
+    const auto stated = RunFacts::of(with_.golden).seed;
+    const std::string seed = stated ? std::to_string(*stated) : "?";
     return seed == std::to_string(with_.scenario.seed)
                ? "; it is the noise that changed: with that of the golden it agrees"
                : fmt::format("; it is the random stream of the noise: with the golden's seed {} instead of {} it agrees",

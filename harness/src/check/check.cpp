@@ -12,6 +12,7 @@
 #include "recording/provenance.h"
 #include "replay/branch_origin.h"
 #include "scenario_changes.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -49,7 +50,7 @@ struct Check {
 
 /// Whether the same program gives the same bits here as where the golden was recorded.
 bool computes_alike(const Scenario& scenario, const Trace& golden) {
-  const mcap::StringMap* recorded = golden.find_metadata("rehearse");
+  const auto recorded = RunFacts::of(golden).provenance;
   return recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
 }
 
@@ -229,10 +230,9 @@ void Check::judge_tolerances() {
 /// Why the golden's world doesn't follow its commands, or isn't what was read of it: then only its controllers can be
 /// checked. Empty: it can be simulated again.
 std::string why_no_world(const Trace& golden) {
-  const mcap::StringMap* facts = golden.find_metadata("rehearse");
-  if (facts && facts->count("source") && facts->at("source") == "log")
-    return "the golden was recorded from a log: there is no physics to repeat";
-  const auto origin = BranchOrigin::of(golden.find_metadata(branch_record));
+  const RunFacts run = RunFacts::of(golden);
+  if (run.is_of_log) return "the golden was recorded from a log: there is no physics to repeat";
+  const std::optional<BranchOrigin>& origin = run.branch;
   if (origin && !origin->simulated) return "the golden is a replay: its world didn't follow its commands";
   if (origin && !origin->set.empty())
     return "the golden is a branch whose inputs were altered: nothing makes them again";
@@ -312,7 +312,7 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   const auto expected = Trace::load(golden);
   if (!expected) return expected.errors();
   if (const auto known = check_version(*expected); !known) return known.errors();
-  const auto origin = BranchOrigin::of(expected->find_metadata(branch_record));
+  const auto origin = RunFacts::of(*expected).branch;
   const auto pushed = with_pushes_of(origin, plain);
   if (!pushed) return pushed.errors();
   const Scenario& scenario = *pushed;

@@ -50,12 +50,12 @@ std::map<std::pair<std::string, std::string>, double> tolerances_in(const std::v
 
 void compare_provenance(const NoiseFloor& noise, const Trace& golden, std::vector<std::string>& remarks) {
   constexpr const char* again = "measure it again: rehearse golden noise";
-  const mcap::StringMap* facts = golden.find_metadata("rehearse");
-  for (const char* fact : {"rehearse", "physics", "libc", "renderer"}) {
+  const auto provenance = RunFacts::of(golden).provenance;
+  for (const char* fact : {facts::rehearse, facts::physics, facts::libc, facts::renderer}) {
     const auto measured = noise.made_with.find(fact);
-    if (!facts || measured == noise.made_with.end()) continue;
-    const auto recorded = facts->find(fact);
-    if (recorded != facts->end() && recorded->second != measured->second)
+    if (!provenance || measured == noise.made_with.end()) continue;
+    const auto recorded = provenance->find(fact);
+    if (recorded != provenance->end() && recorded->second != measured->second)
       remarks.push_back(fmt::format("the noise was measured with {} \"{}\", the golden recorded with \"{}\"; {}", fact,
                                     measured->second, recorded->second, again));
   }

@@ -217,9 +217,9 @@ Result<NoiseFloor> NoiseMeasurement::measure() {
   floor_.scenario = scenario_.name;
   floor_.recording = hash_of_recording(recording_);
   floor_.duration = time_of(scenario_.ticks(), scenario_.time_step);
-  if (const mcap::StringMap* facts = recording_.find_metadata("rehearse"))
+  if (const auto provenance = RunFacts::of(recording_).provenance)
     for (const char* fact : noise_facts)
-      if (const auto found = facts->find(fact); found != facts->end()) floor_.made_with.insert(*found);
+      if (const auto found = provenance->find(fact); found != provenance->end()) floor_.made_with.insert(*found);
   list_channels();
   std::vector<Step> steps = plan();
   int done = 0;

@@ -5,24 +5,14 @@
 #include <rehearse/mcap.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 #include <string_view>
 
+#include "trace/run_facts.h"
+
 namespace rehearse {
 namespace {
-
-/// A number of the recording's provenance; none: it states none.
-std::optional<double> recorded_number(const Trace& recording, const char* fact) {
-  const mcap::StringMap* facts = recording.find_metadata("rehearse");
-  const auto found = facts ? facts->find(fact) : mcap::StringMap::const_iterator();
-  if (!facts || found == facts->end()) return std::nullopt;
-  double number = 0.0;
-  const char* const end = found->second.data() + found->second.size();
-  const auto read = std::from_chars(found->second.data(), end, number);
-  return read.ec == std::errc() && read.ptr == end ? std::optional(number) : std::nullopt;
-}
 
 Divergence change_of(const char* key, double recorded, double stated) {
   Divergence change;
@@ -49,24 +39,21 @@ std::set<std::string> controllers_of(const Scenario& scenario) {
 }
 
 std::set<std::string> controllers_of(const Trace& recording) {
-  constexpr std::string_view prefix = "controller.";
   std::set<std::string> labels;
-  if (const mcap::StringMap* facts = recording.find_metadata("rehearse"))
-    for (const auto& [fact, value] : *facts)
-      if (fact.starts_with(prefix)) labels.insert(fact.substr(prefix.size()));
+  for (const auto& [label, library] : RunFacts::of(recording).controllers) labels.insert(label);
   return labels;
 }
 
 }  // namespace
 
 std::optional<Divergence> changed_time_step(const Scenario& scenario, const Trace& recording) {
-  const auto recorded = recorded_number(recording, "time_step");
+  const auto recorded = RunFacts::of(recording).time_step;
   if (!recorded || *recorded == scenario.time_step) return std::nullopt;
   return change_of("time_step", *recorded, scenario.time_step);
 }
 
 std::optional<Divergence> changed_duration(const Scenario& scenario, const Trace& recording) {
-  const auto recorded = recorded_number(recording, "duration");
+  const auto recorded = RunFacts::of(recording).duration;
   const auto ticks_of = [&](double duration) { return std::llround(duration / scenario.time_step); };
   if (!recorded || ticks_of(*recorded) == scenario.ticks()) return std::nullopt;
   Divergence change = change_of("duration", *recorded, scenario.duration);

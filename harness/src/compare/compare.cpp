@@ -5,7 +5,6 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -228,11 +227,7 @@ std::int64_t compared_ticks(const ComparedTraces& traces) {
   for (const std::uint64_t time : traces.clock.times())
     if (time <= traces.end && traces.actual_clock.has(time)) ++messages;
   std::int64_t recorded = messages;
-  if (const mcap::StringMap* outcome = traces.golden.find_metadata("rehearse.outcome")) {
-    const auto ticks = outcome->find("ticks");
-    if (ticks != outcome->end())
-      std::from_chars(ticks->second.data(), ticks->second.data() + ticks->second.size(), recorded);
-  }
+  if (const auto outcome = RunFacts::of(traces.golden).outcome) recorded = outcome->ticks.value_or(messages);
   return std::min(messages, recorded);
 }
 

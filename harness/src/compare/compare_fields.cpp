@@ -175,9 +175,7 @@ void FieldJudge::compare_points(const Fields& all, std::vector<std::byte>& golde
 
 void FieldJudge::compare_numbers(const std::string& path, double expected, double actual, std::string_view unit) {
   if (identical(expected, actual)) return;
-  const std::string_view topic = series_of(channel_.golden);
-  const std::string owner(topic.substr(0, topic.find_last_of('/') + 1));
-  const Tolerance tolerance = tolerance_of(owner + path, unit, traces_.rules);
+  const Tolerance tolerance = tolerance_of(series_name(channel_.golden.topic, path), unit, traces_.rules);
   Divergence divergence = place(path);
   divergence.expected = expected;
   divergence.actual = actual;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "trace/channel_name.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 

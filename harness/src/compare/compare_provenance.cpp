@@ -10,7 +10,6 @@
 #include <set>
 
 #include "compare_parts.h"
-#include "recording/provenance.h"
 
 namespace rehearse {
 namespace {
@@ -26,31 +25,32 @@ struct Fact {
 const std::vector<Stage> every_stage{Stage::physics, Stage::sensors, Stage::renderer, Stage::inputs, Stage::controller};
 
 const std::vector<Fact>& known_facts() {
-  static const std::vector<Fact> facts{
-      {"rehearse", "rehearse", every_stage, true},
-      {"physics", "the physics engine", {Stage::physics, Stage::sensors, Stage::inputs}, true},
-      {"renderer", "the renderer", {Stage::renderer}, true},
-      {"libc", "the C library", {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}, true},
-      {"compiler", "the compiler", every_stage, true},
-      {"processor", "the processor", every_stage},
-      {"build", "the build", every_stage, true},
-      {"pinned", "pinned", every_stage, true},
-      {"pinned.GLIBC_TUNABLES",
+  static const std::vector<Fact> known{
+      {facts::rehearse, "rehearse", every_stage, true},
+      {facts::physics, "the physics engine", {Stage::physics, Stage::sensors, Stage::inputs}, true},
+      {facts::renderer, "the renderer", {Stage::renderer}, true},
+      {facts::libc, "the C library", {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller}, true},
+      {facts::compiler, "the compiler", every_stage, true},
+      {facts::processor, "the processor", every_stage},
+      {facts::build, "the build", every_stage, true},
+      {facts::pinned, "pinned", every_stage, true},
+      {facts::pinned_mathematics,
        "the pinned mathematics",
        {Stage::physics, Stage::sensors, Stage::inputs, Stage::controller},
        true},
-      {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", "the pinned renderer", {Stage::renderer}, true},
-      {"solver", "the solver", {Stage::physics, Stage::sensors, Stage::inputs}},
-      {"seed", "the seed", {Stage::physics, Stage::sensors, Stage::inputs}},
-      {"time_step", "the time step", every_stage},
-      {"controller.", "controller ", {Stage::controller, Stage::inputs}},
+      {facts::pinned_renderer, "the pinned renderer", {Stage::renderer}, true},
+      {facts::solver, "the solver", {Stage::physics, Stage::sensors, Stage::inputs}},
+      {facts::seed, "the seed", {Stage::physics, Stage::sensors, Stage::inputs}},
+      {facts::time_step, "the time step", every_stage},
+      {facts::controller_prefix, "controller ", {Stage::controller, Stage::inputs}},
   };
-  return facts;
+  return known;
 }
 
 /// Of these nobody needs to hear: they are compared as such, or describe the file.
 bool is_of_no_interest(const std::string& key) {
-  return key == "trace_version" || key == "trace_revision" || key == "scenario" || key == programs_fact;
+  return key == facts::trace_version || key == facts::trace_revision || key == facts::scenario ||
+         key == facts::programs;
 }
 
 const Fact* find_fact(const std::string& key) {
@@ -66,14 +66,9 @@ struct Change {
   bool arithmetic = false;
 };
 
-std::string stated(const mcap::StringMap& facts, const std::string& key) {
-  const auto found = facts.find(key);
-  return found == facts.end() ? "" : found->second;
-}
-
 /// With the same code pinned on both, no bit depends on the processor.
 bool is_pinned_alike(const mcap::StringMap& before, const mcap::StringMap& now) {
-  for (const char* key : {"pinned.GLIBC_TUNABLES", "pinned.GALLIUM_OVERRIDE_CPU_CAPS"})
+  for (const char* key : {facts::pinned_mathematics, facts::pinned_renderer})
     if (stated(before, key).empty() || stated(before, key) != stated(now, key)) return false;
   return true;
 }
@@ -82,41 +77,42 @@ bool says_yes(const std::string& fact) { return fact.starts_with("yes"); }
 
 /// Of a process that was pinned and one that wasn't this alone is said, not each variable; why one wasn't is no matter.
 bool is_said_otherwise(const std::string& key, const mcap::StringMap& before, const mcap::StringMap& now) {
-  const std::string then = stated(before, "pinned"), here = stated(now, "pinned");
+  const std::string then = stated(before, facts::pinned), here = stated(now, facts::pinned);
   if (then.empty() || here.empty()) return false;
   const bool other = says_yes(then) != says_yes(here);
-  return key == "pinned" ? !other : key.starts_with("pinned.") && other;
+  return key == facts::pinned ? !other : key.starts_with(facts::pinned_prefix) && other;
 }
 
 std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, const CompareOptions& options) {
   std::vector<Change> changes;
-  const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
+  const auto before = RunFacts::of(golden).provenance, now = RunFacts::of(actual).provenance;
   if (!before || !now) return changes;
   for (const auto& [key, value] : *before) {
     const std::string other = stated(*now, key);
     if (value == other || is_of_no_interest(key) || is_said_otherwise(key, *before, *now)) continue;
-    if (key.starts_with("controller.") && !options.takes(Stage::controller)) continue;
+    if (key.starts_with(facts::controller_prefix) && !options.takes(Stage::controller)) continue;
     const Fact* fact = find_fact(key);
-    Change& change = changes.emplace_back(Change{key == "duration" ? "the duration" : key, value, other, {}, false});
-    if (!fact || (key == "processor" && is_pinned_alike(*before, *now))) continue;
+    Change& change =
+        changes.emplace_back(Change{key == facts::duration ? "the duration" : key, value, other, {}, false});
+    if (!fact || (key == facts::processor && is_pinned_alike(*before, *now))) continue;
     change.name = fact->name;
     if (fact->key.ends_with('.')) change.name += "'" + key.substr(fact->key.size()) + "'";
     change.decides = fact->decides;
     change.arithmetic = fact->arithmetic;
   }
-  if (const std::string build = stated(*now, "build"); !build.empty() && before->count("build") == 0)
+  if (const std::string build = stated(*now, facts::build); !build.empty() && before->count(facts::build) == 0)
     changes.push_back({"the build", "as ours", build, every_stage, true});
   return changes;
 }
 
 /// Every fact is the golden's, and so are the programs, bit by bit. The processor counts unless it is pinned away.
 bool same_facts(const Trace& golden, const Trace& actual) {
-  const mcap::StringMap *before = golden.find_metadata("rehearse"), *now = actual.find_metadata("rehearse");
-  if (!before || !now || before->count(programs_fact) == 0) return false;
+  const auto before = RunFacts::of(golden).provenance, now = RunFacts::of(actual).provenance;
+  if (!before || !now || before->count(facts::programs) == 0) return false;
   mcap::StringMap left = *before, right = *now;
   if (is_pinned_alike(left, right)) {
-    left.erase("processor");
-    right.erase("processor");
+    left.erase(facts::processor);
+    right.erase(facts::processor);
   }
   return left == right;
 }

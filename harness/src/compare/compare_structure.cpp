@@ -3,7 +3,6 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 #include <utility>
 
@@ -15,10 +14,8 @@ namespace rehearse {
 namespace {
 
 std::string failure_of(const Trace& trace) {
-  const mcap::StringMap* outcome = trace.find_metadata("rehearse.outcome");
-  if (!outcome) return "the recording was cut off";
-  const auto failure = outcome->find("failure");
-  return failure == outcome->end() ? "" : failure->second;
+  const auto outcome = RunFacts::of(trace).outcome;
+  return outcome ? outcome->failure.value_or("") : "the recording was cut off";
 }
 
 Divergence place_of_tick(const TickClock& clock, std::uint64_t time) {
@@ -76,12 +73,8 @@ void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings&
 bool has_another_step(const ComparedTraces& traces, ChannelFindings& findings) {
   const auto &golden = traces.clock.times(), &actual = traces.actual_clock.times();
   if (golden.size() < 2 || actual.size() < 2) return false;
-  const auto number = [](const Trace& trace) {
-    const mcap::StringMap* facts = trace.find_metadata("rehearse");
-    const auto step = facts ? facts->find("time_step") : mcap::StringMap::const_iterator();
-    return facts && step != facts->end() ? step->second : std::string();
-  };
-  const std::string before = number(traces.golden), now = number(traces.actual);
+  const std::string before = RunFacts::of(traces.golden).stated(facts::time_step),
+                    now = RunFacts::of(traces.actual).stated(facts::time_step);
   if (before.empty() || now.empty() || before == now) return false;
   Divergence divergence = place_of_tick(traces.clock, golden.front());
   divergence.note =
@@ -145,13 +138,8 @@ class LoneChannels {
   };
 
   bool is_older_than_contacts() const {
-    const mcap::StringMap* facts = other_.find_metadata("rehearse");
-    if (!facts) return false;
-    const auto stated = facts->find("trace_revision");
-    int revision = 1;
-    if (stated != facts->end())
-      std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(), revision);
-    return revision < revision_of_contacts;
+    const RunFacts other = RunFacts::of(other_);
+    return other.provenance && other.trace_revision < revision_of_contacts;
   }
 
   /// Whether the other trace has nothing that begins like this.

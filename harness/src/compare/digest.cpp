@@ -164,9 +164,9 @@ Result<std::string> digest_of(const Trace& trace) {
   std::vector<Acceptance> history = history_of(trace.metadata());
   if (!history.empty()) text += acceptance_text(history.back()) + "\n";
   text += "provenance\n";
-  describe_facts(trace, "rehearse", text);
+  describe_facts(trace, records::provenance, text);
   text += "\noutcome\n";
-  describe_facts(trace, "rehearse.outcome", text);
+  describe_facts(trace, records::outcome, text);
   fmt::format_to(Out(text), "  content: {}\n", hash_text(*hash));
   if (history.size() > 1) {
     history.pop_back();

@@ -131,17 +131,15 @@ class SequenceMaker {
 
   /// The message that closes a run has no results.
   std::vector<EventEdge> refusals(const Trace& trace, const TraceChannel& channel, std::size_t column) const {
-    const bool closed = trace.find_metadata("rehearse.outcome") != nullptr;
-    const std::size_t rows = channel.rows() - (closed && channel.rows() > 0 && is_closing(trace, channel) ? 1 : 0);
+    const std::size_t rows = channel.rows() - (channel.rows() > 0 && is_closing(trace, channel) ? 1 : 0);
     return edges_of(channel, [&](std::size_t row) { return row < rows && channel.bits(row, column) == 0; });
   }
 
   static bool is_closing(const Trace& trace, const TraceChannel& channel) {
-    const mcap::StringMap& outcome = *trace.find_metadata("rehearse.outcome");
-    const auto ticks = outcome.find("ticks");
+    const auto outcome = RunFacts::of(trace).outcome;
     const std::size_t column = column_of(channel, "tick");
-    if (ticks == outcome.end() || column == channel.columns.size()) return false;
-    return ticks->second == std::to_string(static_cast<std::int64_t>(channel.bits(channel.rows() - 1, column)));
+    if (!outcome || column == channel.columns.size()) return false;
+    return outcome->ticks == static_cast<std::int64_t>(channel.bits(channel.rows() - 1, column));
   }
 
   template <class State>

@@ -283,8 +283,8 @@ void RunJudge::take_events(const Expectation& e, const Trace& piece, Case& to) {
 void RunJudge::set_end(const Trace& last) {
   const std::uint64_t duration = earliest_ > latest_ ? 0 : latest_ - earliest_;
   end_.time = clock_.empty() ? duration : clock_.last_time();
-  const mcap::StringMap* outcome = last.find_metadata("rehearse.outcome");
-  end_.early = outcome == nullptr || outcome->count("failure") != 0;
+  const auto outcome = RunFacts::of(last).outcome;
+  end_.early = !outcome || outcome->failure;
 }
 
 std::vector<ExpectationResult> RunJudge::finish(const Trace& last) {

@@ -10,9 +10,10 @@
 #include <string_view>
 
 #include "golden_files.h"
-#include "report/stale_report.h"
 #include "recording/hashing.h"
 #include "recording/trace_version.h"
+#include "report/stale_report.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -89,18 +90,14 @@ GoldenStore::GoldenStore(fs::path folder, fs::path pending)
     : folder_(std::move(folder)), pending_(std::move(pending)) {}
 
 Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file) {
-  for (const mcap::Metadata& record : metadata) {
-    const auto version = record.name == "rehearse" ? record.values.find("trace_version") : record.values.end();
-    if (version == record.values.end() || version->second == std::to_string(trace_version)) continue;
-    const auto writer = record.values.find("rehearse");
-    Diagnostic finding = error(
-        fmt::format("it is of trace version {}, and this program reads version {}", version->second, trace_version),
-        fmt::format("install the version of Rehearse that wrote it{}{}", writer == record.values.end() ? "" : ": ",
-                    writer == record.values.end() ? "" : writer->second));
-    finding.file = file;
-    return finding;
-  }
-  return {};
+  const RunFacts run = RunFacts::of(metadata);
+  const std::string version = run.stated(facts::trace_version), writer = run.stated(facts::rehearse);
+  if (version.empty() || version == std::to_string(trace_version)) return {};
+  Diagnostic finding =
+      error(fmt::format("it is of trace version {}, and this program reads version {}", version, trace_version),
+            fmt::format("install the version of Rehearse that wrote it{}{}", writer.empty() ? "" : ": ", writer));
+  finding.file = file;
+  return finding;
 }
 
 fs::path GoldenStore::trace_file(const std::string& name) const { return folder_ / (name + ".mcap"); }

@@ -12,21 +12,12 @@
 #include "golden_files.h"
 #include "pending_verdict.h"
 #include "report/stale_report.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Facts of the provenance that a golden is older or younger by.
-constexpr const char* version_facts[] = {"rehearse", "physics", "renderer", "libc"};
-
-std::string fact_of(const Trace& trace, const std::string& fact) {
-  const mcap::StringMap* facts = trace.find_metadata("rehearse");
-  if (!facts) return "";
-  const auto found = facts->find(fact);
-  return found == facts->end() ? "" : found->second;
-}
 
 bool same_attachments(const Trace& a, const Trace& b) {
   const auto equal = [](const mcap::Attachment& one, const mcap::Attachment& other) {
@@ -37,9 +28,10 @@ bool same_attachments(const Trace& a, const Trace& b) {
 
 /// The golden would say nothing else than it does.
 bool is_same_run(const Trace& golden, const Trace& run, const Comparison& comparison) {
-  return comparison.equal && same_attachments(golden, run) && std::ranges::all_of(version_facts, [&](const char* fact) {
-           return fact_of(golden, fact) == fact_of(run, fact);
-         });
+  const RunFacts of_golden = RunFacts::of(golden), of_run = RunFacts::of(run);
+  return comparison.equal && same_attachments(golden, run) &&
+         std::ranges::all_of(facts::versions,
+                             [&](const char* fact) { return of_golden.stated(fact) == of_run.stated(fact); });
 }
 
 /// The run's own, for the verdict; what can't be read states none.
@@ -58,10 +50,10 @@ Result<Trace> load_run(const fs::path& file) {
   auto trace = Trace::load(file);
   if (!trace) return trace;
   if (const auto known = check_trace_version(trace->metadata(), trace->file()); !known) return known.errors();
-  const mcap::StringMap* outcome = trace->find_metadata("rehearse.outcome");
+  const auto outcome = RunFacts::of(*trace).outcome;
   if (!outcome) return error(fmt::format("{} is no finished recording, so it can be no golden", file.string()));
-  if (const auto failure = outcome->find("failure"); failure != outcome->end())
-    return error(fmt::format("the run in {} failed, so it can be no golden: {}", file.string(), failure->second));
+  if (outcome->failure)
+    return error(fmt::format("the run in {} failed, so it can be no golden: {}", file.string(), *outcome->failure));
   return trace;
 }
 

@@ -10,6 +10,7 @@
 
 #include "golden_files.h"
 #include "trace/channel_name.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -75,25 +76,24 @@ std::string listed(const std::vector<std::string>& words) {
 }
 
 /// How the facts of a provenance differ from those of this program.
-void compare_versions(const mcap::StringMap& facts, const mcap::StringMap& present, GoldenEntry& entry) {
+void compare_versions(const mcap::StringMap& provenance, const mcap::StringMap& present, GoldenEntry& entry) {
   for (const auto& [fact, now] : present) {
-    const auto then = facts.find(fact);
-    if (then == facts.end() || then->second == now || now.empty()) continue;
-    const char* what = fact == "rehearse" ? "Rehearse " : "";
+    const auto then = provenance.find(fact);
+    if (then == provenance.end() || then->second == now || now.empty()) continue;
+    const char* what = fact == facts::rehearse ? "Rehearse " : "";
     entry.notes.push_back(fmt::format("recorded with {}{}; this is {}{}", what, then->second, what, now));
   }
 }
 
 void read_provenance(const mcap::Reader& reader, const mcap::StringMap& present, GoldenEntry& entry) {
-  for (const mcap::Metadata& metadata : reader.metadata()) {
-    if (metadata.name != "rehearse") continue;
-    for (const char* fact : {"rehearse", "physics", "renderer", "libc"}) {
-      const auto found = metadata.values.find(fact);
-      if (found == metadata.values.end()) continue;
+  if (const auto provenance = RunFacts::of(reader).provenance) {
+    for (const std::string fact : facts::versions) {
+      const auto found = provenance->find(fact);
+      if (found == provenance->end()) continue;
       entry.recorded_by += (entry.recorded_by.empty() ? "" : ", ") +
-                           std::string(fact == std::string_view("rehearse") ? "rehearse " : "") + found->second;
+                           std::string(fact == facts::rehearse ? "rehearse " : "") + found->second;
     }
-    compare_versions(metadata.values, present, entry);
+    compare_versions(*provenance, present, entry);
   }
   const std::vector<Acceptance> history = history_of(reader.metadata());
   entry.acceptances = static_cast<int>(history.size());

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "recording/trace_output.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -276,9 +277,9 @@ Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& co
     if (auto done = out.add_attachment(attachment.name, attachment.media_type, attachment.data); !done) return done;
   const auto write_metadata = [&](bool outcome) -> Result<void> {
     for (const mcap::Metadata& metadata : run.metadata()) {
-      if ((metadata.name == "rehearse.outcome") != outcome || metadata.name.starts_with(acceptance_prefix)) continue;
+      if ((metadata.name == records::outcome) != outcome || metadata.name.starts_with(acceptance_prefix)) continue;
       mcap::StringMap values = metadata.values;
-      if (metadata.name == "rehearse")
+      if (metadata.name == records::provenance)
         for (const auto& [controller, library] : controllers) values[controller] = library;
       if (auto done = out.add_metadata(metadata.name, values); !done) return done;
     }

@@ -118,7 +118,7 @@ class LogReplayer {
   Result<void> begin();
   Result<void> host_controller();
   Result<Scenario> make_scenario(const BodyObservation& seen);
-  mcap::StringMap facts() const;
+  mcap::StringMap provenance_of_log() const;
   void report_topics();
   Result<void> finish();
   Result<void> close_file();
@@ -247,7 +247,7 @@ Result<void> LogReplayer::host_controller() {
   Command at_rest = host_->initialize(initial_observation(*scenario_));
   if (Diagnostics missing = inputs_not_given(*host_, *model_, map_, sources_, survey_); !missing.empty())
     return missing;
-  auto recorder = Recorder::create(trace_, *scenario_, facts());
+  auto recorder = Recorder::create(trace_, *scenario_, provenance_of_log());
   if (!recorder) return recorder.errors();
   recorder_ = std::move(*recorder);
   descriptor_.emplace(recorder_->descriptor(), "the recording");
@@ -277,14 +277,14 @@ Result<Scenario> LogReplayer::make_scenario(const BodyObservation& seen) {
 }
 
 /// Which log, and which map.
-mcap::StringMap LogReplayer::facts() const {
-  mcap::StringMap facts = provenance(*scenario_, host_.get(), "", "");
-  facts["source"] = "log";
-  facts["log"] = fs::path(log_.name()).filename().string() + " " + report_.log_hash;
-  facts["log.start"] = std::to_string(report_.start);
-  facts["map"] =
+mcap::StringMap LogReplayer::provenance_of_log() const {
+  mcap::StringMap stated = provenance(*scenario_, host_.get(), "", "");
+  stated[facts::source] = "log";
+  stated[facts::log] = fs::path(log_.name()).filename().string() + " " + report_.log_hash;
+  stated[facts::log_start] = std::to_string(report_.start);
+  stated[facts::map] =
       fs::path(map_.file).filename().string() + " " + hash_text(hash_bytes(map_.text.data(), map_.text.size()));
-  return facts;
+  return stated;
 }
 
 void LogReplayer::report_topics() {
@@ -323,11 +323,10 @@ Result<void> LogReplayer::finish() {
 
 Result<void> LogReplayer::close_file() {
   const RecordingSize& size = recorder_->size();
-  mcap::StringMap outcome{
-      {"ticks", std::to_string(size.ticks)}, {"complete", report_.failure ? "false" : "true"}, {"checkpoints", "none"}};
-  if (report_.failure) outcome["failure"] = report_.failure->message;
+  RunOutcome outcome{.ticks = size.ticks, .complete = !report_.failure, .checkpoints = "none"};
+  if (report_.failure) outcome.failure = report_.failure->message;
   for (const LogTopicReport& topic : report_.topics) {
-    auto done = recorder_->add_metadata("rehearse.log " + topic.topic, metadata_of(topic));
+    auto done = recorder_->add_metadata(records::log_topic + topic.topic, metadata_of(topic));
     if (!done) return done;
   }
   descriptor_.reset();

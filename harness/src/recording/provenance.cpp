@@ -15,6 +15,7 @@
 
 #include "audit/virtualised.h"
 #include "hashing.h"
+#include "trace/run_facts.h"
 #include "trace_version.h"
 
 // The build asks the compiler for this, too; here it holds for whatever this file is compiled with in the end.
@@ -126,57 +127,55 @@ std::string tunables_of_the_processor() {
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer) {
   const SolverSettings& solver = scenario.solver;
-  mcap::StringMap facts{
-      {"trace_version", std::to_string(trace_version)},
-      {"trace_revision", std::to_string(trace_revision)},
-      {"rehearse", REHEARSE_VERSION},
-      {"scenario", scenario.name},
-      {"seed", std::to_string(scenario.seed)},
-      {"time_step", fmt::format("{}", scenario.time_step)},
-      {"duration", fmt::format("{}", scenario.duration)},
-      {"solver", fmt::format("{}, {} iterations, over-relaxation {}, erp {}, cfm {}",
-                             solver.method == SolverSettings::Method::quick ? "quick" : "exact", solver.iterations,
-                             solver.over_relaxation, solver.erp, solver.cfm)},
-      {"physics", physics},
-      {"libc", std::string("glibc ") + gnu_get_libc_version()},
-      {"compiler", compiler()},
-      {"processor", processor()},
-      {"pinned", pinned_fact()},
-      {"pinned.GLIBC_TUNABLES", tunables_of_the_processor()},
-      {"pinned.GALLIUM_OVERRIDE_CPU_CAPS", environment("GALLIUM_OVERRIDE_CPU_CAPS")},
+  mcap::StringMap stated{
+      {facts::trace_version, std::to_string(trace_version)},
+      {facts::trace_revision, std::to_string(trace_revision)},
+      {facts::rehearse, REHEARSE_VERSION},
+      {facts::scenario, scenario.name},
+      {facts::seed, std::to_string(scenario.seed)},
+      {facts::time_step, fmt::format("{}", scenario.time_step)},
+      {facts::duration, fmt::format("{}", scenario.duration)},
+      {facts::solver, fmt::format("{}, {} iterations, over-relaxation {}, erp {}, cfm {}",
+                                  solver.method == SolverSettings::Method::quick ? "quick" : "exact", solver.iterations,
+                                  solver.over_relaxation, solver.erp, solver.cfm)},
+      {facts::physics, physics},
+      {facts::libc, std::string("glibc ") + gnu_get_libc_version()},
+      {facts::compiler, compiler()},
+      {facts::processor, processor()},
+      {facts::pinned, pinned_fact()},
+      {facts::pinned_mathematics, tunables_of_the_processor()},
+      {facts::pinned_renderer, environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
-  if (!renderer.empty()) facts["renderer"] = renderer;
-  if (const std::string mark = programs(); !mark.empty()) facts[programs_fact] = mark;
-  if (const std::string given = virtualisation(); !given.empty()) facts["virtualised"] = given;
-  if (*REHEARSE_OTHER_FLAGS) facts["build"] = "other flags: " REHEARSE_OTHER_FLAGS;
-  if (host) facts.merge(controller_facts(*host));
-  return facts;
+  if (!renderer.empty()) stated[facts::renderer] = renderer;
+  if (const std::string mark = programs(); !mark.empty()) stated[facts::programs] = mark;
+  if (const std::string given = virtualisation(); !given.empty()) stated[facts::virtualised] = given;
+  if (*REHEARSE_OTHER_FLAGS) stated[facts::build] = "other flags: " REHEARSE_OTHER_FLAGS;
+  if (host) stated.merge(controller_facts(*host));
+  return stated;
 }
 
 std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here) {
-  const auto value = [](const mcap::StringMap& facts, const char* fact) {
-    const auto found = facts.find(fact);
-    return found == facts.end() ? std::string() : found->second;
-  };
-  const bool unpinned = value(here, "pinned.GLIBC_TUNABLES").empty();
+  const bool unpinned = stated(here, facts::pinned_mathematics).empty();
   std::string text;
-  for (const char* fact : {"libc", "compiler", "build", "pinned.GLIBC_TUNABLES", "processor"}) {
-    const std::string then = value(recorded, fact), now = value(here, fact);
-    if (then == now || (fact == std::string_view("processor") && !unpinned)) continue;
-    const std::string name = fact == std::string_view("pinned.GLIBC_TUNABLES") ? "pinned" : fact;
-    const std::string before = name == "pinned" && recorded.count(name) ? value(recorded, "pinned") : then;
-    const std::string after = name == "pinned" ? value(here, "pinned") : now;
-    text += fmt::format("{}{} was \"{}\" and is \"{}\"", text.empty() ? "" : ", ", name, before, after);
+  for (const std::string fact :
+       {facts::libc, facts::compiler, facts::build, facts::pinned_mathematics, facts::processor}) {
+    const std::string then = stated(recorded, fact), now = stated(here, fact);
+    if (then == now || (fact == facts::processor && !unpinned)) continue;
+    const bool is_pin = fact == facts::pinned_mathematics;
+    const std::string before = is_pin && recorded.count(facts::pinned) ? stated(recorded, facts::pinned) : then;
+    const std::string after = is_pin ? stated(here, facts::pinned) : now;
+    text += fmt::format("{}{} was \"{}\" and is \"{}\"", text.empty() ? "" : ", ", is_pin ? facts::pinned : fact,
+                        before, after);
   }
   return text;
 }
 
 mcap::StringMap controller_facts(const ControllerHost& host) {
-  mcap::StringMap facts;
+  mcap::StringMap libraries;
   for (const HostedController& hosted : host.controllers())
-    facts["controller." + hosted.label] =
+    libraries[facts::controller_prefix + hosted.label] =
         hosted.library->file().filename().string() + " " + hosted.library->content_hash();
-  return facts;
+  return libraries;
 }
 
 }  // namespace rehearse

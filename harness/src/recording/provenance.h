@@ -10,9 +10,6 @@
 
 namespace rehearse {
 
-/// The fact that is one value for the very same build of Rehearse and of what it computes with.
-inline constexpr const char* programs_fact = "programs";
-
 /// Versions of Rehearse, C library and compiler, processor, what is pinned, seed and solver, and the controllers' files
 /// by name and content; no controllers if `host` is null. `physics` and `renderer` describe themselves; empty: not used.
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,

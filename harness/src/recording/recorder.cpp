@@ -168,7 +168,7 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
   if (!writer) return writer.errors();
   impl->writer = std::move(*writer);
   if (auto attached = impl->attach_sources(); !attached) return attached.errors();
-  if (auto written = impl->writer->add_metadata("rehearse", provenance); !written) return written.errors();
+  if (auto written = impl->writer->add_metadata(records::provenance, provenance); !written) return written.errors();
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
 }
 
@@ -538,8 +538,8 @@ Result<void> Recorder::record_events(const std::vector<msg::Event>& events) {
   return {};
 }
 
-Result<void> Recorder::close(const mcap::StringMap& outcome) {
-  if (auto done = impl_->writer->add_metadata("rehearse.outcome", outcome); !done) return done;
+Result<void> Recorder::close(const RunOutcome& outcome) {
+  if (auto done = impl_->writer->add_metadata(records::outcome, outcome.metadata()); !done) return done;
   return impl_->writer->close();
 }
 

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "host/controller_host.h"
+#include "trace/run_facts.h"
 #include "trace_output.h"
 
 namespace rehearse {
@@ -71,7 +72,7 @@ class Recorder {
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
   Result<void> record_events(const std::vector<msg::Event>& events);
   /// `outcome` tells how the run ended; the trace is complete after it.
-  Result<void> close(const mcap::StringMap& outcome);
+  Result<void> close(const RunOutcome& outcome);
 
   const RecordingSize& size() const;
   /// Of the open file.
@@ -82,9 +83,6 @@ class Recorder {
   explicit Recorder(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-/// The metadata record of the files that controllers read (ControllerHost::files_read).
-inline constexpr const char* files_record = "rehearse.files";
 
 /// Names the layout of a checkpoint's bytes: changes with every change of World::save().
 inline constexpr const char* checkpoint_format = "rehearse-ode-state-1";

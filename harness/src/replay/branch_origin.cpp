@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 
 #include "recording/hashing.h"
@@ -13,69 +12,6 @@
 #include "tick_span.h"
 
 namespace rehearse {
-namespace {
-
-void put_list(mcap::StringMap& facts, const std::string& name, const std::vector<std::string>& texts) {
-  for (std::size_t i = 0; i < texts.size(); ++i) facts[fmt::format("{}.{}", name, i + 1)] = texts[i];
-}
-
-std::vector<std::string> list_of(const mcap::StringMap& facts, const std::string& name) {
-  std::vector<std::string> texts;
-  for (;;) {
-    const auto found = facts.find(fmt::format("{}.{}", name, texts.size() + 1));
-    if (found == facts.end()) return texts;
-    texts.push_back(found->second);
-  }
-}
-
-std::string value_of(const mcap::StringMap& facts, const char* key) {
-  const auto found = facts.find(key);
-  return found == facts.end() ? std::string() : found->second;
-}
-
-std::optional<std::int64_t> integer_of(const mcap::StringMap& facts, const char* key) {
-  const std::string text = value_of(facts, key);
-  std::int64_t number = 0;
-  const auto [at, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || problem != std::errc() || at != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-}  // namespace
-
-mcap::StringMap BranchOrigin::facts() const {
-  mcap::StringMap facts{{"source", source},
-                        {"loop", simulated ? "closed" : "open"},
-                        {"tick", std::to_string(tick)},
-                        {"time", fmt::format("{}", time)}};
-  if (!checkpoint.empty()) facts["checkpoint"] = checkpoint;
-  put_list(facts, "set", set);
-  put_list(facts, "push", push);
-  put_list(facts, "controller", controllers);
-  if (acted_until) facts["acted_until"] = std::to_string(*acted_until);
-  return facts;
-}
-
-std::optional<BranchOrigin> BranchOrigin::of(const mcap::StringMap* facts) {
-  if (!facts) return std::nullopt;
-  BranchOrigin origin;
-  origin.source = value_of(*facts, "source");
-  origin.simulated = value_of(*facts, "loop") != "open";
-  origin.tick = integer_of(*facts, "tick").value_or(0);
-  parse_double(value_of(*facts, "time"), origin.time);
-  origin.checkpoint = value_of(*facts, "checkpoint");
-  origin.set = list_of(*facts, "set");
-  origin.push = list_of(*facts, "push");
-  origin.controllers = list_of(*facts, "controller");
-  origin.acted_until = integer_of(*facts, "acted_until");
-  return origin;
-}
-
-std::optional<BranchOrigin> BranchOrigin::of(const mcap::Reader& trace) {
-  for (const mcap::Metadata& metadata : trace.metadata())
-    if (metadata.name == branch_record) return of(&metadata.values);
-  return std::nullopt;
-}
 
 Result<std::string> name_and_hash(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary | std::ios::ate);

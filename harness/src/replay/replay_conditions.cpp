@@ -5,8 +5,8 @@
 #include "audit/virtualised.h"
 #include "host/opened_files.h"
 #include "recording/provenance.h"
-#include "recording/recorder.h"
 #include "recording_source.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host,
@@ -43,24 +43,17 @@ Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& sce
 }
 
 std::vector<std::string> other_controllers(const mcap::Reader& recording, const ControllerHost& host) {
-  const mcap::StringMap* facts = nullptr;
-  for (const mcap::Metadata& metadata : recording.metadata())
-    if (metadata.name == "rehearse") facts = &metadata.values;
+  const RunFacts recorded = RunFacts::of(recording);
   std::vector<std::string> others;
-  for (const HostedController& hosted : host.controllers()) {
-    const auto recorded = facts ? facts->find("controller." + hosted.label) : mcap::StringMap::const_iterator();
-    if (!facts || recorded == facts->end() || !recorded->second.ends_with(" " + hosted.library->content_hash()))
-      others.push_back(hosted.label);
-  }
+  for (const HostedController& hosted : host.controllers())
+    if (!recorded.had_library(hosted.label, hosted.library->content_hash())) others.push_back(hosted.label);
   return others;
 }
 
 /// What a run ended by a failure would have read later isn't known. A recording from before files were recorded says
 /// nothing of what was in them.
 std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host) {
-  const mcap::StringMap* recorded = nullptr;
-  for (const mcap::Metadata& metadata : recording.metadata())
-    if (metadata.name == files_record) recorded = &metadata.values;
+  const std::optional<mcap::StringMap> recorded = RunFacts::of(recording).files;
   std::vector<std::string> changes;
   for (const auto& [file, content] : host.files_read()) {
     const auto before = recorded ? recorded->find(file) : mcap::StringMap::const_iterator();
@@ -77,14 +70,12 @@ std::vector<std::string> changed_files(const mcap::Reader& recording, const Cont
 }
 
 Diagnostics other_arithmetic_than(const mcap::Reader& recording, const Scenario& scenario) {
-  for (const mcap::Metadata& metadata : recording.metadata()) {
-    if (metadata.name != "rehearse") continue;
-    const std::string other = other_arithmetic(metadata.values, provenance(scenario, nullptr, "", ""));
-    if (!other.empty())
-      return {error(fmt::format("this process may round otherwise than the one that recorded: {}", other),
-                    "last bits may differ for that alone; rehearse check compares within tolerance then")};
-  }
-  return {};
+  const auto recorded = RunFacts::of(recording).provenance;
+  if (!recorded) return {};
+  const std::string other = other_arithmetic(*recorded, provenance(scenario, nullptr, "", ""));
+  if (other.empty()) return {};
+  return {error(fmt::format("this process may round otherwise than the one that recorded: {}", other),
+                "last bits may differ for that alone; rehearse check compares within tolerance then")};
 }
 
 Diagnostics other_clock_than(const mcap::Reader& recording) {

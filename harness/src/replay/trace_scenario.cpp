@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 #include <rehearse/urdf.h>
 
-#include <charconv>
-
 #include "branch_origin.h"
 #include "recording/trace_version.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -27,28 +26,17 @@ std::string text_of(const mcap::Attachment& attachment) {
   return {reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size()};
 }
 
-template <class T>
-bool read_number(const mcap::StringMap& facts, const char* key, T& value) {
-  const auto fact = facts.find(key);
-  if (fact == facts.end()) return false;
-  const char* end = fact->second.data() + fact->second.size();
-  return std::from_chars(fact->second.data(), end, value).ptr == end;
-}
-
 }  // namespace
 
 Result<Scenario> scenario_of(const mcap::Reader& trace) {
-  const mcap::StringMap* facts = nullptr;
-  for (const mcap::Metadata& metadata : trace.metadata()) {
-    if (metadata.name != "rehearse") continue;
-    if (facts) return in_trace(trace, "it holds several recordings, merged into one", "take them one by one");
-    facts = &metadata.values;
-  }
+  const RunFacts run = RunFacts::of(trace);
+  if (run.provenances > 1)
+    return in_trace(trace, "it holds several recordings, merged into one", "take them one by one");
   const mcap::Attachment* source = find_attachment(trace, "scenario.yaml");
-  if (!facts || !source)
+  if (!run.provenance || !source)
     return in_trace(trace, "it is an MCAP file, but not a recording of Rehearse: it has no provenance or no scenario");
-  int version = 0;
-  if (!read_number(*facts, "trace_version", version) || version != trace_version)
+  const int version = run.trace_version.value_or(0);
+  if (version != trace_version)
     return in_trace(trace,
                     fmt::format("it is of trace version {}, and this program reads version {}", version, trace_version),
                     "read it with the version of Rehearse that wrote it");
@@ -61,10 +49,10 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   };
   Result<Scenario> scenario = Scenario::parse(text_of(*source), trace.name() + "/scenario.yaml", models);
   if (!scenario) return scenario;
-  read_number(*facts, "seed", scenario->seed);
-  read_number(*facts, "duration", scenario->duration);
-  if (const auto origin = BranchOrigin::of(trace)) {
-    for (const std::string& text : origin->push) {
+  scenario->seed = run.seed.value_or(scenario->seed);
+  scenario->duration = run.duration.value_or(scenario->duration);
+  if (run.branch) {
+    for (const std::string& text : run.branch->push) {
       const auto push = parse_push(text, *scenario);
       if (!push) return push.errors();
       scenario->pushes.push_back(*push);

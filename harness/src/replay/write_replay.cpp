@@ -23,12 +23,11 @@ namespace fs = std::filesystem;
 
 /// What engine and renderer made of the recorded world is the recording's, not this process's.
 mcap::StringMap facts_of(const Scenario& scenario, const ControllerHost& host, const mcap::Reader& recording) {
-  mcap::StringMap facts = provenance(scenario, &host, "", "");
-  for (const mcap::Metadata& metadata : recording.metadata())
-    if (metadata.name == "rehearse")
-      for (const char* fact : {"physics", "renderer"})
-        if (const auto found = metadata.values.find(fact); found != metadata.values.end()) facts[fact] = found->second;
-  return facts;
+  mcap::StringMap stated = provenance(scenario, &host, "", "");
+  const RunFacts recorded = RunFacts::of(recording);
+  for (const char* fact : {facts::physics, facts::renderer})
+    if (recorded.provenance && recorded.provenance->contains(fact)) stated[fact] = recorded.stated(fact);
+  return stated;
 }
 
 Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::string& source, const fs::path& trace,
@@ -48,7 +47,7 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
   origin.set = options.set;
   for (const auto& [name, library] : options.libraries)
     origin.controllers.push_back(name + "=" + fs::path(library).filename().string());
-  if (auto done = (*recorder)->add_metadata(branch_record, origin.facts()); !done) return done;
+  if (auto done = (*recorder)->add_metadata(records::branch, origin.metadata()); !done) return done;
   for (std::size_t body = 0; body < scenario.bodies.size(); ++body)
     if (altered->alters_joints(static_cast<int>(body))) (*recorder)->measure_joints(static_cast<int>(body));
   (*recorder)->declare(host->get());
@@ -64,9 +63,8 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
   if (last)
     if (auto done = (*recorder)->record_tick(last->tick, nullptr, {last->state_hash, 0, 0}); !done) return done;
   if (auto done = (*recorder)->record_events((*host)->take_events()); !done) return done;
-  mcap::StringMap outcome{
-      {"ticks", std::to_string(run.tick())}, {"complete", last ? "true" : "false"}, {"checkpoints", "none"}};
-  if ((*host)->failure()) outcome["failure"] = (*host)->failure()->message;
+  RunOutcome outcome{.ticks = run.tick(), .complete = last.has_value(), .checkpoints = "none"};
+  if ((*host)->failure()) outcome.failure = (*host)->failure()->message;
   descriptor.reset();
   return (*recorder)->close(outcome);
 }

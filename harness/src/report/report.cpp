@@ -7,7 +7,6 @@
 #include <rehearse/tolerance.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
 
@@ -75,7 +74,7 @@ Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scra
   auto trace = Trace::load(is_part ? scratch : file, Trace::Damage::tolerate);
   if (!trace) return trace.errors();
   if (const auto known = check_version(*trace); !known) return known.errors();
-  if (!trace->find_metadata("rehearse"))
+  if (!RunFacts::of(*trace).provenance)
     return at(file, "it is an MCAP file, but not a recording of Rehearse: it has no provenance",
               "rehearse replay turns a robot's log into one");
   source.trace_ = std::make_unique<Trace>(*std::move(trace));
@@ -94,39 +93,29 @@ struct TickRange {
   }
 };
 
-std::string fact(const Trace& trace, const std::string& record, const std::string& key) {
-  const mcap::StringMap* values = trace.find_metadata(record);
-  const auto found = values ? values->find(key) : mcap::StringMap::const_iterator();
-  return values && found != values->end() ? found->second : "";
-}
-
 /// How a run ended, a sentence; empty: as it should.
-std::string outcome_of(const Trace& trace) {
-  if (const std::string failure = fact(trace, "rehearse.outcome", "failure"); !failure.empty()) return failure;
-  return trace.find_metadata("rehearse.outcome") ? "" : "the recording was cut: nothing says how the run ended";
+std::string outcome_of(const RunFacts& run) {
+  return run.outcome ? run.outcome->failure.value_or("") : "the recording was cut: nothing says how the run ended";
 }
 
 ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::path& file) {
   const Trace& trace = run.trace;
-  ReportJson facts = ReportJson::object();
-  for (const mcap::Metadata& metadata : trace.metadata()) {
-    if (metadata.name != "rehearse") continue;
-    for (const auto& [key, value] : metadata.values) facts[key] = value;
-  }
+  const RunFacts stated = RunFacts::of(trace);
+  ReportJson provenance = ReportJson::object();
+  if (stated.provenance)
+    for (const auto& [key, value] : *stated.provenance) provenance[key] = value;
   const mcap::Attachment* scenario = trace.find_attachment("scenario.yaml");
   ReportJson remarks = ReportJson::array();
   for (const Diagnostic& damage : trace.damage()) remarks.push_back(damage.message);
   const std::int64_t messages = trace.ticks();
-  const std::string recorded = fact(trace, "rehearse.outcome", "ticks");
-  std::int64_t ticks = messages;
-  std::from_chars(recorded.data(), recorded.data() + recorded.size(), ticks);
+  const std::int64_t ticks = stated.outcome ? stated.outcome->ticks.value_or(messages) : messages;
   return {
       {"role", role},
       {"file", file.filename().string()},
       {"ticks", std::min(ticks, messages)},
-      {"complete", fact(trace, "rehearse.outcome", "complete") == "true"},
-      {"outcome", outcome_of(trace)},
-      {"facts", std::move(facts)},
+      {"complete", stated.outcome && stated.outcome->complete},
+      {"outcome", outcome_of(stated)},
+      {"facts", std::move(provenance)},
       {"scenario", scenario ? std::string(reinterpret_cast<const char*>(scenario->data.data()), scenario->data.size())
                             : std::string()},
       {"remarks", std::move(remarks)}};
@@ -360,7 +349,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
   if (golden_) range.take(golden_->clock);
   summary_.begin = range.begin;
   summary_.end = range.end;
-  conclude(summary_, options_, comparison_ ? &*comparison_ : nullptr, outcome_of(actual_.trace));
+  conclude(summary_, options_, comparison_ ? &*comparison_ : nullptr, outcome_of(RunFacts::of(actual_.trace)));
 
   ReportJson object{{"format", 1},
                     {"title", scenario_ ? scenario_->name : actual_file.stem().string()},

@@ -155,17 +155,15 @@ Result<void> Branch::create(ClosedLoop& loop) {
   loop.altered = *std::move(altered);
   if (auto created = loop.create(trace_, options_); !created) return created;
   origin_.set = options_.set;
-  const mcap::StringMap* facts = source_->recording.find_metadata("rehearse");
-  for (const auto& [fact, library] : controller_facts(*loop.host)) {
-    const auto then = facts->find(fact);
-    if (then == facts->end() || then->second != library)
+  const RunFacts source = RunFacts::of(source_->recording);
+  for (const auto& [fact, library] : controller_facts(*loop.host))
+    if (source.stated(fact) != library)
       origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
-  }
   if (!summary_.before.equal() || !summary_.before.same_controllers)
     origin_.acted_until = origin_.tick;
   else if (source_->origin && source_->origin->acted_until)
     origin_.acted_until = std::min(*source_->origin->acted_until, origin_.tick);
-  if (auto done = loop.recorder->add_metadata(branch_record, origin_.facts()); !done) return done;
+  if (auto done = loop.recorder->add_metadata(records::branch, origin_.metadata()); !done) return done;
   for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
     if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
   loop.initialize();

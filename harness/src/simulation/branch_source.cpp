@@ -12,12 +12,13 @@
 #include "recording/mesh_digests.h"
 #include "replay/recording_source.h"
 #include "replay/trace_scenario.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
 
 void find_ticks(BranchSource& source) {
-  const TraceChannel* channel = source.recording.find_channel("/tick");
+  const TraceChannel* channel = source.recording.find_channel(run_topics::tick);
   if (!channel) return;
   std::size_t state = channel->columns.size();
   for (std::size_t column = 0; column < channel->columns.size(); ++column)
@@ -25,10 +26,8 @@ void find_ticks(BranchSource& source) {
   if (state < channel->columns.size())
     for (std::size_t row = 0; row < channel->rows(); ++row) source.state_hashes.push_back(channel->bits(row, state));
   source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
-  const mcap::StringMap* outcome = source.recording.find_metadata("rehearse.outcome");
-  const auto complete = outcome ? outcome->find("complete") : mcap::StringMap::const_iterator();
-  if (outcome && complete != outcome->end() && complete->second == "true")
-    --source.whole_ticks;  // the last is the end's state
+  const auto outcome = RunFacts::of(source.recording).outcome;
+  if (outcome && outcome->complete) --source.whole_ticks;  // the last is the end's state
 }
 
 /// How many ticks before a moment the cameras and range sensors have to run so that all that arrives at it or later was
@@ -86,8 +85,7 @@ Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scen
 
 /// A log has no world, and that of a replay didn't follow its commands.
 Result<void> check_simulated(const BranchSource& source) {
-  const mcap::StringMap* facts = source.recording.find_metadata("rehearse");
-  const bool of_a_log = facts && facts->count("source") && facts->at("source") == "log";
+  const bool of_a_log = RunFacts::of(source.recording).is_of_log;
   if (!of_a_log && (!source.origin || source.origin->simulated)) return {};
   return in_recording(*source.reader,
                       error(of_a_log ? "it was recorded from a log: there is no world to go on with"
@@ -109,7 +107,7 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
   auto recording = Trace::load(file, Trace::Damage::tolerate);
   if (!recording) return recording.errors();
   source.recording = *std::move(recording);
-  source.origin = BranchOrigin::of(*source.reader);
+  source.origin = RunFacts::of(*source.reader).branch;
   if (auto simulated = check_simulated(source); !simulated) return simulated.errors();
   const bool has_pictures =
       std::any_of(source.recording.channels().begin(), source.recording.channels().end(),

@@ -89,13 +89,12 @@ Result<RunSummary> ClosedLoop::finish() {
 }
 
 Result<void> ClosedLoop::close_file() {
-  mcap::StringMap outcome{{"ticks", std::to_string(recorder->size().ticks)},
-                          {"complete", summary.failure ? "false" : "true"}};
-  if (summary.failure) outcome["failure"] = summary.failure->message;
-  outcome["checkpoints"] = world->checkpoint_verdict();
+  RunOutcome outcome{.ticks = recorder->size().ticks, .complete = !summary.failure};
+  if (summary.failure) outcome.failure = summary.failure->message;
+  outcome.checkpoints = world->checkpoint_verdict();
   descriptor.reset();
   if (const auto files = host->files_read(); !files.empty())
-    if (auto done = recorder->add_metadata(files_record, files); !done) return done;
+    if (auto done = recorder->add_metadata(records::files, files); !done) return done;
   if (auto done = recorder->close(outcome); !done) return done;
   note_recording({});
   return {};

@@ -17,7 +17,7 @@ namespace {
 
 /// The last tick whose state the recording has.
 std::int64_t last_tick_of(const Trace& recording, double time_step) {
-  const TraceChannel* ticks = recording.find_channel("/tick");
+  const TraceChannel* ticks = recording.find_channel(run_topics::tick);
   if (!ticks || ticks->times.empty()) return -1;
   return std::llround(static_cast<double>(ticks->times.back()) * 1e-9 / time_step);
 }
@@ -108,8 +108,8 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
   }
   if (auto done = go(run, last, summary); !done) return done.errors();
 
-  mcap::StringMap outcome{{"ticks", std::to_string(summary.ticks)}, {"complete", summary.failure ? "false" : "true"}};
-  if (summary.failure) outcome["failure"] = summary.failure->message;
+  RunOutcome outcome{.ticks = summary.ticks, .complete = !summary.failure};
+  if (summary.failure) outcome.failure = summary.failure->message;
   if (auto closed = (*recorder)->close(outcome); !closed) return closed.errors();
   return summary;
 }

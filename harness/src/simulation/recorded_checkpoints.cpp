@@ -15,6 +15,7 @@
 #include "plant.h"
 #include "recording/recorder.h"
 #include "replay/trace_scenario.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 
@@ -31,10 +32,9 @@ Result<msg::Checkpoint> RecordedCheckpoints::read(std::size_t row) const {
 
 Result<std::string> RecordedCheckpoints::objection() const {
   if (!channel_ || channel_->messages() == 0) return std::string("the recording has no checkpoints");
-  const mcap::StringMap* outcome = recording_.find_metadata("rehearse.outcome");
-  const auto stated = outcome ? outcome->find("checkpoints") : mcap::StringMap::const_iterator();
-  if (outcome && stated != outcome->end() && stated->second != CheckpointTrial::exact)
-    return fmt::format("the recording says that its checkpoints are {}", stated->second);
+  const auto outcome = RunFacts::of(recording_).outcome;
+  if (outcome && outcome->checkpoints.value_or(CheckpointTrial::exact) != CheckpointTrial::exact)
+    return fmt::format("the recording says that its checkpoints are {}", *outcome->checkpoints);
   const auto first = read(0);
   if (!first) return first.errors();
   if (first->format != checkpoint_format)

@@ -12,13 +12,15 @@
 #include <string>
 #include <vector>
 
+#include "trace/channel_name.h"
+
 namespace rehearse {
 
 class RecordedCheckpoints {
  public:
   /// The states are for worlds of `scenario`, which need not be the recording's own. Both must outlive this.
   RecordedCheckpoints(const Trace& recording, const Scenario& scenario)
-      : recording_(recording), scenario_(scenario), channel_(recording.find_channel("/checkpoint")) {}
+      : recording_(recording), scenario_(scenario), channel_(recording.find_channel(run_topics::checkpoint)) {}
 
   /// Why none of them can be used: a sentence; empty: they can.
   Result<std::string> objection() const;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "replay/branch_origin.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -43,8 +43,7 @@ bool is_on(const Device& device, const std::vector<double>& state) {
 
 Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const Trace& trace) {
   RecordedCommands commands(scenario);
-  if (const auto origin = BranchOrigin::of(trace.find_metadata(branch_record)))
-    commands.acted_until_ = origin->acted_until.value_or(0);
+  if (const auto origin = RunFacts::of(trace).branch) commands.acted_until_ = origin->acted_until.value_or(0);
   Diagnostics findings;
   std::set<std::string_view> taken;
   const auto add = [&](const ScenarioController& controller, std::size_t body, bool delay) {

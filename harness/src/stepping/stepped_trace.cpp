@@ -4,7 +4,6 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "compare/compare_parts.h"
 #include "export/picture_file.h"
@@ -31,19 +30,6 @@ std::vector<std::string> all_links(const Scenario& scenario) {
 std::optional<std::uint16_t> channel_of(const mcap::Reader& reader, std::string_view topic) {
   for (const auto& [id, channel] : reader.channels())
     if (channel.topic == topic) return id;
-  return std::nullopt;
-}
-
-/// The number of ticks that the recording says it has.
-std::optional<std::int64_t> stated_ticks(const mcap::Reader& reader) {
-  for (const mcap::Metadata& metadata : reader.metadata()) {
-    if (metadata.name != "rehearse.outcome") continue;
-    const auto stated = metadata.values.find("ticks");
-    if (stated == metadata.values.end()) continue;
-    std::int64_t ticks = 0;
-    const char* end = stated->second.data() + stated->second.size();
-    if (std::from_chars(stated->second.data(), end, ticks).ptr == end) return ticks;
-  }
   return std::nullopt;
 }
 
@@ -81,7 +67,8 @@ Result<void> SteppedTrace::Impl::find_ticks() {
                                   "a recording keeps the times of the simulation"));
   first_tick_ = *first;
   last_tick_ = *last;
-  if (const auto stated = stated_ticks(reader)) last_tick_ = std::min(last_tick_, *stated - 1);
+  const auto outcome = RunFacts::of(reader).outcome;
+  if (outcome && outcome->ticks) last_tick_ = std::min(last_tick_, *outcome->ticks - 1);
   if (last_tick_ < first_tick_) return nothing;
   if (first_tick_ > 1 && contacts_.is_recorded()) {  // tick 1 has those that touch from the beginning
     Diagnostic& remark = remarks_.emplace_back(in_trace(

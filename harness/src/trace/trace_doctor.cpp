@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include "channel_name.h"
+#include "run_facts.h"
+
 namespace rehearse {
 
 namespace {
@@ -33,7 +36,7 @@ TraceCheck::ChannelState& TraceCheck::state_of(const mcap::Message& message, con
     return state;
   state.topic = message.channel->topic;
   state.type = schema->name;
-  state.is_tick = schema->name == msg::Tick::type_name && state.topic == "/tick";
+  state.is_tick = schema->name == msg::Tick::type_name && state.topic == run_topics::tick;
   if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
     state.decoder = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
   return state;
@@ -68,7 +71,7 @@ void TraceCheck::attachment(const mcap::Attachment& attachment, mcap::Findings&)
 }
 
 void TraceCheck::metadata(const mcap::Metadata& metadata, mcap::Findings&) {
-  if (metadata.name == "rehearse") ++provenances_;
+  if (metadata.name == records::provenance) ++provenances_;
   metadata_[metadata.name] = metadata;
 }
 
@@ -83,14 +86,14 @@ void TraceCheck::end(std::uint64_t, mcap::Findings& findings) {
 
 /// The file is a recording of ours, or made of some. What was cut out or lost, and says so, is only noted.
 void TraceCheck::examine_recording(mcap::Findings& findings) const {
-  const mcap::Metadata& provenance = metadata_.at("rehearse");
+  const mcap::Metadata& provenance = metadata_.at(records::provenance);
   const bool cut =
       std::any_of(std::begin(cut_by), std::end(cut_by), [this](const char* name) { return metadata_.contains(name); });
   const Severity severity = cut ? Severity::note : Severity::error;
   if (provenances_ > 1)
     findings.add(severity, {provenance.offset, {}},
                  fmt::format("the file says {} times where it comes from: it holds several recordings", provenances_));
-  if (!provenance.values.contains("trace_version"))
+  if (!provenance.values.contains(facts::trace_version))
     findings.add(Severity::error, {provenance.offset, {}}, "the recording doesn't state its trace_version");
   if (std::find(attachments_.begin(), attachments_.end(), scenario_name) == attachments_.end())
     findings.add(severity, {provenance.offset, {}}, fmt::format("the recording has no attachment {}", scenario_name));
@@ -111,18 +114,17 @@ void TraceCheck::examine_recording(mcap::Findings& findings) const {
 
 /// How the run ended, of a recording that is all there.
 void TraceCheck::examine_outcome(mcap::Findings& findings) const {
-  const auto outcome = metadata_.find("rehearse.outcome");
+  const auto outcome = metadata_.find(records::outcome);
   if (outcome == metadata_.end())
-    return findings.add(Severity::error, {metadata_.at("rehearse").offset, {}},
+    return findings.add(Severity::error, {metadata_.at(records::provenance).offset, {}},
                         "the recording doesn't say how the run ended: it was cut off");
-  const mcap::StringMap& facts = outcome->second.values;
-  const auto fact = [&](const char* name) { return facts.contains(name) ? facts.at(name) : std::string(); };
+  const RunOutcome stated = RunOutcome::of(outcome->second.values);
   // after the last tick of a run that came to its end the state follows once more, as a tick of its own
-  const std::int64_t there = ticks_ - (ticks_ > 0 && fact("complete") == "true" ? 1 : 0);
-  if (fact("ticks") != std::to_string(there))
-    findings.add(
-        Severity::error, {outcome->second.offset, {}},
-        fmt::format("the outcome says that the run had {} ticks, and there are {}", in_quotes(fact("ticks")), there));
+  const std::int64_t there = ticks_ - (ticks_ > 0 && stated.complete ? 1 : 0);
+  if (stated.ticks != there)
+    findings.add(Severity::error, {outcome->second.offset, {}},
+                 fmt::format("the outcome says that the run had {} ticks, and there are {}",
+                             in_quotes(stated.ticks ? std::to_string(*stated.ticks) : ""), there));
 }
 
 }  // namespace rehearse

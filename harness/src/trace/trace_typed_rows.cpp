@@ -171,13 +171,14 @@ void put_row(const msg::PointCloud2& m, RowWriter& row) {
   if (std::vector<float> ranges; read_ranges(m, ranges)) row.put_array("ranges", ranges);
 }
 
-void put_vector(std::string& element, std::size_t stem, std::string_view part, double x, double y, double z,
-                RowWriter& row) {
-  for (const auto& [axis, value] : {std::pair("/x", x), std::pair("/y", y), std::pair("/z", z)}) {
-    element.resize(stem);
-    element += part;
-    element += axis;
-    row.put(element, value);
+/// Under the names of the kind's elements, behind a prefix.
+void put_behind(std::string& prefix, ChannelKind kind, std::span<const double> numbers, RowWriter& row) {
+  const std::size_t stem = prefix.size();
+  const std::vector<ChannelElement>& elements = elements_of(kind);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    prefix.resize(stem);
+    prefix += elements[i].name;
+    row.put(prefix, numbers[i]);
   }
 }
 
@@ -185,15 +186,8 @@ void put_vector(std::string& element, std::size_t stem, std::string_view part, d
 void put_row(const msg::Contacts& m, RowWriter& row) {
   row.put("contacts/count", CellKind::unsigned_integer, m.contacts.size());
   for (std::size_t i = 0; i < m.contacts.size(); ++i) {
-    const msg::Contact& c = m.contacts[i];
-    std::string element = "contacts/" + std::to_string(i);
-    const std::size_t stem = element.size();
-    put_vector(element, stem, "/position", c.position.x, c.position.y, c.position.z, row);
-    put_vector(element, stem, "/normal", c.normal.x, c.normal.y, c.normal.z, row);
-    put_vector(element, stem, "/force", c.force.x, c.force.y, c.force.z, row);
-    put_vector(element, stem, "/velocity", c.velocity.x, c.velocity.y, c.velocity.z, row);
-    element.resize(stem);
-    row.put(element += "/depth", c.depth);
+    std::string prefix = "contacts/" + std::to_string(i) + "/";
+    put_behind(prefix, ChannelKind::contacts, numbers_of(m.contacts[i]), row);
   }
 }
 
@@ -217,17 +211,11 @@ void put_row(const msg::Tick& m, RowWriter& row) {
 }
 
 void put_row(const msg::TFMessage& m, RowWriter& row) {
-  std::string element;
-  const std::vector<ChannelElement>& parts = elements_of(ChannelKind::transforms);
+  std::string prefix;
   for (const msg::TransformStamped& t : m.transforms) {
-    const auto& [p, q] = t.transform;
-    const double numbers[] = {p.x, p.y, p.z, q.x, q.y, q.z, q.w};
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      element = t.child_frame_id;
-      element += '/';
-      element += parts[i].name;
-      row.put(element, numbers[i]);
-    }
+    prefix = t.child_frame_id;
+    prefix += '/';
+    put_behind(prefix, ChannelKind::transforms, numbers_of(t.transform), row);
   }
 }
 
