@@ -121,7 +121,8 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
   if (place.stage == Stage::physics) return nullptr;
   const Divergence* before = nullptr;
   for (const ChannelComparison& channel : comparison.channels) {
-    if (!channel.first_bit || channel.first_bit->stage != Stage::physics || channel.channel == run_topics::tick) continue;
+    if (!channel.first_bit || channel.first_bit->stage != Stage::physics || channel.channel == run_topics::tick)
+      continue;
     const Divergence& bit = *channel.first_bit;
     const bool notable =
         comparison.same_arithmetic ||

@@ -127,7 +127,8 @@ Result<void> PartialCandidate::compare_structure(const Trace& golden, const Trac
   for (const auto& [topic, part] : parts_) {
     const TraceChannel *of_golden = golden.find_channel(topic), *of_run = run.find_channel(topic);
     if (of_golden && of_run && of_golden->type == of_run->type) continue;
-    if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) || topic == run_topics::events)
+    if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) ||
+        topic == run_topics::events)
       continue;
     return error(fmt::format("the channel {} {}, so the golden can't keep it as it is", topic,
                              !of_run      ? "isn't in the run"

@@ -1,5 +1,6 @@
-// The vocabulary of a recording: what the name of a channel (its topic) says, and for each kind of channel which message
-// it carries, the names and units of its elements, and the stage that makes its values. Nobody else takes a topic apart.
+// The vocabulary of a recording: what the name of a channel (its topic) says, and for each kind of channel which
+// message it carries, the names and units of its elements, and the stage that makes its values. Nobody else takes a
+// topic apart.
 #pragma once
 
 #include <rehearse/divergence.h>
@@ -107,9 +108,9 @@ std::string_view body_of_name(std::string_view name);
 
 /// Numbers of a message that share a name and a unit.
 struct ElementGroup {
-  std::string_view name;              // "position"; empty: all of the message
-  std::string_view unit;              // may be empty; of a joint's quantity that of a joint that turns
-  std::string_view axes = {};         // "xyz": the elements are position/x, position/y, position/z; empty: one or an array
+  std::string_view name;       // "position"; empty: all of the message
+  std::string_view unit;       // may be empty; of a joint's quantity that of a joint that turns
+  std::string_view axes = {};  // "xyz": the elements are position/x, position/y, position/z; empty: one or an array
   std::string_view linear_unit = {};  // of a joint that slides
 };
 

@@ -74,12 +74,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     WithOddNames, Topics,
-    testing::Values(
-        Case{"/R/head%2F100%25/imu", "R", "", none, "head/100%", ChannelKind::imu, Stage::sensors},
-        Case{"/R/C/output/a%252Fb/pose", "R", "C", output, "a%2Fb", ChannelKind::pose, Stage::controller},
-        Case{"/50%/C/variable/a%2Fb", "50%", "C", ChannelSide::variable, "a/b", ChannelKind::variable,
-             Stage::controller},
-        Case{"/input/output/input/joints", "input", "output", input, "", ChannelKind::joints, Stage::inputs}));
+    testing::Values(Case{"/R/head%2F100%25/imu", "R", "", none, "head/100%", ChannelKind::imu, Stage::sensors},
+                    Case{"/R/C/output/a%252Fb/pose", "R", "C", output, "a%2Fb", ChannelKind::pose, Stage::controller},
+                    Case{"/50%/C/variable/a%2Fb", "50%", "C", ChannelSide::variable, "a/b", ChannelKind::variable,
+                         Stage::controller},
+                    Case{"/input/output/input/joints", "input", "output", input, "", ChannelKind::joints,
+                         Stage::inputs}));
 
 constexpr ChannelKind other = ChannelKind::other;
 
@@ -159,9 +159,8 @@ TEST(ChannelForms, NameTheirElements) {
     for (const ChannelElement& element : elements_of(kind)) all.push_back(element.name);
     return all;
   };
-  EXPECT_THAT(names(ChannelKind::pose),
-              testing::ElementsAre("position/x", "position/y", "position/z", "orientation/x", "orientation/y",
-                                   "orientation/z", "orientation/w"));
+  EXPECT_THAT(names(ChannelKind::pose), testing::ElementsAre("position/x", "position/y", "position/z", "orientation/x",
+                                                             "orientation/y", "orientation/z", "orientation/w"));
   EXPECT_THAT(names(ChannelKind::contact), testing::ElementsAre("count", "force/x", "force/y", "force/z"));
   EXPECT_EQ(elements_of(ChannelKind::wrench)[3].unit, "N·m");
   EXPECT_EQ(unit_of_joint("dq", true), "m/s");
