@@ -9,3 +9,4 @@ rehearse_add_test(trace_test LABEL unit
     trace/ros2msg_test.cpp
     trace/trace_test.cpp
   LIBRARIES Rehearse::trace nlohmann_json::nlohmann_json)
+target_include_directories(trace_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)  # records of a file

@@ -1,7 +1,6 @@
 // rehearse cat: the messages of a trace, or of any MCAP file, one a line.
 #include <fmt/format.h>
 #include <rehearse/mcap_select.h>
-#include <rehearse/mcap_stream.h>
 #include <rehearse/message_print.h>
 
 #include <cerrno>
@@ -14,6 +13,7 @@
 #include <string>
 
 #include "command.h"
+#include "mcap/stream.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

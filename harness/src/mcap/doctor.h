@@ -1,30 +1,22 @@
-// What an examination consists of. Internal; doctor.cpp walks the file, doctor_chunks.cpp looks into chunks and at
-// their indexes, doctor_summary.cpp compares what the summary says with what was there.
+// What an examination consists of. Internal; doctor.cpp passes over the file, doctor_chunks.cpp looks into chunks and
+// at their indexes, doctor_summary.cpp compares what the summary says with what was there.
 #pragma once
 
 #include <rehearse/mcap_doctor.h>
 
 #include <map>
 
-#include "codec.h"
-#include "file_view.h"
-#include "output.h"
-#include "records.h"
+#include "record_pass.h"
 #include "resync.h"
 
 namespace rehearse::mcap {
 
-/// A chunk, as it is and as it says.
+/// A chunk, as its index should say it, and the channels and offsets of its message indexes.
 struct ExaminedChunk {
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;      // of the record, its head included
-  std::uint64_t start_time = 0;  // as it says, as all down to compression
-  std::uint64_t end_time = 0;
-  std::uint64_t stored_size = 0;
-  std::uint64_t raw_size = 0;
-  std::string_view compression;                                  // in the file
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;  // channels and offsets of its message indexes
-  std::uint64_t indexes_length = 0;                              // of all of them
+  ChunkIndex index;
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;
+
+  std::uint64_t offset() const { return index.chunk.offset; }
 };
 
 /// A channel, and what its messages were so far.
@@ -44,10 +36,11 @@ struct ExaminedChannel {
 
 /// An attachment or metadata record.
 struct ExaminedRecord {
-  std::uint64_t offset = 0;
   std::uint64_t length = 0;  // its head included
-  Attachment attachment;     // without data; of metadata the name only
+  Attachment attachment;     // without data; of metadata the name and the offset only
   std::uint64_t data_size = 0;
+
+  std::uint64_t offset() const { return attachment.offset; }
 };
 
 class Doctor {
@@ -58,8 +51,8 @@ class Doctor {
 
  private:
   // doctor.cpp
-  void walk_data();
-  bool skip_damage(std::uint64_t begin);
+  bool pass_to_footer(Record& footer);
+  bool skip_damage();
   void examine_record(const Record& record);
   void examine_header(const Record& record);
   void examine_schema(const Record& record, Place place);
@@ -71,7 +64,6 @@ class Doctor {
   void examine_profile();
   void examine_channel_profile(const Channel& channel, Place place);
   void tell_channels();
-  void tell_progress(std::uint64_t offset);
   /// False if the fields of the record aren't all there. Tells that, and what is wrong with its texts.
   bool check_fields(const Record& record, Place place);
   void add(Severity severity, Place place, std::string message) { findings_.add(severity, place, std::move(message)); }
@@ -79,14 +71,14 @@ class Doctor {
 
   // doctor_chunks.cpp
   void examine_chunk(const Record& record);
-  void examine_chunk_records(Bytes records, ExaminedChunk& chunk);
+  void examine_chunk_records(Bytes records, const Chunk& chunk);
   void examine_message_index(const Record& record);
   void compare_index(const Record& record, std::uint16_t channel, Bytes entries);
   void leave_chunk();
 
   // doctor_summary.cpp
-  void examine_summary(const Record& footer, std::uint64_t begin);
-  void examine_footer(const Record& record, std::uint64_t summary_begin);
+  void examine_summary(const Record& footer);
+  void examine_footer(const Record& record);
   void examine_summary_record(const Record& record);
   void examine_grouping(const Record& record);
   void examine_repeated(const Record& record);
@@ -94,20 +86,18 @@ class Doctor {
   void examine_record_index(const Record& record, const std::vector<ExaminedRecord>& there, bool attachments);
   void examine_statistics(const Record& record);
   void examine_summary_offset(const Record& record);
-  void tell_what_summary_lacks(std::uint64_t begin);
+  void tell_what_summary_lacks();
 
   const Bytes file_;
-  PassedBytes passed_;
+  MappedPass pass_;
   const DoctorOptions& options_;
   Examination& into_;
   Findings& findings_;
   Resync resync_;
-  Decompressor decompressor_;
+  ChunkOpener opener_;
   RawBuffer buffer_;
 
   // What was met so far.
-  std::uint32_t crc_ = 0;  // of the data section up to crc_end_
-  std::uint64_t crc_end_ = 0;
   bool headed_ = false;
   bool damaged_ = false;  // some record couldn't be looked into: counts can't be compared
   std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with their offsets
@@ -120,7 +110,7 @@ class Doctor {
   std::uint64_t messages_ = 0;
   std::uint64_t first_time_ = ~std::uint64_t{0};
   std::uint64_t last_time_ = 0;
-  std::uint64_t next_progress_ = 0;
+  std::optional<std::uint64_t> summary_begin_;  // behind DataEnd
 
   // Of the chunk that message indexes belong to now; at_chunk_ false: there is none.
   bool at_chunk_ = false;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "channel_groups.h"
+#include "chunks.h"
 #include "draft.h"
 #include "file_view.h"
 #include "whole_input.h"

@@ -110,21 +110,20 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
   mcap::RecordWalker walker(file_.bytes(), place.chunk.offset);
   mcap::Record record;
   if (!walker.next(record) || record.opcode != mcap::op::chunk) return content;
-  const auto head = mcap::parse_chunk(record.body);
-  if (!head) return content;
-  const auto records = opener_.open(*head, place.chunk.offset, content->buffer);
-  if (!records) {
-    Diagnostic finding = records.errors().front();
+  const mcap::OpenedChunk opened = opener_.open(record, content->buffer);
+  if (opened.fault == mcap::OpenedChunk::Fault::too_short) return content;
+  if (!opened.ok()) {
+    Diagnostic finding = error(opener_.describe(opened));
     finding.file = reader_->name();
     const bool known = std::any_of(damage_.begin(), damage_.end(),
                                    [&](const Diagnostic& other) { return other.message == finding.message; });
     if (!known) damage_.push_back(std::move(finding));
     return content;
   }
-  content->records = *records;
-  if (!head->compression.empty())  // else they are the file's own
+  content->records = opened.records;
+  if (!opened.head.compression.empty())  // else they are the file's own
     let_go(place.chunk.offset, walker.offset());
-  mcap::RecordWalker inside(*records);
+  mcap::RecordWalker inside(opened.records);
   while (inside.next(record)) {
     const auto message = record.opcode == mcap::op::message ? mcap::parse_message_head(record.body) : std::nullopt;
     if (!message) continue;

@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "mcap/chunk_opener.h"
+#include "mcap/chunks.h"
 #include "mcap/file_view.h"
 
 namespace rehearse {

@@ -164,6 +164,17 @@ TEST(McapRecover, GoesByTheSummaryWhereDefinitionsDiffer) {
   EXPECT_THAT(saved.recovery->lost[0].what, HasSubstr("a Channel 1 that is defined otherwise in the summary"));
 }
 
+TEST(McapRecover, LosesAChunkWithoutACrcWhoseLastRecordIsNoneThatItCanBe) {
+  Composer records = Composer().message(1, 1, "x").message(1, 2, "y");
+  const std::size_t last = Composer().message(1, 1, "x").bytes.size();
+  records.bytes[last] = std::byte{0x04};  // a channel, whose texts don't fit into it
+  const Saved saved =
+      save(Composer().magic().header().channel(1, "/a").message(1, 0, "w").chunk(1, 2, records).end().bytes);
+  EXPECT_EQ(saved.messages.size(), 1u);
+  ASSERT_EQ(saved.recovery->lost.size(), 1u);
+  EXPECT_EQ(saved.recovery->lost[0].what, "a Chunk without a CRC whose records aren't whole");
+}
+
 TEST(McapRecover, FindsTheBeginningAgain) {
   Buffer bytes = small_file();
   std::fill_n(bytes.begin(), 20, std::byte{0});
