@@ -2,7 +2,6 @@
 // that the bytes don't warrant. All ways of reading deliver the same, and so does a copy by our Writer. Schemas and
 // payloads found inside go on to the ros2msg and CDR readers.
 #include <rehearse/mcap.h>
-#include <rehearse/ros2msg.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "mcap/stream.h"
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 

@@ -1,9 +1,7 @@
 // Messages of each type that we write, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2
 // messages, value by value.
 #include <rehearse/mcap.h>
-#include <rehearse/mcap_copy.h>
 #include <rehearse/messages.h>
-#include <rehearse/ros2msg.h>
 #include <rehearse/trace.h>
 
 #include <gmock/gmock.h>
@@ -18,7 +16,9 @@
 #include <limits>
 #include <sstream>
 
+#include "mcap/copy.h"
 #include "node.h"
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

@@ -2,7 +2,7 @@
 //
 // A file is a sequence of records: schemas and channels (what can be said), messages packed into chunks (what was said,
 // compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here
-// knows what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
+// knows what is in a message; that is cdr.h and messages.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
 //
 // Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own
 // composes what was put off, compresses, checksums and writes finished chunks. The bytes of the file depend on the

@@ -1,6 +1,5 @@
 // Controllers' variables that nobody asked to compare: what they do is remarked, and decides nothing.
 #include <fmt/format.h>
-#include <rehearse/float64_message.h>
 
 #include <algorithm>
 #include <optional>
@@ -9,6 +8,7 @@
 #include "compare_parts.h"
 #include "recording/variable_topics.h"
 #include "replay/branch_origin.h"
+#include "trace/float64_message.h"
 
 namespace rehearse {
 namespace {

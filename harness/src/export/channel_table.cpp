@@ -1,8 +1,6 @@
 #include "export/channel_table.h"
 
 #include <fmt/format.h>
-#include <rehearse/message_json.h>
-#include <rehearse/ros2msg.h>
 
 #include <array>
 #include <bit>
@@ -14,6 +12,8 @@
 
 #include "compare/compare_parts.h"
 #include "export/picture_file.h"
+#include "trace/message_json.h"
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 namespace {

@@ -1,4 +1,4 @@
-#include "doctor.h"
+#include "doctor_impl.h"
 
 #include <fmt/format.h>
 #include <rehearse/text.h>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "doctor.h"
+#include "doctor_impl.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

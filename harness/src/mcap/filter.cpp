@@ -1,6 +1,7 @@
+#include "filter.h"
+
 #include <fmt/format.h>
 #include <rehearse/glob.h>
-#include <rehearse/mcap_filter.h>
 #include <rehearse/text.h>
 
 #include <algorithm>

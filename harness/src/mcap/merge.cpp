@@ -1,5 +1,6 @@
+#include "merge.h"
+
 #include <fmt/format.h>
-#include <rehearse/mcap_merge.h>
 #include <rehearse/text.h>
 
 #include <algorithm>

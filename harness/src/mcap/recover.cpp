@@ -1,11 +1,12 @@
+#include "recover.h"
+
 #include <fmt/format.h>
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/mcap_recover.h>
 #include <rehearse/text.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "doctor.h"
 #include "draft.h"
 #include "file_view.h"
 #include "record_layout.h"

@@ -1,9 +1,8 @@
 // What can be saved of a file: a first pass over it, for recover(). Internal.
 #pragma once
 
-#include <rehearse/mcap_recover.h>
-
 #include "record_pass.h"
+#include "recover.h"
 #include "resync.h"
 
 namespace rehearse::mcap {

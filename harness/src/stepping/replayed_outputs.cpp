@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/clock.h>
-#include <rehearse/float64_message.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include <tuple>
 
 #include "replay/replay_recording.h"
+#include "trace/float64_message.h"
 
 namespace rehearse {
 namespace {

@@ -1,10 +1,10 @@
 #include "trace_rows.h"
 
-#include <rehearse/ros2msg.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
+
+#include "ros2msg.h"
 
 namespace rehearse {
 

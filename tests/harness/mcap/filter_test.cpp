@@ -1,10 +1,10 @@
 // Parts of files, and files put together: messages keep what they are, and what is written is valid.
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/mcap_filter.h>
-#include <rehearse/mcap_merge.h>
 
 #include <gmock/gmock.h>
 
+#include "mcap/doctor.h"
+#include "mcap/filter.h"
+#include "mcap/merge.h"
 #include "mcap_files.h"
 
 using namespace rehearse;

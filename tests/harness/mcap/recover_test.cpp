@@ -1,9 +1,9 @@
 // Recovery: whatever is whole is saved, what is written is valid, and nothing is made up.
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/mcap_recover.h>
 
 #include <gmock/gmock.h>
 
+#include "mcap/doctor.h"
+#include "mcap/recover.h"
 #include "mcap_files.h"
 
 using namespace rehearse;
