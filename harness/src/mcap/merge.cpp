@@ -87,9 +87,7 @@ void Merger::define(OpenSource& source, int index) {
   source.reader->impl().file_.forget(source.reader->impl().bytes_);
   std::set<std::uint16_t> own;  // channels of this source that another of it may not share
   for (const auto& [id, channel] : source.reader->channels()) {
-    const Schema* schema = source.reader->schema_of(channel);
-    const std::uint16_t schema_id =
-        schema == nullptr ? std::uint16_t{0} : writer_.add_schema(schema->name, schema->encoding, schema->data);
+    const std::uint16_t schema_id = copy(source.reader->schema_of(channel), writer_);
     const std::string topic = source.prefix + channel.topic;
     const Key key{topic, channel.message_encoding, schema_id, channel.metadata};
     const auto known = options_.keep_apart ? channels_.end() : channels_.find(key);
@@ -120,10 +118,7 @@ Result<void> Merger::write_extras() {
       ++merged_.attachments;
       if (++names["the attachment " + in_quotes(attachment.name)] == 2)
         merged_.remarks.push_back(fmt::format("the attachment {} is there more than once", in_quotes(attachment.name)));
-      if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data,
-                                             attachment.log_time, attachment.create_time);
-          !done)
-        return done;
+      if (auto done = copy(attachment, writer_); !done) return done;
     }
     for (const Metadata& metadata : reader.metadata()) {
       ++merged_.metadata;
@@ -185,16 +180,14 @@ Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesys
   auto draft = Draft::begin(target, files);
   if (!draft) return draft.errors();
   WriterOptions form;
-  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
   form.profile = open.front()->reader->profile();
   for (const auto& source : open)
     if (source->reader->profile() != form.profile) form.profile.clear();
-  auto writer = Writer::create(draft->file(), form);
+  auto writer = draft->open_writer(form);
   if (!writer) return writer.errors();
   auto merged = Merger(open, **writer, options).run();
   if (!merged) return merged;
-  std::error_code ignored;
-  merged->bytes = std::filesystem::file_size(draft->file(), ignored);
+  merged->bytes = draft->size();
   if (auto done = draft->finish(); !done) return done.errors();
   return merged;
 }

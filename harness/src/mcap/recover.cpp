@@ -195,12 +195,11 @@ Diagnostic about(const std::filesystem::path& file, std::string message) {
 }
 
 /// Writes all that the survey saved.
-Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const std::filesystem::path& target,
+Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const Draft& draft,
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
   form.profile = as_utf8(survey.contents.profile);
-  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
-  auto writer = Writer::create(target, form);
+  auto writer = draft.open_writer(form);
   if (!writer) return writer.errors();
   const std::vector<std::uint16_t> ids = define(**writer, survey, recovery);
   Result<void> written;
@@ -265,7 +264,7 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   Recovery recovery;
   const Survey survey(*view, options, recovery);
   if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
-  if (auto done = write_saved(*view, source, draft->file(), survey, options, recovery); !done) return done.errors();
+  if (auto done = write_saved(*view, source, *draft, survey, options, recovery); !done) return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
   if (auto done = draft->finish(); !done) return done.errors();
   return recovery;
