@@ -6,36 +6,28 @@ find_package(Threads REQUIRED)
 
 rehearse_add_library(mcap
   src/mcap/by_summary.cpp
-  src/mcap/byte_window.cpp
-  src/mcap/bytes.cpp
-  src/mcap/channel_groups.cpp
-  src/mcap/chunk_opener.cpp
-  src/mcap/chunk_indexes.cpp
+  src/mcap/chunks.cpp
   src/mcap/codec.cpp
   src/mcap/contents.cpp
   src/mcap/copy.cpp
-  src/mcap/cut_files.cpp
-  src/mcap/damage_log.cpp
   src/mcap/doctor.cpp
   src/mcap/doctor_chunks.cpp
   src/mcap/doctor_summary.cpp
   src/mcap/draft.cpp
   src/mcap/file_view.cpp
   src/mcap/filter.cpp
-  src/mcap/frame.cpp
-  src/mcap/input.cpp
   src/mcap/merge.cpp
   src/mcap/order.cpp
   src/mcap/output.cpp
   src/mcap/reader.cpp
-  src/mcap/records.cpp
   src/mcap/record_layout.cpp
+  src/mcap/record_pass.cpp
+  src/mcap/records.cpp
   src/mcap/recover.cpp
   src/mcap/resync.cpp
-  src/mcap/scan.cpp
+  src/mcap/select.cpp
   src/mcap/sink.cpp
   src/mcap/stream.cpp
-  src/mcap/select.cpp
   src/mcap/summary.cpp
   src/mcap/survey.cpp
   src/mcap/writer.cpp)

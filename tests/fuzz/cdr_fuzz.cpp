@@ -1,9 +1,7 @@
 // Whatever the bytes: a payload is decoded as far as it goes, and nothing outside of it is read. The first byte chooses
 // what it is: a payload of one of the schemas below; from 0x80 on a schema of its own, up to a zero byte, and its
 // payload; 0xf0 to 0xff values to write and read again.
-#include <rehearse/message_json.h>
 #include <rehearse/messages.h>
-#include <rehearse/ros2msg.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -16,6 +14,9 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "trace/message_json.h"
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 

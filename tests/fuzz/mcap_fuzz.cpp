@@ -2,8 +2,6 @@
 // that the bytes don't warrant. All ways of reading deliver the same, and so does a copy by our Writer. Schemas and
 // payloads found inside go on to the ros2msg and CDR readers.
 #include <rehearse/mcap.h>
-#include <rehearse/mcap_stream.h>
-#include <rehearse/ros2msg.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,6 +11,9 @@
 #include <string>
 #include <tuple>
 #include <vector>
+
+#include "mcap/stream.h"
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 
@@ -42,6 +43,19 @@ void decode_all(mcap::Reader& reader) {
   }));
 }
 
+/// In pieces whose sizes come from the bytes.
+Result<std::unique_ptr<mcap::StreamReader>> open_stream(mcap::Bytes bytes, const mcap::ReaderOptions& options) {
+  const auto source = [bytes, at = std::size_t{0}](std::span<std::byte> target) mutable -> Result<std::size_t> {
+    if (at == bytes.size()) return std::size_t{0};
+    const auto wanted = std::size_t{1} + std::to_integer<std::size_t>(bytes[at]) % 61;
+    const std::size_t count = std::min({wanted, target.size(), bytes.size() - at});
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), count, target.begin());
+    at += count;
+    return count;
+  };
+  return mcap::StreamReader::open_source(source, "fuzz.mcap", options);
+}
+
 void read_all(mcap::Bytes bytes, bool check_crcs) {
   mcap::ReaderOptions options;
   options.check_crcs = check_crcs;
@@ -64,7 +78,10 @@ void read_all(mcap::Bytes bytes, bool check_crcs) {
     return ++ordered < 100'000;
   }));
   if (last && !reader.message_at(*last)) std::abort();  // what a pass delivered can be had again
-  static_cast<void>(reader.for_each_record([&](const mcap::Record& record) { return sum(record.body) < ~time; }));
+  if (const auto stream = open_stream(bytes, options)) {
+    const auto touch = [&](const mcap::Record& record) { return sum(record.body) < ~time; };
+    static_cast<void>((*stream)->read({{}, {}, {}, touch}));
+  }
   for (const auto& attachment : reader.attachments()) static_cast<void>(sum(attachment.data));
   decode_all(reader);
 }
@@ -117,18 +134,8 @@ Pass read_file(mcap::Bytes bytes, mcap::Opening opening) {
   return reader ? pass_over(**reader, true) : Pass{};
 }
 
-/// In pieces whose sizes come from the bytes.
 Pass read_stream(mcap::Bytes bytes) {
-  std::size_t at = 0;
-  const auto source = [&](std::span<std::byte> target) -> Result<std::size_t> {
-    if (at == bytes.size()) return std::size_t{0};
-    const auto wanted = std::size_t{1} + std::to_integer<std::size_t>(bytes[at]) % 61;
-    const std::size_t count = std::min({wanted, target.size(), bytes.size() - at});
-    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), count, target.begin());
-    at += count;
-    return count;
-  };
-  const auto stream = mcap::StreamReader::open_source(source, "fuzz.mcap", {true, mcap::Opening::walk, small_chunks});
+  const auto stream = open_stream(bytes, {true, mcap::Opening::walk, small_chunks});
   return stream ? pass_over(**stream, true) : Pass{};
 }
 

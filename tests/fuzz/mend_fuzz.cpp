@@ -1,7 +1,5 @@
 // Whatever the bytes: the doctor examines them and finds at least what the Reader finds, and what recover() makes of
 // them, if it makes anything, is a whole file.
-#include <rehearse/mcap_recover.h>
-#include <rehearse/trace_doctor.h>
 
 #include <unistd.h>
 #include <cstddef>
@@ -10,6 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+
+#include "mcap/recover.h"
+#include "trace/trace_doctor.h"
 
 using namespace rehearse;
 

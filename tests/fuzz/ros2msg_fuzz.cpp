@@ -1,6 +1,5 @@
 // Whatever the text: the schema parser answers with a schema or with errors that have a line, and never crashes, hangs
 // or recurses without end. A schema that passed decodes anything without harm.
-#include <rehearse/ros2msg.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -9,6 +8,8 @@
 #include <functional>
 #include <string_view>
 #include <vector>
+
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 

@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/compare.h>
-#include <rehearse/float64_message.h>
-#include <rehearse/ros2msg.h>
 
 #include <numbers>
 
 #include "small_traces.h"
+#include "trace/float64_message.h"
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 namespace {

@@ -4,9 +4,7 @@
 #include <gtest/gtest.h>
 #include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
-#include <rehearse/mcap_recover.h>
 #include <rehearse/messages.h>
-#include <rehearse/trace_doctor.h>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -22,6 +20,9 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "mcap/recover.h"
+#include "trace/trace_doctor.h"
 
 namespace rehearse::test {
 

@@ -1,8 +1,5 @@
 // rehearse cat: the messages of a trace, or of any MCAP file, one a line.
 #include <fmt/format.h>
-#include <rehearse/mcap_select.h>
-#include <rehearse/mcap_stream.h>
-#include <rehearse/message_print.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -14,9 +11,12 @@
 #include <string>
 
 #include "command.h"
+#include "mcap/select.h"
+#include "mcap/stream.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "trace/message_print.h"
 
 namespace rehearse::tool {
 namespace {

@@ -1,6 +1,5 @@
 // rehearse doctor: everything about files that isn't as the MCAP specification, or our trace format, has it.
 #include <fmt/format.h>
-#include <rehearse/trace_doctor.h>
 
 #include <cstdio>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "trace/trace_doctor.h"
 
 namespace rehearse::tool {
 namespace {

@@ -1,7 +1,6 @@
 // rehearse export: a trace, or any MCAP file, as tables, pictures or a video.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/trace_export.h>
 
 #include <cstdio>
 #include <map>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "command.h"
+#include "export/trace_export.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

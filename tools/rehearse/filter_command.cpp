@@ -1,6 +1,5 @@
 // rehearse filter: a part of a trace, or all of it in another form.
 #include <fmt/format.h>
-#include <rehearse/mcap_filter.h>
 
 #include <cstdio>
 #include <limits>
@@ -9,6 +8,7 @@
 
 #include "command.h"
 #include "export/replaceable.h"
+#include "mcap/filter.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

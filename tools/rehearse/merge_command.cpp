@@ -1,6 +1,5 @@
 // rehearse merge: several traces in one, in the order of time.
 #include <fmt/format.h>
-#include <rehearse/mcap_merge.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -10,6 +9,7 @@
 
 #include "command.h"
 #include "export/replaceable.h"
+#include "mcap/merge.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/host_options.h>
-#include <rehearse/mcap_select.h>
 #include <rehearse/urdf.h>
 
 #include <CLI/App.hpp>
@@ -10,6 +9,8 @@
 #include <functional>
 #include <string>
 #include <string_view>
+
+#include "mcap/select.h"
 
 namespace rehearse::tool {
 

@@ -1,6 +1,5 @@
 // rehearse recover: a whole file of what can be saved from one that is cut or damaged.
 #include <fmt/format.h>
-#include <rehearse/mcap_recover.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -9,6 +8,7 @@
 
 #include "command.h"
 #include "export/replaceable.h"
+#include "mcap/recover.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -2,15 +2,15 @@
 //
 // A file is a sequence of records: schemas and channels (what can be said), messages packed into chunks (what was said,
 // compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here
-// knows what is in a message; that is cdr.h and ros2msg.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
+// knows what is in a message; that is cdr.h and messages.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
 //
 // Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own
 // composes what was put off, compresses, checksums and writes finished chunks. The bytes of the file depend on the
 // calls and their arguments, on nothing else.
 //
 // Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
-// damaged file before it says where the damage is. What comes through a pipe it keeps in a temporary file first; who
-// reads it as it comes: mcap_stream.h. Neither class may be used from two threads at a time.
+// damaged file before it says where the damage is. What comes through a pipe it keeps in a temporary file first.
+// Neither class may be used from two threads at a time.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -283,14 +283,11 @@ class Reader {
   /// The same in order of (log time, position in the file), over chunks that overlap in time. Holds those chunks.
   Result<void> for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
 
-  /// Every record in file order, chunks first and then what is in them, the summary last; for tools. Checks no CRC but
-  /// the chunks'.
-  Result<void> for_each_record(const OnRecord& callback);
-
   /// One message again. Its data is valid until the next call of any function of this Reader.
   Result<Message> message_at(const Location& location);
 
-  class Impl;  // internal
+  class Impl;
+  Impl& impl() const { return *impl_; }  // internal
 
  private:
   explicit Reader(std::unique_ptr<Impl> impl);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/mcap.h>
-#include <rehearse/ros2msg.h>
 
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "compare_parts.h"
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 

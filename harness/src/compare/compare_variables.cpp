@@ -1,6 +1,5 @@
 // Controllers' variables that nobody asked to compare: what they do is remarked, and decides nothing.
 #include <fmt/format.h>
-#include <rehearse/float64_message.h>
 
 #include <algorithm>
 #include <optional>

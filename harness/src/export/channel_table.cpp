@@ -1,8 +1,6 @@
 #include "export/channel_table.h"
 
 #include <fmt/format.h>
-#include <rehearse/message_json.h>
-#include <rehearse/ros2msg.h>
 
 #include <array>
 #include <bit>
@@ -14,6 +12,8 @@
 
 #include "compare/compare_parts.h"
 #include "export/picture_file.h"
+#include "trace/message_json.h"
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 namespace {
@@ -152,15 +152,6 @@ class WholeTable final : public ChannelTable {
   std::unique_ptr<ChannelTable> series_, fields_;
 };
 
-TraceChannel describe(const mcap::Channel& channel, const mcap::Schema* schema) {
-  TraceChannel described;
-  described.topic = channel.topic;
-  described.type = schema == nullptr ? "" : schema->name;
-  described.encoding = channel.message_encoding;
-  described.metadata = channel.metadata;
-  return described;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& channel, const mcap::Schema* schema) {
@@ -176,23 +167,16 @@ Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& ch
   if (!parsed) return parsed.errors();
   const auto held = *series == nullptr ? std::nullopt : std::optional<HeldValues>(schema->name);
   std::unique_ptr<ChannelTable> fields =
-      std::make_unique<FieldTable>(std::move(*parsed), describe(channel, schema), held);
+      std::make_unique<FieldTable>(std::move(*parsed), describe_channel(channel, schema), held);
   if (*series == nullptr) return fields;
   return std::unique_ptr<ChannelTable>(std::make_unique<WholeTable>(std::move(*series), std::move(fields)));
 }
 
 Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& channel, const mcap::Schema* schema,
                                                        bool any_schema) {
-  std::unique_ptr<SeriesTable> table(new SeriesTable());
-  table->channel_ = describe(channel, schema);
-  if (any_schema) {
-    auto rows = make_row_reader(table->channel_, schema);
-    if (!rows) return rows.errors();
-    table->rows_ = std::move(*rows);
-  } else {
-    table->rows_ = make_typed_row_reader(table->channel_);
-  }
-  if (table->rows_ == nullptr) return std::unique_ptr<SeriesTable>();
+  std::unique_ptr<SeriesTable> table(new SeriesTable(channel, schema));
+  if (any_schema && !table->rows_.problems().empty()) return table->rows_.problems();
+  if (!(any_schema ? table->rows_.has_rows() : table->rows_.is_typed())) return std::unique_ptr<SeriesTable>();
   if (schema != nullptr) {
     if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
       table->decoder_ = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
@@ -206,23 +190,21 @@ bool SeriesTable::read(mcap::Bytes payload) {
     decoder_->decode(payload, [&](const ros2msg::Value& value) {
       if (!held_->holds(value)) left_out_.insert(pattern_of(value.path));
     });
-  channel_.cells.clear();
-  channel_.times.assign(1, 0);  // the table has one row, whatever its columns
-  return rows_->read(payload) && channel_.columns.size() <= max_columns;
+  return rows_.replace(0, payload) && rows_.table.columns.size() <= max_columns;
 }
 
 void SeriesTable::append_row(std::string& line) const {
-  for (std::size_t i = 0; i < channel_.columns.size(); ++i) {
+  for (std::size_t i = 0; i < rows_.table.columns.size(); ++i) {
     line += ',';
-    append_bits(line, channel_.columns[i].kind, channel_.cells[i]);
+    append_bits(line, rows_.table.columns[i].kind, rows_.table.cells[i]);
   }
 }
 
 std::vector<ChannelTable::Column> SeriesTable::columns() const {
   std::vector<Column> columns;
-  for (const TraceColumn& column : channel_.columns)
+  for (const TraceColumn& column : rows_.table.columns)
     columns.push_back(
-        {column.series.empty() ? column.element : column.series, unit_of(channel_.metadata, column.element)});
+        {column.series.empty() ? column.element : column.series, unit_of(rows_.table.metadata, column.element)});
   return columns;
 }
 

@@ -47,13 +47,12 @@ class SeriesTable final : public ChannelTable {
   void append_row(std::string& line) const override;
   std::vector<Column> columns() const override;
   std::set<std::string> left_out() const override { return left_out_; }
-  TraceChannel& channel() { return channel_; }
+  TraceChannel& channel() { return rows_.table; }
 
  private:
-  SeriesTable() = default;
+  SeriesTable(const mcap::Channel& channel, const mcap::Schema* schema) : rows_(channel, schema) {}
 
-  TraceChannel channel_;
-  std::unique_ptr<RowReader> rows_;
+  ChannelRows rows_;
   std::unique_ptr<ros2msg::Decoder> decoder_;  // null: the schema isn't known
   std::unique_ptr<HeldValues> held_;
   std::set<std::string> left_out_;  // of the first message

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <rehearse/trace_export.h>
 
 #include <algorithm>
 #include <map>
@@ -8,10 +7,11 @@
 
 #include "export/channel_table.h"
 #include "export/export_files.h"
-#include "export/replaceable.h"
 #include "export/export_source.h"
 #include "export/picture_file.h"
+#include "export/replaceable.h"
 #include "export/video_encoder.h"
+#include "trace_export.h"
 
 namespace rehearse {
 namespace {

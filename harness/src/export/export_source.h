@@ -1,8 +1,6 @@
 // The messages that an export is made of, passed over as often as it takes. Internal.
 #pragma once
 
-#include <rehearse/trace_export.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,6 +8,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "trace_export.h"
 
 namespace rehearse {
 

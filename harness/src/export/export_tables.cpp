@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <rehearse/messages.h>
-#include <rehearse/trace_export.h>
 
 #include <algorithm>
 #include <map>
@@ -10,8 +9,9 @@
 
 #include "export/channel_table.h"
 #include "export/export_files.h"
-#include "export/replaceable.h"
 #include "export/export_source.h"
+#include "export/replaceable.h"
+#include "trace_export.h"
 
 namespace rehearse {
 namespace {

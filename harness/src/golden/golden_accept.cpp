@@ -1,15 +1,15 @@
 // How a run becomes a golden, and how one goes.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
-#include <rehearse/noise_floor.h>
 #include <rehearse/mcap.h>
-#include <rehearse/mcap_copy.h>
+#include <rehearse/noise_floor.h>
 #include <rehearse/picture_difference.h>
 
 #include <algorithm>
 #include <set>
 
 #include "golden_files.h"
+#include "mcap/copy.h"
 #include "pending_verdict.h"
 #include "report/stale_report.h"
 #include "trace/run_facts.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
-#include <rehearse/mcap_recover.h>
 #include <rehearse/supervise.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -22,6 +21,7 @@
 #include <string>
 
 #include "guarded_call.h"
+#include "mcap/recover.h"
 
 namespace rehearse {
 namespace {

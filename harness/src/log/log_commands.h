@@ -3,7 +3,6 @@
 
 #include <rehearse/divergence.h>
 #include <rehearse/mcap.h>
-#include <rehearse/ros2msg.h>
 #include <rehearse/scenario.h>
 
 #include <cstdint>
@@ -15,6 +14,7 @@
 
 #include "host/controller_host.h"
 #include "log_feed.h"
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 

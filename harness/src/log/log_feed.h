@@ -4,7 +4,6 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
 #include <rehearse/mcap.h>
-#include <rehearse/ros2msg.h>
 
 #include <cstdint>
 #include <map>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "log_map.h"
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 

@@ -1,7 +1,8 @@
 #include "log_topics.h"
 
 #include <fmt/format.h>
-#include <rehearse/ros2msg.h>
+
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 namespace {

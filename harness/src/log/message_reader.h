@@ -7,7 +7,6 @@
 #include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
 #include <rehearse/message_codec.h>
-#include <rehearse/ros2msg.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,8 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "trace/ros2msg.h"
 
 namespace rehearse {
 namespace detail {

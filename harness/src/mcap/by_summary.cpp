@@ -1,6 +1,5 @@
 // Opening a file by its end: what the summary says, if it is whole and fits together. Looks at nothing else but the
 // header, the first and the last chunk, and the records that the summary points to.
-#include "frame.h"
 #include "reader_impl.h"
 
 #include <algorithm>
@@ -19,7 +18,7 @@ struct Summary {
   bool whole = true;
 };
 
-void take_in(const Record& record, Summary& summary, DamageLog& damage) {
+void take_in_summary(const Record& record, Summary& summary, DamageLog& damage) {
   const auto keep = [&](auto&& parsed, auto& list) {
     if (parsed) list.push_back(std::move(*parsed));
     summary.whole = summary.whole && parsed;
@@ -46,11 +45,10 @@ bool counts_fit(const Summary& summary) {
     if (!channels.contains(channel)) return false;
     messages += count;
   }
-  for (const auto& [id, channel] : channels)
-    if (channel.schema_id != 0 && !summary.contents.schema_of(channel)) return false;
-  return messages == said.message_count && channels.size() == said.channel_count &&
-         summary.contents.schemas.size() == said.schema_count && summary.chunks.size() == said.chunk_count &&
-         summary.attachments.size() == said.attachment_count && summary.metadata.size() == said.metadata_count;
+  return summary.contents.has_all_schemas() && messages == said.message_count &&
+         channels.size() == said.channel_count && summary.contents.schemas.size() == said.schema_count &&
+         summary.chunks.size() == said.chunk_count && summary.attachments.size() == said.attachment_count &&
+         summary.metadata.size() == said.metadata_count;
 }
 
 /// Whether what begins at `offset` in the data section is a record of that opcode and length.
@@ -84,13 +82,8 @@ bool chunks_fit(std::vector<ChunkIndex>& chunks, Bytes data) {
 /// Where the summary begins, if Footer, DataEnd and the last bytes of the file are as they should be.
 std::optional<std::uint64_t> Reader::Impl::find_summary() const {
   constexpr std::size_t data_end_size = record_head + 4;
-  constexpr std::size_t tail = footer_size + magic.size();
-  if (bytes_.size() < magic.size() + data_end_size + tail || !begins_with_magic(bytes_.last(magic.size())))
-    return std::nullopt;
-  const std::uint64_t footer_at = bytes_.size() - tail;
-  Record record;
-  if (!RecordWalker(bytes_, footer_at).next(record) || record.opcode != op::footer) return std::nullopt;
-  const auto footer = parse_footer(record.body);
+  std::uint64_t footer_at = 0;
+  const auto footer = find_footer(bytes_, footer_at);
   if (!footer || footer->summary_start < magic.size() + data_end_size || footer->summary_start >= footer_at)
     return std::nullopt;
   if (!is_record(bytes_, footer->summary_start - data_end_size, data_end_size, op::data_end)) return std::nullopt;
@@ -121,7 +114,7 @@ bool Reader::Impl::open_by_summary() {
   RecordWalker walker(bytes_.first(bytes_.size() - footer_size - magic.size()), *start);
   std::uint64_t forgotten = *start;
   while (walker.next(record)) {
-    take_in(record, summary, damage);
+    take_in_summary(record, summary, damage);
     constexpr std::uint64_t step = std::uint64_t{1} << 20;
     if (walker.offset() - forgotten < step) continue;
     file_.forget(bytes_.subspan(forgotten, walker.offset() - forgotten));

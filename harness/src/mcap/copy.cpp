@@ -1,4 +1,4 @@
-#include <rehearse/mcap_copy.h>
+#include "copy.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "doctor.h"
+#include "doctor_impl.h"
 
 #include <fmt/format.h>
 #include <rehearse/text.h>
@@ -6,16 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "frame.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {
-
-namespace {
-constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
-
-std::uint64_t length_of(const Record& record) { return record_head + record.body.size(); }
-}  // namespace
 
 void Findings::add(Severity severity, Place place, std::string message) {
   std::uint64_t& count = counts_[static_cast<std::size_t>(severity)];
@@ -24,67 +17,57 @@ void Findings::add(Severity severity, Place place, std::string message) {
 
 Doctor::Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into)
     : file_(file),
-      passed_(view, file),
+      pass_(view, file, true, options.progress),
       options_(options),
       into_(into),
       findings_(into.findings),
-      resync_(file, options.max_chunk_size) {}
+      resync_(file, options.max_chunk_size),
+      opener_({.max_chunk_size = options.max_chunk_size}) {}
 
 void Doctor::examine() {
-  crc_end_ = magic.size();
-  crc_ = crc32(file_.first(crc_end_));
-  walk_data();
+  Record footer;
+  const bool ends = pass_to_footer(footer);
+  if (ends) examine_summary(footer);
   tell_channels();
   into_.chunks = chunks_.size();
   into_.messages = messages_;
   if (options_.content != nullptr) options_.content->end(file_.size(), findings_);
 }
 
-/// The data section, and what follows it.
-void Doctor::walk_data() {
-  RecordWalker walker(file_, magic.size());
-  Record record;
+/// The data section, and what follows it. False if there is no Footer.
+bool Doctor::pass_to_footer(Record& record) {
   while (true) {
-    const std::uint64_t begin = walker.offset();
-    tell_progress(begin);
-    if (!walker.next(record)) {
+    if (!pass_.next(record)) {
       leave_chunk();
-      if (!skip_damage(begin)) return;
-      walker = RecordWalker(file_, crc_end_);
+      if (!skip_damage()) return false;
       continue;
     }
-    if (record.opcode == op::data_end || record.opcode == op::footer) break;
-    examine_record(record);
-    crc_ = crc32(file_.subspan(begin, length_of(record)), crc_);
-    crc_end_ = walker.offset();
-  }
-  leave_chunk();
-  if (!headed_) fail({magic.size(), {}}, "there is no Header");
-  if (record.opcode == op::footer) {
-    fail({record.offset, {}}, "there is no Data End before the Footer");
-    return examine_summary(record, record.offset);
-  }
-  examine_data_end(record);
-  const std::uint64_t summary_begin = walker.offset();
-  while (true) {
-    const std::uint64_t begin = walker.offset();
-    if (walker.next(record)) {
-      if (record.opcode == op::footer) return examine_summary(record, summary_begin);
+    if (record.opcode == op::footer && summary_begin_) return true;
+    if (summary_begin_) continue;  // examined when its end is known
+    if (record.opcode != op::data_end && record.opcode != op::footer) {
+      examine_record(record);
       continue;
     }
-    if (!skip_damage(begin)) return;
-    walker = RecordWalker(file_, crc_end_);
+    leave_chunk();
+    if (!headed_) fail({magic.size(), {}}, "there is no Header");
+    if (record.opcode == op::footer) {
+      fail({record.offset, {}}, "there is no Data End before the Footer");
+      summary_begin_ = record.offset;
+      return true;
+    }
+    examine_data_end(record);
+    summary_begin_ = pass_.offset();
   }
 }
 
-/// What begins there isn't a record; the next one begins at crc_end_. False if none does.
-bool Doctor::skip_damage(std::uint64_t begin) {
+/// What begins there isn't a record. False if none does any more.
+bool Doctor::skip_damage() {
+  const std::uint64_t begin = pass_.offset();
   const auto next = begin < file_.size() ? resync_.find(begin + 1) : std::nullopt;
   damaged_ = true;
   if (next) {
     fail({begin, {}}, fmt::format("what stands there is no record; the next one begins at byte {}", *next));
-    crc_ = crc32(file_.subspan(begin, *next - begin), crc_);
-    crc_end_ = *next;
+    pass_.go_on_at(*next);
     return true;
   }
   const Bytes rest = file_.subspan(begin);
@@ -225,7 +208,7 @@ void Doctor::examine_attachment(const Record& record) {
   attachment.data = {};
   attachment.offset = record.offset;
   if (options_.content != nullptr) options_.content->attachment(attachment, findings_);
-  attachments_.push_back({record.offset, length_of(record), std::move(attachment), parsed->attachment.data.size()});
+  attachments_.push_back({bytes_of(record).size(), std::move(attachment), parsed->attachment.data.size()});
 }
 
 void Doctor::examine_metadata(const Record& record) {
@@ -233,9 +216,10 @@ void Doctor::examine_metadata(const Record& record) {
   REHEARSE_ASSERT(metadata, "its fields are whole");
   metadata->offset = record.offset;
   if (options_.content != nullptr) options_.content->metadata(*metadata, findings_);
-  Attachment named;
-  named.name = std::move(metadata->name);
-  metadata_.push_back({record.offset, length_of(record), std::move(named), 0});
+  ExaminedRecord& examined = metadata_.emplace_back();
+  examined.length = bytes_of(record).size();
+  examined.attachment.name = std::move(metadata->name);
+  examined.attachment.offset = record.offset;
 }
 
 void Doctor::examine_message(const Record& record, Place place) {
@@ -273,7 +257,8 @@ void Doctor::examine_data_end(const Record& record) {
   const Place place{record.offset, {}};
   if (!check_fields(record, place)) return;
   const auto crc = ByteReader(record.body).get<std::uint32_t>();
-  if (crc != 0 && crc != crc_) fail(place, "the CRC of the data section, which the Data End states, doesn't match");
+  if (crc != 0 && crc != pass_.crc())
+    fail(place, "the CRC of the data section, which the Data End states, doesn't match");
 }
 
 /// What is said once for a channel, however many of its messages are so.
@@ -291,13 +276,6 @@ void Doctor::tell_channels() {
               "no counts",
               name, channel.jumps, channel.jumps == 1 ? "gap" : "gaps"));
   }
-}
-
-void Doctor::tell_progress(std::uint64_t offset) {
-  passed_.pass(offset);
-  if (!options_.progress || offset < next_progress_) return;
-  options_.progress(offset, file_.size());
-  next_progress_ = offset + progress_step;
 }
 
 namespace {

@@ -1,138 +1,92 @@
-// What an examination consists of. Internal; doctor.cpp walks the file, doctor_chunks.cpp looks into chunks and at
-// their indexes, doctor_summary.cpp compares what the summary says with what was there.
+// The doctor: everything about a file that isn't as the MCAP specification has it, each with its place, in one pass.
+//
+// It believes nothing: every CRC is computed, every index and count is compared with what is there. Behind damage it
+// looks for where records go on, and examines those too. What is in the messages is somebody else's matter, who may
+// look over its shoulder: ContentCheck.
+//
+// Memory: what the summary's indexes take (some hundred bytes a chunk), and one chunk.
 #pragma once
 
-#include <rehearse/mcap_doctor.h>
+#include <rehearse/mcap.h>
 
-#include <map>
-
-#include "codec.h"
-#include "file_view.h"
-#include "output.h"
-#include "records.h"
-#include "resync.h"
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace rehearse::mcap {
 
-/// A chunk, as it is and as it says.
-struct ExaminedChunk {
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;      // of the record, its head included
-  std::uint64_t start_time = 0;  // as it says, as all down to compression
-  std::uint64_t end_time = 0;
-  std::uint64_t stored_size = 0;
-  std::uint64_t raw_size = 0;
-  std::string_view compression;                                  // in the file
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;  // channels and offsets of its message indexes
-  std::uint64_t indexes_length = 0;                              // of all of them
+/// Where something is.
+struct Place {
+  std::uint64_t offset = 0;             // of a record, in the file
+  std::optional<std::uint64_t> inside;  // in the decompressed records of the chunk that is at `offset`
 };
 
-/// A channel, and what its messages were so far.
-struct ExaminedChannel {
-  Channel channel;
-  std::uint64_t offset = 0;  // where it was defined
-  std::uint64_t messages = 0;
-  bool in_chunks = false;  // some of them
-  std::uint64_t last_time = 0;
-  std::uint32_t last_sequence = 0;
-  std::uint64_t back_in_time = 0;  // messages that are earlier than the one before
-  Place back_at;                   // the first of them
-  std::uint64_t back_by = 0;       // the most [ns]
-  std::uint64_t jumps = 0;         // of its sequence numbers
-  Place jump_at;
+struct Finding {
+  Severity severity = Severity::error;  // error: against the specification. warning: against its advice. note: unusual
+  Place place;
+  std::string message;
 };
 
-/// An attachment or metadata record.
-struct ExaminedRecord {
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;  // its head included
-  Attachment attachment;     // without data; of metadata the name only
-  std::uint64_t data_size = 0;
-};
-
-class Doctor {
+/// What was found of one severity: the first ones, and how many there are.
+class Findings {
  public:
-  /// `view`: where the file's bytes come from; an empty one if they were given.
-  Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into);
-  void examine();
+  Findings() = default;
+  explicit Findings(std::size_t limit) : limit_(limit) {}
+
+  void add(Severity severity, Place place, std::string message);
+
+  /// In the order in which they were found; of each severity up to the limit.
+  const std::vector<Finding>& list() const { return list_; }
+  /// Listed or not.
+  std::uint64_t count(Severity severity) const { return counts_[static_cast<std::size_t>(severity)]; }
+  bool has_error() const { return count(Severity::error) > 0; }
 
  private:
-  // doctor.cpp
-  void walk_data();
-  bool skip_damage(std::uint64_t begin);
-  void examine_record(const Record& record);
-  void examine_header(const Record& record);
-  void examine_schema(const Record& record, Place place);
-  void examine_channel(const Record& record, Place place);
-  void examine_attachment(const Record& record);
-  void examine_metadata(const Record& record);
-  void examine_message(const Record& record, Place place);
-  void examine_data_end(const Record& record);
-  void examine_profile();
-  void examine_channel_profile(const Channel& channel, Place place);
-  void tell_channels();
-  void tell_progress(std::uint64_t offset);
-  /// False if the fields of the record aren't all there. Tells that, and what is wrong with its texts.
-  bool check_fields(const Record& record, Place place);
-  void add(Severity severity, Place place, std::string message) { findings_.add(severity, place, std::move(message)); }
-  void fail(Place place, std::string message) { add(Severity::error, place, std::move(message)); }
-
-  // doctor_chunks.cpp
-  void examine_chunk(const Record& record);
-  void examine_chunk_records(Bytes records, ExaminedChunk& chunk);
-  void examine_message_index(const Record& record);
-  void compare_index(const Record& record, std::uint16_t channel, Bytes entries);
-  void leave_chunk();
-
-  // doctor_summary.cpp
-  void examine_summary(const Record& footer, std::uint64_t begin);
-  void examine_footer(const Record& record, std::uint64_t summary_begin);
-  void examine_summary_record(const Record& record);
-  void examine_grouping(const Record& record);
-  void examine_repeated(const Record& record);
-  void examine_chunk_index(const Record& record);
-  void examine_record_index(const Record& record, const std::vector<ExaminedRecord>& there, bool attachments);
-  void examine_statistics(const Record& record);
-  void examine_summary_offset(const Record& record);
-  void tell_what_summary_lacks(std::uint64_t begin);
-
-  const Bytes file_;
-  PassedBytes passed_;
-  const DoctorOptions& options_;
-  Examination& into_;
-  Findings& findings_;
-  Resync resync_;
-  Decompressor decompressor_;
-  RawBuffer buffer_;
-
-  // What was met so far.
-  std::uint32_t crc_ = 0;  // of the data section up to crc_end_
-  std::uint64_t crc_end_ = 0;
-  bool headed_ = false;
-  bool damaged_ = false;  // some record couldn't be looked into: counts can't be compared
-  std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with their offsets
-  std::map<std::uint16_t, ExaminedChannel> channels_;
-  std::vector<ExaminedChunk> chunks_;  // in file order
-  std::vector<ExaminedRecord> attachments_;
-  std::vector<ExaminedRecord> metadata_;
-  std::uint64_t loose_messages_ = 0;
-  std::uint64_t loose_at_ = 0;  // the first of them
-  std::uint64_t messages_ = 0;
-  std::uint64_t first_time_ = ~std::uint64_t{0};
-  std::uint64_t last_time_ = 0;
-  std::uint64_t next_progress_ = 0;
-
-  // Of the chunk that message indexes belong to now; at_chunk_ false: there is none.
-  bool at_chunk_ = false;
-  bool chunk_is_open_ = false;             // its messages are known
-  std::vector<IndexEntry> chunk_entries_;  // by channel, then offset
-
-  // Of the summary.
-  std::vector<std::pair<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>>> groups_;  // opcode, begin, end
-  std::map<std::uint16_t, std::uint64_t> repeated_schemas_, repeated_channels_;           // with their offsets
-  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;             // like chunks_ and so on
-  std::optional<std::uint64_t> statistics_at_;
-  bool offsets_begun_ = false;
+  std::size_t limit_ = 1000;
+  std::vector<Finding> list_;
+  std::uint64_t counts_[4] = {};
 };
+
+/// Looks at what the file holds while the doctor passes over it.
+class ContentCheck {
+ public:
+  virtual ~ContentCheck() = default;
+  /// Every schema, when it is met first.
+  virtual void schema(const Schema& schema, Place place, Findings& findings) = 0;
+  /// Every message of a known channel out of whole chunks, in file order. `schema`: null if the channel has none.
+  virtual void message(const Message& message, const Schema* schema, Place place, Findings& findings) = 0;
+  /// Attachments come without their data.
+  virtual void attachment(const Attachment& attachment, Findings& findings) = 0;
+  virtual void metadata(const Metadata& metadata, Findings& findings) = 0;
+  /// After the last record. `size` of the file [bytes].
+  virtual void end(std::uint64_t size, Findings& findings) = 0;
+};
+
+struct DoctorOptions {
+  /// A chunk that says it is larger decompressed isn't looked into [bytes].
+  std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
+  ContentCheck* content = nullptr;  // null: nobody looks
+  /// Called now and then with the bytes passed and all; null: not.
+  std::function<void(std::uint64_t done, std::uint64_t all)> progress;
+};
+
+/// What an examination came to.
+struct Examination {
+  Findings findings;
+  std::string profile;
+  std::string library;
+  std::uint64_t size = 0;  // [bytes]
+  std::uint64_t chunks = 0;
+  std::uint64_t messages = 0;
+};
+
+/// Fails if the file can't be read, or if it doesn't begin as an MCAP file: then there is nothing to examine.
+Result<Examination> examine(const std::filesystem::path& file, const DoctorOptions& options = {});
+/// The same of bytes; `name` is what the failure calls them.
+Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const DoctorOptions& options = {});
 
 }  // namespace rehearse::mcap

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "doctor.h"
+#include "doctor_impl.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {
@@ -23,45 +23,32 @@ std::span<const IndexEntry> entries_of(const std::vector<IndexEntry>& all, std::
 }  // namespace
 
 void Doctor::examine_chunk(const Record& record) {
+  using Fault = OpenedChunk::Fault;
   const Place place{record.offset, {}};
-  const auto head = parse_chunk(record.body);
-  REHEARSE_ASSERT(head, "its fields are whole");
+  const OpenedChunk opened = opener_.open(record, buffer_);
+  REHEARSE_ASSERT(opened.fault != Fault::too_short, "its fields are whole");
+  const ChunkHead& head = opened.head;
   ExaminedChunk& chunk = chunks_.emplace_back();
-  chunk.offset = record.offset;
-  chunk.length = record_head + record.body.size();
-  chunk.start_time = head->start_time;
-  chunk.end_time = head->end_time;
-  chunk.stored_size = head->records.size();
-  chunk.raw_size = head->uncompressed_size;
-  chunk.compression = head->compression;
+  chunk.index.chunk = {record.offset,       head.start_time,       head.end_time, std::string(head.compression),
+                       head.records.size(), head.uncompressed_size};
+  chunk.index.length = bytes_of(record).size();
   at_chunk_ = true;
-  chunk_is_open_ = false;
+  chunk_is_open_ = opened.ok();
   chunk_entries_.clear();
-  if (head->start_time > head->end_time)
-    fail(place, fmt::format("the Chunk says that it begins at {} ns and ends before, at {} ns", head->start_time,
-                            head->end_time));
-  if (head->uncompressed_size > options_.max_chunk_size) {
+  damaged_ = damaged_ || !opened.ok();
+  if (head.start_time > head.end_time)
+    fail(place, fmt::format("the Chunk says that it begins at {} ns and ends before, at {} ns", head.start_time,
+                            head.end_time));
+  if (opened.fault == Fault::too_large)
     fail(place, fmt::format("the Chunk says that it holds {} bytes decompressed; {} is the limit",
-                            head->uncompressed_size, options_.max_chunk_size));
-    damaged_ = true;
-    return;
-  }
-  const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
-  if (!records) {
-    fail(place, fmt::format("the Chunk can't be decompressed: {}", records.errors().front().message));
-    damaged_ = true;
-    return;
-  }
-  if (head->uncompressed_crc != 0 && head->uncompressed_crc != crc32(*records)) {
-    fail(place, "the CRC of the Chunk doesn't match");
-    damaged_ = true;
-    return;
-  }
-  chunk_is_open_ = true;
-  examine_chunk_records(*records, chunk);
+                            head.uncompressed_size, options_.max_chunk_size));
+  if (opened.fault == Fault::not_decompressed)
+    fail(place, fmt::format("the Chunk can't be decompressed: {}", opened.reason));
+  if (opened.fault == Fault::wrong_crc) fail(place, "the CRC of the Chunk doesn't match");
+  if (opened.ok()) examine_chunk_records(opened.records, chunk.index.chunk);
 }
 
-void Doctor::examine_chunk_records(Bytes records, ExaminedChunk& chunk) {
+void Doctor::examine_chunk_records(Bytes records, const Chunk& chunk) {
   RecordWalker walker(records);
   Record record;
   while (walker.next(record)) {
@@ -111,9 +98,9 @@ void Doctor::examine_message_index(const Record& record) {
   const bool twice = std::any_of(chunk.indexes.begin(), chunk.indexes.end(),
                                  [&](const auto& known) { return known.first == channel; });
   if (twice)
-    fail(place, fmt::format("a second Message Index of channel {} for the Chunk at byte {}", channel, chunk.offset));
+    fail(place, fmt::format("a second Message Index of channel {} for the Chunk at byte {}", channel, chunk.offset()));
   chunk.indexes.push_back({channel, record.offset});
-  chunk.indexes_length += record_head + record.body.size();
+  chunk.index.indexes_length += bytes_of(record).size();
   if (chunk_is_open_) compare_index(record, channel, entries);
 }
 
@@ -121,7 +108,7 @@ void Doctor::examine_message_index(const Record& record) {
 void Doctor::compare_index(const Record& record, std::uint16_t channel, Bytes entries) {
   const Place place{record.offset, {}};
   const std::string name =
-      fmt::format("the Message Index of channel {} for the Chunk at byte {}", channel, chunks_.back().offset);
+      fmt::format("the Message Index of channel {} for the Chunk at byte {}", channel, chunks_.back().offset());
   const auto there = entries_of(chunk_entries_, channel);
   if (there.empty() && entries.empty()) {
     if (!channels_.contains(channel)) return fail(place, fmt::format("{}: the channel isn't defined", name));
@@ -164,7 +151,7 @@ void Doctor::leave_chunk() {
     const bool indexed = std::any_of(chunk.indexes.begin(), chunk.indexes.end(),
                                      [&](const auto& known) { return known.first == channel; });
     if (!indexed)
-      fail({chunk.offset, {}},
+      fail({chunk.offset(), {}},
            fmt::format("the Chunk has messages of channel {}, but no Message Index for it", channel));
   }
 }

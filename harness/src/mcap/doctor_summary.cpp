@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "doctor.h"
+#include "doctor_impl.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {
@@ -14,8 +14,8 @@ namespace {
 template <class T>
 const T* find_at(const std::vector<T>& sorted, std::uint64_t offset) {
   const auto found = std::lower_bound(sorted.begin(), sorted.end(), offset,
-                                      [](const T& element, std::uint64_t value) { return element.offset < value; });
-  return found != sorted.end() && found->offset == offset ? &*found : nullptr;
+                                      [](const T& element, std::uint64_t value) { return element.offset() < value; });
+  return found != sorted.end() && found->offset() == offset ? &*found : nullptr;
 }
 
 /// Collects what an index says otherwise than it is.
@@ -41,27 +41,27 @@ class Comparison {
 }  // namespace
 
 /// Everything from behind the data section to the end of the file.
-void Doctor::examine_summary(const Record& footer, std::uint64_t begin) {
+void Doctor::examine_summary(const Record& footer) {
   indexed_chunks_.assign(chunks_.size(), false);
   indexed_attachments_.assign(attachments_.size(), false);
   indexed_metadata_.assign(metadata_.size(), false);
-  RecordWalker walker(file_.first(footer.offset), begin);
+  RecordWalker walker(file_.first(footer.offset), *summary_begin_);
   Record record;
   while (walker.next(record)) {
     if (is_known(record.opcode) && !check_fields(record, {record.offset, {}})) continue;
     examine_summary_record(record);
   }
-  tell_what_summary_lacks(begin);
-  examine_footer(footer, begin);
-  const std::uint64_t end = footer.offset + record_head + footer.body.size();
+  tell_what_summary_lacks();
+  examine_footer(footer);
+  const std::uint64_t end = end_of(footer);
   const Bytes tail = file_.subspan(end);
-  if (tail.size() < magic.size() || !std::equal(magic.begin(), magic.end(), tail.begin()))
-    return fail({end, {}}, "the magic bytes that end a file aren't there");
+  if (!begins_with_magic(tail)) return fail({end, {}}, "the magic bytes that end a file aren't there");
   if (tail.size() > magic.size())
     fail({end + magic.size(), {}}, fmt::format("{} bytes behind the end of the file", tail.size() - magic.size()));
 }
 
-void Doctor::examine_footer(const Record& record, std::uint64_t summary_begin) {
+void Doctor::examine_footer(const Record& record) {
+  const std::uint64_t summary_begin = *summary_begin_;
   const Place place{record.offset, {}};
   if (!check_fields(record, place)) return;
   const auto footer = parse_footer(record.body);
@@ -79,7 +79,7 @@ void Doctor::examine_footer(const Record& record, std::uint64_t summary_begin) {
     fail(place, fmt::format("the Footer says that the summary offsets begin at byte {}, and they do at byte {}",
                             footer->summary_offset_start, offsets_begin));
   if (footer->summary_crc == 0) return;
-  const Bytes covered = file_.subspan(summary_begin, record.offset + record_head + 16 - summary_begin);
+  const Bytes covered = file_.subspan(summary_begin, record.offset + footer_covered - summary_begin);
   if (footer->summary_crc != crc32(covered))
     fail(place, "the CRC of the summary, which the Footer states, doesn't match");
 }
@@ -106,7 +106,7 @@ void Doctor::examine_summary_record(const Record& record) {
 }
 
 void Doctor::examine_grouping(const Record& record) {
-  const std::uint64_t end = record.offset + record_head + record.body.size();
+  const std::uint64_t end = end_of(record);
   if (!groups_.empty() && groups_.back().first == record.opcode) {
     groups_.back().second.second = end;
     return;
@@ -122,70 +122,63 @@ void Doctor::examine_grouping(const Record& record) {
 /// A Schema or Channel of the summary.
 void Doctor::examine_repeated(const Record& record) {
   const Place place{record.offset, {}};
+  const auto compare = [&](std::string_view kind, const auto& repeated, std::string_view name, const auto* known,
+                           std::uint64_t known_at) {
+    if (known == nullptr && !damaged_)
+      fail(place,
+           fmt::format("the summary has {} {} {}, and the data section hasn't", kind, repeated.id, in_quotes(name)));
+    if (known != nullptr && *known != repeated)
+      fail(place, fmt::format("{} {} is defined otherwise than at byte {}", kind, repeated.id, known_at));
+  };
   if (record.opcode == op::schema) {
     const auto schema = parse_schema(record.body);
     REHEARSE_ASSERT(schema, "its fields are whole");
     repeated_schemas_.try_emplace(schema->id, record.offset);
     const auto known = schemas_.find(schema->id);
-    if (known == schemas_.end()) {
-      if (!damaged_)
-        fail(place, fmt::format("the summary has Schema {} {}, and the data section hasn't", schema->id,
-                                in_quotes(schema->name)));
-    } else if (known->second.first != *schema) {
-      fail(place, fmt::format("Schema {} is defined otherwise than at byte {}", schema->id, known->second.second));
-    }
-    return;
+    const bool is_known = known != schemas_.end();
+    return compare("Schema", *schema, schema->name, is_known ? &known->second.first : nullptr,
+                   is_known ? known->second.second : 0);
   }
   const auto channel = parse_channel(record.body);
   REHEARSE_ASSERT(channel, "its fields are whole");
   repeated_channels_.try_emplace(channel->id, record.offset);
   const auto known = channels_.find(channel->id);
-  if (known == channels_.end()) {
-    if (!damaged_)
-      fail(place, fmt::format("the summary has Channel {} {}, and the data section hasn't", channel->id,
-                              in_quotes(channel->topic)));
-  } else if (known->second.channel != *channel) {
-    fail(place, fmt::format("Channel {} is defined otherwise than at byte {}", channel->id, known->second.offset));
-  }
+  const bool is_known = known != channels_.end();
+  compare("Channel", *channel, channel->topic, is_known ? &known->second.channel : nullptr,
+          is_known ? known->second.offset : 0);
 }
 
 void Doctor::examine_chunk_index(const Record& record) {
   const Place place{record.offset, {}};
-  ByteReader in(record.body);
-  const auto start_time = in.get<std::uint64_t>();
-  const auto end_time = in.get<std::uint64_t>();
-  const auto offset = in.get<std::uint64_t>();
-  const auto length = in.get<std::uint64_t>();
-  ByteReader offsets(in.get_bytes(in.get<std::uint32_t>()));
-  const auto indexes_length = in.get<std::uint64_t>();
-  const auto compression = as_text(in.get_bytes(in.get<std::uint32_t>()));
-  const auto stored_size = in.get<std::uint64_t>();
-  const auto raw_size = in.get<std::uint64_t>();
+  const auto stated = parse_chunk_index(record.body);
+  REHEARSE_ASSERT(stated, "its fields are whole");
+  const std::uint64_t offset = stated->chunk.offset;
   const ExaminedChunk* chunk = find_at(chunks_, offset);
   if (chunk == nullptr) return fail(place, fmt::format("a Chunk Index of byte {}, where no Chunk begins", offset));
   const auto index = static_cast<std::size_t>(chunk - chunks_.data());
   if (indexed_chunks_[index]) fail(place, fmt::format("a second Chunk Index of the Chunk at byte {}", offset));
   indexed_chunks_[index] = true;
+  const ChunkIndex& there = chunk->index;
   Comparison comparison(fmt::format("the Chunk Index of the Chunk at byte {}", offset));
-  comparison.compare("start time", start_time, chunk->start_time);
-  comparison.compare("end time", end_time, chunk->end_time);
-  comparison.compare("length", length, chunk->length);
-  comparison.compare_text("compression", compression, chunk->compression);
-  comparison.compare("compressed size", stored_size, chunk->stored_size);
-  comparison.compare("uncompressed size", raw_size, chunk->raw_size);
-  comparison.compare("length of the message indexes", indexes_length, chunk->indexes_length);
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> stated;
-  while (offsets.left() > 0) {
-    const auto channel = offsets.get<std::uint16_t>();
-    stated.push_back({channel, offsets.get<std::uint64_t>()});
-  }
-  auto there = chunk->indexes;
-  std::sort(stated.begin(), stated.end());
-  std::sort(there.begin(), there.end());
+  comparison.compare("start time", stated->chunk.start_time, there.chunk.start_time);
+  comparison.compare("end time", stated->chunk.end_time, there.chunk.end_time);
+  comparison.compare("length", stated->length, there.length);
+  comparison.compare_text("compression", stated->chunk.compression, there.chunk.compression);
+  comparison.compare("compressed size", stated->chunk.stored_size, there.chunk.stored_size);
+  comparison.compare("uncompressed size", stated->chunk.size, there.chunk.size);
+  comparison.compare("length of the message indexes", stated->indexes_length, there.indexes_length);
   if (std::string said = comparison.sentence(); !said.empty()) fail(place, std::move(said));
-  if (stated != there && !stated.empty())
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> places;
+  for (ByteReader in(stated->places); in.left() > 0;) {
+    const auto channel = in.get<std::uint16_t>();
+    places.push_back({channel, in.get<std::uint64_t>()});
+  }
+  auto indexes = chunk->indexes;
+  std::sort(places.begin(), places.end());
+  std::sort(indexes.begin(), indexes.end());
+  if (places != indexes && !places.empty())
     fail(place, fmt::format("the Chunk Index of the Chunk at byte {} doesn't have the places of its {} message indexes",
-                            offset, there.size()));
+                            offset, indexes.size()));
 }
 
 /// An Attachment Index, or a Metadata Index.
@@ -271,13 +264,14 @@ void Doctor::examine_summary_offset(const Record& record) {
 }
 
 /// Indexes are there for all or for none; and what they point to can be read from the summary alone.
-void Doctor::tell_what_summary_lacks(std::uint64_t begin) {
+void Doctor::tell_what_summary_lacks() {
+  const std::uint64_t begin = *summary_begin_;
   const auto lacking = [&](const std::vector<bool>& indexed, std::string_view kind, const auto& all) {
     const auto missing = static_cast<std::size_t>(std::count(indexed.begin(), indexed.end(), false));
     if (missing == 0 || missing == indexed.size()) return;
     const auto first = static_cast<std::size_t>(std::find(indexed.begin(), indexed.end(), false) - indexed.begin());
     fail({begin, {}}, fmt::format("the summary has no {} Index for {} of {} records, the first of them at byte {}",
-                                  kind, missing, indexed.size(), all[first].offset));
+                                  kind, missing, indexed.size(), all[first].offset()));
   };
   lacking(indexed_chunks_, "Chunk", chunks_);
   lacking(indexed_attachments_, "Attachment", attachments_);

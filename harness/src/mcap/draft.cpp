@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -32,6 +33,16 @@ Result<Draft> Draft::begin(const fs::path& target, std::span<const fs::path> sou
   return Draft(std::move(file), std::move(draft));
 }
 
+Result<std::unique_ptr<Writer>> Draft::open_writer(WriterOptions form) const {
+  form.chunk_span = std::numeric_limits<std::uint64_t>::max();
+  return Writer::create(file_, std::move(form));
+}
+
+std::uint64_t Draft::size() const {
+  std::error_code ignored;
+  return fs::file_size(file_, ignored);
+}
+
 Draft::~Draft() {
   std::error_code ignored;
   if (!file_.empty()) fs::remove(file_, ignored);
@@ -46,6 +57,15 @@ Result<void> Draft::finish() {
   if (failed) return refuse(target_, fmt::format("can't be written: {}", failed.message()));
   file_.clear();
   return {};
+}
+
+std::uint16_t copy(const Schema* schema, Writer& to) {
+  return schema == nullptr ? std::uint16_t{0} : to.add_schema(schema->name, schema->encoding, schema->data);
+}
+
+Result<void> copy(const Attachment& attachment, Writer& to) {
+  return to.add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time,
+                           attachment.create_time);
 }
 
 }  // namespace rehearse::mcap

@@ -1,7 +1,7 @@
-// A file that gets its name only when it is whole. Internal.
+// A file that is made of others, and that gets its name only when it is whole. Internal.
 #pragma once
 
-#include <rehearse/diagnostic.h>
+#include <rehearse/mcap.h>
 
 #include <filesystem>
 #include <span>
@@ -20,6 +20,10 @@ class Draft {
 
   /// Where to write.
   const std::filesystem::path& file() const { return file_; }
+  /// Writes it. Its chunks are finished by their size only: nothing waits to be killed here.
+  Result<std::unique_ptr<Writer>> open_writer(WriterOptions form) const;
+  /// [bytes] that are written.
+  std::uint64_t size() const;
   /// Gives it its name; what had that name is replaced.
   Result<void> finish();
 
@@ -29,5 +33,9 @@ class Draft {
   std::filesystem::path target_;
   std::filesystem::path file_;  // empty: finished, or moved from
 };
+
+/// Adds a schema of a source; returns its id in the new file, 0 for null.
+std::uint16_t copy(const Schema* schema, Writer& to);
+Result<void> copy(const Attachment& attachment, Writer& to);
 
 }  // namespace rehearse::mcap

@@ -3,22 +3,139 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <linux/magic.h>
+#include <poll.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <utility>
 #include <vector>
-
-#include "cut_files.h"
-#include "input.h"
 
 namespace rehearse::mcap {
 
+Diagnostic Input::unreadable(std::string_view why, std::string hint) const {
+  Diagnostic diagnostic = error(fmt::format("can't read the trace: {}", why), std::move(hint));
+  diagnostic.file = name_;
+  return diagnostic;
+}
+
+Result<Input> Input::open(const std::filesystem::path& file) {
+  const bool standard = file == "-";
+  const int opened = standard ? ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0) : ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int problem = errno;
+  Input input(opened, standard ? "standard input" : file.string());
+  if (opened < 0) {
+    std::error_code ignored;
+    if (problem == ENXIO && std::filesystem::is_socket(file, ignored))
+      return input.unreadable("it is a socket's file", "- reads what comes by standard input");
+    return input.unreadable(std::strerror(problem));
+  }
+  if (auto fine = input.look(); !fine) return fine.errors();
+  return input;
+}
+
+Result<void> Input::look() {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) return unreadable(std::strerror(errno));
+  if (S_ISDIR(status.st_mode)) return unreadable("it is a directory");
+  if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) return unreadable("it is a device");
+  if (S_ISREG(status.st_mode) && ::lseek(descriptor_, 0, SEEK_CUR) == 0)
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  struct statfs system {};
+  if (S_ISFIFO(status.st_mode) && ::fstatfs(descriptor_, &system) == 0 && system.f_type == PIPEFS_MAGIC)
+    only_once_ = status.st_ino;
+  return {};
+}
+
+Input::~Input() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<std::size_t> Input::read(std::span<std::byte> target) {
+  while (true) {
+    const ssize_t came = ::read(descriptor_, target.data(), target.size());
+    if (came >= 0) return static_cast<std::size_t>(came);
+    if (errno == EAGAIN) {  // somebody else's idea of our standard input
+      pollfd wait{descriptor_, POLLIN, 0};
+      ::poll(&wait, 1, -1);
+    } else if (errno != EINTR) {
+      return unreadable(std::strerror(errno));
+    }
+  }
+}
+
 namespace {
+
+/// Read by a signal handler: nothing but atomics.
+struct Watched {
+  std::atomic<std::uintptr_t> begin{0};  // 0: free
+  std::atomic<std::size_t> size{0};
+  std::atomic<bool> cut{false};
+};
+
+std::array<Watched, 256> watched;
+std::mutex changing;
+struct sigaction outside {};  // as it was before ours
+std::uintptr_t page_size = 0;
+
+Watched* find_watched(std::uintptr_t address) {
+  for (Watched& file : watched) {
+    const std::uintptr_t begin = file.begin.load(std::memory_order_acquire);
+    if (begin != 0 && begin <= address && address < begin + file.size.load(std::memory_order_acquire)) return &file;
+  }
+  return nullptr;
+}
+
+/// Puts a page of zeros where the file has none any more; any other fault is for whoever handled it before.
+void survive(int signal_number, siginfo_t* info, void* context) {
+  const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
+  if (Watched* file = find_watched(address)) {
+    void* page = reinterpret_cast<void*>(address / page_size * page_size);
+    if (::mmap(page, page_size, PROT_READ, MAP_PRIVATE | MAP_FIXED | MAP_ANONYMOUS, -1, 0) == page) {
+      file->cut.store(true, std::memory_order_release);
+      return;
+    }
+  }
+  if ((outside.sa_flags & SA_SIGINFO) != 0) return outside.sa_sigaction(signal_number, info, context);
+  if (outside.sa_handler != SIG_DFL && outside.sa_handler != SIG_IGN) return outside.sa_handler(signal_number);
+  ::sigaction(SIGBUS, &outside, nullptr);  // the fault repeats
+}
+
+void install() {
+  page_size = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  struct sigaction action {};
+  action.sa_sigaction = survive;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
+  ::sigaction(SIGBUS, &action, &outside);
+}
+
+/// From now on reading these mapped bytes survives.
+void watch_for_cut(Bytes mapped) {
+  static std::once_flag installed;
+  std::call_once(installed, install);
+  const std::scoped_lock lock(changing);
+  for (Watched& file : watched) {
+    if (file.begin.load() != 0) continue;
+    file.cut.store(false);
+    file.size.store(mapped.size());
+    file.begin.store(reinterpret_cast<std::uintptr_t>(mapped.data()), std::memory_order_release);
+    return;
+  }
+}
+
+/// Before they are unmapped.
+void end_watch(Bytes mapped) {
+  const std::scoped_lock lock(changing);
+  if (Watched* file = find_watched(reinterpret_cast<std::uintptr_t>(mapped.data()))) file->begin.store(0);
+}
 
 Diagnostic failure(const std::string& name, std::string_view what, int problem) {
   Diagnostic diagnostic = error(fmt::format("can't {}: {}", what, std::strerror(problem)));
@@ -96,6 +213,11 @@ Result<std::shared_ptr<const TemporaryFile>> keep_for_all(Input& input) {
 }
 
 }  // namespace
+
+bool was_cut(Bytes mapped) {
+  const Watched* file = find_watched(reinterpret_cast<std::uintptr_t>(mapped.data()));
+  return file != nullptr && file->cut.load(std::memory_order_acquire);
+}
 
 Result<FileView> FileView::open(const std::filesystem::path& file) {
   auto input = Input::open(file);

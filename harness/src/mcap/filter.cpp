@@ -1,12 +1,13 @@
+#include "filter.h"
+
 #include <fmt/format.h>
 #include <rehearse/glob.h>
-#include <rehearse/mcap_filter.h>
 #include <rehearse/text.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "channel_groups.h"
+#include "chunks.h"
 #include "draft.h"
 #include "file_view.h"
 #include "whole_input.h"
@@ -15,8 +16,6 @@ namespace rehearse::mcap {
 
 namespace {
 
-constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
-
 std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 /// One filtering.
@@ -24,7 +23,7 @@ class Filter {
  public:
   Filter(const FileView& file, Reader& reader, Writer& writer, Selector& selector, const ChannelGroups& groups,
          const FilterOptions& options)
-      : passed_(file, file.bytes()),
+      : passed_(file, file.bytes(), options.progress),
         reader_(reader),
         writer_(writer),
         selector_(selector),
@@ -48,7 +47,6 @@ class Filter {
   const FilterOptions& options_;
   std::vector<std::optional<std::uint16_t>> ids_ = std::vector<std::optional<std::uint16_t>>(0x10000);  // in the target
   std::size_t next_attachment_ = 0, next_metadata_ = 0;
-  std::uint64_t next_progress_ = 0;
   Filtered filtered_;
 };
 
@@ -61,11 +59,8 @@ bool Filter::chosen(const Channel& channel) const {
 void Filter::define() {
   for (const auto& [id, channel] : reader_.channels()) {
     if (!chosen(channel)) continue;
-    const Schema* schema = reader_.schema_of(channel);
-    const std::uint16_t schema_id =
-        schema == nullptr ? std::uint16_t{0} : writer_.add_schema(schema->name, schema->encoding, schema->data);
-    ids_[id] =
-        writer_.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata, groups_.of(id));
+    const std::uint16_t schema = copy(reader_.schema_of(channel), writer_);
+    ids_[id] = writer_.add_channel(schema, channel.topic, channel.message_encoding, channel.metadata, groups_.of(id));
     ++filtered_.channels;
   }
 }
@@ -74,13 +69,9 @@ void Filter::define() {
 Result<void> Filter::write_extras_before(std::uint64_t offset) {
   const auto& attachments = reader_.attachments();
   for (; next_attachment_ < attachments.size() && attachments[next_attachment_].offset < offset; ++next_attachment_) {
-    const Attachment& attachment = attachments[next_attachment_];
     if (!options_.attachments) continue;
     ++filtered_.attachments;
-    if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data, attachment.log_time,
-                                           attachment.create_time);
-        !done)
-      return done;
+    if (auto done = copy(attachments[next_attachment_], writer_); !done) return done;
   }
   const auto& metadata = reader_.metadata();
   for (; next_metadata_ < metadata.size() && metadata[next_metadata_].offset < offset; ++next_metadata_) {
@@ -121,10 +112,6 @@ Result<Filtered> Filter::run() {
   const auto read = reader_.for_each_message([&](const Message& message) {
     const std::uint64_t offset = message.location.record;
     passed_.pass(offset);
-    if (options_.progress && offset >= next_progress_) {
-      options_.progress(offset, reader_.size());
-      next_progress_ = offset + progress_step;
-    }
     const bool taken = ids_[message.channel->id] && selector_.takes_time(message.log_time);
     if (!taken) return ++filtered_.left_out, true;
     written = write_extras_before(offset);
@@ -142,7 +129,6 @@ Result<Filtered> Filter::run() {
 WriterOptions form_of(const Reader& reader, const FilterOptions& options) {
   WriterOptions form;
   form.profile = reader.profile();
-  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
   form.compression = options.compression;
   if (options.level) form.zstd_level = form.lz4_level = *options.level;
   if (options.chunk_size) form.chunk_size = *options.chunk_size;
@@ -163,12 +149,11 @@ Result<Filtered> filter(const std::filesystem::path& source, const std::filesyst
   auto draft = Draft::begin(target, std::span(&source, 1));
   if (!draft) return draft.errors();
   const ChannelGroups groups = groups_of(view->bytes());
-  auto writer = Writer::create(draft->file(), form_of(**reader, options));
+  auto writer = draft->open_writer(form_of(**reader, options));
   if (!writer) return writer.errors();
   auto filtered = Filter(*view, **reader, **writer, *selector, groups, options).run();
   if (!filtered) return filtered;
-  std::error_code ignored;
-  filtered->bytes = std::filesystem::file_size(draft->file(), ignored);
+  filtered->bytes = draft->size();
   if (auto done = draft->finish(); !done) return done.errors();
   return filtered;
 }

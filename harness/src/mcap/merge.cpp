@@ -1,5 +1,6 @@
+#include "merge.h"
+
 #include <fmt/format.h>
-#include <rehearse/mcap_merge.h>
 #include <rehearse/text.h>
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 #include <set>
 #include <tuple>
 
-#include "channel_groups.h"
+#include "chunks.h"
 #include "draft.h"
 #include "order.h"
 #include "whole_input.h"
@@ -24,7 +25,7 @@ constexpr int groups_of_a_source = 0x20000;       // more than one has
 /// A source while it is read.
 struct OpenSource {
   std::string prefix;
-  std::unique_ptr<Reader::Impl> reader;
+  std::unique_ptr<Reader> reader;
   ChannelSet all{{}};
   DamageLog damage{""};
   std::unique_ptr<MessageOrder> order;
@@ -39,26 +40,23 @@ struct OpenSource {
     if (started) order->advance();
     started = true;
     while (order->next(record)) {
-      next = reader->contents_.read_message(record, damage);
+      next = reader->impl().contents_.read_message(record, damage);
       if (next.channel != nullptr) return;
       order->advance();
     }
-    reader->check_data_crc(damage);
+    reader->impl().check_data_crc(damage);
   }
 };
 
 Result<std::unique_ptr<OpenSource>> open_source(const MergeSource& source) {
-  auto view = FileView::open(source.file);
-  if (!view) return view.errors();
+  auto reader = Reader::open(source.file);
+  if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());
   auto open = std::make_unique<OpenSource>();
-  const Bytes bytes = view->bytes();
-  const std::string name = view->name();
   open->prefix = source.prefix;
-  open->damage = DamageLog(name);
-  open->reader = std::make_unique<Reader::Impl>(std::move(*view), bytes, name, ReaderOptions());
-  if (auto opened = open->reader->open(); !opened) return opened.errors();
-  if (!open->reader->damage_.list().empty()) return with_recover_hint(open->reader->damage_.list());
-  open->order = std::make_unique<MessageOrder>(*open->reader, open->all, open->damage);
+  open->reader = std::move(*reader);
+  open->damage = DamageLog(open->reader->name());
+  open->order = std::make_unique<MessageOrder>(open->reader->impl(), open->all, open->damage);
   return open;
 }
 
@@ -85,13 +83,11 @@ class Merger {
 };
 
 void Merger::define(OpenSource& source, int index) {
-  const ChannelGroups groups = groups_of(source.reader->bytes_);
-  source.reader->file_.forget(source.reader->bytes_);
+  const ChannelGroups groups = groups_of(source.reader->impl().bytes_);
+  source.reader->impl().file_.forget(source.reader->impl().bytes_);
   std::set<std::uint16_t> own;  // channels of this source that another of it may not share
-  for (const auto& [id, channel] : source.reader->contents_.channels) {
-    const Schema* schema = source.reader->contents_.schema_of(channel);
-    const std::uint16_t schema_id =
-        schema == nullptr ? std::uint16_t{0} : writer_.add_schema(schema->name, schema->encoding, schema->data);
+  for (const auto& [id, channel] : source.reader->channels()) {
+    const std::uint16_t schema_id = copy(source.reader->schema_of(channel), writer_);
     const std::string topic = source.prefix + channel.topic;
     const Key key{topic, channel.message_encoding, schema_id, channel.metadata};
     const auto known = options_.keep_apart ? channels_.end() : channels_.find(key);
@@ -116,18 +112,15 @@ Result<void> Merger::write_extras() {
   std::map<std::string, int> names;
   StringMap note;
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    const Reader::Impl& reader = *sources_[i]->reader;
-    note[fmt::format("source.{}", i)] = printable(std::filesystem::path(reader.name_).filename().string(), 200);
-    for (const Attachment& attachment : reader.attachments_) {
+    const Reader& reader = *sources_[i]->reader;
+    note[fmt::format("source.{}", i)] = printable(std::filesystem::path(reader.name()).filename().string(), 200);
+    for (const Attachment& attachment : reader.attachments()) {
       ++merged_.attachments;
       if (++names["the attachment " + in_quotes(attachment.name)] == 2)
         merged_.remarks.push_back(fmt::format("the attachment {} is there more than once", in_quotes(attachment.name)));
-      if (auto done = writer_.add_attachment(attachment.name, attachment.media_type, attachment.data,
-                                             attachment.log_time, attachment.create_time);
-          !done)
-        return done;
+      if (auto done = copy(attachment, writer_); !done) return done;
     }
-    for (const Metadata& metadata : reader.metadata_) {
+    for (const Metadata& metadata : reader.metadata()) {
       ++merged_.metadata;
       if (++names["the metadata record " + in_quotes(metadata.name)] == 2)
         merged_.remarks.push_back(
@@ -141,7 +134,7 @@ Result<void> Merger::write_extras() {
 Result<void> Merger::write_messages() {
   std::uint64_t all = 0;
   for (const auto& source : sources_)
-    if (source->reader->contents_.statistics) all += source->reader->contents_.statistics->message_count;
+    if (source->reader->statistics()) all += source->reader->statistics()->message_count;
   for (const auto& source : sources_) source->advance();
   while (true) {
     OpenSource* first = nullptr;  // few files: looking at each is quicker than a heap
@@ -187,16 +180,14 @@ Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesys
   auto draft = Draft::begin(target, files);
   if (!draft) return draft.errors();
   WriterOptions form;
-  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
-  form.profile = open.front()->reader->contents_.profile;
+  form.profile = open.front()->reader->profile();
   for (const auto& source : open)
-    if (source->reader->contents_.profile != form.profile) form.profile.clear();
-  auto writer = Writer::create(draft->file(), form);
+    if (source->reader->profile() != form.profile) form.profile.clear();
+  auto writer = draft->open_writer(form);
   if (!writer) return writer.errors();
   auto merged = Merger(open, **writer, options).run();
   if (!merged) return merged;
-  std::error_code ignored;
-  merged->bytes = std::filesystem::file_size(draft->file(), ignored);
+  merged->bytes = draft->size();
   if (auto done = draft->finish(); !done) return done.errors();
   return merged;
 }

@@ -24,7 +24,7 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
 
 void MessageOrder::collect_loose() {
   auto run = std::make_unique<Run>();
-  run->records = reader_.bytes_.first(reader_.data_end_);
+  run->records = reader_.bytes_.first(reader_.frame_.data_end);
   RecordWalker walker(run->records, magic.size());
   collect(*run, walker, nullptr);
   add(std::move(run));
@@ -33,9 +33,8 @@ void MessageOrder::collect_loose() {
 void MessageOrder::open_next_chunk() {
   const Chunk place = chunks_[next_chunk_++];
   Record record;
-  RecordWalker at(reader_.bytes_, place.offset);
-  const auto head = at.next(record) ? parse_chunk(record.body) : std::nullopt;
-  if (!head) {  // it was there when scan() listed it: somebody cuts the file
+  if (!RecordWalker(reader_.bytes_, place.offset).next(record) || !parse_chunk(record.body)) {
+    // it was there when the walk listed it: somebody cuts the file
     damage_.add(fmt::format("damaged: the chunk at byte {} is gone", place.offset));
     return;
   }
@@ -49,13 +48,13 @@ void MessageOrder::open_next_chunk() {
   run->order.clear();
   run->next = 0;
   run->chunk = place.offset;
-  const auto records = reader_.chunk_opener_.open(*head, place.offset, run->buffer);
-  if (!records) {
-    damage_.add(records.errors().front().message);
+  const OpenedChunk opened = reader_.chunk_opener_.open(record, run->buffer);
+  if (!opened.ok()) {
+    damage_.add(reader_.chunk_opener_.describe(opened));
     return;
   }
-  if (!head->compression.empty()) reader_.file_.forget(record.body);  // all of it is in the buffer
-  run->records = *records;
+  if (!opened.head.compression.empty()) reader_.file_.forget(record.body);  // all of it is in the buffer
+  run->records = opened.records;
   RecordWalker inside(run->records);
   collect(*run, inside, &place);
   if (!inside.at_end()) {

@@ -6,8 +6,6 @@
 #include <csignal>
 #include <cstring>
 
-#include "summary.h"
-
 namespace rehearse::mcap {
 
 namespace {
@@ -176,30 +174,30 @@ void Output::process_chunk(const ChunkData& chunk) {
   out.put(static_cast<std::uint64_t>(compressed->size()));
   out.put_bytes(*compressed);
   out.end_record();
-  ChunkIndexEntry entry;
-  entry.start_time = chunk.start_time;
-  entry.end_time = chunk.end_time;
-  entry.offset = offset_;
-  entry.length = out.size();
-  entry.compression = compression;
-  entry.compressed_size = compressed->size();
-  entry.uncompressed_size = chunk.records.size();
-  if (form_.message_indexes) put_message_indexes(chunk, out, entry);
-  entry.message_index_length = out.size() - entry.length;
+  ChunkIndex index;
+  index.chunk = {
+      offset_, chunk.start_time, chunk.end_time, std::string(compression), compressed->size(), chunk.records.size()};
+  index.length = out.size();
+  std::vector<std::byte> places;
+  ByteWriter out_places(places);
+  if (form_.message_indexes) put_message_indexes(chunk, out, out_places);
+  index.indexes_length = out.size() - index.length;
+  index.places = places;
   ++counts_.chunk_count;
-  chunk_indexes_.add(entry);
+  chunk_indexes_.add(index);
 
   write_data(scratch_);
 }
 
-/// One MessageIndex record per channel, by ascending channel; `entry` gets channel and file offset of each.
-void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ChunkIndexEntry& entry) const {
+/// One MessageIndex record per channel, by ascending channel; `places` gets channel and file offset of each.
+void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const {
   std::vector<IndexEntry> entries = chunk.index;
   std::stable_sort(entries.begin(), entries.end(),
                    [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
   for (auto first = entries.begin(); first != entries.end();) {
     const auto last = std::find_if(first, entries.end(), [&](const auto& e) { return e.channel != first->channel; });
-    entry.message_indexes.emplace_back(first->channel, entry.offset + out.size());
+    places.put(first->channel);
+    places.put(static_cast<std::uint64_t>(offset_ + out.size()));
     out.begin_record(op::message_index);
     out.put(first->channel);
     out.put(static_cast<std::uint32_t>((last - first) * 16));

@@ -3,10 +3,10 @@
 
 #include <rehearse/mcap.h>
 
-#include "chunk_indexes.h"
 #include "codec.h"
 #include "records.h"
 #include "sink.h"
+#include "summary.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -17,13 +17,6 @@
 #include <variant>
 
 namespace rehearse::mcap {
-
-/// Where a message's record stands in its chunk.
-struct IndexEntry {
-  std::uint64_t log_time = 0;
-  std::uint64_t offset = 0;
-  std::uint16_t channel = 0;
-};
 
 /// A message of a chunk whose record has no data so far.
 struct PutOff {
@@ -100,7 +93,7 @@ class Output {
   void process_raw(const RawJob& job);
   void compose(ChunkData& chunk);
   void process_chunk(const ChunkData& chunk);
-  void put_message_indexes(const ChunkData& chunk, ByteWriter& out, ChunkIndexEntry& entry) const;
+  void put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const;
   void write_data(Bytes bytes);  // of the data section: counted into its CRC
   void write_file(Bytes bytes);
   void close_file();

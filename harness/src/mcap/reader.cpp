@@ -1,4 +1,3 @@
-#include "cut_files.h"
 #include "reader_impl.h"
 
 #include <fmt/format.h>
@@ -13,17 +12,116 @@ Diagnostic Reader::Impl::damaged(std::string message) const {
   return diagnostic;
 }
 
+Result<void> Reader::Impl::open() {
+  if (!begins_with_magic(bytes_)) return damaged(describe_start(bytes_));
+  if (options_.opening == Opening::walk || !open_by_summary()) walk_if_not_yet();
+  return {};
+}
+
+void Reader::Impl::walk_if_not_yet() {
+  if (walked_) return;
+  walked_ = true;
+  attachments_.clear();
+  metadata_.clear();
+  chunks_.clear();
+  chunk_channels_.clear();
+  MappedPass pass(file_, bytes_);
+  frame_ = read_frame(pass, options_.check_crcs, contents_, damage_, [this](const Record& record) {
+    take_in(record);
+    return true;
+  });
+  if (!knows_all_definitions()) learn_from_chunks();
+}
+
+void Reader::Impl::take_in(const Record& record) {
+  switch (record.opcode) {
+    case op::header: contents_.learn_header(record, damage_); break;
+    case op::schema:
+    case op::channel: contents_.learn(record, damage_); break;
+    case op::message: loose_messages_ = true; break;
+    case op::chunk: take_in_chunk(record); break;
+    case op::message_index: take_in_message_index(record); break;
+    case op::attachment:
+      if (auto attachment = read_attachment(record, options_.check_crcs, damage_))
+        attachments_.push_back(std::move(*attachment));
+      break;
+    case op::metadata:
+      if (auto metadata = read_metadata(record, damage_)) metadata_.push_back(std::move(*metadata));
+      break;
+    default: break;  // records that later versions of the format may bring
+  }
+}
+
+void Reader::Impl::take_in_chunk(const Record& record) {
+  const auto head = read_chunk_head(record, damage_);
+  if (!head) return;
+  chunks_.push_back({record.offset, head->start_time, head->end_time, std::string(head->compression),
+                     head->records.size(), head->uncompressed_size});
+  chunk_channels_.push_back(ChunkChannels::not_said);
+}
+
+/// Of the chunk before it.
+void Reader::Impl::take_in_message_index(const Record& record) {
+  ByteReader in(record.body);
+  const auto channel = in.get<std::uint16_t>();
+  if (chunk_channels_.empty() || !in.ok()) return;
+  ChunkChannels& before = chunk_channels_.back();
+  const auto known = contents_.channels.find(channel);
+  if (known == contents_.channels.end()) {
+    before = ChunkChannels::unknown;
+    unknown_channels_.insert(channel);
+  } else if (known->second.schema_id != 0 && contents_.schema_of(known->second) == nullptr) {
+    before = ChunkChannels::unknown;
+  } else if (before == ChunkChannels::not_said) {
+    before = ChunkChannels::known;
+  }
+}
+
+/// Whether the summary repeats what may stand in chunks only.
+bool Reader::Impl::knows_all_definitions() const {
+  const auto& said = contents_.statistics;
+  const bool all_counted =
+      !said || (contents_.channels.size() >= said->channel_count && contents_.schemas.size() >= said->schema_count);
+  return frame_.summary_has_channels && all_counted && contents_.has_all_schemas();
+}
+
+/// Files without a summary may tell their channels only inside of their chunks. A chunk whose messages are all of known
+/// channels, as its index says, need not be opened for that.
+void Reader::Impl::learn_from_chunks() {
+  PassedBytes passed(file_, bytes_);
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < chunks_.size(); ++i) {
+    passed.pass(chunks_[i].offset);
+    if (chunk_channels_[i] == ChunkChannels::known) {
+      others.push_back(i);
+    } else {
+      learn_from_chunk(chunks_[i]);
+    }
+  }
+  const auto is_known = [this](std::uint16_t channel) { return contents_.channels.contains(channel); };
+  if (std::all_of(unknown_channels_.begin(), unknown_channels_.end(), is_known)) return;
+  for (const std::size_t i : others) learn_from_chunk(chunks_[i]);
+}
+
+void Reader::Impl::learn_from_chunk(const Chunk& place) {
+  DamageLog ignored(name_);  // a pass over the messages says it
+  Record record;
+  if (!RecordWalker(bytes_, place.offset).next(record)) return;
+  RecordWalker inside(chunk_opener_.open(record, pass_buffer_).records);
+  while (inside.next(record)) contents_.learn(record, ignored);
+}
+
 void Reader::Impl::check_data_crc(DamageLog& damage) {
-  if (!options_.check_crcs || !data_crc_) return;
+  if (!options_.check_crcs || !frame_.data_crc) return;
   if (!data_crc_matches_) {
     constexpr std::uint64_t step = std::uint64_t{1} << 20;
     PassedBytes passed(file_, bytes_);
     std::uint32_t crc = 0;
-    for (std::uint64_t offset = 0; offset < data_end_; offset += step) {
-      crc = crc32(bytes_.subspan(offset, std::min(step, data_end_ - offset)), crc);
+    for (std::uint64_t offset = 0; offset < frame_.data_end; offset += step) {
+      crc = crc32(bytes_.subspan(offset, std::min(step, frame_.data_end - offset)), crc);
       passed.pass(offset);
     }
-    data_crc_matches_ = crc == *data_crc_;
+    data_crc_matches_ = crc == *frame_.data_crc;
   }
   if (!*data_crc_matches_) damage.add("damaged: the CRC of the data section doesn't match");
 }
@@ -38,79 +136,20 @@ Result<void> Reader::Impl::verdict(const DamageLog& pass) const {
   return all;
 }
 
-bool Reader::Impl::deliver(const Record& record, const OnMessage& callback, const ChannelSet& channels,
-                           DamageLog& damage) {
-  const auto head = parse_message_head(record.body);
-  if (head && !channels.has(head->channel)) return true;
-  const Message message = contents_.read_message(record, damage);
-  return message.channel == nullptr || callback(message);
-}
-
-bool Reader::Impl::pass_over_chunk(const Record& record, const OnMessage& callback, const ChannelSet& channels,
-                                   DamageLog& damage) {
-  const auto head = parse_chunk(record.body);
-  if (!head) return true;  // known since the walk
-  const auto records = chunk_opener_.open(*head, record.offset, pass_buffer_);
-  if (!records) {
-    damage.add(records.errors().front().message);
-    return true;
-  }
-  RecordWalker inside(*records);
-  Record inner;
-  inner.chunk = record.offset;
-  while (inside.next(inner)) {
-    if (inner.opcode == op::message) {
-      if (!deliver(inner, callback, channels, damage)) return false;
-    } else {
-      contents_.learn(inner, damage);
-    }
-  }
-  if (!inside.at_end()) {
-    damage.add(fmt::format("damaged: the records of the chunk at byte {} aren't whole", record.offset));
-  }
-  return true;
-}
-
 Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const ChannelSet& channels) {
   walk_if_not_yet();
   DamageLog damage(name_);
-  RecordWalker walker(bytes_.first(data_end_), magic.size());
-  PassedBytes passed(file_, bytes_);
+  const OnRecord no_records;
+  Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback, no_records};
+  MappedPass pass(file_, bytes_.first(frame_.data_end));
   Record record;
-  while (walker.next(record)) {
-    passed.pass(record.offset);
+  while (pass.next(record)) {
     bool more = true;
-    if (record.opcode == op::message) more = deliver(record, callback, channels, damage);
-    if (record.opcode == op::chunk) more = pass_over_chunk(record, callback, channels, damage);
+    if (record.opcode == op::message) more = delivery.deliver(record);
+    if (record.opcode == op::chunk) more = delivery.deliver_chunk(record);
     if (!more) return verdict(damage);
   }
   check_data_crc(damage);
-  return verdict(damage);
-}
-
-Result<void> Reader::Impl::for_each_record(const OnRecord& callback) {
-  walk_if_not_yet();
-  DamageLog damage(name_);
-  RecordWalker walker(bytes_, magic.size());
-  Record record;
-  while (walker.next(record)) {
-    if (!callback(record)) return verdict(damage);
-    const auto head = record.opcode == op::chunk ? parse_chunk(record.body) : std::nullopt;
-    if (head) {
-      const auto records = chunk_opener_.open(*head, record.offset, pass_buffer_);
-      if (!records) {
-        damage.add(records.errors().front().message);
-        continue;
-      }
-      RecordWalker inside(*records);
-      Record inner;
-      inner.chunk = record.offset;
-      while (inside.next(inner)) {
-        if (!callback(inner)) return verdict(damage);
-      }
-    }
-    if (record.opcode == op::footer) break;
-  }
   return verdict(damage);
 }
 
@@ -121,13 +160,13 @@ Result<Message> Reader::Impl::message_at(const Location& location) {
   Record record;
   if (!walker.next(record)) return nothing_there;
   if (location.chunked) {
-    const auto head = record.opcode == op::chunk ? parse_chunk(record.body) : std::nullopt;
-    if (!head) return nothing_there;
+    if (record.opcode != op::chunk) return nothing_there;
     if (at_chunk_ != location.record) {
       at_chunk_ = 0;
-      auto records = chunk_opener_.open(*head, location.record, at_buffer_);
-      if (!records) return damaged(records.errors().front().message);
-      at_records_ = *records;
+      const OpenedChunk opened = chunk_opener_.open(record, at_buffer_);
+      if (opened.fault == OpenedChunk::Fault::too_short) return nothing_there;
+      if (!opened.ok()) return damaged(chunk_opener_.describe(opened));
+      at_records_ = opened.records;
       at_chunk_ = location.record;
     }
     if (location.inside >= at_records_.size()) return nothing_there;
@@ -184,8 +223,6 @@ Result<void> Reader::for_each_message(const OnMessage& callback, std::span<const
 Result<void> Reader::for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels) {
   return impl_->for_each_message_in_order(callback, ChannelSet(channels));
 }
-
-Result<void> Reader::for_each_record(const OnRecord& callback) { return impl_->for_each_record(callback); }
 
 Result<Message> Reader::message_at(const Location& location) { return impl_->message_at(location); }
 

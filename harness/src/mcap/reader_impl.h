@@ -1,28 +1,14 @@
-// What a Reader consists of. Internal; scan.cpp opens, reader.cpp passes over, order.cpp sorts by time.
+// What a Reader consists of. Internal; reader.cpp opens and passes over, by_summary.cpp opens by the end of the file,
+// order.cpp sorts by time.
 #pragma once
 
 #include <rehearse/mcap.h>
 
 #include <set>
 
-#include "chunk_opener.h"
-#include "contents.h"
-#include "file_view.h"
+#include "record_pass.h"
 
 namespace rehearse::mcap {
-
-/// Which channels a pass delivers.
-class ChannelSet {
- public:
-  explicit ChannelSet(std::span<const std::uint16_t> channels) : all_(channels.empty()), chosen_(all_ ? 0 : 0x10000) {
-    for (const std::uint16_t channel : channels) chosen_[channel] = true;
-  }
-  bool has(std::uint16_t channel) const { return all_ || chosen_[channel]; }
-
- private:
-  bool all_;
-  std::vector<bool> chosen_;
-};
 
 class Reader::Impl {
  public:
@@ -41,7 +27,6 @@ class Reader::Impl {
 
   // reader.cpp
   Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
-  Result<void> for_each_record(const OnRecord& callback);
   Result<Message> message_at(const Location& location);
 
   // order.cpp
@@ -65,9 +50,8 @@ class Reader::Impl {
 
   // Of the walk, if it was made; the rest of it.
   bool walked_ = false;
-  std::uint64_t data_end_ = 0;             // offset of DataEnd, or of the first byte that is no whole record
-  std::optional<std::uint32_t> data_crc_;  // as DataEnd has it, if it has one
-  std::vector<Chunk> chunks_;              // in file order
+  Frame frame_;
+  std::vector<Chunk> chunks_;  // in file order
   /// What the message indexes behind a chunk say of its channels.
   enum class ChunkChannels : std::uint8_t { not_said, known, unknown };
   std::vector<ChunkChannels> chunk_channels_;  // like chunks_
@@ -79,28 +63,19 @@ class Reader::Impl {
   bool open_by_summary();
   std::optional<std::uint64_t> find_summary() const;
 
-  // scan.cpp
-  void scan();
-  void scan_data_record(const Record& record);
-  void scan_chunk_head(const Record& record);
-  void scan_end(RecordWalker& walker, const Record& data_end);
-  void scan_summary_up_to(const Record& footer, std::uint64_t start);
+  // reader.cpp
+  void take_in(const Record& record);
+  void take_in_chunk(const Record& record);
+  void take_in_message_index(const Record& record);
   bool knows_all_definitions() const;
-  void scan_message_index(const Record& record);
   void learn_from_chunks();
   void learn_from_chunk(const Chunk& place);
-  void report_cut(const RecordWalker& walker);
-
-  // reader.cpp
-  bool pass_over_chunk(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
-  bool deliver(const Record& record, const OnMessage& callback, const ChannelSet& channels, DamageLog& damage);
 
   RawBuffer pass_buffer_;
   RawBuffer at_buffer_;  // of message_at: the chunk that it read last
   Bytes at_records_;
   std::uint64_t at_chunk_ = 0;  // 0: none
   std::optional<bool> data_crc_matches_;
-  bool summary_has_channels_ = false;
 };
 
 }  // namespace rehearse::mcap

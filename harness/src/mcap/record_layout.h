@@ -30,4 +30,14 @@ struct LayoutCheck {
 /// Of a known kind. Looks at no number's meaning, only at lengths, texts and the keys of maps.
 LayoutCheck check_layout(std::uint8_t opcode, Bytes body);
 
+/// True if the bytes come to whole records, and all of known kinds pass.
+template <class Passes>
+bool has_layout(Bytes records, const Passes& passes) {
+  RecordWalker walker(records);
+  Record record;
+  while (walker.next(record))
+    if (is_known(record.opcode) && !passes(check_layout(record.opcode, record.body))) return false;
+  return walker.at_end();
+}
+
 }  // namespace rehearse::mcap

@@ -6,6 +6,55 @@
 
 namespace rehearse::mcap {
 
+void ByteWriter::put_string(std::string_view text) {
+  put(static_cast<std::uint32_t>(text.size()));
+  put_bytes(as_bytes(text));
+}
+
+void ByteWriter::put_map(const std::map<std::string, std::string>& map) {
+  const std::size_t length_at = size();
+  put(std::uint32_t{0});
+  for (const auto& [key, value] : map) {
+    put_string(key);
+    put_string(value);
+  }
+  patch(length_at, static_cast<std::uint32_t>(size() - length_at - 4));
+}
+
+void ByteWriter::begin_record(std::uint8_t opcode) {
+  record_ = size();
+  put(opcode);
+  put(std::uint64_t{0});
+}
+
+void ByteWriter::end_record() { patch(record_ + 1, static_cast<std::uint64_t>(size() - record_ - 9)); }
+
+std::span<const std::byte> ByteReader::get_bytes(std::uint64_t count) {
+  if (count > bytes_.size()) {
+    ok_ = false;
+    bytes_ = {};
+    return {};
+  }
+  const auto taken = bytes_.first(count);
+  bytes_ = bytes_.subspan(count);
+  return taken;
+}
+
+std::string ByteReader::get_string() { return std::string(as_text(get_bytes(get<std::uint32_t>()))); }
+
+std::map<std::string, std::string> ByteReader::get_map() {
+  ByteReader entries(get_bytes(get<std::uint32_t>()));
+  std::map<std::string, std::string> map;
+  while (entries.left() > 0) {
+    std::string key = entries.get_string();
+    std::string value = entries.get_string();
+    if (!entries.ok()) break;
+    map.insert_or_assign(std::move(key), std::move(value));
+  }
+  ok_ = ok_ && entries.ok();
+  return map;
+}
+
 bool RecordWalker::next(Record& record) {
   const Bytes left = range_.subspan(offset_);
   if (left.size() < record_head) return false;
@@ -51,34 +100,31 @@ std::optional<MessageHead> parse_message_head(Bytes body) {
   return head;
 }
 
-namespace {
-
-/// The head; `in` stands before the length of the records then.
-ChunkHead take_chunk_head(ByteReader& in) {
+std::optional<ChunkHead> parse_chunk_front(Bytes body, std::uint64_t& size) {
+  ByteReader in(body);
   ChunkHead head;
   head.start_time = in.get<std::uint64_t>();
   head.end_time = in.get<std::uint64_t>();
   head.uncompressed_size = in.get<std::uint64_t>();
   head.uncompressed_crc = in.get<std::uint32_t>();
   head.compression = as_text(in.get_bytes(in.get<std::uint32_t>()));
-  return head;
-}
-
-}  // namespace
-
-std::optional<ChunkHead> parse_chunk(Bytes body) {
-  ByteReader in(body);
-  ChunkHead head = take_chunk_head(in);
-  head.records = in.get_bytes(in.get<std::uint64_t>());
+  size = in.get<std::uint64_t>();
+  head.records = in.rest();
   return in.ok() ? std::optional(head) : std::nullopt;
 }
 
 std::optional<ChunkHead> parse_cut_chunk(Bytes body) {
-  ByteReader in(body);
-  ChunkHead head = take_chunk_head(in);
-  const auto length = in.get<std::uint64_t>();
-  if (!in.ok()) return std::nullopt;
-  head.records = in.rest().first(std::min<std::uint64_t>(length, in.left()));
+  std::uint64_t size = 0;
+  auto head = parse_chunk_front(body, size);
+  if (head) head->records = head->records.first(std::min<std::uint64_t>(size, head->records.size()));
+  return head;
+}
+
+std::optional<ChunkHead> parse_chunk(Bytes body) {
+  std::uint64_t size = 0;
+  auto head = parse_chunk_front(body, size);
+  if (!head || size > head->records.size()) return std::nullopt;
+  head->records = head->records.first(size);
   return head;
 }
 
@@ -139,7 +185,7 @@ std::optional<ChunkIndex> parse_chunk_index(Bytes body) {
   index.chunk.end_time = in.get<std::uint64_t>();
   index.chunk.offset = in.get<std::uint64_t>();
   index.length = in.get<std::uint64_t>();
-  in.get_bytes(in.get<std::uint32_t>());  // where the message indexes are
+  index.places = in.get_bytes(in.get<std::uint32_t>());
   index.indexes_length = in.get<std::uint64_t>();
   index.chunk.compression = in.get_string();
   index.chunk.stored_size = in.get<std::uint64_t>();
@@ -218,6 +264,28 @@ void put_statistics(ByteWriter& out, const Statistics& s) {
     out.put(channel);
     out.put(count);
   }
+  out.end_record();
+}
+
+void put_chunk_index(ByteWriter& out, const ChunkIndex& index) {
+  out.begin_record(op::chunk_index);
+  out.put(index.chunk.start_time);
+  out.put(index.chunk.end_time);
+  out.put(index.chunk.offset);
+  out.put(index.length);
+  out.put_string(as_text(index.places));
+  out.put(index.indexes_length);
+  out.put_string(index.chunk.compression);
+  out.put(index.chunk.stored_size);
+  out.put(index.chunk.size);
+  out.end_record();
+}
+
+void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name) {
+  out.begin_record(op::metadata_index);
+  out.put(offset);
+  out.put(length);
+  out.put_string(name);
   out.end_record();
 }
 

@@ -41,11 +41,12 @@ struct Footer {
   std::uint32_t summary_crc = 0;
 };
 
-/// What a ChunkIndex says.
+/// The fields of a ChunkIndex record.
 struct ChunkIndex {
   Chunk chunk;
   std::uint64_t length = 0;          // of the chunk's record [bytes]
   std::uint64_t indexes_length = 0;  // of the message indexes behind it [bytes]
+  Bytes places;                      // channel (2 bytes) and offset in the file (8) of each message index
 };
 
 /// What an AttachmentIndex or a MetadataIndex says of where the record is.
@@ -69,6 +70,13 @@ struct MessageHead {
   std::uint64_t publish_time = 0;
 };
 
+/// Where a message's record stands in its chunk.
+struct IndexEntry {
+  std::uint64_t log_time = 0;
+  std::uint64_t offset = 0;
+  std::uint16_t channel = 0;
+};
+
 /// Steps over records. Stops at the end of the range, or before the first that isn't whole.
 class RecordWalker {
  public:
@@ -84,12 +92,21 @@ class RecordWalker {
   std::uint64_t offset_;
 };
 
+/// The whole record, its head included. `record` has to be one that a walk delivered.
+inline Bytes bytes_of(const Record& record) {
+  return {record.body.data() - record_head, record_head + record.body.size()};
+}
+/// Offset behind the record.
+inline std::uint64_t end_of(const Record& record) { return record.offset + record_head + record.body.size(); }
+
 // Each takes the body of a record and is nullopt if the body is too short for what it says.
 std::optional<Schema> parse_schema(Bytes body);
 std::optional<Channel> parse_channel(Bytes body);
 std::optional<MessageHead> parse_message_head(Bytes body);
 std::optional<ChunkHead> parse_chunk(Bytes body);
 std::optional<ChunkHead> parse_cut_chunk(Bytes body);  // its records end with the body, whatever it says
+/// The fields before the records. `size`: of the records, as the chunk states it [bytes].
+std::optional<ChunkHead> parse_chunk_front(Bytes body, std::uint64_t& size);
 std::optional<AttachmentRecord> parse_attachment(Bytes body);
 std::optional<Metadata> parse_metadata(Bytes body);
 std::optional<Statistics> parse_statistics(Bytes body);
@@ -104,5 +121,8 @@ void put_channel(ByteWriter& out, const Channel& channel);
 void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc = true);
 void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values);
 void put_statistics(ByteWriter& out, const Statistics& statistics);
+void put_chunk_index(ByteWriter& out, const ChunkIndex& index);
+/// `length` of the record at `offset`, its head included [bytes].
+void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name);
 
 }  // namespace rehearse::mcap

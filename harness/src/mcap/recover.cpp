@@ -1,11 +1,12 @@
+#include "recover.h"
+
 #include <fmt/format.h>
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/mcap_recover.h>
 #include <rehearse/text.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "doctor.h"
 #include "draft.h"
 #include "file_view.h"
 #include "record_layout.h"
@@ -15,7 +16,11 @@ namespace rehearse::mcap {
 
 namespace {
 
-constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
+/// The second half of the progress.
+Progress second_half(const Progress& progress) {
+  if (!progress) return {};
+  return [progress](std::uint64_t done, std::uint64_t all) { progress(all / 2 + done / 2, all); };
+}
 
 /// The text with what isn't UTF-8 in it replaced, as a valid file asks for.
 std::string as_utf8(std::string_view text) {
@@ -51,23 +56,19 @@ class SavedPass {
   SavedPass(const FileView& file, const Survey& survey, const RecoverOptions& options, Recovery& recovery,
             const OnSaved& saved)
       : file_(file.bytes()),
-        passed_(file, file_),
+        passed_(file, file_, second_half(options.progress)),
         survey_(survey),
-        options_(options),
         recovery_(recovery),
-        saved_(saved) {}
+        saved_(saved),
+        opener_({.max_chunk_size = options.max_chunk_size}) {}
 
   void run() {
+    Record record;
     for (const SavedRun& run : survey_.runs) {
-      if (!run.trusted) {
-        if (!pass_damaged_chunk(run)) return;
-        continue;
-      }
+      if (!run.trusted && !pass_damaged_chunk(run)) return;
       RecordWalker walker(file_.first(run.end), run.begin);
-      Record record;
-      while (walker.next(record)) {
+      while (run.trusted && walker.next(record))
         if (!pass(record)) return;
-      }
     }
     if (orphans_ > 0)
       recovery_.remarks.push_back(
@@ -77,43 +78,22 @@ class SavedPass {
  private:
   /// False: stop.
   bool pass(const Record& record) {
+    DamageLog none("");  // the first pass has told it
     passed_.pass(record.offset);
-    if (options_.progress && record.offset >= next_progress_) {
-      options_.progress(file_.size() / 2 + record.offset / 2, file_.size());
-      next_progress_ = record.offset + progress_step;
-    }
     switch (record.opcode) {
       case op::message: return deliver(record);
-      case op::chunk: return pass_chunk(record);
-      case op::attachment: {
-        auto attachment = parse_attachment(record.body);
-        REHEARSE_ASSERT(attachment, "the first pass parsed it");
-        attachment->attachment.offset = record.offset;
-        return saved_.attachment(attachment->attachment);
-      }
-      case op::metadata: {
-        const auto metadata = parse_metadata(record.body);
-        REHEARSE_ASSERT(metadata, "the first pass parsed it");
-        return saved_.metadata(*metadata);
-      }
+      case op::chunk: return deliver_records(opener_.open(record, buffer_).records, record.offset);
+      case op::attachment: return saved_.attachment(*read_attachment(record, false, none));
+      case op::metadata: return saved_.metadata(*read_metadata(record, none));
       default: return true;
     }
-  }
-
-  bool pass_chunk(const Record& record) {
-    const auto head = parse_chunk(record.body);
-    REHEARSE_ASSERT(head, "the first pass parsed it");
-    const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
-    REHEARSE_ASSERT(records, "the first pass decompressed it");
-    return deliver_records(*records, record.offset);
   }
 
   /// What seems whole in it.
   bool pass_damaged_chunk(const SavedRun& run) {
     const auto head = parse_cut_chunk(file_.subspan(run.begin + record_head, run.end - run.begin - record_head));
     REHEARSE_ASSERT(head, "the first pass parsed it");
-    const auto size = std::min(head->uncompressed_size, options_.max_chunk_size);
-    return deliver_records(decompressor_.decompress_front(head->compression, head->records, size, buffer_), run.begin);
+    return deliver_records(opener_.open_front(*head, buffer_), run.begin);
   }
 
   bool deliver_records(Bytes records, std::uint64_t chunk) {
@@ -130,31 +110,23 @@ class SavedPass {
   bool deliver(const Record& record) {
     const auto head = parse_message_head(record.body);
     if (!head) return true;
-    const auto channel = survey_.channels.find(head->channel);
-    if (channel == survey_.channels.end()) {
+    if (!survey_.contents.channels.contains(head->channel)) {
       ++orphans_;
       ++recovery_.channels[head->channel].lost;
       return true;
     }
-    return saved_.message(
-        {&channel->second,
-         head->sequence,
-         head->log_time,
-         head->publish_time,
-         record.body.subspan(message_head),
-         {record.chunk.value_or(record.offset), record.chunk ? record.offset : 0, record.chunk.has_value()}});
+    DamageLog none("");
+    return saved_.message(survey_.contents.read_message(record, none));
   }
 
   const Bytes file_;
   PassedBytes passed_;
   const Survey& survey_;
-  const RecoverOptions& options_;
   Recovery& recovery_;
   const OnSaved& saved_;
-  Decompressor decompressor_;
+  ChunkOpener opener_;
   RawBuffer buffer_;
   std::uint64_t orphans_ = 0;
-  std::uint64_t next_progress_ = 0;
 };
 
 /// The format has no data without an encoding: nobody could tell what it means.
@@ -163,11 +135,11 @@ bool is_damaged(const Schema& schema) { return schema.encoding.empty() && !schem
 /// Defines the channels in the new file. Returns their ids there by those of the source.
 std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery& recovery) {
   std::vector<std::uint16_t> ids(0x10000);
-  for (const auto& [id, channel] : survey.channels) {
+  for (const auto& [id, channel] : survey.contents.channels) {
     std::uint16_t schema = 0;
     if (channel.schema_id != 0) {
-      const auto known = survey.schemas.find(channel.schema_id);
-      const bool lost = known == survey.schemas.end();
+      const auto known = survey.contents.schemas.find(channel.schema_id);
+      const bool lost = known == survey.contents.schemas.end();
       if (lost || is_damaged(known->second))
         recovery.remarks.push_back(fmt::format("the schema of {} is {}: its messages are kept without one",
                                                in_quotes(channel.topic), lost ? "lost" : "damaged"));
@@ -185,12 +157,12 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
 
 /// What statistics that are left say about what is missing.
 void count_losses(const Survey& survey, Recovery& recovery) {
-  if (survey.statistics) {
+  if (survey.contents.statistics) {
     recovery.loss_is_known = true;
-    recovery.source_last_time = survey.statistics->message_end_time;
-    recovery.lost_messages =
-        survey.statistics->message_count - std::min(survey.statistics->message_count, recovery.messages);
-    for (const auto& [id, count] : survey.statistics->channel_message_counts) {
+    recovery.source_last_time = survey.contents.statistics->message_end_time;
+    recovery.lost_messages = survey.contents.statistics->message_count -
+                             std::min(survey.contents.statistics->message_count, recovery.messages);
+    for (const auto& [id, count] : survey.contents.statistics->channel_message_counts) {
       RecoveredChannel& channel = recovery.channels[id];
       channel.lost = count - std::min(count, channel.saved);
     }
@@ -223,12 +195,11 @@ Diagnostic about(const std::filesystem::path& file, std::string message) {
 }
 
 /// Writes all that the survey saved.
-Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const std::filesystem::path& target,
+Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const Draft& draft,
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
-  form.profile = as_utf8(survey.profile);
-  form.chunk_span = std::numeric_limits<std::uint64_t>::max();  // nothing waits to be killed here
-  auto writer = Writer::create(target, form);
+  form.profile = as_utf8(survey.contents.profile);
+  auto writer = draft.open_writer(form);
   if (!writer) return writer.errors();
   const std::vector<std::uint16_t> ids = define(**writer, survey, recovery);
   Result<void> written;
@@ -293,7 +264,7 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   Recovery recovery;
   const Survey survey(*view, options, recovery);
   if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
-  if (auto done = write_saved(*view, source, draft->file(), survey, options, recovery); !done) return done.errors();
+  if (auto done = write_saved(*view, source, *draft, survey, options, recovery); !done) return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
   if (auto done = draft->finish(); !done) return done.errors();
   return recovery;

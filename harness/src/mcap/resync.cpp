@@ -15,7 +15,10 @@ bool ends_here(Bytes file, std::uint64_t offset) {
 }  // namespace
 
 Resync::Resync(Bytes file, std::uint64_t max_chunk_size)
-    : file_(file), max_chunk_size_(max_chunk_size), budget_(8 * file.size() + (std::uint64_t{64} << 20)) {}
+    : file_(file),
+      max_chunk_size_(max_chunk_size),
+      budget_(8 * file.size() + (std::uint64_t{64} << 20)),
+      opener_({.max_chunk_size = max_chunk_size}) {}
 
 /// The record there, if its length fits into the file.
 std::optional<Record> Resync::head_at(std::uint64_t offset) const {
@@ -50,24 +53,17 @@ bool Resync::leads_on(std::uint64_t offset, int records) {
   return records == 0;
 }
 
-bool Resync::is_believed_chunk(Bytes body) {
-  const auto head = parse_chunk(body);
+bool Resync::is_believed_chunk(const Record& chunk) {
+  const auto head = parse_chunk(chunk.body);
   if (!head || head->uncompressed_size > max_chunk_size_ || head->start_time > head->end_time) return false;
   if (head->compression != "" && head->compression != "zstd" && head->compression != "lz4") return false;
   const std::uint64_t cost = head->records.size() + head->uncompressed_size;
   if (cost > budget_) return false;
-  const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
-  if (records && head->uncompressed_crc != 0 && crc32(*records) == head->uncompressed_crc) return true;
+  const OpenedChunk opened = opener_.open(chunk, buffer_);
+  if (opened.ok() && head->uncompressed_crc != 0) return true;
   budget_ -= cost;
-  if (!records || head->uncompressed_crc != 0) return false;
-  RecordWalker inside(*records);
-  Record record;
-  bool any = false;
-  while (inside.next(record)) {
-    if (is_known(record.opcode) && !check_layout(record.opcode, record.body).exact()) return false;
-    any = true;
-  }
-  return any && inside.at_end();
+  return opened.ok() && !opened.records.empty() &&
+         has_layout(opened.records, [](const LayoutCheck& check) { return check.exact(); });
 }
 
 bool Resync::is_believed_attachment(Bytes body) {
@@ -81,7 +77,7 @@ bool Resync::is_believed_attachment(Bytes body) {
 bool Resync::is_believed(std::uint64_t offset) {
   const auto record = head_at(offset);
   if (!record || !is_known(record->opcode)) return false;
-  if (record->opcode == op::chunk) return is_believed_chunk(record->body);
+  if (record->opcode == op::chunk) return is_believed_chunk(*record);
   if (record->opcode == op::attachment && is_believed_attachment(record->body)) return true;
   if (record->opcode == op::message && !loose_messages_) return false;
   return leads_on(offset, records_in_a_row);

@@ -8,8 +8,7 @@
 //   lost look alike, and nothing says that they are right.
 #pragma once
 
-#include "codec.h"
-#include "records.h"
+#include "chunks.h"
 
 namespace rehearse::mcap {
 
@@ -28,7 +27,7 @@ class Resync {
 
  private:
   bool is_believed(std::uint64_t offset);
-  bool is_believed_chunk(Bytes body);
+  bool is_believed_chunk(const Record& chunk);
   bool is_believed_attachment(Bytes body);
   bool leads_on(std::uint64_t offset, int records);
   std::optional<Record> head_at(std::uint64_t offset) const;
@@ -37,7 +36,7 @@ class Resync {
   std::uint64_t max_chunk_size_;
   bool loose_messages_ = false;
   std::uint64_t budget_;  // for places that turn out to be none [bytes]: hostile files don't make this quadratic
-  Decompressor decompressor_;
+  ChunkOpener opener_;
   RawBuffer buffer_;
 };
 

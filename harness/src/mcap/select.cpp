@@ -1,5 +1,6 @@
+#include "select.h"
+
 #include <rehearse/glob.h>
-#include <rehearse/mcap_select.h>
 #include <rehearse/messages.h>
 
 #include <fmt/format.h>

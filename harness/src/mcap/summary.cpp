@@ -1,5 +1,7 @@
 #include "summary.h"
 
+#include <array>
+
 #include "codec.h"
 
 namespace rehearse::mcap {
@@ -56,12 +58,102 @@ void SummaryComposer::finish() {
   write_(footer);
 }
 
-void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name) {
-  out.begin_record(op::metadata_index);
-  out.put(offset);
-  out.put(length);
-  out.put_string(name);
-  out.end_record();
+namespace {
+
+/// Goes over the chunks of a file that we wrote ourselves, and over the message indexes behind each.
+class ReadBack {
+ public:
+  ReadBack(Sink& file, std::uint64_t data_size, const std::function<void(Bytes)>& out)
+      : file_(file), data_size_(data_size), out_(out) {}
+
+  Result<void> run();
+
+ private:
+  static constexpr std::size_t piece = 1 << 16;
+
+  bool begin_chunk(const Record& chunk, std::uint64_t length);
+  void end_chunk();
+  void hand_out();
+
+  Sink& file_;
+  std::uint64_t data_size_;
+  const std::function<void(Bytes)>& out_;
+  std::optional<ChunkIndex> chunk_;
+  std::vector<std::byte> places_;  // of its message indexes
+  std::vector<std::byte> records_;
+};
+
+Result<void> ReadBack::run() {
+  const Diagnostic changed = error("can't finish the trace: somebody else has changed it meanwhile");
+  // As much of a record as says all that is asked: a chunk's head with the longest name of a compression.
+  std::array<std::byte, record_head + 8 + 8 + 8 + 4 + (4 + 4) + 8> start;
+  for (std::uint64_t offset = magic.size(); offset < data_size_;) {
+    const std::uint64_t wanted = std::min<std::uint64_t>(start.size(), data_size_ - offset);
+    const auto read = file_.read_back(offset, std::span(start).first(wanted));
+    if (!read) return read.errors();
+    ByteReader in(Bytes(start).first(wanted));
+    const auto opcode = in.get<std::uint8_t>();
+    const auto length = in.get<std::uint64_t>();
+    if (!in.ok() || length > data_size_ - offset - record_head) return changed;
+    if (opcode == op::chunk) {
+      end_chunk();
+      if (!begin_chunk({opcode, in.rest(), offset, {}}, record_head + length)) return changed;
+    } else if (opcode == op::message_index && chunk_) {
+      ByteWriter places(places_);
+      places.put(in.get<std::uint16_t>());
+      places.put(offset);
+      chunk_->indexes_length += record_head + length;
+    }
+    offset += record_head + length;
+  }
+  end_chunk();
+  hand_out();
+  return {};
+}
+
+/// `chunk` has the front of its body only.
+bool ReadBack::begin_chunk(const Record& chunk, std::uint64_t length) {
+  std::uint64_t stored_size = 0;
+  const auto head = parse_chunk_front(chunk.body, stored_size);
+  if (!head) return false;
+  chunk_ = ChunkIndex{{chunk.offset, head->start_time, head->end_time, std::string(head->compression), stored_size,
+                       head->uncompressed_size},
+                      length,
+                      0,
+                      {}};
+  places_.clear();
+  return true;
+}
+
+void ReadBack::end_chunk() {
+  if (!chunk_) return;
+  ByteWriter out(records_);
+  chunk_->places = places_;
+  put_chunk_index(out, *chunk_);
+  chunk_.reset();
+  if (records_.size() >= piece) hand_out();
+}
+
+void ReadBack::hand_out() {
+  out_(records_);
+  records_.clear();
+}
+
+}  // namespace
+
+void ChunkIndexes::add(const ChunkIndex& index) {
+  if (forgotten_) return;
+  ByteWriter out(records_);
+  put_chunk_index(out, index);
+  if (!can_forget_ || records_.size() <= most_) return;
+  forgotten_ = true;
+  records_ = {};
+}
+
+Result<void> ChunkIndexes::write(Sink& file, std::uint64_t data_size, const std::function<void(Bytes)>& out) {
+  if (forgotten_) return ReadBack(file, data_size, out).run();
+  out(records_);
+  return {};
 }
 
 }  // namespace rehearse::mcap

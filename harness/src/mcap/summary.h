@@ -1,9 +1,10 @@
-// What stands behind the data section of a file: DataEnd, the summary, the Footer. Internal.
+// What stands behind the data section of a file that is written: DataEnd, the summary, the Footer. Internal.
 #pragma once
 
 #include <functional>
 
 #include "records.h"
+#include "sink.h"
 
 namespace rehearse::mcap {
 
@@ -33,7 +34,25 @@ class SummaryComposer {
   std::vector<std::byte> offsets_;  // whole records
 };
 
-/// Appends a whole MetadataIndex record: `length` of the record at `offset`, its head included.
-void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name);
+/// Collects the ChunkIndex records of a file until the summary wants them. An hour with cameras has half a million: so
+/// from a certain size on they are forgotten, and in the end made again from the file, whose chunks and message indexes
+/// say the same.
+class ChunkIndexes {
+ public:
+  /// `most`: what is held in memory [bytes].
+  ChunkIndexes(const Sink& file, std::size_t most) : can_forget_(file.readable()), most_(most) {}
+
+  void add(const ChunkIndex& index);
+
+  /// All records in their order, piece by piece. `data_size`: of everything before DataEnd [bytes]. Fails if the file
+  /// has to be read and can't be.
+  Result<void> write(Sink& file, std::uint64_t data_size, const std::function<void(Bytes)>& out);
+
+ private:
+  bool can_forget_;
+  std::size_t most_;
+  std::vector<std::byte> records_;
+  bool forgotten_ = false;
+};
 
 }  // namespace rehearse::mcap

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "frame.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {
@@ -13,9 +12,12 @@ namespace rehearse::mcap {
 namespace {
 
 constexpr std::size_t listed_losses = 1000;
-constexpr std::uint64_t progress_step = 16 << 20;  // [bytes]
 
-std::uint64_t end_of(const Record& record) { return record.offset + record_head + record.body.size(); }
+/// The first half of the progress.
+Progress first_half(const Progress& progress) {
+  if (!progress) return {};
+  return [progress](std::uint64_t done, std::uint64_t all) { progress(done / 2, all); };
+}
 
 /// Definitions and attachments have names, or at least a length for an empty one.
 bool is_nameless(const Record& record) {
@@ -37,10 +39,11 @@ bool is_overwritten(const Record& record, const LayoutCheck& layout) {
 
 Survey::Survey(const FileView& file, const RecoverOptions& options, Recovery& recovery)
     : file_(file.bytes()),
-      passed_(file, file_),
+      pass_(file, file_, true, first_half(options.progress), 0),
       options_(options),
       recovery_(recovery),
-      resync_(file_, options.max_chunk_size) {
+      resync_(file_, options.max_chunk_size),
+      opener_({.max_chunk_size = options.max_chunk_size}) {
   recovery_.size = file_.size();
   read_summary();
   walk();
@@ -50,69 +53,54 @@ Survey::Survey(const FileView& file, const RecoverOptions& options, Recovery& re
 
 /// If the file ends as it should, and the CRC of the summary matches: what it defines is right.
 void Survey::read_summary() {
-  if (file_.size() < footer_size + 2 * magic.size()) return;
-  const std::uint64_t footer_at = file_.size() - magic.size() - footer_size;
-  RecordWalker walker(file_, footer_at);
-  Record record;
-  if (!begins_with_magic(file_.last(magic.size())) || !walker.next(record) || record.opcode != op::footer) return;
-  const auto footer = parse_footer(record.body);
+  std::uint64_t footer_at = 0;
+  const auto footer = find_footer(file_, footer_at);
   if (!footer || footer->summary_crc == 0 || footer->summary_start == 0 || footer->summary_start > footer_at) return;
   const Bytes covered = file_.subspan(footer->summary_start, footer_at + footer_covered - footer->summary_start);
   if (crc32(covered) != footer->summary_crc) return;
   RecordWalker summary(file_.first(footer_at), footer->summary_start);
+  Record record;
   while (summary.next(record)) {
-    if (record.opcode == op::schema) static_cast<void>(learn_schema(record));
-    if (record.opcode == op::channel) static_cast<void>(learn_channel(record));
-    if (record.opcode == op::statistics) statistics = parse_statistics(record.body);
+    static_cast<void>(learn(record));
+    if (record.opcode == op::statistics) contents.statistics = parse_statistics(record.body);
   }
   summary_decides_ = true;
 }
 
 void Survey::walk() {
-  std::uint64_t offset = 0;
   if (begins_with_magic(file_)) {
-    offset = magic.size();
-    crc_ = crc32(file_.first(offset));
+    pass_.go_on_at(magic.size());
   } else {
-    offset = resync_.find(0).value_or(file_.size());
-    lose(0, offset, "what stands there is no beginning of an MCAP file");
+    const std::uint64_t first = resync_.find(0).value_or(file_.size());
+    lose(0, first, "what stands there is no beginning of an MCAP file");
+    pass_.go_on_at(first);
   }
-  while (offset < file_.size()) {
-    passed_.pass(offset);
-    if (options_.progress && offset >= next_progress_) {
-      options_.progress(offset / 2, file_.size());
-      next_progress_ = offset + progress_step;
-    }
-    RecordWalker walker(file_, offset);
-    Record record;
-    if (walker.next(record)) {
-      if (record.opcode == op::footer && parse_footer(record.body)) {
-        const Bytes tail = file_.subspan(end_of(record));
-        if (begins_with_magic(tail)) {
-          if (tail.size() > magic.size())
-            lose(end_of(record) + magic.size(), file_.size(), "what stands behind the file's end");
-          return;
-        }
-      }
-      if (pass_record(record)) {
-        offset = end_of(record);
-        continue;
-      }
-      if (resync_.is_plausible(end_of(record))) {
-        offset = end_of(record);
-        continue;
-      }
+  Record record;
+  while (pass_.offset() < file_.size()) {
+    const std::uint64_t offset = pass_.offset();
+    if (pass_.next(record)) {
+      if (ends_file(record)) return;
+      if (pass_record(record) || resync_.is_plausible(end_of(record))) continue;
       recovery_.lost.pop_back();  // its length isn't to be believed either: it may hide what is whole
-      recovery_.lost_bytes -= end_of(record) - record.offset;
+      recovery_.lost_bytes -= bytes_of(record).size();
       if (!runs.empty() && !runs.back().trusted && runs.back().begin == record.offset) runs.pop_back();
     }
     const std::uint64_t next = resync_.find(offset + 1).value_or(file_.size());
     if (options_.trust_damaged && next == file_.size() && is_cut_chunk(offset)) save(offset, next, false);
     lose(offset, next, next == file_.size() ? "no record that is whole, up to the end" : "no record");
-    offset = next;
+    pass_.go_on_at(next);
     chunk_was_lost_ = false;
   }
   recovery_.remarks.push_back("the file had no end, and so no summary");
+}
+
+/// The Footer, with the magic bytes behind it.
+bool Survey::ends_file(const Record& record) {
+  if (record.opcode != op::footer || !parse_footer(record.body)) return false;
+  const std::uint64_t end = end_of(record);
+  if (!begins_with_magic(file_.subspan(end))) return false;
+  lose(end + magic.size(), file_.size(), "what stands behind the file's end");
+  return true;
 }
 
 /// The file ends in the middle of a chunk that begins there.
@@ -125,8 +113,6 @@ bool Survey::is_cut_chunk(std::uint64_t offset) const {
 
 /// False if it isn't saved; then that is told.
 bool Survey::pass_record(const Record& record) {
-  if (!in_summary_ && record.opcode != op::data_end)
-    crc_ = crc32(file_.subspan(record.offset, end_of(record) - record.offset), crc_);
   if (record.opcode == op::message_index && chunk_was_lost_) count_lost(record);
   if (record.opcode != op::message_index) chunk_was_lost_ = false;
   const Fault fault = judge(record);
@@ -152,14 +138,14 @@ Survey::Fault Survey::judge(const Record& record) {
   if (is_overwritten(record, layout)) return fmt::format("a {} that is partly overwritten", name_of(record.opcode));
   switch (record.opcode) {
     case op::header: {
-      if (!layout.problems.empty() || !profile.empty() || !library.empty()) return {};
+      if (!layout.problems.empty() || !contents.profile.empty() || !contents.library.empty()) return {};
       ByteReader in(record.body);
-      profile = in.get_string();
-      library = in.get_string();
+      contents.profile = in.get_string();
+      contents.library = in.get_string();
       return {};
     }
-    case op::schema: return learn_schema(record);
-    case op::channel: return learn_channel(record);
+    case op::schema:
+    case op::channel: return learn(record);
     case op::message: resync_.expect_loose_messages(); return {};
     case op::chunk: return judge_chunk(record);
     case op::attachment: return judge_attachment(record);
@@ -171,29 +157,26 @@ Survey::Fault Survey::judge(const Record& record) {
 void Survey::finish_data(const Record& data_end) {
   const auto stated = ByteReader(data_end.body).get<std::uint32_t>();
   in_summary_ = true;
-  if (stated != 0 && stated != crc_ && recovery_.lost.empty())
+  if (stated != 0 && stated != pass_.crc() && recovery_.lost.empty())
     recovery_.remarks.push_back(
         "the CRC of the data section doesn't match, and those of its parts do: something between them isn't what was "
         "written");
 }
 
-Survey::Fault Survey::learn_schema(const Record& record) {
+/// A Schema or Channel; anything else is ignored.
+Survey::Fault Survey::learn(const Record& record) {
+  if (record.opcode != op::schema && record.opcode != op::channel) return {};
+  const auto keep = [this, kind = name_of(record.opcode)](auto& known, const auto& parsed) -> Fault {
+    if (!parsed) return fmt::format("a {} that is too short for what it says", kind);
+    const auto [place, added] = known.try_emplace(parsed->id, *parsed);
+    if (place->second == *parsed) return {};
+    return fmt::format("a {} {} that is defined otherwise {}", kind, parsed->id,
+                       summary_decides_ ? "in the summary" : "before");
+  };
+  if (record.opcode == op::channel) return keep(contents.channels, parse_channel(record.body));
   const auto schema = parse_schema(record.body);
-  if (!schema) return "a Schema that is too short for what it says";
-  if (schema->id == 0) return "a Schema with the id 0";
-  const auto [known, added] = schemas.try_emplace(schema->id, *schema);
-  if (known->second == *schema) return {};
-  return fmt::format("a Schema {} that is defined otherwise {}", schema->id,
-                     summary_decides_ ? "in the summary" : "before");
-}
-
-Survey::Fault Survey::learn_channel(const Record& record) {
-  const auto channel = parse_channel(record.body);
-  if (!channel) return "a Channel that is too short for what it says";
-  const auto [known, added] = channels.try_emplace(channel->id, *channel);
-  if (known->second == *channel) return {};
-  return fmt::format("a Channel {} that is defined otherwise {}", channel->id,
-                     summary_decides_ ? "in the summary" : "before");
+  if (schema && schema->id == 0) return "a Schema with the id 0";
+  return keep(contents.schemas, schema);
 }
 
 Survey::Fault Survey::judge_attachment(const Record& record) const {
@@ -204,21 +187,19 @@ Survey::Fault Survey::judge_attachment(const Record& record) const {
 }
 
 Survey::Fault Survey::judge_chunk(const Record& record) {
-  const auto head = parse_chunk(record.body);
-  if (!head) return "a Chunk that is too short for what it says";
-  if (head->uncompressed_size > options_.max_chunk_size)
-    return fmt::format("a Chunk that says it holds {} bytes decompressed", head->uncompressed_size);
-  const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer_);
-  if (!records) return "a Chunk that can't be decompressed: " + records.errors().front().message;
-  if (head->uncompressed_crc != 0 && head->uncompressed_crc != crc32(*records))
-    return "a Chunk whose CRC doesn't match";
-  RecordWalker inside(*records);
-  Record inner;
-  while (inside.next(inner)) {
-    if (is_known(inner.opcode) && !check_layout(inner.opcode, inner.body).whole) break;
+  const OpenedChunk chunk = opener_.open(record, buffer_);
+  switch (chunk.fault) {
+    case OpenedChunk::Fault::none: break;
+    case OpenedChunk::Fault::too_short: return "a Chunk that is too short for what it says";
+    case OpenedChunk::Fault::too_large:
+      return fmt::format("a Chunk that says it holds {} bytes decompressed", chunk.head.uncompressed_size);
+    case OpenedChunk::Fault::not_decompressed: return "a Chunk that can't be decompressed: " + chunk.reason;
+    case OpenedChunk::Fault::wrong_crc: return "a Chunk whose CRC doesn't match";
   }
-  if (!inside.at_end() && head->uncompressed_crc == 0) return "a Chunk without a CRC whose records aren't whole";
-  pass_chunk_records(*records, head->compression);
+  if (chunk.head.uncompressed_crc == 0 &&
+      !has_layout(chunk.records, [](const LayoutCheck& check) { return check.whole; }))
+    return "a Chunk without a CRC whose records aren't whole";
+  pass_chunk_records(chunk.records, chunk.head.compression);
   return {};
 }
 
@@ -228,8 +209,7 @@ void Survey::pass_chunk_records(Bytes records, std::string_view compression) {
   RecordWalker inside(records);
   Record inner;
   while (inside.next(inner)) {
-    if (inner.opcode == op::schema) static_cast<void>(learn_schema(inner));
-    if (inner.opcode == op::channel) static_cast<void>(learn_channel(inner));
+    static_cast<void>(learn(inner));
     const auto head = inner.opcode == op::message ? parse_message_head(inner.body) : std::nullopt;
     if (!head || seen[head->channel]) continue;
     seen[head->channel] = true;

@@ -1,12 +1,8 @@
 // What can be saved of a file: a first pass over it, for recover(). Internal.
 #pragma once
 
-#include <rehearse/mcap_recover.h>
-
-#include "channel_groups.h"
-#include "codec.h"
-#include "file_view.h"
-#include "records.h"
+#include "record_pass.h"
+#include "recover.h"
 #include "resync.h"
 
 namespace rehearse::mcap {
@@ -23,11 +19,7 @@ class Survey {
   /// `recovery` gets the losses.
   Survey(const FileView& file, const RecoverOptions& options, Recovery& recovery);
 
-  std::string profile;
-  std::string library;
-  std::map<std::uint16_t, Schema> schemas;
-  std::map<std::uint16_t, Channel> channels;
-  std::optional<Statistics> statistics;  // of a summary whose CRC matches
+  Contents contents;  // statistics: of a summary whose CRC matches
   ChannelGroups groups;
   std::vector<SavedRun> runs;  // in file order
 
@@ -38,12 +30,12 @@ class Survey {
   void read_summary();
   void walk();
   bool pass_record(const Record& record);
+  bool ends_file(const Record& record);
   bool is_cut_chunk(std::uint64_t offset) const;
   Fault judge(const Record& record);
   Fault judge_chunk(const Record& record);
   Fault judge_attachment(const Record& record) const;
-  Fault learn_schema(const Record& record);
-  Fault learn_channel(const Record& record);
+  Fault learn(const Record& definition);
   void pass_chunk_records(Bytes records, std::string_view compression);
   void count_lost(const Record& message_index);
   void save(std::uint64_t begin, std::uint64_t end, bool trusted = true);
@@ -51,18 +43,16 @@ class Survey {
   void finish_data(const Record& data_end);
 
   const Bytes file_;
-  PassedBytes passed_;
+  MappedPass pass_;
   const RecoverOptions& options_;
   Recovery& recovery_;
   Resync resync_;
-  Decompressor decompressor_;
+  ChunkOpener opener_;
   RawBuffer buffer_;
   bool summary_decides_ = false;  // definitions of a summary whose CRC matches were read
   bool in_summary_ = false;       // behind DataEnd
   bool chunk_was_lost_ = false;   // the message indexes that follow are its own
-  std::uint32_t crc_ = 0;         // of the data section so far
   std::uint64_t private_records_ = 0;
-  std::uint64_t next_progress_ = 0;
 };
 
 }  // namespace rehearse::mcap

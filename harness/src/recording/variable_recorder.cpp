@@ -1,6 +1,6 @@
 #include "variable_recorder.h"
 
-#include <rehearse/float64_message.h>
+#include "trace/float64_message.h"
 
 namespace rehearse {
 

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include <rehearse/float64_message.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "trace/channel_name.h"
+#include "trace/float64_message.h"
 
 namespace rehearse {
 

@@ -1,7 +1,6 @@
 // The order in which a report is made.
 #include <fmt/format.h>
 #include <rehearse/glob.h>
-#include <rehearse/mcap_filter.h>
 #include <rehearse/messages.h>
 #include <rehearse/report.h>
 #include <rehearse/tolerance.h>
@@ -13,6 +12,7 @@
 #include "compare/compare_parts.h"
 #include "compare/counterpart.h"
 #include "compare/report_json.h"
+#include "mcap/filter.h"
 #include "replay/trace_scenario.h"
 #include "report/report_page.h"
 #include "report/report_pictures.h"

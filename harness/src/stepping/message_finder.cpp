@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "mcap/records.h"
+#include "mcap/reader_impl.h"
 
 namespace rehearse {
 namespace {
@@ -35,12 +35,9 @@ MessageFinder::Found found(const std::shared_ptr<const MessageFinder::Content>& 
 }  // namespace
 
 Result<std::unique_ptr<MessageFinder>> MessageFinder::open(const std::filesystem::path& file) {
-  auto view = mcap::FileView::open(file);
-  if (!view) return view.errors();
-  std::unique_ptr<MessageFinder> finder(new MessageFinder(std::move(*view)));
-  auto reader = mcap::Reader::open(file);  // with a view of its own, whose memory it lets go of
+  auto reader = mcap::Reader::open(file);
   if (!reader) return reader.errors();
-  finder->reader_ = std::move(*reader);
+  std::unique_ptr<MessageFinder> finder(new MessageFinder(std::move(*reader)));
   for (const mcap::Chunk& chunk : finder->reader_->chunks()) finder->places_.push_back({chunk, 0, false, false, {}});
   std::stable_sort(finder->places_.begin(), finder->places_.end(),
                    [](const Place& a, const Place& b) { return a.chunk.start_time < b.chunk.start_time; });
@@ -59,17 +56,17 @@ std::size_t MessageFinder::begin_after(std::uint64_t time) const {
 /// A look at a few bytes of the file brings their neighbours into memory too, as many as the system sees fit.
 void MessageFinder::let_go(std::uint64_t begin, std::uint64_t end) const {
   constexpr std::uint64_t neighbours = 128 * 1024;
-  const mcap::Bytes bytes = file_.bytes();
+  const mcap::Bytes bytes = reader_->impl().bytes_;
   begin -= std::min(begin, neighbours);
   end = std::min<std::uint64_t>(end + neighbours, bytes.size());
-  file_.forget(bytes.subspan(begin, end - begin));
+  reader_->impl().file_.forget(bytes.subspan(begin, end - begin));
 }
 
 /// By the message indexes that follow the chunk.
 bool MessageFinder::may_have(Place& place, std::uint16_t channel) {
   if (!place.learned) {
     place.learned = true;
-    mcap::RecordWalker walker(file_.bytes(), place.chunk.offset);
+    mcap::RecordWalker walker(reader_->impl().bytes_, place.chunk.offset);
     mcap::Record record;
     walker.next(record);  // the chunk itself
     while (walker.next(record) && record.opcode == mcap::op::message_index) {
@@ -107,24 +104,24 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::content(std::size_t
 /// A chunk that can't be opened is told of once, and has no messages.
 std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Place& place) {
   const auto content = std::make_shared<Content>();
-  mcap::RecordWalker walker(file_.bytes(), place.chunk.offset);
+  mcap::ChunkOpener& opener = reader_->impl().chunk_opener_;
+  mcap::RecordWalker walker(reader_->impl().bytes_, place.chunk.offset);
   mcap::Record record;
   if (!walker.next(record) || record.opcode != mcap::op::chunk) return content;
-  const auto head = mcap::parse_chunk(record.body);
-  if (!head) return content;
-  const auto records = opener_.open(*head, place.chunk.offset, content->buffer);
-  if (!records) {
-    Diagnostic finding = records.errors().front();
+  const mcap::OpenedChunk opened = opener.open(record, content->buffer);
+  if (opened.fault == mcap::OpenedChunk::Fault::too_short) return content;
+  if (!opened.ok()) {
+    Diagnostic finding = error(opener.describe(opened));
     finding.file = reader_->name();
     const bool known = std::any_of(damage_.begin(), damage_.end(),
                                    [&](const Diagnostic& other) { return other.message == finding.message; });
     if (!known) damage_.push_back(std::move(finding));
     return content;
   }
-  content->records = *records;
-  if (!head->compression.empty())  // else they are the file's own
+  content->records = opened.records;
+  if (!opened.head.compression.empty())  // else they are the file's own
     let_go(place.chunk.offset, walker.offset());
-  mcap::RecordWalker inside(*records);
+  mcap::RecordWalker inside(opened.records);
   while (inside.next(record)) {
     const auto message = record.opcode == mcap::op::message ? mcap::parse_message_head(record.body) : std::nullopt;
     if (!message) continue;

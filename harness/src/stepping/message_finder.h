@@ -13,8 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "mcap/chunk_opener.h"
-#include "mcap/file_view.h"
+#include "mcap/chunks.h"
 
 namespace rehearse {
 
@@ -54,7 +53,7 @@ class MessageFinder {
   std::optional<Found> next(std::uint16_t channel, std::uint64_t time);
 
  private:
-  explicit MessageFinder(mcap::FileView file) : file_(std::move(file)), opener_(mcap::ReaderOptions{}) {}
+  explicit MessageFinder(std::unique_ptr<mcap::Reader> reader) : reader_(std::move(reader)) {}
 
   struct Place {
     mcap::Chunk chunk;
@@ -75,9 +74,7 @@ class MessageFinder {
   std::shared_ptr<const Content> open_chunk(const Place& place);
   std::size_t begin_after(std::uint64_t time) const;
 
-  mcap::FileView file_;
   std::unique_ptr<mcap::Reader> reader_;
-  mcap::ChunkOpener opener_;
   std::vector<Place> places_;  // by start time
   std::vector<Cached> cache_;
   std::uint64_t uses_ = 0;

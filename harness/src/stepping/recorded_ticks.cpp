@@ -9,40 +9,31 @@
 namespace rehearse {
 
 RecordedTicks::RecordedTicks(MessageFinder& finder) {
-  for (const auto& [id, channel] : finder.reader().channels()) sources_.push_back(make_source(finder, channel));
+  for (const auto& [id, channel] : finder.reader().channels())
+    sources_.push_back(std::make_unique<Source>(finder, channel));
   recorded_channels_ = sources_.size();
   for (const std::unique_ptr<Source>& source : sources_) learn(*source);
   name_all();
 }
 
-std::unique_ptr<RecordedTicks::Source> RecordedTicks::make_source(MessageFinder& finder, const mcap::Channel& channel) {
-  const mcap::Schema* schema = finder.reader().schema_of(channel);
-  auto source = std::make_unique<Source>();
-  source->finder = &finder;
-  source->id = channel.id;
-  source->table.topic = channel.topic;
-  source->table.type = schema ? schema->name : "";
-  source->table.encoding = channel.message_encoding;
-  source->table.metadata = channel.metadata;
-  auto rows = make_row_reader(source->table, schema);
-  if (rows) source->rows = std::move(*rows);
-  source->varies = source->rows &&
-                   (make_typed_row_reader(source->table) == nullptr || source->table.type == msg::Contacts::type_name);
-  return source;
-}
+RecordedTicks::Source::Source(MessageFinder& in, const mcap::Channel& channel)
+    : finder(in),
+      id(channel.id),
+      rows(channel, in.reader().schema_of(channel)),
+      varies(rows.has_rows() && (!rows.is_typed() || rows.table.type == msg::Contacts::type_name)) {}
 
 void RecordedTicks::add_replayed(MessageFinder& variables) {
   for (const auto& [id, channel] : variables.reader().channels()) {
     if (ChannelName::parse(channel.topic).kind != ChannelKind::variable) continue;
-    std::unique_ptr<Source> source = make_source(variables, channel);
+    auto source = std::make_unique<Source>(variables, channel);
     learn(*source);
     const auto same = [&topic = channel.topic](const std::unique_ptr<Source>& other) {
-      return other->table.topic == topic;
+      return other->rows.table.topic == topic;
     };
     const auto known = std::find_if(sources_.begin(), sources_.end(), same);
     if (known == sources_.end()) {
       sources_.push_back(std::move(source));
-    } else if ((*known)->table.type == source->table.type) {
+    } else if ((*known)->rows.table.type == source->rows.table.type) {
       (*known)->replayed = std::move(source);
     }
   }
@@ -51,13 +42,13 @@ void RecordedTicks::add_replayed(MessageFinder& variables) {
 
 /// The first message, the last, and one between.
 void RecordedTicks::learn(Source& source) {
-  if (!source.rows) return;
-  const auto first = source.finder->next(source.id, 0);
+  if (!source.rows.has_rows()) return;
+  const auto first = source.finder.next(source.id, 0);
   if (!first) return;
   read(source, *first);
-  const auto last = source.finder->latest(source.id, never);
+  const auto last = source.finder.latest(source.id, never);
   if (!last || last->time == first->time) return;
-  if (const auto middle = source.finder->latest(source.id, first->time + (last->time - first->time) / 2, first->time))
+  if (const auto middle = source.finder.latest(source.id, first->time + (last->time - first->time) / 2, first->time))
     read(source, *middle);
   read(source, *last);
 }
@@ -67,8 +58,8 @@ void RecordedTicks::learn_all() {
   learned_all_ = true;
   for (const std::unique_ptr<Source>& source : sources_) {
     if (!source->varies) continue;
-    for (auto found = source->finder->next(source->id, 0); found;
-         found = source->finder->next(source->id, found->time + 1))
+    for (auto found = source->finder.next(source->id, 0); found;
+         found = source->finder.next(source->id, found->time + 1))
       read(*source, *found);
   }
   name_all();
@@ -76,7 +67,7 @@ void RecordedTicks::learn_all() {
 
 void RecordedTicks::name_all() {
   std::vector<TraceChannel*> tables;
-  for (const std::unique_ptr<Source>& source : sources_) tables.push_back(&source->table);
+  for (const std::unique_ptr<Source>& source : sources_) tables.push_back(&source->rows.table);
   series_.clear();
   names_.clear();
   name_series(tables, series_);
@@ -90,9 +81,7 @@ const std::vector<std::string>& RecordedTicks::names() {
 
 /// Into the table's only row. False: it isn't of its type.
 bool RecordedTicks::read(Source& source, const MessageFinder::Found& found) {
-  source.table.times.assign(1, found.time);
-  source.table.cells.clear();
-  return source.rows->read(found.data);
+  return source.rows.replace(found.time, found.data);
 }
 
 const RecordedTicks::Row* RecordedTicks::row(std::size_t channel, std::uint64_t time) {
@@ -104,7 +93,7 @@ const RecordedTicks::Row* RecordedTicks::replayed_row(std::size_t channel, std::
 }
 
 const RecordedTicks::Row* RecordedTicks::row(Source& source, std::uint64_t time) {
-  if (!source.rows) return nullptr;
+  if (!source.rows.has_rows()) return nullptr;
   Row* best = nullptr;  // the latest that isn't later
   Row* oldest = &source.recent.front();
   for (Row& row : source.recent) {
@@ -115,20 +104,20 @@ const RecordedTicks::Row* RecordedTicks::row(Source& source, std::uint64_t time)
   if (best && time <= best->until) return best;
   if (!best && time < source.none_until) return nullptr;
   const std::uint64_t earliest = best ? best->until + 1 : source.none_until;
-  const auto found = source.finder->latest(source.id, time, earliest);
+  const auto found = source.finder.latest(source.id, time, earliest);
   if (!found) {
     if (best) best->until = time;
     if (!best) source.none_until = std::max(source.none_until, time + 1);
     return best;
   }
-  const std::size_t columns = source.table.columns.size();
+  const std::size_t columns = source.rows.table.columns.size();
   if (oldest == best) oldest = &source.recent.back() == best ? &source.recent.front() : &source.recent.back();
   if (read(source, *found)) {
-    oldest->cells = source.table.cells;
+    oldest->cells = source.rows.table.cells;
   } else {
-    oldest->cells.assign(source.table.columns.size(), std::bit_cast<std::uint64_t>(std::nan("")));
+    oldest->cells.assign(source.rows.table.columns.size(), std::bit_cast<std::uint64_t>(std::nan("")));
   }
-  if (source.table.columns.size() != columns) name_all();
+  if (source.rows.table.columns.size() != columns) name_all();
   oldest->time = found->time;
   oldest->until = time;
   oldest->used = ++uses_;
@@ -138,7 +127,7 @@ const RecordedTicks::Row* RecordedTicks::row(Source& source, std::uint64_t time)
 double RecordedTicks::number(std::size_t channel, std::size_t column, const Row& row) const {
   if (column >= row.cells.size()) return std::nan("");
   const std::uint64_t bits = row.cells[column];
-  switch (sources_[channel]->table.columns[column].kind) {
+  switch (sources_[channel]->rows.table.columns[column].kind) {
     case CellKind::floating: return std::bit_cast<double>(bits);
     case CellKind::signed_integer: return static_cast<double>(static_cast<std::int64_t>(bits));
     case CellKind::unsigned_integer:

@@ -38,7 +38,7 @@ class RecordedTicks {
   void add_replayed(MessageFinder& variables);
 
   std::size_t channels() const { return sources_.size(); }
-  const TraceChannel& channel(std::size_t index) const { return sources_[index]->table; }
+  const TraceChannel& channel(std::size_t index) const { return sources_[index]->rows.table; }
   std::uint16_t channel_id(std::size_t index) const { return sources_[index]->id; }
 
   /// The latest row at or before that time; null: there is none. Valid until the next call for this channel.
@@ -59,16 +59,16 @@ class RecordedTicks {
 
  private:
   struct Source {
-    MessageFinder* finder = nullptr;
-    std::uint16_t id = 0;
-    TraceChannel table;  // of one row: the one that was read last
-    std::unique_ptr<RowReader> rows;
+    Source(MessageFinder& in, const mcap::Channel& channel);
+
+    MessageFinder& finder;
+    std::uint16_t id;
+    ChannelRows rows;  // the one that was read last
     std::array<Row, 4> recent;
     std::uint64_t none_until = 0;  // there is no message before that time [ns]
-    bool varies = false;           // messages needn't have the same numbers
+    bool varies;                   // messages needn't have the same numbers
     std::unique_ptr<Source> replayed;
   };
-  static std::unique_ptr<Source> make_source(MessageFinder& finder, const mcap::Channel& channel);
   const Row* row(Source& source, std::uint64_t time);
   bool read(Source& source, const MessageFinder::Found& found);
   void learn(Source& source);

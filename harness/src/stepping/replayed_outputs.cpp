@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/clock.h>
-#include <rehearse/float64_message.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 
 #include "replay/replay_recording.h"
 #include "trace/channel_name.h"
+#include "trace/float64_message.h"
 
 namespace rehearse {
 namespace {

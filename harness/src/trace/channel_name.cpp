@@ -1,7 +1,7 @@
 #include "channel_name.h"
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/float64_message.h>
+#include "float64_message.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include <rehearse/message_json.h>
+#include "message_json.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,11 @@
-#include <rehearse/message_json.h>
-#include <rehearse/message_print.h>
+#include "message_print.h"
 
 #include <fmt/format.h>
 
 #include <iterator>
 #include <nlohmann/json.hpp>
+
+#include "message_json.h"
 
 namespace rehearse {
 

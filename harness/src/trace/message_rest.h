@@ -3,7 +3,6 @@
 #pragma once
 
 #include <rehearse/mcap.h>
-#include <rehearse/ros2msg.h>
 
 #include <cstdint>
 #include <memory>
@@ -11,6 +10,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "ros2msg.h"
 
 namespace rehearse {
 

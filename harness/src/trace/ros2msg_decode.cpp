@@ -1,10 +1,11 @@
 #include <rehearse/cdr.h>
-#include <rehearse/ros2msg.h>
 
 #include <fmt/format.h>
 
 #include <array>
 #include <charconv>
+
+#include "ros2msg.h"
 
 namespace rehearse::ros2msg {
 

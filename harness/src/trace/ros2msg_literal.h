@@ -1,10 +1,10 @@
 // Values as schemas write them: constants and defaults. Internal.
 #pragma once
 
-#include <rehearse/ros2msg.h>
-
 #include <string>
 #include <string_view>
+
+#include "ros2msg.h"
 
 namespace rehearse::ros2msg {
 

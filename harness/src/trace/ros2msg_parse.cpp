@@ -1,5 +1,3 @@
-#include <rehearse/ros2msg.h>
-
 #include "ros2msg_literal.h"
 
 #include <fmt/format.h>
@@ -9,6 +7,8 @@
 #include <charconv>
 #include <map>
 #include <optional>
+
+#include "ros2msg.h"
 
 namespace rehearse::ros2msg {
 

@@ -1,7 +1,8 @@
+#include "trace_doctor.h"
+
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 #include <rehearse/text.h>
-#include <rehearse/trace_doctor.h>
 
 #include <algorithm>
 #include <string_view>

@@ -24,12 +24,14 @@ class TraceLoader {
   Result<Trace> load();
 
  private:
-  /// A channel while it is read. The table lies still, because its reader points to it.
+  /// A channel while it is read.
   struct Source {
-    TraceChannel table;
-    std::unique_ptr<RowReader> rows;
+    Source(const mcap::Channel& channel, const mcap::Schema* schema)
+        // Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
+        : rows(channel, schema), rest(rows.has_rows() ? MessageRest::make(rows.table.type, schema) : nullptr) {}
+
+    ChannelRows rows;
     std::unique_ptr<MessageRest> rest;  // null if there are no rows
-    bool keeps_locations = false;
   };
 
   Source& source_of(const mcap::Message& message);
@@ -136,9 +138,10 @@ void TraceLoader::end_piece() {
     table.locations.clear();
     table.hashes.clear();
     table.rests.clear();
-    if (const auto source = sources_.find(id); source != sources_.end() && source->second->rest)
-      source->second->rest->forget();
-    if (const auto source = sources_.find(id); source != sources_.end()) source->second->table = std::move(table);
+    const auto source = sources_.find(id);
+    if (source == sources_.end()) continue;
+    if (source->second->rest) source->second->rest->forget();
+    source->second->rows.table = std::move(table);
   }
   trace_.channels_.clear();
   trace_.series_.clear();
@@ -151,21 +154,9 @@ void TraceLoader::end_piece() {
 void TraceLoader::assemble() {
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     const auto source = sources_.find(id);
-    if (source != sources_.end()) {
-      trace_.channels_.push_back(std::move(source->second->table));
-    } else {
-      const mcap::Schema* schema = trace_.reader_->schema_of(channel);
-      trace_.channels_.push_back({channel.topic,
-                                  schema == nullptr ? "" : schema->name,
-                                  channel.message_encoding,
-                                  channel.metadata,
-                                  {},
-                                  {},
-                                  {},
-                                  {},
-                                  {},
-                                  {}});
-    }
+    trace_.channels_.push_back(source != sources_.end()
+                                   ? std::move(source->second->rows.table)
+                                   : describe_channel(channel, trace_.reader_->schema_of(channel)));
   }
   std::vector<TraceChannel*> channels;
   for (TraceChannel& channel : trace_.channels_) channels.push_back(&channel);
@@ -175,38 +166,24 @@ void TraceLoader::assemble() {
 TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
   Source*& known = by_id_[message.channel->id];
   if (known != nullptr) return *known;
-  auto source = std::make_unique<Source>();
   const mcap::Channel& channel = *message.channel;
-  const mcap::Schema* schema = trace_.reader_->schema_of(channel);
-  source->table.topic = channel.topic;
-  source->table.type = schema == nullptr ? "" : schema->name;
-  source->table.encoding = channel.message_encoding;
-  source->table.metadata = channel.metadata;
-  auto rows = make_row_reader(source->table, schema);
-  // Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
-  if (rows) source->rows = std::move(*rows);
-  if (source->rows) source->rest = MessageRest::make(source->table.type, schema);
-  source->keeps_locations = source->rows == nullptr || make_typed_row_reader(source->table) == nullptr;
+  auto& source = sources_[channel.id];
+  source = std::make_unique<Source>(channel, trace_.reader_->schema_of(channel));
   known = source.get();
-  sources_.emplace(channel.id, std::move(source));
   return *known;
 }
 
 void TraceLoader::add_message(const mcap::Message& message) {
   Source& source = source_of(message);
-  TraceChannel& table = source.table;
-  table.times.push_back(message.log_time);  // before the row: the table widens to as many rows as there are times
-  if (source.rows != nullptr && !source.rows->read(message.data)) {
-    complain(fmt::format("topic {}: message {} isn't a valid {}", table.topic, table.times.size() - 1, table.type));
-    table.times.pop_back();
-    table.cells.resize(table.times.size() * table.columns.size());
-    return;
-  }
-  if (source.keeps_locations) table.locations.push_back(message.location);
+  TraceChannel& table = source.rows.table;
+  if (!source.rows.add(message.log_time, message.data))
+    return complain(fmt::format("topic {}: message {} isn't a valid {}", table.topic, table.times.size(), table.type));
+  const bool keeps_location = !source.rows.is_typed();
+  if (keeps_location) table.locations.push_back(message.location);
   table.hashes.push_back(hash_bytes(message.data.data(), message.data.size()));
   if (source.rest && source.rest->take(message.data, message.log_time))
     table.rests.push_back({table.times.size() - 1, source.rest->hash(), message.location});
-  held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (source.keeps_locations ? sizeof(mcap::Location) : 0);
+  held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (keeps_location ? sizeof(mcap::Location) : 0);
   if (table.encoding != "cdr") return;
   if (table.type == msg::Event::type_name) add_decoded(message, *trace_.events_);
   if (table.type == msg::ContactChange::type_name) add_decoded(message, *trace_.contact_changes_);

@@ -1,10 +1,10 @@
 #include "trace_rows.h"
 
-#include <rehearse/ros2msg.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
+
+#include "ros2msg.h"
 
 namespace rehearse {
 
@@ -113,14 +113,41 @@ bool has_no_series(std::string_view type) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
-Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const mcap::Schema* schema) {
-  std::unique_ptr<RowReader> none;
-  if (channel.encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return none;
-  if (has_no_series(schema->name)) return none;
-  if (auto typed = make_typed_row_reader(channel)) return typed;
+TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* schema) {
+  TraceChannel described;
+  described.topic = channel.topic;
+  described.type = schema == nullptr ? "" : schema->name;
+  described.encoding = channel.message_encoding;
+  described.metadata = channel.metadata;
+  return described;
+}
+
+ChannelRows::ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema)
+    : table(describe_channel(channel, schema)) {
+  if (table.encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return;
+  if (has_no_series(schema->name)) return;
+  reader_ = make_typed_row_reader(table);
+  typed_ = reader_ != nullptr;
+  if (typed_) return;
   auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
-  if (!parsed) return parsed.errors();
-  return std::unique_ptr<RowReader>(std::make_unique<SchemaRowReader>(channel, std::move(*parsed)));
+  if (!parsed)
+    problems_ = parsed.errors();
+  else
+    reader_ = std::make_unique<SchemaRowReader>(table, std::move(*parsed));
+}
+
+bool ChannelRows::add(std::uint64_t time, std::span<const std::byte> payload) {
+  table.times.push_back(time);  // before the row: the table widens to as many rows as there are times
+  if (reader_ == nullptr || reader_->read(payload)) return true;
+  table.times.pop_back();
+  table.cells.resize(table.times.size() * table.columns.size());
+  return false;
+}
+
+bool ChannelRows::replace(std::uint64_t time, std::span<const std::byte> payload) {
+  table.times.clear();
+  table.cells.clear();
+  return add(time, payload);
 }
 
 }  // namespace rehearse

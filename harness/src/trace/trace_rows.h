@@ -43,12 +43,39 @@ class RowReader {
   virtual bool read(std::span<const std::byte> payload) = 0;
 };
 
-/// The reader for a type; null if its messages have no series. `schema` may be null. Fails if the schema can't be
-/// parsed.
-Result<std::unique_ptr<RowReader>> make_row_reader(TraceChannel& channel, const mcap::Schema* schema);
-
 /// Types that TRACE_FORMAT.md gives a table of their own; null for all others.
 std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel);
+
+/// A channel's table without messages.
+TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* schema);
+
+/// A channel's table, and what reads messages into it: all rows one after the other, or the row of one message.
+class ChannelRows {
+ public:
+  /// `schema` may be null.
+  ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema);
+  ChannelRows(const ChannelRows&) = delete;
+  ChannelRows& operator=(const ChannelRows&) = delete;
+
+  /// Adds the time of a message, and its row if the channel has rows. False: the payload isn't what the schema says,
+  /// and the table is as before.
+  bool add(std::uint64_t time, std::span<const std::byte> payload);
+  /// The same with the row of this message only.
+  bool replace(std::uint64_t time, std::span<const std::byte> payload);
+
+  bool has_rows() const { return reader_ != nullptr; }
+  /// Its type is one that TRACE_FORMAT.md gives a table of its own.
+  bool is_typed() const { return typed_; }
+  /// Why it has no rows, if its schema is wrong.
+  const Diagnostics& problems() const { return problems_; }
+
+  TraceChannel table;
+
+ private:
+  std::unique_ptr<RowReader> reader_;
+  bool typed_ = false;
+  Diagnostics problems_;
+};
 
 /// Gives every column the name of its series, as trace.h has them, and lists them. Columns have to be complete.
 void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series);

@@ -3,13 +3,13 @@
 #include "range_messages.h"
 #include "trace_rows.h"
 
-#include <rehearse/float64_message.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <iterator>
 #include <sstream>
+
+#include "float64_message.h"
 
 namespace rehearse {
 

@@ -60,12 +60,11 @@ void expect_the_same_is_known(const mcap::Reader& a, const mcap::Reader& b) {
 
 /// Where the first record of this kind begins.
 std::size_t offset_of(const Buffer& bytes, std::uint8_t opcode) {
-  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
   std::size_t found = 0;
-  EXPECT_TRUE(reader->for_each_record([&](const mcap::Record& record) {
+  for_each_record(bytes, [&](const mcap::Record& record) {
     if (record.opcode == opcode) found = record.offset;
     return found == 0;
-  }));
+  });
   EXPECT_NE(found, 0u);
   return found;
 }

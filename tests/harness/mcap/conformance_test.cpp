@@ -6,8 +6,6 @@
 // .json says is put together here record by record, by code of this test alone, and has to have that SHA-256.
 #include "mcap_files.h"
 
-#include <rehearse/mcap_stream.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <map>

@@ -1,7 +1,6 @@
-#include <rehearse/mcap_copy.h>
-
 #include <gmock/gmock.h>
 
+#include "mcap/copy.h"
 #include "mcap_files.h"
 
 using namespace rehearse;

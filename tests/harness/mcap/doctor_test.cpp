@@ -1,8 +1,8 @@
 // The doctor: nothing to find fault with in what we write, and each fault found where it is.
-#include <rehearse/mcap_doctor.h>
 
 #include <gmock/gmock.h>
 
+#include "mcap/doctor.h"
 #include "mcap_files.h"
 
 using namespace rehearse;

@@ -1,10 +1,10 @@
 // Parts of files, and files put together: messages keep what they are, and what is written is valid.
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/mcap_filter.h>
-#include <rehearse/mcap_merge.h>
 
 #include <gmock/gmock.h>
 
+#include "mcap/doctor.h"
+#include "mcap/filter.h"
+#include "mcap/merge.h"
 #include "mcap_files.h"
 
 using namespace rehearse;
@@ -88,13 +88,12 @@ TEST_F(McapFilter, KeepsASpanOfTimeWithItsNumbers) {
 TEST_F(McapFilter, KeepsPicturesApartFromNumbers) {
   filter({});
   std::vector<std::string> compressions;
-  auto reader = std::move(*mcap::Reader::open(target_.path()));
-  ASSERT_TRUE(reader->for_each_record([&](const mcap::Record& record) {
+  for_each_record(target_.read(), [&](const mcap::Record& record) {
     if (record.opcode != 6) return true;
     const auto body = text_of(record.body);
     compressions.push_back(body.substr(28, 4) == std::string(4, '\0') ? "none" : body.substr(32, 4));
     return true;
-  }));
+  });
   EXPECT_THAT(compressions, testing::UnorderedElementsAre("zstd", "none"));
 }
 

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "mcap/stream.h"
+
 namespace rehearse::test {
 
 using Buffer = std::vector<std::byte>;
@@ -101,6 +103,18 @@ inline Pass pass_in_order(mcap::Reader& reader) {
     return true;
   });
   return pass;
+}
+
+/// Every record of a whole file in its order: a chunk before what is in it, the summary last. False ends it.
+inline void for_each_record(mcap::Bytes bytes, const mcap::Reader::OnRecord& callback) {
+  const auto source = [bytes](std::span<std::byte> target) mutable -> Result<std::size_t> {
+    const std::size_t count = std::min(target.size(), bytes.size());
+    std::copy_n(bytes.begin(), count, target.begin());
+    bytes = bytes.subspan(count);
+    return count;
+  };
+  const Result<void> end = (*mcap::StreamReader::open_source(source, "records"))->read({{}, {}, {}, callback});
+  EXPECT_TRUE(end) << to_string(end.errors());
 }
 
 /// Two channels in two groups, five messages in three chunks, an attachment, metadata.

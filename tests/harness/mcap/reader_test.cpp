@@ -270,9 +270,8 @@ TEST(McapReader, ReadsTheSmallestFile) {
 TEST(McapReader, WalksEveryRecordAndThoseInChunks) {
   const TempFile file;
   write_small_file(file.path());
-  auto reader = std::move(*mcap::Reader::open(file.path()));
   std::map<int, int> count;
-  EXPECT_TRUE(reader->for_each_record([&](const mcap::Record& record) { return ++count[record.opcode], true; }));
+  for_each_record(file.read(), [&](const mcap::Record& record) { return ++count[record.opcode], true; });
   const std::map<int, int> expected{{0x01, 1}, {0x02, 1}, {0x03, 2}, {0x04, 4}, {0x05, 5},
                                     {0x06, 3}, {0x07, 3}, {0x08, 3}, {0x09, 1}, {0x0a, 1},
                                     {0x0b, 1}, {0x0c, 1}, {0x0d, 1}, {0x0e, 6}, {0x0f, 1}};

@@ -1,9 +1,9 @@
 // Recovery: whatever is whole is saved, what is written is valid, and nothing is made up.
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/mcap_recover.h>
 
 #include <gmock/gmock.h>
 
+#include "mcap/doctor.h"
+#include "mcap/recover.h"
 #include "mcap_files.h"
 
 using namespace rehearse;
@@ -162,6 +162,17 @@ TEST(McapRecover, GoesByTheSummaryWhereDefinitionsDiffer) {
   EXPECT_EQ(saved.messages.size(), 5u);
   EXPECT_TRUE(has(saved.messages, {"/numbers", 1, 1000, "one"}));
   EXPECT_THAT(saved.recovery->lost[0].what, HasSubstr("a Channel 1 that is defined otherwise in the summary"));
+}
+
+TEST(McapRecover, LosesAChunkWithoutACrcWhoseLastRecordIsNoneThatItCanBe) {
+  Composer records = Composer().message(1, 1, "x").message(1, 2, "y");
+  const std::size_t last = Composer().message(1, 1, "x").bytes.size();
+  records.bytes[last] = std::byte{0x04};  // a channel, whose texts don't fit into it
+  const Saved saved =
+      save(Composer().magic().header().channel(1, "/a").message(1, 0, "w").chunk(1, 2, records).end().bytes);
+  EXPECT_EQ(saved.messages.size(), 1u);
+  ASSERT_EQ(saved.recovery->lost.size(), 1u);
+  EXPECT_EQ(saved.recovery->lost[0].what, "a Chunk without a CRC whose records aren't whole");
 }
 
 TEST(McapRecover, FindsTheBeginningAgain) {

@@ -1,10 +1,11 @@
 #include "mcap_files.h"
 
 #include <rehearse/glob.h>
-#include <rehearse/mcap_select.h>
 #include <rehearse/messages.h>
 
 #include <gmock/gmock.h>
+
+#include "mcap/select.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

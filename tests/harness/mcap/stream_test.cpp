@@ -1,7 +1,5 @@
 #include "mcap_files.h"
 
-#include <rehearse/mcap_stream.h>
-
 #include <gmock/gmock.h>
 
 #include <sys/socket.h>
@@ -108,15 +106,38 @@ TEST(McapStream, KnowsWhatElseIsInTheFile) {
 
 TEST(McapStream, DeliversTheRecordsOfAFileInTheirOrder) {
   const Buffer bytes = small_file();
-  const auto place = [](const mcap::Record& record) {
-    return std::tuple(record.opcode, record.offset, record.chunk, text_of(record.body));
+  using Place = std::tuple<std::uint8_t, std::uint64_t, std::optional<std::uint64_t>, std::string>;
+  std::vector<Place> of_file, of_stream;
+  const auto keep = [](std::vector<Place>& to, const mcap::Record& record) {
+    to.emplace_back(record.opcode, record.offset, record.chunk, text_of(record.body));
+    return true;
   };
-  std::vector<decltype(place({}))> of_file, of_stream;
-  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
-  ASSERT_TRUE(reader->for_each_record([&](const mcap::Record& r) { return of_file.push_back(place(r)), true; }));
-  ASSERT_TRUE(
-      stream_of(bytes)->read({{}, {}, {}, [&](const mcap::Record& r) { return of_stream.push_back(place(r)), true; }}));
+  mcap::RecordWalker walker(bytes, mcap::magic.size());
+  mcap::ChunkOpener opener({});
+  mcap::RawBuffer buffer;
+  for (mcap::Record record; walker.next(record);) {
+    keep(of_file, record);
+    if (record.opcode != mcap::op::chunk) continue;
+    const mcap::OpenedChunk chunk = opener.open(record, buffer);
+    mcap::RecordWalker inside(chunk.records);
+    mcap::Record inner;
+    inner.chunk = chunk.offset;
+    while (inside.next(inner)) keep(of_file, inner);
+  }
+  for_each_record(bytes, [&](const mcap::Record& record) { return keep(of_stream, record); });
   EXPECT_EQ(of_stream, of_file);
+}
+
+TEST(McapStream, LearnsNothingFromASummaryThatIsNotWhatWasWritten) {
+  Buffer bytes = small_file();
+  auto repeated = find_text(bytes, "test/msg/Text");  // in the data section
+  repeated = std::search(repeated + 1, bytes.end(), repeated, repeated + 13);
+  ASSERT_NE(repeated, bytes.end());
+  *(repeated - 6) = std::byte{9};  // the schema's id in the summary
+  const auto stream = stream_of(bytes);
+  EXPECT_FALSE(pass_over(*stream).end);
+  EXPECT_EQ(stream->schemas().size(), 1u);
+  EXPECT_FALSE(stream->statistics());
 }
 
 TEST(McapStream, StopsWhenItIsToldTo) {

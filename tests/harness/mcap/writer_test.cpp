@@ -13,9 +13,8 @@ namespace {
 
 /// Start times of the file's chunks, in file order, with their compression.
 std::vector<std::pair<std::uint64_t, std::string>> chunks_of(const TempFile& file) {
-  auto reader = std::move(*mcap::Reader::open(file.path()));
   std::vector<std::pair<std::uint64_t, std::string>> chunks;
-  EXPECT_TRUE(reader->for_each_record([&](const mcap::Record& record) {
+  for_each_record(file.read(), [&](const mcap::Record& record) {
     if (record.opcode != 0x06) return true;
     std::uint64_t start = 0;
     std::memcpy(&start, record.body.data(), 8);
@@ -23,7 +22,7 @@ std::vector<std::pair<std::uint64_t, std::string>> chunks_of(const TempFile& fil
     std::memcpy(&length, record.body.data() + 28, 4);
     chunks.emplace_back(start, text_of(record.body.subspan(32, length)));
     return true;
-  }));
+  });
   return chunks;
 }
 

@@ -1,5 +1,4 @@
 #include <rehearse/cdr.h>
-#include <rehearse/message_json.h>
 #include <rehearse/messages.h>
 
 #include <gmock/gmock.h>
@@ -8,6 +7,8 @@
 #include <bit>
 #include <limits>
 #include <nlohmann/json.hpp>
+
+#include "trace/message_json.h"
 
 using namespace rehearse;
 using testing::HasSubstr;

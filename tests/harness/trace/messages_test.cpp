@@ -1,5 +1,4 @@
 #include <rehearse/messages.h>
-#include <rehearse/ros2msg.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,6 +6,8 @@
 #include <bit>
 #include <concepts>
 #include <map>
+
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 

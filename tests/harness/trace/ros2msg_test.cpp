@@ -1,10 +1,11 @@
 #include <rehearse/cdr.h>
-#include <rehearse/ros2msg.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
+
+#include "trace/ros2msg.h"
 
 using namespace rehearse;
 using ros2msg::FieldType;

@@ -2,14 +2,14 @@
 // schema says, and in recordings of ours what a recording has to have (harness/TRACE_FORMAT.md).
 #pragma once
 
-#include <rehearse/mcap_doctor.h>
-#include <rehearse/ros2msg.h>
-
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "mcap/doctor.h"
+#include "ros2msg.h"
 
 namespace rehearse {
 

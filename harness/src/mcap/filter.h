@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/mcap.h>
-#include <rehearse/mcap_select.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +9,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "select.h"
 
 namespace rehearse::mcap {
 

@@ -8,13 +8,14 @@
 #pragma once
 
 #include <rehearse/mcap.h>
-#include <rehearse/ros2msg.h>
 
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "ros2msg.h"
 
 namespace rehearse {
 

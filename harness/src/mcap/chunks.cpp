@@ -1,11 +1,51 @@
-#include "channel_groups.h"
+#include "chunks.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "records.h"
-
 namespace rehearse::mcap {
+
+OpenedChunk ChunkOpener::open(const Record& chunk, RawBuffer& buffer) {
+  OpenedChunk opened;
+  opened.offset = chunk.offset;
+  const auto head = parse_chunk(chunk.body);
+  if (!head) return opened.fault = OpenedChunk::Fault::too_short, opened;
+  opened.head = *head;
+  if (head->uncompressed_size > options_.max_chunk_size) return opened.fault = OpenedChunk::Fault::too_large, opened;
+  const auto records = decompressor_.decompress(head->compression, head->records, head->uncompressed_size, buffer);
+  if (!records) {
+    opened.fault = OpenedChunk::Fault::not_decompressed;
+    opened.reason = records.errors().front().message;
+  } else if (options_.check_crcs && head->uncompressed_crc != 0 && head->uncompressed_crc != crc32(*records)) {
+    opened.fault = OpenedChunk::Fault::wrong_crc;
+  } else {
+    opened.records = *records;
+  }
+  return opened;
+}
+
+Bytes ChunkOpener::open_front(const ChunkHead& head, RawBuffer& buffer) {
+  const auto size = std::min(head.uncompressed_size, options_.max_chunk_size);
+  return decompressor_.decompress_front(head.compression, head.records, size, buffer);
+}
+
+std::string ChunkOpener::describe(const OpenedChunk& chunk) const {
+  switch (chunk.fault) {
+    case OpenedChunk::Fault::none: return {};
+    case OpenedChunk::Fault::too_short:
+      return fmt::format("damaged: the chunk at byte {} is too short for what it says", chunk.offset);
+    case OpenedChunk::Fault::too_large:
+      return fmt::format("damaged: the chunk at byte {} says that it holds {} bytes decompressed; {} is the limit",
+                         chunk.offset, chunk.head.uncompressed_size, options_.max_chunk_size);
+    case OpenedChunk::Fault::not_decompressed:
+      return fmt::format("damaged: the chunk at byte {} can't be decompressed: {}", chunk.offset, chunk.reason);
+    case OpenedChunk::Fault::wrong_crc:
+      return fmt::format("damaged: the CRC of the chunk at byte {} doesn't match", chunk.offset);
+  }
+  REHEARSE_ASSERT(false, "a fault that doesn't exist");
+}
 
 namespace {
 Compression compression_of(std::string_view word) {

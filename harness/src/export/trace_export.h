@@ -11,13 +11,13 @@
 // that exists is replaced only if it is of the same kind, and nothing is written before that is known of all tables.
 #pragma once
 
-#include <rehearse/mcap_select.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "mcap/select.h"
 
 namespace rehearse {
 

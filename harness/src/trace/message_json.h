@@ -8,12 +8,12 @@
 // Bytes of a string that aren't UTF-8 become U+FFFD.
 #pragma once
 
-#include <rehearse/ros2msg.h>
-
 #include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "ros2msg.h"
 
 namespace rehearse::ros2msg {
 
