@@ -50,6 +50,9 @@ rehearse_add_library(harness
   src/run/run.cpp)
 target_include_directories(rehearse_harness PRIVATE ${XXHASH_INCLUDE_DIR})
 target_compile_definitions(rehearse_harness PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")
+# Replacements of C functions: each has a table of the functions behind it.
+set_source_files_properties(src/host/file_tripwires.cpp src/host/process_tripwires.cpp PROPERTIES
+  SKIP_UNITY_BUILD_INCLUSION ON)
 set_source_files_properties(src/recording/provenance.cpp PROPERTIES
   COMPILE_DEFINITIONS REHEARSE_OTHER_FLAGS="${REHEARSE_OTHER_FLAGS}")
 target_link_libraries(rehearse_harness

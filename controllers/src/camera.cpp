@@ -8,7 +8,7 @@ namespace cnoid {
 
 namespace {
 
-constexpr int ownStateSize = 5;
+constexpr int cameraStateSize = 5;
 
 /// The angle whose half-tangent is `ratio` times that of `angle`: fields of view across and along a flat image.
 double scaleFieldOfView(double angle, double ratio) { return 2.0 * std::atan(ratio * std::tan(angle / 2.0)); }
@@ -42,7 +42,7 @@ Referenced* Camera::doClone(CloneMap*) const { return new Camera(*this); }
 
 void Camera::clearState() { clearImage(); }
 
-int Camera::stateSize() const { return VisionSensor::stateSize() + ownStateSize; }
+int Camera::stateSize() const { return VisionSensor::stateSize() + cameraStateSize; }
 
 double* Camera::writeState(double* buffer) const {
   buffer = VisionSensor::writeState(buffer);
@@ -51,7 +51,7 @@ double* Camera::writeState(double* buffer) const {
   buffer[2] = nearClipDistance_;
   buffer[3] = farClipDistance_;
   buffer[4] = fieldOfView_;
-  return buffer + ownStateSize;
+  return buffer + cameraStateSize;
 }
 
 const double* Camera::readState(const double* buffer, int size) {
@@ -62,7 +62,7 @@ const double* Camera::readState(const double* buffer, int size) {
   nearClipDistance_ = buffer[2];
   farClipDistance_ = buffer[3];
   fieldOfView_ = buffer[4];
-  return buffer + ownStateSize;
+  return buffer + cameraStateSize;
 }
 
 double Camera::horizontalFieldOfView() const {

@@ -8,7 +8,7 @@
 namespace cnoid {
 
 namespace {
-constexpr int ownStateSize = 8;
+constexpr int rangeSensorStateSize = 8;
 }
 
 void RangeSensor::Sweep::setRange(double newMinAngle, double newMaxAngle) {
@@ -65,7 +65,7 @@ Referenced* RangeSensor::doClone(CloneMap*) const {
 
 void RangeSensor::clearState() { clearRangeData(); }
 
-int RangeSensor::stateSize() const { return VisionSensor::stateSize() + ownStateSize; }
+int RangeSensor::stateSize() const { return VisionSensor::stateSize() + rangeSensorStateSize; }
 
 double* RangeSensor::writeState(double* buffer) const {
   buffer = VisionSensor::writeState(buffer);
@@ -77,7 +77,7 @@ double* RangeSensor::writeState(double* buffer) const {
   buffer[5] = pitch_.samples;
   buffer[6] = minDistance_;
   buffer[7] = maxDistance_;
-  return buffer + ownStateSize;
+  return buffer + rangeSensorStateSize;
 }
 
 const double* RangeSensor::readState(const double* buffer, int size) {
@@ -89,7 +89,7 @@ const double* RangeSensor::readState(const double* buffer, int size) {
   pitch_.setSamples(static_cast<int>(buffer[5]));
   minDistance_ = buffer[6];
   maxDistance_ = buffer[7];
-  return buffer + ownStateSize;
+  return buffer + rangeSensorStateSize;
 }
 
 void RangeSensor::setYawRange(double angle) { yaw_.setRange(-std::abs(angle) / 2.0, std::abs(angle) / 2.0); }

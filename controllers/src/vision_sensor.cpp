@@ -5,7 +5,7 @@
 namespace cnoid {
 
 namespace {
-constexpr int ownStateSize = 3;
+constexpr int visionSensorStateSize = 3;
 }
 
 VisionSensor::VisionSensor() : R_optical_(Matrix3::Identity()) {}
@@ -30,13 +30,13 @@ Matrix3 VisionSensor::opticalFrameRotationOfType(int opticalFrameType) {
   }
 }
 
-int VisionSensor::stateSize() const { return ownStateSize; }
+int VisionSensor::stateSize() const { return visionSensorStateSize; }
 
 double* VisionSensor::writeState(double* buffer) const {
   buffer[0] = on_ ? 1.0 : 0.0;
   buffer[1] = frameRate_;
   buffer[2] = delay_;
-  return buffer + ownStateSize;
+  return buffer + visionSensorStateSize;
 }
 
 const double* VisionSensor::readState(const double* buffer, int size) {
@@ -44,7 +44,7 @@ const double* VisionSensor::readState(const double* buffer, int size) {
   on_ = buffer[0] != 0.0;
   frameRate_ = buffer[1];
   delay_ = buffer[2];
-  return buffer + ownStateSize;
+  return buffer + visionSensorStateSize;
 }
 
 }  // namespace cnoid

@@ -57,20 +57,7 @@ void expect_same_messages(const fs::path& file, const fs::path& branch) {
   }
 }
 
-struct Case {
-  std::string scenario;
-  Method solver;
-};
-void PrintTo(const Case& of, std::ostream* stream) { *stream << of.scenario; }
-
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  for (const std::string& scenario : fixture_scenarios())
-    for (const Method solver : {Method::exact, Method::quick}) all.push_back({scenario, solver});
-  return all;
-}
-
-class Branches : public ::testing::TestWithParam<Case> {
+class Branches : public ::testing::TestWithParam<FixtureCase> {
  protected:
   Branches() : folder_(fs::path(::testing::TempDir()) / ("rehearse_branches_" + std::to_string(getpid()))) {
     fs::create_directories(folder_);
@@ -82,7 +69,7 @@ class Branches : public ::testing::TestWithParam<Case> {
   fs::path folder_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Of, Branches, ::testing::ValuesIn(cases()), [](const auto& of) {
+INSTANTIATE_TEST_SUITE_P(Of, Branches, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
   return of.param.scenario + (of.param.solver == Method::quick ? "_quick" : "_exact");
 });
 

@@ -22,13 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Method = SolverSettings::Method;
 
-struct Case {
-  std::string scenario;
-  Method solver;
-};
-void PrintTo(const Case& of, std::ostream* stream) { *stream << of.scenario; }
-
-class Checkpoints : public ::testing::TestWithParam<Case> {
+class Checkpoints : public ::testing::TestWithParam<FixtureCase> {
  protected:
   Checkpoints() : folder_(fs::path(::testing::TempDir()) / ("rehearse_checkpoints_" + std::to_string(getpid()))) {
     fs::create_directories(folder_);
@@ -47,14 +41,7 @@ class Checkpoints : public ::testing::TestWithParam<Case> {
   fs::path folder_;
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  for (const std::string& scenario : fixture_scenarios())
-    for (const Method solver : {Method::exact, Method::quick}) all.push_back({scenario, solver});
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(Of, Checkpoints, ::testing::ValuesIn(cases()), [](const auto& of) {
+INSTANTIATE_TEST_SUITE_P(Of, Checkpoints, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
   return of.param.scenario + (of.param.solver == Method::quick ? "_quick" : "_exact");
 });
 

@@ -1,8 +1,11 @@
 // The scenarios of the fixtures.
 #pragma once
 
+#include <rehearse/world.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,22 @@ inline std::vector<std::string> fixture_scenarios() {
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
+}
+
+/// One of them, under one of the solvers.
+struct FixtureCase {
+  std::string scenario;
+  SolverSettings::Method solver;
+};
+inline void PrintTo(const FixtureCase& of, std::ostream* stream) { *stream << of.scenario; }
+
+/// Each of them under both solvers.
+inline std::vector<FixtureCase> fixture_cases() {
+  using Method = SolverSettings::Method;
+  std::vector<FixtureCase> all;
+  for (const std::string& scenario : fixture_scenarios())
+    for (const Method solver : {Method::exact, Method::quick}) all.push_back({scenario, solver});
+  return all;
 }
 
 }  // namespace rehearse

@@ -11,6 +11,7 @@
 namespace rehearse {
 namespace {
 
+using testing::nan_value;
 using testing::Compare;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -19,7 +20,6 @@ using testing::SmallTrace;
 using ::testing::StartsWith;
 using testing::TemporaryFolder;
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 TEST_F(Compare, FindsACopyEqual) {

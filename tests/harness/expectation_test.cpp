@@ -12,10 +12,10 @@ namespace rehearse {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::nan_value;
 using testing::SmallTrace;
 using testing::TemporaryFolder;
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 Expectation of(const std::string& series) {
   Expectation expectation;

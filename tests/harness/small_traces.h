@@ -20,6 +20,8 @@
 
 namespace rehearse::testing {
 
+inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
 /// A folder of the test's own, removed with it.
 class TemporaryFolder {
  public:

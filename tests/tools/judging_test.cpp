@@ -13,8 +13,8 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::string golden_file = "golden/Robot.Stands.mcap";
-const std::string pending_file = "rehearse-pending/Robot.Stands.mcap";
+const std::string golden_of_robot = "golden/Robot.Stands.mcap";
+const std::string pending_of_robot = "rehearse-pending/Robot.Stands.mcap";
 const std::string changed_gain = "SR1Minimum=" CHANGED_GAIN;
 
 /// A repository with one scenario that names a golden, and one that doesn't.
@@ -54,8 +54,8 @@ TEST_F(Check, FailsWithoutAGoldenAndSaysHowTheRunBecomesOne) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, HasSubstr("there is no golden golden/Robot.Stands.mcap"));
   EXPECT_THAT(outcome.out, HasSubstr("rehearse golden accept Robot.Stands\n"));
-  EXPECT_FALSE(exists(golden_file));
-  EXPECT_TRUE(exists(pending_file));
+  EXPECT_FALSE(exists(golden_of_robot));
+  EXPECT_TRUE(exists(pending_of_robot));
 }
 
 TEST_F(Check, PassesARunThatIsAsItsGolden) {
@@ -63,7 +63,7 @@ TEST_F(Check, PassesARunThatIsAsItsGolden) {
   const Outcome outcome = done({"check", scenario_});
   EXPECT_THAT(outcome.out, StartsWith("sr1_minimum: equal bit for bit: 100 ticks, "));
   EXPECT_THAT(outcome.out, HasSubstr("\n  controller on recorded inputs: equal; world under recorded commands: equal; closed loop: equal; "));
-  EXPECT_FALSE(exists(pending_file));
+  EXPECT_FALSE(exists(pending_of_robot));
 }
 
 TEST_F(Check, WithoutAScenarioRunsAllThatNameAGolden) {
@@ -122,8 +122,8 @@ TEST_F(Check, AnswersForSeveralScenariosInOneObject) {
 
 TEST_F(Check, FindsAChangedGainAtTheTickInWhichItFirstActs) {
   accept_golden();
-  const std::string golden = read_file(folder() / golden_file);
-  const nlohmann::json replayed = rehearse({"replay", golden_file, "--json", "--controller", changed_gain}).json();
+  const std::string golden = read_file(folder() / golden_of_robot);
+  const nlohmann::json replayed = rehearse({"replay", golden_of_robot, "--json", "--controller", changed_gain}).json();
 
   const Outcome outcome = rehearse({"check", scenario_, "--json", "--controller", changed_gain});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
@@ -135,7 +135,7 @@ TEST_F(Check, FindsAChangedGainAtTheTickInWhichItFirstActs) {
   EXPECT_EQ(report["first"]["element"], "RLEG_KNEE/u");
   EXPECT_EQ(report["first"]["tick"], replayed["first"]["tick"]);
   EXPECT_THAT(report["verdict"].get<std::string>(), HasSubstr("the controller changed"));
-  EXPECT_TRUE(read_file(folder() / golden_file) == golden);
+  EXPECT_TRUE(read_file(folder() / golden_of_robot) == golden);
 }
 
 TEST_F(Check, ComparesTheAskedLevelsOnly) {
@@ -160,7 +160,7 @@ TEST_F(Check, UnderCiWritesNoGolden) {
   const Outcome outcome = rehearse({"check", scenario_}, "CI=true REHEARSE_GOLDEN=new");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, StartsWith("error: REHEARSE_GOLDEN is 'new', but CI is 'true'"));
-  EXPECT_FALSE(exists(golden_file));
+  EXPECT_FALSE(exists(golden_of_robot));
 }
 
 TEST_F(Check, OfAControllerThatFailsEndsInStatusThree) {
@@ -195,7 +195,7 @@ TEST_F(Golden, AcceptSaysWhatMoved) {
   EXPECT_THAT(outcome.out, StartsWith("accepted golden/Robot.Stands.mcap\n"));
   EXPECT_THAT(outcome.out, HasSubstr("differs at tick "));
   EXPECT_THAT(outcome.out, HasSubstr("look at golden/Robot.Stands.txt and commit both files\n"));
-  EXPECT_FALSE(exists(pending_file));
+  EXPECT_FALSE(exists(pending_of_robot));
   done({"check", scenario_, "--controller", changed_gain});
 }
 
@@ -210,7 +210,7 @@ TEST_F(Golden, AcceptWritesNothingUnderCi) {
   const Outcome outcome = rehearse({"golden", "accept", "Robot.Stands"}, "CI=true");
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, StartsWith("error: goldens are only checked where CI is 'true'"));
-  EXPECT_FALSE(exists(golden_file));
+  EXPECT_FALSE(exists(golden_of_robot));
 }
 
 TEST_F(Diff, FindsNothingBetweenEqualRuns) {

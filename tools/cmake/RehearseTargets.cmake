@@ -7,6 +7,15 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 
+# Sources of a target are compiled together, some at a time: half of a unit's time goes into headers that its neighbours
+# include as well. With -DCMAKE_UNITY_BUILD=OFF each is compiled by itself: for whoever edits one and compiles again.
+if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_UNITY_BUILD)
+  set(CMAKE_UNITY_BUILD ON)
+endif()
+if(NOT DEFINED CMAKE_UNITY_BUILD_BATCH_SIZE)
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE 12)
+endif()
+
 include(RehearseBits)
 rehearse_refuse_other_flags()
 
@@ -16,6 +25,7 @@ add_library(rehearse_flags INTERFACE)
 target_compile_options(rehearse_flags INTERFACE
   -ffp-contract=off  # a fused multiply-add rounds once where two instructions round twice: other bits on other CPUs
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
   $<$<BOOL:${REHEARSE_WERROR}>:-Werror>)
 if(REHEARSE_SANITIZE)
   add_compile_options(-fsanitize=${REHEARSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

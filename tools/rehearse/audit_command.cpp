@@ -23,11 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double longest_time = 1e9;  // [s]
 
 volatile std::sig_atomic_t stopped_by = 0;  // the signal that asked for the end
 
-struct Settings {
+struct AuditSettings {
   std::string subject;
   std::string output;  // with --virtualise: where the recording is kept
   bool json = false;
@@ -91,7 +90,7 @@ void tell_controller(const ControllerAudit& controller, bool named, bool verbose
     if (verbose || code.kind != "imported_source") fmt::print("  note: {}\n", code.sentence);
 }
 
-void tell(const Settings& settings, const AuditReport& report) {
+void tell(const AuditSettings& settings, const AuditReport& report) {
   fmt::print("{}\n", report.verdict);
   for (const ControllerAudit& controller : report.controllers)
     tell_controller(controller, report.controllers.size() > 1, settings.verbose);
@@ -103,7 +102,7 @@ void tell(const Settings& settings, const AuditReport& report) {
 }
 
 /// What another process asked this one to do.
-Exit run_replay(Settings& settings) {
+Exit run_replay(AuditSettings& settings) {
   settings.replay.trace = settings.subject;
   settings.replay.until = settings.audit.until;
   settings.replay.host = settings.audit;
@@ -111,7 +110,7 @@ Exit run_replay(Settings& settings) {
   return done ? Exit::done : refuse(done.errors());
 }
 
-Result<void> keep_recording(const Settings& settings) {
+Result<void> keep_recording(const AuditSettings& settings) {
   std::error_code failed;
   fs::copy_file(recording_of_audit(settings.audit.scratch), settings.output, fs::copy_options::overwrite_existing,
                 failed);
@@ -119,7 +118,7 @@ Result<void> keep_recording(const Settings& settings) {
   return {};
 }
 
-Exit run(Settings& settings) {
+Exit run_audit(AuditSettings& settings) {
   if (!settings.replay.folder.empty()) return run_replay(settings);
   if (!settings.output.empty() && !settings.audit.virtualise)
     return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
@@ -160,8 +159,8 @@ Exit run(Settings& settings) {
   return report->deterministic ? Exit::done : Exit::differs;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_audit(CLI::App& options) {
+  const auto settings = std::make_shared<AuditSettings>();
   options
       .add_option("SCENARIO_OR_TRACE", settings->subject,
                   "a YAML file, which is recorded first, or a recording, whose inputs are used")
@@ -186,7 +185,7 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_option("--passes", settings->replay.passes)->group("");
   options.add_option("--padding", settings->replay.padding)->group("");
   options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
-  return [settings] { return run(*settings); };
+  return [settings] { return run_audit(*settings); };
 }
 
 }  // namespace
@@ -195,6 +194,6 @@ const Verb audit_verb{"audit",
                       "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
                       "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
                       "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
-                      declare};
+                      declare_audit};
 
 }  // namespace rehearse::tool

@@ -21,7 +21,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct CatSettings {
   std::string trace;
   mcap::Selection selection;
   std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();  // messages
@@ -31,7 +31,7 @@ struct Settings {
 /// Puts lines on stdout and counts them.
 class Lines {
  public:
-  explicit Lines(const Settings& settings)
+  explicit Lines(const CatSettings& settings)
       : limit_(settings.limit), printer_(settings.json ? MessagePrinter::Form::json : MessagePrinter::Form::line) {}
 
   /// False if there is to be no more: enough were printed, or nobody reads them.
@@ -58,7 +58,7 @@ class Lines {
   std::optional<int> problem_;  // errno
 };
 
-Exit cat_file(const Settings& settings) {
+Exit cat_file(const CatSettings& settings) {
   const auto opened = mcap::Reader::open(settings.trace);
   if (!opened) return refuse(opened.errors());
   mcap::Reader& reader = **opened;
@@ -83,7 +83,7 @@ Exit cat_file(const Settings& settings) {
   return lines.end(read);
 }
 
-Exit cat_stream(const Settings& settings) {
+Exit cat_stream(const CatSettings& settings) {
   const auto opened = mcap::StreamReader::open(settings.trace);
   if (!opened) return refuse(opened.errors());
   mcap::StreamReader& stream = **opened;
@@ -95,14 +95,14 @@ Exit cat_stream(const Settings& settings) {
   }));
 }
 
-Exit run(const Settings& settings) {
+Exit run_cat(const CatSettings& settings) {
   std::error_code ignored;
   const bool is_stream = settings.trace == "-" || std::filesystem::is_fifo(settings.trace, ignored);
   return is_stream ? cat_stream(settings) : cat_file(settings);
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_cat(CLI::App& options) {
+  const auto settings = std::make_shared<CatSettings>();
   options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file; - is standard input")
       ->required()
       ->type_name("");
@@ -112,7 +112,7 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_flag("--json", settings->json,
                    "print one JSON object a line: topic, log_time, publish_time [ns], sequence, and message, or, if it "
                    "can't be decoded, data. Bytes (uint8[]) and data are base64");
-  return [settings] { return run(*settings); };
+  return [settings] { return run_cat(*settings); };
 }
 
 }  // namespace
@@ -121,6 +121,6 @@ const Verb cat_verb{"cat",
                     "  rehearse cat sr1.mcap --topics /tick --limit 3\n"
                     "  rehearse cat bag.mcap --topics '/imu*' --from +2 --until +2.5 --json\n"
                     "  zstd -dc bag.mcap.zst | rehearse cat - | less\n",
-                    declare};
+                    declare_cat};
 
 }  // namespace rehearse::tool

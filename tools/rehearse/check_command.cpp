@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* usual_scenarios = "fixtures/scenarios";
 
-struct Settings {
+struct CheckSettings {
   std::vector<std::string> scenarios;
   std::string golden;  // a trace to compare with; empty: the one that each scenario names
   bool json = false;
@@ -90,7 +90,7 @@ Result<Scenario> scenario_of_a_log(const std::string& file) {
   return finding;
 }
 
-Result<std::vector<Scenario>> load(const Settings& settings) {
+Result<std::vector<Scenario>> load(const CheckSettings& settings) {
   if (settings.scenarios.empty()) return usual();
   std::vector<Scenario> scenarios;
   for (const std::string& file : settings.scenarios) {
@@ -121,14 +121,14 @@ Result<void> check_owner(const Scenario& scenario) {
 }
 
 /// What the user named to compare with: --golden, or the recording of a log that the scenario was read from; empty: none.
-fs::path named_golden(const Settings& settings, const Scenario& scenario) {
+fs::path named_golden(const CheckSettings& settings, const Scenario& scenario) {
   if (!settings.golden.empty()) return settings.golden;
   const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() calls it RECORDING/scenario.yaml
   return within.extension() == ".mcap" ? within : fs::path();
 }
 
 /// What the scenario will be compared with; empty: nothing, or not known yet.
-fs::path golden_of(const Settings& settings, const Scenario& scenario) {
+fs::path golden_of(const CheckSettings& settings, const Scenario& scenario) {
   if (fs::path named = named_golden(settings, scenario); !named.empty()) return named;
   const auto folder = find_golden_folder(scenario.file);
   if (scenario.golden.empty() || !folder) return {};
@@ -138,7 +138,7 @@ fs::path golden_of(const Settings& settings, const Scenario& scenario) {
 
 /// A golden whose controllers were given simulated time and seeded random numbers is checked with them, which takes
 /// a process of its own.
-Result<void> virtualise_like_goldens(const Settings& settings, const std::vector<Scenario>& scenarios) {
+Result<void> virtualise_like_goldens(const CheckSettings& settings, const std::vector<Scenario>& scenarios) {
   for (const Scenario& scenario : scenarios) {
     const fs::path golden = golden_of(settings, scenario);
     if (golden.empty()) continue;
@@ -161,7 +161,7 @@ Result<RunSummary> record_whole(const Scenario& scenario, const fs::path& trace,
 }
 
 /// `folder`: of this run alone.
-Result<CheckReport> check(const Settings& settings, const Scenario& scenario, const fs::path& folder) {
+Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenario, const fs::path& folder) {
   InterposerWatch watch;
   Progress progress("checking " + scenario.name);
   CheckOptions options = settings.check;
@@ -191,13 +191,13 @@ Exit exit_of(const CheckReport& report) {
 }
 
 /// What the trace of a run is called.
-std::string name_of(const Settings& settings, const Scenario& scenario) {
+std::string name_of(const CheckSettings& settings, const Scenario& scenario) {
   const bool has_store = named_golden(settings, scenario).empty() && !scenario.golden.empty();
   return has_store ? scenario.golden : scenario.name;
 }
 
 /// Of a check that failed, something to look at. That it can't be written fails nothing.
-void add_page(const Settings& settings, const Scenario& scenario, const fs::path& actual, Checked& checked) {
+void add_page(const CheckSettings& settings, const Scenario& scenario, const fs::path& actual, Checked& checked) {
   if (settings.no_report) return;
   if (const auto page = report_page(); !page) {
     if (!checked.report.within()) checked.no_page = page.errors()[0].message;
@@ -247,7 +247,7 @@ Json json_of_check(const Checked& checked) {
 }
 
 /// Whatever else runs in this folder: what the run writes stands where runs wait when it is over, and not before.
-Result<Checked> check_beside_others(const Settings& settings, const Scenario& scenario) {
+Result<Checked> check_beside_others(const CheckSettings& settings, const Scenario& scenario) {
   const std::string name = name_of(settings, scenario);
   auto waiting = WaitingRun::begin(pending_folder(), name);
   if (!waiting) return waiting.errors();
@@ -295,7 +295,7 @@ Json json_of_checks(const std::vector<Checked>& all) {
 }
 
 /// Of the levels the closed loop alone, unless others are asked for: else it would be a matter of chance whose tick it is.
-Exit run_in_gdb(const Settings& settings, const std::vector<Scenario>& scenarios, const CLI::App& options) {
+Exit run_in_gdb(const CheckSettings& settings, const std::vector<Scenario>& scenarios, const CLI::App& options) {
   if (scenarios.size() != 1) return refuse(error("--gdb stops in one scenario", "name that scenario"));
   if (const auto able = check_debugger(settings.debugger, scenarios[0]); !able) return refuse(able.errors());
   if (const auto there = check_tick(settings.tick, scenarios[0].ticks(), scenarios[0].time_step); !there)
@@ -308,7 +308,7 @@ Exit run_in_gdb(const Settings& settings, const std::vector<Scenario>& scenarios
   return become_gdb(settings.debugger, words, settings.tick);
 }
 
-Exit run(const Settings& settings, const CLI::App& options) {
+Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   const auto scenarios = load(settings);
   if (!scenarios) return refuse(scenarios.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenarios, options);
@@ -347,8 +347,8 @@ void take_levels(const std::vector<std::string>& levels, CheckOptions& check) {
   }
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_check(CLI::App& options) {
+  const auto settings = std::make_shared<CheckSettings>();
   options
       .add_option("SCENARIO", settings->scenarios,
                   fmt::format("YAML files (all below {} that name a golden, or expect something); or recordings of "
@@ -377,7 +377,7 @@ std::function<Exit()> declare(CLI::App& options) {
   add_integer(options, "--tick", "with --gdb: where to stop in the closed loop (0)", 0,
               std::numeric_limits<std::uint32_t>::max(), [=](std::int64_t tick) { settings->tick = tick; });
   options.get_option("--tick")->needs("--gdb");
-  return [settings, &options] { return run(*settings, options); };
+  return [settings, &options] { return run_check(*settings, options); };
 }
 
 }  // namespace
@@ -386,6 +386,6 @@ const Verb check_verb{"check",
                       "  rehearse check\n"
                       "  rehearse check fixtures/scenarios/sr1_minimum.yaml --level controller\n"
                       "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n",
-                      declare};
+                      declare_check};
 
 }  // namespace rehearse::tool

@@ -14,7 +14,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct DiffSettings {
   std::string golden, actual;
   std::string tolerances;  // a file; empty: those of the golden's scenario
   bool pictures = false;
@@ -22,11 +22,11 @@ struct Settings {
 };
 
 /// A trace that carries no scenario has no tolerances: then only the defaults of the units hold.
-Result<std::vector<ToleranceRule>> rules_of(const Settings& settings, const Trace& golden) {
+Result<std::vector<ToleranceRule>> rules_of(const DiffSettings& settings, const Trace& golden) {
   return settings.tolerances.empty() ? tolerances_of(golden) : load_tolerances(settings.tolerances);
 }
 
-Exit run(const Settings& settings) {
+Exit run_diff(const DiffSettings& settings) {
   const auto golden = Trace::load(settings.golden);
   if (!golden) return refuse(golden.errors());
   const auto actual = Trace::load(settings.actual);
@@ -52,8 +52,8 @@ Exit run(const Settings& settings) {
   return comparison.within ? Exit::done : Exit::differs;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_diff(CLI::App& options) {
+  const auto settings = std::make_shared<DiffSettings>();
   options.add_option("A", settings->golden, "the trace with the expected values")->required()->type_name("");
   options.add_option("B", settings->actual, "the trace with the actual values")->required()->type_name("");
   options.add_option("--tolerances", settings->tolerances, "YAML with a list of tolerances (those of A's scenario)")
@@ -62,7 +62,7 @@ std::function<Exit()> declare(CLI::App& options) {
       "--pictures", settings->pictures,
       "of each camera, the first picture beyond its tolerance: expected, actual and difference, as PNG beside B");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_diff(*settings); };
 }
 
 }  // namespace
@@ -71,6 +71,6 @@ const Verb diff_verb{"diff",
                      "  rehearse diff golden/SR1.Stands.mcap today.mcap\n"
                      "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n"
                      "  rehearse diff a.mcap b.mcap --pictures\n",
-                     declare};
+                     declare_diff};
 
 }  // namespace rehearse::tool

@@ -15,7 +15,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct DoctorSettings {
   std::vector<std::string> files;
   bool json = false;
 };
@@ -58,7 +58,7 @@ std::string amount_text(const mcap::Findings& findings) {
   std::string text;
   const auto add = [&](Severity severity, const char* noun) {
     const std::uint64_t count = findings.count(severity);
-    if (count > 0) text += (text.empty() ? "" : ", ") + count_text(static_cast<std::int64_t>(count), noun);
+    if (count > 0) text += (text.empty() ? "" : ", ") + count_text(count, noun);
   };
   add(Severity::error, "error");
   add(Severity::warning, "warning");
@@ -76,8 +76,8 @@ void tell(const Visit& visit) {
   for (const mcap::Finding& finding : examination.findings.list())
     fmt::print("{}: {}: {}: {}\n", visit.file, place_text(finding.place), to_string(finding.severity), finding.message);
   fmt::print("{}: {}; {}, {} in {}\n", visit.file, amount_text(examination.findings), file_size_text(examination.size),
-             count_text(static_cast<std::int64_t>(examination.messages), "message"),
-             count_text(static_cast<std::int64_t>(examination.chunks), "chunk"));
+             count_text(examination.messages, "message"),
+             count_text(examination.chunks, "chunk"));
 }
 
 Json findings_json(const Visit& visit) {
@@ -118,7 +118,7 @@ Json visits_json(const std::vector<Visit>& visits) {
   return {{"errors", errors}, {"warnings", warnings}, {"notes", notes}, {"files", files}, {"findings", findings}};
 }
 
-Exit run(const Settings& settings) {
+Exit run_doctor(const DoctorSettings& settings) {
   std::vector<Visit> visits;
   Exit exit = Exit::done;
   for (const std::string& file : settings.files) {
@@ -130,11 +130,11 @@ Exit run(const Settings& settings) {
   return exit;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_doctor(CLI::App& options) {
+  const auto settings = std::make_shared<DoctorSettings>();
   options.add_option("FILE", settings->files, "recordings, or any other MCAP files")->required()->type_name("");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_doctor(*settings); };
 }
 
 }  // namespace
@@ -145,6 +145,6 @@ const Verb doctor_verb{"doctor",
                        "\n"
                        "error: against the specification; warning: against its advice; note: unusual, and allowed.\n"
                        "Exit status: 0 no errors, 1 errors, 2 a file can't be read or is no MCAP file.\n",
-                       declare};
+                       declare_doctor};
 
 }  // namespace rehearse::tool

@@ -17,7 +17,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct ExportSettings {
   std::string trace;
   std::string output;
   bool joined = false;
@@ -27,7 +27,7 @@ struct Settings {
   ExportOptions options;
 };
 
-Result<ExportReport> write(const Settings& settings) {
+Result<ExportReport> write(const ExportSettings& settings) {
   Progress progress("exporting");
   ExportOptions options = settings.options;
   options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
@@ -38,7 +38,7 @@ Result<ExportReport> write(const Settings& settings) {
   return form(settings.trace, settings.output, options);
 }
 
-Json json_of(const ExportReport& report) {
+Json json_of_export(const ExportReport& report) {
   Json written = Json::array(), skipped = Json::array();
   for (const ExportedTopic& topic : report.written)
     written.push_back({{"file", topic.file.string()},
@@ -50,7 +50,7 @@ Json json_of(const ExportReport& report) {
   Json left_out = Json::array();
   for (const LeftOutFields& topic : report.left_out)
     left_out.push_back({{"topic", topic.topic}, {"fields", topic.fields}});
-  return {{"written", written}, {"skipped", skipped}, {"left_out", left_out}, {"damage", tool::json_of(report.damage)}};
+  return {{"written", written}, {"skipped", skipped}, {"left_out", left_out}, {"damage", json_of(report.damage)}};
 }
 
 void tell(const ExportReport& report, bool of_pictures) {
@@ -70,11 +70,11 @@ void tell(const ExportReport& report, bool of_pictures) {
                fmt::join(fields, ", "));
 }
 
-Exit run(const Settings& settings) {
+Exit run_export(const ExportSettings& settings) {
   const auto report = write(settings);
   if (!report) return refuse(report.errors());
   if (settings.json) {
-    print(json_of(*report));
+    print(json_of_export(*report));
   } else {
     tell(*report, settings.frames || settings.video);
   }
@@ -83,8 +83,8 @@ Exit run(const Settings& settings) {
   return settings.json ? Exit::bad_input : refuse(report->damage);
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_export(CLI::App& options) {
+  const auto settings = std::make_shared<ExportSettings>();
   options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file")->required()->type_name("");
   options
       .add_option("-o,--output", settings->output,
@@ -103,7 +103,7 @@ std::function<Exit()> declare(CLI::App& options) {
   frames->excludes(video);
   add_selection_options(options, settings->options.selection);
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_export(*settings); };
 }
 
 }  // namespace
@@ -113,6 +113,6 @@ const Verb export_verb{"export",
                        "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
                        "  rehearse export sr1.mcap -o pictures --frames --topics '*Camera*'\n"
                        "  rehearse export sr1.mcap -o walk.mp4 --video --topics '/SR1/LeftCamera/image'\n",
-                       declare};
+                       declare_export};
 
 }  // namespace rehearse::tool

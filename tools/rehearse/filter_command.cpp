@@ -16,7 +16,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct FilterSettings {
   std::string source;
   std::string target;
   mcap::FilterOptions options;
@@ -26,11 +26,11 @@ struct Settings {
 };
 
 std::string count_text(std::uint64_t count, std::string_view noun) {
-  return tool::count_text(static_cast<std::int64_t>(count), noun);
+  return tool::count_text(count, noun);
 }
 
 /// What stands on the command line as text, read.
-Result<void> read_selection(Settings& settings) {
+Result<void> read_selection(FilterSettings& settings) {
   mcap::Selection& selection = settings.options.selection;
   if (!settings.from.empty()) {
     const auto moment = mcap::parse_moment(settings.from);
@@ -55,7 +55,7 @@ Result<void> read_selection(Settings& settings) {
   return {};
 }
 
-void tell(const Settings& settings, const mcap::Filtered& filtered) {
+void tell(const FilterSettings& settings, const mcap::Filtered& filtered) {
   fmt::print("wrote {} of {} in {}, {}, {}: {}, {}\n", filtered.messages,
              count_text(filtered.messages + filtered.left_out, "message"), count_text(filtered.channels, "channel"),
              count_text(filtered.attachments, "attachment"), count_text(filtered.metadata, "metadata record"),
@@ -64,13 +64,13 @@ void tell(const Settings& settings, const mcap::Filtered& filtered) {
   fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
 }
 
-Json filtered_json(const Settings& settings, const mcap::Filtered& filtered) {
+Json filtered_json(const FilterSettings& settings, const mcap::Filtered& filtered) {
   return {{"file", settings.target},           {"messages", filtered.messages},       {"left_out", filtered.left_out},
           {"channels", filtered.channels},     {"attachments", filtered.attachments}, {"metadata", filtered.metadata},
           {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes}};
 }
 
-Exit run(Settings& settings) {
+Exit run_filter(FilterSettings& settings) {
   if (const auto read = read_selection(settings); !read) return refuse(read.errors());
   if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
@@ -89,8 +89,8 @@ Exit run(Settings& settings) {
   return Exit::done;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_filter(CLI::App& options) {
+  const auto settings = std::make_shared<FilterSettings>();
   options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
   options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
   options.add_option("--topics", settings->options.selection.topics, "these only; * stands for any text")
@@ -111,7 +111,7 @@ std::function<Exit()> declare(CLI::App& options) {
   add_integer(options, "--chunk-size", "a chunk ends when it reaches this [bytes] (786432)", 1, std::int64_t{1} << 30,
               [=](std::int64_t size) { settings->options.chunk_size = static_cast<std::size_t>(size); });
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_filter(*settings); };
 }
 
 }  // namespace
@@ -121,6 +121,6 @@ const Verb filter_verb{"filter",
                        "  rehearse filter walk.mcap -o numbers.mcap --exclude '*/image' '*/depth'\n"
                        "  rehearse filter walk.mcap -o joints.mcap --topics '/SR1/*joints' --ticks 0..99\n"
                        "  rehearse filter bag.mcap -o small.mcap --compression zstd --level 19\n",
-                       declare};
+                       declare_filter};
 
 }  // namespace rehearse::tool

@@ -11,7 +11,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct GoldenAcceptSettings {
   std::vector<std::string> names;
   bool all = false;
   bool json = false;
@@ -30,7 +30,7 @@ Json json_of_accepted(const GoldenStore& store, const std::string& name, const A
 }
 
 /// Does one after the other, whatever becomes of the others. `decide` returns what JSON says of it.
-Exit decide_all(const Settings& settings, const char* done_word,
+Exit decide_all(const GoldenAcceptSettings& settings, const char* done_word,
                 const std::function<Result<Json>(GoldenStore&, const std::string&)>& decide) {
   if (auto may = check_may_decide(); !may) return refuse(may.errors());
   if (auto chosen = check_choice(settings.names, settings.all); !chosen) return refuse(chosen.errors());
@@ -56,7 +56,7 @@ Exit decide_all(const Settings& settings, const char* done_word,
 }
 
 /// With the scenarios that name the golden.
-Reexecution again_for(const Settings& settings, const GoldenStore& store, const std::string& name) {
+Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& store, const std::string& name) {
   Reexecution again = settings.again;
   if (settings.selection.is_all()) return again;  // nothing is executed
   const auto owners = find_golden_owners(store.folder(), {store.folder() / ".."});
@@ -65,7 +65,7 @@ Reexecution again_for(const Settings& settings, const GoldenStore& store, const 
   return again;
 }
 
-Exit accept(const Settings& settings) {
+Exit accept(const GoldenAcceptSettings& settings) {
   return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
     const auto accepted = store.accept_pending(name, settings.selection, again_for(settings, store, name));
     if (!accepted) return accepted.errors();
@@ -74,7 +74,7 @@ Exit accept(const Settings& settings) {
   });
 }
 
-Exit reject(const Settings& settings) {
+Exit reject(const GoldenAcceptSettings& settings) {
   return decide_all(settings, "rejected", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
     if (auto gone = store.reject(name); !gone) return gone.errors();
     if (!settings.json) fmt::print("rejected {}: the golden stays as it is\n", name);
@@ -82,8 +82,8 @@ Exit reject(const Settings& settings) {
   });
 }
 
-std::shared_ptr<Settings> declare_names(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::shared_ptr<GoldenAcceptSettings> declare_names(CLI::App& options) {
+  const auto settings = std::make_shared<GoldenAcceptSettings>();
   options.add_option("NAME", settings->names, "Suite.Test, one or more")->type_name("");
   options.add_flag("--all", settings->all, "all runs that wait");
   add_json_flag(options, settings->json);

@@ -26,7 +26,7 @@ constexpr SubVerb sub_verbs[] = {
     {"noise", "measure how far a scenario's runs stray without a reason that matters", declare_golden_noise},
 };
 
-std::function<Exit()> declare(CLI::App& options) {
+std::function<Exit()> declare_golden(CLI::App& options) {
   std::vector<std::pair<CLI::App*, std::function<Exit()>>> declared;
   for (const SubVerb& verb : sub_verbs) {
     CLI::App* sub = options.add_subcommand(verb.name, verb.summary);
@@ -70,6 +70,6 @@ const Verb golden_verb{"golden",
                        "  rehearse golden accept SR1.Walks --channel '/SR1/LeftCamera/*'\n"
                        "  rehearse golden reject --all\n"
                        "  rehearse golden noise fixtures/scenarios/sr1_minimum.yaml\n",
-                       declare};
+                       declare_golden};
 
 }  // namespace rehearse::tool

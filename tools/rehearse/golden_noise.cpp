@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Settings {
+struct GoldenNoiseSettings {
   std::vector<std::string> scenarios;
   std::optional<double> duration;  // [s]
   int patterns = 3;
@@ -38,7 +38,7 @@ struct Measured {
 };
 
 /// Where the measurement belongs, or why it can't be kept.
-Result<void> keep(const Settings& settings, const Scenario& scenario, const Trace& run, Measured& measured) {
+Result<void> keep(const GoldenNoiseSettings& settings, const Scenario& scenario, const Trace& run, Measured& measured) {
   if (scenario.golden.empty()) return measured.unwritten = "the scenario names no golden", Result<void>();
   if (settings.duration) return measured.unwritten = "it was measured over another duration", Result<void>();
   const auto folder = find_golden_folder(scenario.file);
@@ -56,7 +56,7 @@ Result<void> keep(const Settings& settings, const Scenario& scenario, const Trac
   return {};
 }
 
-Result<Measured> measure(const Settings& settings, const std::string& file) {
+Result<Measured> measure(const GoldenNoiseSettings& settings, const std::string& file) {
   auto scenario = Scenario::load(file);
   if (!scenario) return scenario.errors();
   if (settings.duration) scenario->duration = *settings.duration;
@@ -179,7 +179,7 @@ Json json_of_measured(const Measured& measured) {
 }
 
 /// What another process asked this one to do.
-Exit perturb(Settings& settings) {
+Exit perturb(GoldenNoiseSettings& settings) {
   PerturbedRun& run = settings.perturbed;
   run.scenario = settings.scenarios[0];
   run.host = settings.host;
@@ -193,7 +193,7 @@ Exit perturb(Settings& settings) {
   return done ? Exit::done : refuse(done.errors());
 }
 
-Exit run(Settings& settings) {
+Exit run_golden_noise(GoldenNoiseSettings& settings) {
   if (!settings.perturbed.folder.empty()) return perturb(settings);
   if (const auto allowed = check_may_decide(); !allowed) return refuse(allowed.errors());
   Json all = Json::array();
@@ -212,7 +212,7 @@ Exit run(Settings& settings) {
 }  // namespace
 
 std::function<Exit()> declare_golden_noise(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+  const auto settings = std::make_shared<GoldenNoiseSettings>();
   options.add_option("SCENARIO", settings->scenarios, "YAML files")->required()->type_name("");
   add_number(options, "--duration", "simulated time [s], instead of the scenario's; then nothing is written", 0.0,
              Scenario::max_duration, [=](double duration) { settings->duration = duration; });
@@ -224,7 +224,7 @@ std::function<Exit()> declare_golden_noise(CLI::App& options) {
   options.add_option("--perturbed", settings->perturbed.folder)->group("");
   options.add_option("--recording", settings->perturbed.recording)->group("");
   options.add_option("--level", settings->levels)->group("")->allow_extra_args(false);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_golden_noise(*settings); };
 }
 
 }  // namespace rehearse::tool

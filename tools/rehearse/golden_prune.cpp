@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Settings {
+struct GoldenPruneSettings {
   std::vector<std::string> tests;  // programs
   bool no_tests = false;
   bool yes = false;
@@ -93,7 +93,7 @@ Result<std::set<std::string>> named_by_tests(const std::string& program, const f
   return names;
 }
 
-Result<std::set<std::string>> named_by_all_tests(const Settings& settings, const GoldenStore& store) {
+Result<std::set<std::string>> named_by_all_tests(const GoldenPruneSettings& settings, const GoldenStore& store) {
   std::set<std::string> names;
   if (settings.tests.empty()) return names;
   auto scratch = RunFolder::make(store.where_runs_wait());
@@ -179,7 +179,7 @@ void tell(const Removal& done, const fs::path& pruned) {
     fmt::print("moved {} to {}\n", count_text(std::ssize(done.moved), "golden"), pruned.string());
 }
 
-Exit prune(const Settings& settings) {
+Exit prune(const GoldenPruneSettings& settings) {
   if (auto may = check_may_decide(); !may) return refuse(may.errors());
   auto store = open_store();
   if (!store) return refuse(store.errors());
@@ -219,7 +219,7 @@ Exit prune(const Settings& settings) {
 }  // namespace
 
 std::function<Exit()> declare_golden_prune(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+  const auto settings = std::make_shared<GoldenPruneSettings>();
   options
       .add_option("--tests", settings->tests,
                   "run this test program to learn which goldens its tests compare with; all of them have to be named")

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t plots_shown = 2, plots_in_detail = 8;
 
-struct Settings {
+struct GoldenReviewSettings {
   std::vector<std::string> names;
   bool json = false;
 };
@@ -30,7 +30,7 @@ struct Waiting {
   Diagnostics problems;  // why there is no comparison, unless there is no golden yet
 };
 
-Waiting look_at(const GoldenStore& store, const std::string& name) {
+Waiting waiting_run(const GoldenStore& store, const std::string& name) {
   Waiting waiting;
   waiting.name = name;
   const auto load = [&](const fs::path& file) -> std::optional<Trace> {
@@ -158,7 +158,7 @@ Json json_of_waiting(const GoldenStore& store, const Waiting& waiting) {
   return object;
 }
 
-Exit review(const Settings& settings) {
+Exit review(const GoldenReviewSettings& settings) {
   auto store = open_store();
   if (!store) return refuse(store.errors());
   const std::vector<std::string> waiting = store->pending();
@@ -168,7 +168,7 @@ Exit review(const Settings& settings) {
       return refuse(error(fmt::format("no run waits as '{}'", name), "rehearse golden review shows all that wait"));
   if (settings.json) {
     Json runs = Json::array();
-    for (const std::string& name : names) runs.push_back(json_of_waiting(*store, look_at(*store, name)));
+    for (const std::string& name : names) runs.push_back(json_of_waiting(*store, waiting_run(*store, name)));
     print({{"waiting", runs}});
     return names.empty() ? Exit::done : Exit::differs;
   }
@@ -176,7 +176,7 @@ Exit review(const Settings& settings) {
   const bool asks = somebody_is_there() && check_may_decide().ok();
   std::size_t left = names.size();
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const Waiting run = look_at(*store, names[i]);
+    const Waiting run = waiting_run(*store, names[i]);
     if (i > 0) fmt::print("\n");
     show(*store, run, i + 1, names.size());
     if (!asks) {
@@ -194,7 +194,7 @@ Exit review(const Settings& settings) {
 }  // namespace
 
 std::function<Exit()> declare_golden_review(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+  const auto settings = std::make_shared<GoldenReviewSettings>();
   options.add_option("NAME", settings->names, "only these (all that wait)")->type_name("");
   add_json_flag(options, settings->json);
   return [settings] { return review(*settings); };

@@ -25,7 +25,7 @@ constexpr std::size_t events_shown = 20;  // to a person; JSON has them all
 constexpr std::uintmax_t small_file = 64'000'000;
 /// A log time beyond this is of a wall clock, not of a simulation: 1973 [ns].
 
-struct Settings {
+struct InfoSettings {
   std::string trace;
   bool json = false;
   bool full = false;
@@ -230,7 +230,7 @@ void tell_compressions(const mcap::Reader& reader) {
         all.size == 0 ? 100.0 : 100.0 * static_cast<double>(all.stored) / static_cast<double>(all.size);
     tell_line(heading,
               fmt::format("{}: {}, {} of {} ({:.1f} %), the largest {}", plain_text(name),
-                          count_text(static_cast<std::int64_t>(all.chunks), "chunk"), file_size_text(all.stored),
+                          count_text(all.chunks, "chunk"), file_size_text(all.stored),
                           file_size_text(all.size), share, file_size_text(all.largest)));
     heading = "";
   }
@@ -242,7 +242,7 @@ void tell_file(const mcap::Reader& reader, const Contents& contents) {
   tell_line("library", reader.library().empty() ? "unnamed" : plain_text(reader.library()));
   tell_line("profile", reader.profile().empty() ? "none" : plain_text(reader.profile()));
   tell_line("messages", fmt::format("{} in {}", contents.all.messages,
-                                    count_text(static_cast<std::int64_t>(reader.channels().size()), "channel")));
+                                    count_text(reader.channels().size(), "channel")));
   if (contents.ticks > 0) tell_line("ticks", std::to_string(contents.ticks));
   if (contents.all.messages > 0) {
     tell_line("duration", fmt::format("{:.15g} s", contents.duration()));
@@ -310,7 +310,7 @@ void tell(const mcap::Reader& reader, const Contents& contents) {
   if (contents.by_summary)
     fmt::print("\nas the file's summary says it; --full reads all of it: payloads, {}, checksums\n",
                contents.event_count > 0
-                   ? count_text(static_cast<std::int64_t>(contents.event_count), "event") + " and rates of channels"
+                   ? count_text(contents.event_count, "event") + " and rates of channels"
                    : "rates of channels");
 }
 
@@ -320,7 +320,7 @@ bool is_small(const std::string& file) {
   return not_a_file || size <= small_file;
 }
 
-Exit run(const Settings& settings) {
+Exit run_info(const InfoSettings& settings) {
   mcap::ReaderOptions options;
   if (!settings.full && !is_small(settings.trace)) options.opening = mcap::Opening::by_summary;
   auto reader = mcap::Reader::open(settings.trace, options);
@@ -335,8 +335,8 @@ Exit run(const Settings& settings) {
   return contents.damage.empty() ? Exit::done : refuse(contents.damage);
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_info(CLI::App& options) {
+  const auto settings = std::make_shared<InfoSettings>();
   options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file; -: standard input")
       ->required()
       ->type_name("");
@@ -345,7 +345,7 @@ std::function<Exit()> declare(CLI::App& options) {
       "read all messages and check all checksums, however large the file is; else one of more than 64 MB is "
       "told of as its summary does");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_info(*settings); };
 }
 
 }  // namespace
@@ -354,6 +354,6 @@ const Verb info_verb{"info",
                      "  rehearse info sr1.mcap\n"
                      "  rehearse info sr1.mcap --json\n"
                      "  ssh robot cat log.mcap | rehearse info -\n",
-                     declare};
+                     declare_info};
 
 }  // namespace rehearse::tool

@@ -17,7 +17,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct InspectSettings {
   std::string model;
   bool json = false;
   UrdfOptions urdf;
@@ -126,7 +126,7 @@ std::string mesh_text(const std::vector<MeshUse>& meshes, const char* kind, int 
   int shapes = 0;
   for (const MeshUse& mesh : meshes) shapes += mesh.*number;
   return fmt::format("{} with {}", count_text(shapes, kind),
-                     count_text(static_cast<int>(triangles_of(meshes, number)), "triangle"));
+                     count_text(triangles_of(meshes, number), "triangle"));
 }
 
 Json model_json(const Model& model) {
@@ -178,9 +178,9 @@ std::string effort_text(const Joint& joint) {
 void tell(const Model& model) {
   const Joint& root = model.links[0].joint;
   fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name,
-             count_text(static_cast<int>(model.links.size()), "link"),
-             count_text(static_cast<int>(model.links.size()) - 1, "joint"), joint_counts(model),
-             count_text(static_cast<int>(model.devices.size()), "device"), model.mass(),
+             count_text(model.links.size(), "link"),
+             count_text(model.links.size() - 1, "joint"), joint_counts(model),
+             count_text(model.devices.size(), "device"), model.mass(),
              root.type == JointType::free ? "free" : "fixed to the world");
   if (model.links.size() > 1) {
     std::vector<TableRow> rows{{"id", "joint", "type", "moves", "range", "effort"}};
@@ -201,12 +201,12 @@ void tell(const Model& model) {
     fmt::print("\n");
   }
   if (const std::vector<MeshUse> meshes = mesh_uses(model); !meshes.empty())
-    fmt::print("{}: {}, {}\n\n", count_text(static_cast<int>(meshes.size()), "mesh file"),
+    fmt::print("{}: {}, {}\n\n", count_text(meshes.size(), "mesh file"),
                mesh_text(meshes, "visual", &MeshUse::visuals), mesh_text(meshes, "collision", &MeshUse::collisions));
   fmt::print("{}{}", model.report.empty() ? "nothing was repaired, ignored or doubted\n" : "", to_string(model.report));
 }
 
-Exit run(const Settings& settings) {
+Exit run_inspect(const InspectSettings& settings) {
   const Result<Model> model = load_urdf(settings.model, settings.urdf);
   if (settings.json) {
     print(model ? model_json(*model) : json_without_model(model.errors()));
@@ -217,15 +217,15 @@ Exit run(const Settings& settings) {
   return Exit::done;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_inspect(CLI::App& options) {
+  const auto settings = std::make_shared<InspectSettings>();
   options.add_option("MODEL", settings->model, "a URDF file")->required()->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "what would be repaired is an error");
   add_mesh_options(options, settings->urdf);
   add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
              [=](double mass) { settings->urdf.default_mass = mass; });
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_inspect(*settings); };
 }
 
 }  // namespace
@@ -234,6 +234,6 @@ const Verb inspect_verb{"inspect",
                         "  rehearse inspect fixtures/models/sr1.urdf\n"
                         "  rehearse inspect robot.urdf --strict --json\n"
                         "  rehearse inspect arm.urdf --package arm_description=../arm_description\n",
-                        declare};
+                        declare_inspect};
 
 }  // namespace rehearse::tool

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t most_sources = 1000;
 
-struct Settings {
+struct MergeSettings {
   std::vector<std::string> sources;
   std::vector<std::string> prefixes;  // FILE=PREFIX
   std::string target;
@@ -27,12 +27,8 @@ struct Settings {
   bool json = false;
 };
 
-std::string count_text(std::uint64_t count, std::string_view noun) {
-  return tool::count_text(static_cast<std::int64_t>(count), noun);
-}
-
 /// The sources with their prefixes.
-Result<std::vector<mcap::MergeSource>> sources_of(const Settings& settings) {
+Result<std::vector<mcap::MergeSource>> sources_of(const MergeSettings& settings) {
   std::vector<mcap::MergeSource> sources;
   if (settings.sources.size() > most_sources)
     return error(fmt::format("{} files are too many: at most {} at a time", settings.sources.size(), most_sources));
@@ -50,7 +46,7 @@ Result<std::vector<mcap::MergeSource>> sources_of(const Settings& settings) {
   return sources;
 }
 
-void tell(const Settings& settings, const mcap::Merged& merged) {
+void tell(const MergeSettings& settings, const mcap::Merged& merged) {
   fmt::print("merged {}: {} in {}, {}, {}: {}, {}\n", count_text(settings.sources.size(), "file"),
              count_text(merged.messages, "message"), count_text(merged.channels, "channel"),
              count_text(merged.attachments, "attachment"), count_text(merged.metadata, "metadata record"),
@@ -58,13 +54,13 @@ void tell(const Settings& settings, const mcap::Merged& merged) {
   for (const std::string& remark : merged.remarks) fmt::print("  {}\n", remark);
 }
 
-Json merged_json(const Settings& settings, const mcap::Merged& merged) {
+Json merged_json(const MergeSettings& settings, const mcap::Merged& merged) {
   return {{"file", settings.target},     {"sources", settings.sources},       {"messages", merged.messages},
           {"channels", merged.channels}, {"attachments", merged.attachments}, {"metadata", merged.metadata},
           {"size", merged.bytes},        {"remarks", merged.remarks}};
 }
 
-Exit run(Settings& settings) {
+Exit run_merge(MergeSettings& settings) {
   const auto sources = sources_of(settings);
   if (!sources) return refuse(sources.errors());
   if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
@@ -84,8 +80,8 @@ Exit run(Settings& settings) {
   return Exit::done;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_merge(CLI::App& options) {
+  const auto settings = std::make_shared<MergeSettings>();
   options.add_option("TRACE", settings->sources, "recordings, or any other MCAP files")->required()->type_name("");
   options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
   options.add_option("--prefix", settings->prefixes, "put before the topics of a file; as often as one likes")
@@ -95,7 +91,7 @@ std::function<Exit()> declare(CLI::App& options) {
   options.add_flag("--keep-apart", settings->options.keep_apart,
                    "channels that are defined alike in several files don't become one");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_merge(*settings); };
 }
 
 }  // namespace
@@ -106,6 +102,6 @@ const Verb merge_verb{
     "  rehearse merge left.mcap right.mcap --prefix left.mcap=/left --prefix right.mcap=/right -o both.mcap\n"
     "\n"
     "By log time, then in the order of the command line, then as in the files.\n",
-    declare};
+    declare_merge};
 
 }  // namespace rehearse::tool

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Settings {
+struct NewSettings {
   std::string folder;
 };
 
@@ -69,7 +69,7 @@ std::string prefix() {
   return above.string();
 }
 
-Exit run(const Settings& settings) {
+Exit run_new(const NewSettings& settings) {
   const fs::path folder = settings.folder;
   if (const auto prepared = prepare(folder); !prepared) return refuse(prepared.errors());
   const std::string name = project_name(folder);
@@ -86,16 +86,16 @@ Exit run(const Settings& settings) {
   return Exit::done;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_new(CLI::App& options) {
+  const auto settings = std::make_shared<NewSettings>();
   options.add_option("DIR", settings->folder, "the folder to write, new or empty; it names the project")
       ->required()
       ->type_name("");
-  return [settings] { return run(*settings); };
+  return [settings] { return run_new(*settings); };
 }
 
 }  // namespace
 
-const Verb new_verb{"new", "  rehearse new my_walker\n", declare};
+const Verb new_verb{"new", "  rehearse new my_walker\n", declare_new};
 
 }  // namespace rehearse::tool

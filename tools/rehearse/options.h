@@ -18,6 +18,8 @@ namespace rehearse::tool {
 double parse_number(const std::string& option, std::string_view text, double lowest, double highest);
 std::int64_t parse_integer(const std::string& option, std::string_view text, std::int64_t lowest, std::int64_t highest);
 
+inline constexpr double longest_time = 1e9;  // of options that are times [s]
+
 /// An option with a number, handed to `take`. `option` is its long form, as "--until".
 void add_number(CLI::App& options, const std::string& option, const std::string& help, double lowest, double highest,
                 std::function<void(double)> take);

@@ -80,7 +80,7 @@ Json json_of(const Diagnostics& diagnostics) {
 void print(const Json& object) { fmt::print("{}\n", object.dump(2, ' ', false, Json::error_handler_t::replace)); }
 
 std::string file_size_text(std::uintmax_t bytes) {
-  if (bytes < 1000) return count_text(static_cast<std::int64_t>(bytes), "byte");
+  if (bytes < 1000) return count_text(bytes, "byte");
   const char* const units[] = {"kB", "MB", "GB", "TB"};
   double amount = static_cast<double>(bytes) / 1000.0;
   std::size_t unit = 0;

@@ -4,6 +4,7 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/divergence.h>
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -32,6 +33,9 @@ std::string plain_text(std::string_view text);
 std::string file_size_text(std::uintmax_t bytes);
 /// "1 link", "3 links".
 std::string count_text(std::int64_t count, std::string_view noun);
+std::string count_text(std::integral auto count, std::string_view noun) {
+  return count_text(static_cast<std::int64_t>(count), noun);
+}
 
 /// A log time: seconds, or a date if it can only be one.
 std::string time_text(std::uint64_t time_ns);

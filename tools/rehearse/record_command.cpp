@@ -30,7 +30,7 @@
 namespace rehearse::tool {
 namespace {
 
-struct Settings {
+struct RecordSettings {
   std::string scenario;
   std::string trace;  // empty: named like the scenario, in the working directory
   std::optional<std::uint32_t> seed;
@@ -56,7 +56,7 @@ void set_duration(Scenario& scenario, double duration) {
 }
 
 /// The scenario as it will run.
-Result<Scenario> load(const Settings& settings) {
+Result<Scenario> load(const RecordSettings& settings) {
   Result<Scenario> scenario = Scenario::load(settings.scenario);
   if (!scenario) return scenario;
   if (settings.seed) scenario->seed = *settings.seed;
@@ -86,7 +86,7 @@ Result<std::vector<ExpectationResult>> judge(const Scenario& scenario, const std
 }
 
 /// Runs a sample of the recording again: does it repeat itself?
-Result<Reproduction> verify(const Settings& settings, const Scenario& scenario, const std::string& trace) {
+Result<Reproduction> verify(const RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
   const auto recording = Trace::load(trace);
   if (!recording) return recording.errors();
   Progress progress("verifying");
@@ -96,7 +96,7 @@ Result<Reproduction> verify(const Settings& settings, const Scenario& scenario, 
   return reproduce(scenario, *recording, trace + ".again", trying, {rehearse::record, run_plant});
 }
 
-Exit run_in_gdb(const Settings& settings, const Scenario& scenario, const CLI::App& options) {
+Exit run_in_gdb(const RecordSettings& settings, const Scenario& scenario, const CLI::App& options) {
   if (const auto able = check_debugger(settings.debugger, scenario); !able) return refuse(able.errors());
   if (const auto there = check_tick(settings.tick, scenario.ticks(), scenario.time_step); !there)
     return refuse(there.errors());
@@ -104,7 +104,7 @@ Exit run_in_gdb(const Settings& settings, const Scenario& scenario, const CLI::A
 }
 
 /// A recording that begins as another one.
-Exit run_branch(Settings& settings) {
+Exit run_branch(RecordSettings& settings) {
   for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"),
                                      {settings.no_frames, "--no-frames"},
                                      {settings.verify, "--verify"},
@@ -125,7 +125,7 @@ Exit run_branch(Settings& settings) {
   return record_branch_of(settings.branch);
 }
 
-Exit run(Settings& settings, const CLI::App& options) {
+Exit run_record(RecordSettings& settings, const CLI::App& options) {
   if (!settings.branch.from.empty()) return run_branch(settings);
   if (settings.scenario.empty())
     return refuse(error("rehearse record: SCENARIO is required (see rehearse record --help)"));
@@ -176,8 +176,8 @@ Exit run(Settings& settings, const CLI::App& options) {
   return exit;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_record(CLI::App& options) {
+  const auto settings = std::make_shared<RecordSettings>();
   options.add_option("SCENARIO", settings->scenario, "a YAML file")->type_name("");
   options.add_option("-o,--output", settings->trace, "the trace to write (SCENARIO.mcap in this folder)")
       ->type_name("TRACE");
@@ -196,7 +196,7 @@ std::function<Exit()> declare(CLI::App& options) {
   add_integer(options, "--tick", "with --gdb: where to stop (0)", 0, std::numeric_limits<std::uint32_t>::max(),
               [=](std::int64_t tick) { settings->tick = tick; });
   options.get_option("--tick")->needs("--gdb");
-  return [settings, &options] { return run(*settings, options); };
+  return [settings, &options] { return run_record(*settings, options); };
 }
 
 }  // namespace
@@ -206,6 +206,6 @@ const Verb record_verb{
     "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
     "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n"
     "  rehearse record --from-checkpoint walk.mcap@3.2s --push 'Walker/TRUNK force=0,80,0 @3.2s..3.3s'\n",
-    declare};
+    declare_record};
 
 }  // namespace rehearse::tool

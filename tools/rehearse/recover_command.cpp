@@ -18,16 +18,12 @@ namespace {
 
 constexpr std::size_t losses_shown = 20;  // to a person; JSON has more
 
-struct Settings {
+struct RecoverSettings {
   std::string source;
   std::string target;
   mcap::RecoverOptions options;
   bool json = false;
 };
-
-std::string count_text(std::uint64_t count, std::string_view noun) {
-  return tool::count_text(static_cast<std::int64_t>(count), noun);
-}
 
 void tell_losses(const mcap::Recovery& recovery) {
   for (std::size_t i = 0; i < std::min(losses_shown, recovery.lost.size()); ++i) {
@@ -53,7 +49,7 @@ void tell_lost_messages(const mcap::Recovery& recovery) {
                  channel.lost, channel.saved + channel.lost);
 }
 
-void tell(const Settings& settings, const mcap::Recovery& recovery) {
+void tell(const RecoverSettings& settings, const mcap::Recovery& recovery) {
   if (recovery.is_whole()) fmt::print("{} is whole: nothing is lost\n", settings.source);
   fmt::print("saved {}, {}, {} in {}\n", count_text(recovery.messages, "message"),
              count_text(recovery.attachments, "attachment"), count_text(recovery.metadata, "metadata record"),
@@ -69,7 +65,7 @@ void tell(const Settings& settings, const mcap::Recovery& recovery) {
   tell_lost_messages(recovery);
 }
 
-Json recovery_json(const Settings& settings, const mcap::Recovery& recovery) {
+Json recovery_json(const RecoverSettings& settings, const mcap::Recovery& recovery) {
   Json lost = Json::array(), channels = Json::array();
   for (const mcap::LostBytes& span : recovery.lost)
     lost.push_back({{"begin", span.begin}, {"end", span.end}, {"what", span.what}});
@@ -90,7 +86,7 @@ Json recovery_json(const Settings& settings, const mcap::Recovery& recovery) {
           {"channels", channels}};
 }
 
-Exit run(Settings& settings) {
+Exit run_recover(RecoverSettings& settings) {
   if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto recovery = [&] {
@@ -108,14 +104,14 @@ Exit run(Settings& settings) {
   return Exit::done;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_recover(CLI::App& options) {
+  const auto settings = std::make_shared<RecoverSettings>();
   options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
   options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
   options.add_flag("--trust-damaged", settings->options.trust_damaged,
                    "keep what seems whole in chunks whose CRC doesn't match; nothing says that it is right");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_recover(*settings); };
 }
 
 }  // namespace
@@ -127,6 +123,6 @@ const Verb recover_verb{
     "\n"
     "Exit status: 0 FILE is written, and is a valid file (it was opened again and examined), even if\n"
     "something is lost: what, is told. 2 there was nothing to be saved; nothing was written.\n",
-    declare};
+    declare_recover};
 
 }  // namespace rehearse::tool

@@ -31,7 +31,7 @@ constexpr int largest_side = Renderer::max_size / 3;  // of a fine picture [pixe
 constexpr double farthest = 1e4;                      // coordinate of eye and target [m]
 const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);
 
-struct Settings {
+struct RenderSettings {
   std::string input;
   std::string picture;
   UrdfOptions urdf;                            // of a model
@@ -115,7 +115,7 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
   return {};
 }
 
-Exit run(Settings& settings) {
+Exit run_render(RenderSettings& settings) {
   const auto scene = load_scene(settings.input, settings.urdf);
   if (!scene) return refuse(scene.errors());
   if (const auto few = check_lights(scene->models); !few) return refuse(few.errors());
@@ -159,8 +159,8 @@ void add_point(CLI::App& options, const std::string& option, const std::string& 
       ->type_name("X,Y,Z");
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_render(CLI::App& options) {
+  const auto settings = std::make_shared<RenderSettings>();
   settings->camera.width = 960;
   settings->camera.height = 720;
   settings->camera.field_of_view = 35.0 * std::numbers::pi / 180.0;
@@ -181,7 +181,7 @@ std::function<Exit()> declare(CLI::App& options) {
   add_point(options, "--target", "what it looks at [m] (the middle of all that isn't scenery)", settings->target);
   add_number(options, "--fov", "opening angle of the picture's shorter side [deg] (35)", 1.0, 170.0,
              [=](double degrees) { settings->camera.field_of_view = degrees * std::numbers::pi / 180.0; });
-  return [settings] { return run(*settings); };
+  return [settings] { return run_render(*settings); };
 }
 
 }  // namespace
@@ -189,6 +189,6 @@ std::function<Exit()> declare(CLI::App& options) {
 const Verb render_verb{"render",
                        "  rehearse render fixtures/scenarios/sr1_minimum.yaml -o sr1.png\n"
                        "  rehearse render robot.urdf -o hand.png --eye 0.6,0.2,1.1 --target 0,0.3,0.9\n",
-                       declare};
+                       declare_render};
 
 }  // namespace rehearse::tool

@@ -27,9 +27,8 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr double longest_time = 1e9;  // [s]
 
-struct Settings {
+struct ReplaySettings {
   std::string trace;
   bool json = false;
   ReplayOptions replay;
@@ -73,7 +72,7 @@ Json report_json(const ReplayReport& report) {
           {"remarks", json_of(report.remarks)}};
 }
 
-void tell(const Settings& settings, const ReplayReport& report, double seconds) {
+void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
   fmt::print("replayed {}: {} without physics in {:.3f} s, {:.0f} ticks/s\n", settings.trace,
              count_text(report.ticks, "tick"), seconds, static_cast<double>(report.ticks) / seconds);
   fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
@@ -85,21 +84,21 @@ void tell(const Settings& settings, const ReplayReport& report, double seconds) 
              report.values_different, count_text(report.values, "commanded number"));
 }
 
-void tell_remarks(const ReplayReport& report) {
+void tell_replay_remarks(const ReplayReport& report) {
   for (const Diagnostic& remark : report.remarks)
     if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
       fmt::print(stderr, "{}\n", to_string(remark));
 }
 
 /// Goes on in gdb with the verb as it was given.
-Exit run_in_gdb(const Settings& settings, const CLI::App& options) {
+Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
   const std::vector<std::string> words = words_without_debugger("replay", options);
   if (settings.is_of_a_log()) return replay_log_in_gdb(settings.debugger, words, settings.ticks.tick);
   return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.ticks.tick);
 }
 
 /// What a log needs and a recording doesn't, or the other way around.
-Result<void> check_usage(const Settings& settings) {
+Result<void> check_usage(const ReplaySettings& settings) {
   if (settings.debugger.is_wanted() &&
       (settings.ticks.at || !settings.ticks.watch.empty() || !settings.ticks.when.empty()))
     return error("--gdb goes with none of --at, --watch and --when", "--gdb --tick N stops at that tick");
@@ -123,7 +122,7 @@ Result<void> check_usage(const Settings& settings) {
   return {};
 }
 
-Exit run_log(const Settings& settings) {
+Exit run_log(const ReplaySettings& settings) {
   LogSettings log;
   log.log = settings.trace;
   log.trace = settings.output;
@@ -137,7 +136,7 @@ Exit run_log(const Settings& settings) {
   return replay_log_of(std::move(log));
 }
 
-Exit run_ticks(Settings& settings) {
+Exit run_ticks(ReplaySettings& settings) {
   if (settings.is_of_a_log())
     return refuse(error("a robot's log has no ticks before it is replayed",
                         "replay it into a recording, and look at that: rehearse replay LOG.replay.mcap --tick N"));
@@ -151,7 +150,7 @@ Exit run_ticks(Settings& settings) {
   return show_ticks(ticks);
 }
 
-Exit run(Settings& settings, const CLI::App& options) {
+Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
   if (!settings.is_of_a_log())
@@ -176,15 +175,15 @@ Exit run(Settings& settings, const CLI::App& options) {
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before what stderr says of it
-    tell_remarks(*report);
+    tell_replay_remarks(*report);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;
   return report->equal() ? Exit::done : Exit::differs;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_replay(CLI::App& options) {
+  const auto settings = std::make_shared<ReplaySettings>();
   options.add_option("TRACE", settings->trace, "the recording; or, with --model and --map, a robot's log (MCAP)")
       ->required()
       ->type_name("");
@@ -223,7 +222,7 @@ std::function<Exit()> declare(CLI::App& options) {
       ->type_name("TRACE");
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);
-  return [settings, &options] { return run(*settings, options); };
+  return [settings, &options] { return run_replay(*settings, options); };
 }
 
 }  // namespace
@@ -238,6 +237,6 @@ const Verb replay_verb{
     "  rehearse replay failed.mcap --gdb --tick 3204\n"
     "  rehearse replay walk.mcap --set 'Walker/KNEE/q=nan@tick:1200' -o what_if.mcap\n"
     "  rehearse replay robot.mcap --controller build/MyWalker.so --model walker.urdf --map walker.map.yaml\n",
-    declare};
+    declare_replay};
 
 }  // namespace rehearse::tool

@@ -115,7 +115,7 @@ void tell(const LogSettings& settings, const LogReplayReport& report, double sec
              report.values_different, count_text(report.values, "commanded number"));
 }
 
-void tell_remarks(const LogReplayReport& report) {
+void tell_log_remarks(const LogReplayReport& report) {
   for (const Diagnostic& remark : report.remarks)
     if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
       fmt::print(stderr, "{}\n", to_string(remark));
@@ -141,7 +141,7 @@ Exit replay_log_of(LogSettings settings) {
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before what stderr says of it
-    tell_remarks(*report);
+    tell_log_remarks(*report);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (is_of_nothing(*report)) return Exit::bad_input;

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Settings {
+struct ReportSettings {
   std::string trace, golden, report;  // golden, report: empty if not given
   std::string tolerances;             // a file; empty: those of the golden's scenario
   std::string scenario;
@@ -38,7 +38,7 @@ Json json_of_report(const fs::path& file, const ReportSummary& summary) {
           {"omitted", summary.omitted}};
 }
 
-Exit run(Settings& settings) {
+Exit run_report(ReportSettings& settings) {
   if (!settings.tolerances.empty()) {
     auto rules = load_tolerances(settings.tolerances);
     if (!rules) return refuse(rules.errors());
@@ -66,8 +66,8 @@ Exit run(Settings& settings) {
   return Exit::done;
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_report(CLI::App& options) {
+  const auto settings = std::make_shared<ReportSettings>();
   options.add_option("TRACE", settings->trace, "the run")->required()->type_name("");
   options.add_option("GOLDEN", settings->golden, "the trace with the expected values, which are shown beside it")
       ->type_name("");
@@ -91,7 +91,7 @@ std::function<Exit()> declare(CLI::App& options) {
                   "the file TRACE was recorded from, beside which meshes are looked for (above TRACE, and here)")
       ->type_name("FILE");
   add_json_flag(options, settings->json);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_report(*settings); };
 }
 
 }  // namespace
@@ -100,6 +100,6 @@ const Verb report_verb{"report",
                        "  rehearse report walk.mcap\n"
                        "  rehearse report today.mcap golden/SR1.Stands.mcap -o stands.html\n"
                        "  rehearse report long.mcap --from 12 --until 20 --topics '/SR1/*'\n",
-                       declare};
+                       declare_report};
 
 }  // namespace rehearse::tool

@@ -17,15 +17,14 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr double longest_time = 1e9;  // [s]
 
-struct Settings {
+struct StepSettings {
   std::string trace;
   double from = 0.0;  // [s]
   SteppingOptions stepping;
 };
 
-std::string command_line(const Settings& settings) {
+std::string command_line(const StepSettings& settings) {
   std::string text = settings.trace;
   for (const auto& [name, library] : settings.stepping.libraries)
     text += fmt::format(" --controller {}={}", name, library);
@@ -50,7 +49,7 @@ Exit talk(SteppedTrace& trace, StepSession& session) {
   return understood || editor.is_interactive() ? Exit::done : Exit::bad_input;
 }
 
-Exit run(Settings& settings) {
+Exit run_step(StepSettings& settings) {
   if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.stepping.watch = &watch;
@@ -70,13 +69,13 @@ Exit run(Settings& settings) {
   return talk(**trace, session);
 }
 
-std::function<Exit()> declare(CLI::App& options) {
-  const auto settings = std::make_shared<Settings>();
+std::function<Exit()> declare_step(CLI::App& options) {
+  const auto settings = std::make_shared<StepSettings>();
   options.add_option("TRACE", settings->trace, "the recording")->required()->type_name("");
   add_number(options, "--from", "begin at this time [s]", 0.0, longest_time,
              [=](double from) { settings->from = from; });
   add_host_options(options, settings->stepping);
-  return [settings] { return run(*settings); };
+  return [settings] { return run_step(*settings); };
 }
 
 }  // namespace
@@ -85,6 +84,6 @@ const Verb step_verb{"step",
                      "  rehearse step failed.mcap --from 3.0\n"
                      "  rehearse step failed.mcap --controller Walker=build/MyWalker.so\n"
                      "  printf 'goto 3.2s\\ninfo\\n' | rehearse step failed.mcap\n",
-                     declare};
+                     declare_step};
 
 }  // namespace rehearse::tool

@@ -158,7 +158,7 @@ std::string values_text(const ViewChannel& channel, const TickParts& parts) {
   }
   if (shown == 0) return "";
   if (rows.size() == 1)
-    return fmt::format("  {}: {} unchanged\n", rows[0][0], count_text(static_cast<std::int64_t>(unchanged), "number"));
+    return fmt::format("  {}: {} unchanged\n", rows[0][0], count_text(unchanged, "number"));
   return table_text(rows, "  ") + folded(unchanged, "unchanged number") +
          folded(more, "more changed number, --full shows them; number");
 }

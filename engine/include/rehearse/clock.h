@@ -15,4 +15,7 @@ inline std::uint64_t nanoseconds_of(std::int64_t tick, double time_step) {
   return static_cast<std::uint64_t>(std::llround(time_of(tick, time_step) * 1e9));
 }
 
+/// A log time, or the span between two of them [ns], in seconds [s].
+inline double seconds_of(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
+
 }  // namespace rehearse

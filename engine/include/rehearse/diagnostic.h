@@ -45,6 +45,9 @@ std::string to_string(const Diagnostics& diagnostics);
 /// A diagnostic of severity error without a place.
 Diagnostic error(std::string message, std::string hint = {});
 
+/// The same of a file, as the user named it.
+Diagnostic error_in(std::string file, std::string message, std::string hint = {});
+
 /// True if any is of severity error.
 bool has_error(const Diagnostics& diagnostics);
 

@@ -45,6 +45,12 @@ Diagnostic error(std::string message, std::string hint) {
   return diagnostic;
 }
 
+Diagnostic error_in(std::string file, std::string message, std::string hint) {
+  Diagnostic diagnostic = error(std::move(message), std::move(hint));
+  diagnostic.file = std::move(file);
+  return diagnostic;
+}
+
 bool has_error(const Diagnostics& diagnostics) {
   return std::any_of(diagnostics.begin(), diagnostics.end(),
                      [](const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; });

@@ -17,7 +17,7 @@ using tinyxml2::XMLElement;
 
 constexpr double sdf_horizontal_fov = 1.047;  // [rad], SDF's default
 constexpr double widest = 3.1;                // [rad]; beyond it the picture's plane is all edge
-constexpr double any = std::numeric_limits<double>::infinity();
+constexpr double any_number = std::numeric_limits<double>::infinity();
 
 /// The same angle, seen along the other side of the picture.
 double other_field_of_view(double angle, int from, int to) {
@@ -43,7 +43,7 @@ double read_field_of_view(const XMLElement& element, const Camera& camera, Findi
 
 void read_camera(const XMLElement& sensor, const XMLElement& element, Camera& camera, Eigen::Isometry3d& pose,
                  Findings& findings) {
-  camera.frame_rate = read_positive_or(&sensor, "update_rate", 30.0, any, findings);
+  camera.frame_rate = read_positive_or(&sensor, "update_rate", 30.0, any_number, findings);
   report_ignored(element, {"pose", "horizontal_fov", "vertical_fov", "image", "clip"}, findings);
   if (const XMLElement* inner = element.FirstChildElement("pose")) pose = pose * read_text_pose(*inner, findings);
   pose.linear() = pose.linear() * device_axes();
@@ -54,8 +54,8 @@ void read_camera(const XMLElement& sensor, const XMLElement& element, Camera& ca
   camera.field_of_view = read_field_of_view(element, camera, findings);
 
   const XMLElement* clip = element.FirstChildElement("clip");
-  camera.near_clip = read_positive_or(clip, "near", 0.1, any, findings);
-  camera.far_clip = read_positive_or(clip, "far", 100.0, any, findings);
+  camera.near_clip = read_positive_or(clip, "near", 0.1, any_number, findings);
+  camera.far_clip = read_positive_or(clip, "far", 100.0, any_number, findings);
   if (camera.near_clip >= camera.far_clip) {
     findings.error((clip == nullptr ? element : *clip).GetLineNum(),
                    fmt::format("<near> is {}, not below <far>, which is {}", camera.near_clip, camera.far_clip));
@@ -67,15 +67,15 @@ void read_optical_camera(const XMLElement& sensor, const XMLElement& element, Ca
   pose.linear() = pose.linear() * device_axes_of_optical();
   camera.frame_rate = 1.0;  // Choreonoid's default
   if (sensor.Attribute("update_rate") != nullptr)
-    camera.frame_rate = read_positive(sensor, "update_rate", any, findings).value_or(1.0);
+    camera.frame_rate = read_positive(sensor, "update_rate", any_number, findings).value_or(1.0);
   report_ignored(element, {"image"}, findings);
   const XMLElement& image = *element.FirstChildElement("image");
   camera.depth = camera.depth || image.Attribute("depth_format") != nullptr;
   const auto width = read_count(image, "width", max_image_side, findings);
   const auto height = read_count(image, "height", max_image_side, findings);
   const auto across = read_positive(image, "hfov", widest, findings);
-  const auto nearest = read_positive(image, "near", any, findings);
-  const auto farthest = read_positive(image, "far", any, findings);
+  const auto nearest = read_positive(image, "near", any_number, findings);
+  const auto farthest = read_positive(image, "far", any_number, findings);
   if (!width || !height || !across || !nearest || !farthest) return;
   camera.width = *width;
   camera.height = *height;

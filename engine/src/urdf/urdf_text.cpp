@@ -14,7 +14,6 @@ using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
 using tinyxml2::XMLNode;
 
-constexpr std::string_view blanks = " \t\r\n";
 constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
 
 int line_at(std::string_view text, std::size_t position) {

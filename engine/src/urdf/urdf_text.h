@@ -12,6 +12,9 @@ class XMLElement;
 
 namespace rehearse::urdf {
 
+/// Blanks of XML.
+inline constexpr std::string_view blanks = " \t\r\n";
+
 /// Looks at the bytes before any parser does: empty, too large, git-lfs pointer, merge conflict, UTF-16, document type,
 /// nesting too deep, too many tags or attributes. False if there is an error.
 bool text_is_sound(std::string_view text, Findings& findings);

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <vector>
 
+#include "urdf_text.h"
+
 namespace rehearse::urdf {
 namespace {
 
 using tinyxml2::XMLElement;
-
-constexpr std::string_view blanks = " \t\r\n";
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(blanks);

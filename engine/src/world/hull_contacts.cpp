@@ -35,18 +35,18 @@ struct EdgeAxis : Axis {
   std::array<Vector3d, 4> ends;  // of the hull's edge, then of the other's
 };
 
-struct Bounds {
+struct Extent {
   Vector3d low, high;
 
-  bool meets(const Bounds& other, double margin) const {
+  bool meets(const Extent& other, double margin) const {
     return ((low - other.high).array() <= margin).all() && ((other.low - high).array() <= margin).all();
   }
 };
 
-Bounds bounds_of(const Vector3d& a, const Vector3d& b) { return {a.cwiseMin(b), a.cwiseMax(b)}; }
+Extent bounds_of(const Vector3d& a, const Vector3d& b) { return {a.cwiseMin(b), a.cwiseMax(b)}; }
 
-Bounds bounds_of(const Points& points) {
-  Bounds bounds{points[0], points[0]};
+Extent bounds_of(const Points& points) {
+  Extent bounds{points[0], points[0]};
   for (const Vector3d& point : points) bounds = {bounds.low.cwiseMin(point), bounds.high.cwiseMax(point)};
   return bounds;
 }
@@ -55,16 +55,16 @@ Bounds bounds_of(const Points& points) {
 struct PlacedEdge {
   Vector3d from, to;
   const Vector3d *left, *right;  // normals of its faces
-  Bounds bounds;
+  Extent bounds;
 };
 
 /// The edges that come nearer than `margin` to something.
 std::vector<PlacedEdge> edges_near(const Polytope& of, const Points& vertices, const std::vector<Plane>& planes,
-                                   const Bounds& something, double margin) {
+                                   const Extent& something, double margin) {
   std::vector<PlacedEdge> near;
   for (const PolytopeEdge& edge : of.edges()) {
     const Vector3d &from = vertices[edge.from], &to = vertices[edge.to];
-    const Bounds bounds = bounds_of(from, to);
+    const Extent bounds = bounds_of(from, to);
     if (bounds.meets(something, margin))
       near.push_back({from, to, &planes[edge.left].normal, &planes[edge.right].normal, bounds});
   }

@@ -69,6 +69,8 @@ struct Attachment {
   std::string media_type;
   Bytes data;
   std::uint64_t offset = 0;  // of its record in the file
+
+  std::string_view text() const { return {reinterpret_cast<const char*>(data.data()), data.size()}; }
 };
 
 struct Metadata {

@@ -31,6 +31,9 @@ bool is_pinning_off();
 /// The file of this program; where there is no /proc, the name by which it was started.
 std::filesystem::path own_program();
 
+/// Valgrind runs this program: it can't start itself again and stay under valgrind, unless that follows children.
+bool runs_under_valgrind();
+
 /// To be called first in main(), before anything computes: unless pinned already, executes this program once more, with
 /// the same arguments and the pinned environment. Comes back if it was pinned, if REHEARSE_PIN=off says so, or if it
 /// can't be done (then is_pinned() is false, and recordings say so). Another value of REHEARSE_PIN than `on` and `off`

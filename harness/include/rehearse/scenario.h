@@ -32,6 +32,9 @@ struct Place {
   int column = 0;    // 1-based
 };
 
+/// The diagnostic with that place.
+Diagnostic at(const Place& place, Diagnostic diagnostic);
+
 struct ScenarioController {
   std::string name;                         // unique within its body; names the channels
   std::string library;                      // a name (SR1MinimumController) or a path relative to the scenario

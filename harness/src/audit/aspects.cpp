@@ -25,12 +25,12 @@ constexpr std::string_view openings = " creat fopen freopen open openat shm_open
 /// Functions that run a program, or a second process.
 constexpr std::string_view programs = " execv execve execvp fork popen posix_spawn posix_spawnp system vfork ";
 
-struct Group {
+struct AspectGroup {
   std::string_view functions;  // each between spaces
   std::string_view words;
   std::optional<Factor> factor;
 };
-constexpr Group surroundings[] = {
+constexpr AspectGroup surroundings[] = {
     {" get_nprocs get_nprocs_conf pthread_getaffinity_np pthread_setaffinity_np sched_getaffinity sched_setaffinity ",
      "the number of processors", Factor::machine},
     {" getcpu sched_getcpu ", "the processor that it runs on", Factor::machine},
@@ -52,7 +52,7 @@ Aspect surroundings_of(const ObservedCall& call) {
   if (call.argument == "/proc/loadavg") return {"the machine's load", Factor::machine};
   if (call.argument.starts_with("/") && call.argument.ends_with("hostname"))
     return {"the machine's name", Factor::machine};
-  for (const Group& group : surroundings)
+  for (const AspectGroup& group : surroundings)
     if (is_one_of(call.function, group.functions)) return {group.words, group.factor};
   return {"the environment", Factor::environment};
 }

@@ -5,12 +5,12 @@ namespace {
 
 using Source = ObservedCall::Source;
 
-struct Group {
+struct FunctionGroup {
   Source source;
   std::string_view names;  // each between spaces
 };
 
-constexpr Group functions[] = {
+constexpr FunctionGroup functions[] = {
     {Source::clock,
      " alarm clock clock_gettime clock_nanosleep ftime getrusage gettimeofday nanosleep poll pthread_cond_clockwait "
      "pthread_cond_timedwait pthread_mutex_clocklock pthread_mutex_timedlock select sem_clockwait sem_timedwait "
@@ -70,7 +70,7 @@ constexpr std::string_view paths = "_ZNSt10filesystem7__cxx114path";
 
 std::optional<SymbolSource> source_of_symbol(std::string_view symbol) {
   const std::string word = " " + std::string(symbol) + " ";
-  for (const Group& group : functions)
+  for (const FunctionGroup& group : functions)
     if (group.names.find(word) != std::string_view::npos) return SymbolSource{group.source, std::string(symbol)};
   if (symbol.starts_with(paths)) return std::nullopt;
   for (const Member& member : members)

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <rehearse/clock.h>
 #include <rehearse/expectation.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -25,8 +26,6 @@ struct RunEnd {
 
 /// Nanoseconds are what a trace has; a double of them may have more digits.
 std::string time_text(double seconds) { return fmt::format("{:.12g} s", seconds); }
-
-double seconds(std::uint64_t time) { return static_cast<double>(time) * 1e-9; }
 
 /// The span of time that counts, both ends included [ns].
 struct Span {
@@ -146,7 +145,7 @@ void SeriesJudge::take(const TraceChannel& channel, std::size_t column, const Ti
     }
     if (!is_asked_for(time)) continue;
     const double change = number - baseline_.value_or(0.0);
-    const ViolatingSample sample{clock.tick_at(time), seconds(time), e.absolute ? std::abs(change) : change};
+    const ViolatingSample sample{clock.tick_at(time), seconds_of(time), e.absolute ? std::abs(change) : change};
     if (!e.at && !e.at_end) {
       take_sample(sample);
     } else if (!latest_ || time >= latest_time_) {
@@ -305,7 +304,7 @@ std::vector<ExpectationResult> RunJudge::finish(const Trace& last) {
 std::string RunJudge::missing_time(const Expectation& e) const {
   const double wanted = std::max({e.at.value_or(0.0), e.until.value_or(0.0), e.from.value_or(0.0)});
   if (to_ns(wanted) <= end_.time && !(e.at_end && end_.early)) return {};
-  return fmt::format("the run ended{} at {}", end_.early ? " early," : "", time_text(seconds(end_.time)));
+  return fmt::format("the run ended{} at {}", end_.early ? " early," : "", time_text(seconds_of(end_.time)));
 }
 
 void RunJudge::judge_events(const Case& found, ExpectationResult& result) const {
@@ -313,7 +312,7 @@ void RunJudge::judge_events(const Case& found, ExpectationResult& result) const 
   if (found.event) {
     result.holds = wanted;
     if (wanted) return;
-    const double time = seconds(found.event->stamp.to_ns());
+    const double time = seconds_of(found.event->stamp.to_ns());
     result.first = result.worst = ViolatingSample{found.event->tick, time, std::nullopt};
     result.sentence = fmt::format("expected {}: \"{}\" at tick {} ({})", result.text, event_text(*found.event),
                                   found.event->tick, time_text(time));
@@ -417,7 +416,7 @@ Divergence divergence_of(const ExpectationResult& violation, const Trace& run) {
     divergence.time = violation.first->time;
   } else if (!clock.empty()) {
     divergence.tick = clock.tick_at(clock.last_time());
-    divergence.time = seconds(clock.last_time());
+    divergence.time = seconds_of(clock.last_time());
   }
   if (place) {
     const TraceChannel& channel = run.channels()[place->channel];

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t label_width = 10;  // and two characters of frame
 
-struct Range {
+struct NumberRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   bool empty() const { return low > high; }
@@ -22,14 +22,14 @@ struct Range {
   }
 };
 
-void add_all(Range& range, const std::vector<double>& values) {
+void add_all(NumberRange& range, const std::vector<double>& values) {
   for (const double value : values)
     if (std::isfinite(value)) range.add(value);
 }
 
 /// What the canvas shows of both: numbers by their place on it.
 struct Axes {
-  Range time, value;
+  NumberRange time, value;
   std::size_t columns = 0, rows = 0;
 
   std::size_t column_of(double at) const {
@@ -46,8 +46,8 @@ struct Axes {
 };
 
 /// The range of the samples of each column. A column between samples shows the sample before it.
-std::vector<Range> ranges_of(const Curve& curve, const Axes& axes) {
-  std::vector<Range> ranges(axes.columns);
+std::vector<NumberRange> ranges_of(const Curve& curve, const Axes& axes) {
+  std::vector<NumberRange> ranges(axes.columns);
   std::vector<double> last(axes.columns, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < std::min(curve.times.size(), curve.values.size()); ++i) {
     if (!std::isfinite(curve.values[i])) continue;
@@ -123,7 +123,7 @@ std::optional<std::size_t> worst_column(const TraceChannel& golden, const TraceC
   return worst;
 }
 
-double badness(const ChannelComparison& channel) {
+double times_allowed(const ChannelComparison& channel) {
   return channel.worst ? times_tolerance(channel.worst->difference, channel.worst->tolerance) : -1.0;
 }
 
@@ -138,8 +138,8 @@ std::string plot(const Curve& golden, const Curve& run, std::optional<double> ma
   if (axes.value.empty() || axes.time.empty()) return "  no number in either of them can be drawn\n";
   axes.columns = std::max<std::size_t>(size.width, label_width + 12) - label_width - 2;
   axes.rows = std::max<std::size_t>(size.height, 2);
-  const std::vector<Range> of_golden = ranges_of(golden, axes), of_run = ranges_of(run, axes);
-  const auto covers = [&](const Range& range, std::size_t row) {
+  const std::vector<NumberRange> of_golden = ranges_of(golden, axes), of_run = ranges_of(run, axes);
+  const auto covers = [&](const NumberRange& range, std::size_t row) {
     return !range.empty() && axes.row_of(range.high) <= row && row <= axes.row_of(range.low);
   };
   std::string text;
@@ -165,7 +165,7 @@ std::vector<const ChannelComparison*> in_order(const Comparison& comparison) {
   for (const ChannelComparison& channel : comparison.channels)
     if (channel.worst && channel.channel != run_topics::tick && channel.channel != run_topics::transforms)
       worst.push_back(&channel);
-  std::ranges::stable_sort(worst, [](const auto* a, const auto* b) { return badness(*a) > badness(*b); });
+  std::ranges::stable_sort(worst, [](const auto* a, const auto* b) { return times_allowed(*a) > times_allowed(*b); });
   std::vector<const ChannelComparison*> order, others;
   for (const ChannelComparison* channel : worst) {
     const bool met = std::ranges::find(order, channel->stage, &ChannelComparison::stage) != order.end();
@@ -192,7 +192,7 @@ Curve difference_of(const Curve& golden, const Curve& run) {
 /// The two curves, or, if they would look the same, their difference.
 std::string draw(const std::string& series, const Curve& golden, const Curve& run, double mark) {
   const PlotSize size;
-  Range values, differences;
+  NumberRange values, differences;
   add_all(values, golden.values);
   add_all(values, run.values);
   const Curve difference = difference_of(golden, run);

@@ -25,7 +25,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
-std::string own_program() {
+std::string own_program_as_named() {
   std::error_code failed;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   const fs::path relative = program.lexically_proximate(fs::current_path(failed));
@@ -37,7 +37,7 @@ std::string own_program() {
 void report_golden_owner(const fs::path& pending, const std::string& golden, const std::string& test) {
   if (golden.empty() || golden.find('/') != std::string::npos) return;
   const fs::path file = owners_folder(pending) / golden;
-  const std::string line = fmt::format("{} of {}", test, own_program());
+  const std::string line = fmt::format("{} of {}", test, own_program_as_named());
   std::error_code failed;
   fs::create_directories(file.parent_path(), failed);
   std::vector<std::string> lines = lines_of(file);

@@ -38,10 +38,6 @@ Diagnostic refusal(const std::string& where, const PartialCandidate& candidate) 
                                           joined(kept, companions_named)));
 }
 
-std::string_view text_of(const mcap::Attachment& attachment) {
-  return {reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size()};
-}
-
 /// The recording's own, or, if it needs meshes, the file that it is of.
 Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::path>& files) {
   const auto reader = mcap::Reader::open(recording.file());
@@ -54,7 +50,7 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
   const mcap::Attachment* text = recording.find_attachment("scenario.yaml");
   for (const fs::path& file : files) {
     const auto content = read_text(file);
-    if (!content || *content != text_of(*text)) continue;
+    if (!content || *content != text->text()) continue;
     auto scenario = Scenario::load(file);
     if (!scenario) return scenario;
     scenario->seed = own->seed;  // which the command line may have set

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/acceptance.h>
 #include <rehearse/cdr.h>
+#include <rehearse/clock.h>
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -23,8 +24,6 @@ std::uint64_t nanoseconds(double seconds) {
   constexpr double most = 1e18;
   return static_cast<std::uint64_t>(std::llround(std::clamp(seconds * 1e9, 0.0, most)));
 }
-
-double seconds(std::uint64_t time) { return static_cast<double>(time) * 1e-9; }
 
 /// Made of other messages of their tick: they follow these.
 bool is_derived(std::string_view topic) {
@@ -266,7 +265,7 @@ void PartialCandidate::follow_tick(Message& message, const Message& golden, Tick
 void PartialCandidate::note_mixed(std::uint64_t time, std::string_view kept, std::string_view accepted) {
   if (!mixed_)
     mixed_ =
-        fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds(time), kept, accepted);
+        fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds_of(time), kept, accepted);
 }
 
 Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& controllers,

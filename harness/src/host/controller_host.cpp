@@ -21,13 +21,6 @@ namespace {
 
 using CnoidLink = cnoid::Link;
 
-Diagnostic at(const Place& place, Diagnostic diagnostic) {
-  diagnostic.file = place.file;
-  diagnostic.line = place.line;
-  diagnostic.column = place.column;
-  return diagnostic;
-}
-
 std::uint8_t drive_of(int mode) {
   std::uint8_t drive = drive_none;
   if (mode & CnoidLink::JointEffort) drive |= drive_effort;

@@ -17,14 +17,14 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 32, longest_path = 1024;
 
-struct Entry {
+struct OpenedEntry {
   std::atomic<bool> whole{false};
   std::array<char, longest_path> path{};
 };
 
 struct Table {
   std::atomic<std::size_t> used{0};
-  std::array<Entry, most_files> entries;
+  std::array<OpenedEntry, most_files> entries;
 };
 
 Table& table() {
@@ -43,7 +43,7 @@ void note_opened_file(const char* path) noexcept {
   Table& files = table();
   const std::size_t number = files.used.fetch_add(1);
   if (number >= most_files) return;
-  Entry& entry = files.entries[number];
+  OpenedEntry& entry = files.entries[number];
   std::strcpy(entry.path.data(), path);
   entry.whole.store(true);
 }
@@ -54,7 +54,7 @@ std::vector<OpenedFile> take_files_opened() {
   if (used == 0) return {};
   std::vector<OpenedFile> opened;
   for (std::size_t i = 0; i < used; ++i) {
-    Entry& entry = files.entries[i];
+    OpenedEntry& entry = files.entries[i];
     if (!entry.whole.exchange(false)) continue;
     const std::string path = entry.path.data();
     std::error_code failed;

@@ -45,13 +45,12 @@ bool has_pinned_environment() {
 /// As it was when this library was loaded: later on the environment is what programs make of it.
 const bool started_pinned = has_pinned_environment();
 
-/// A program that valgrind runs can't start itself again and stay under valgrind, unless that follows children.
+}  // namespace
+
 bool runs_under_valgrind() {
   const char* preloaded = std::getenv("LD_PRELOAD");
   return preloaded && std::strstr(preloaded, "vgpreload_");
 }
-
-}  // namespace
 
 bool is_pinned() { return started_pinned; }
 

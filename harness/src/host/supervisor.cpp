@@ -186,18 +186,12 @@ std::string Parent::saved() const {
                      static_cast<double>(recovery->last_time) / 1e9, file.string());
 }
 
-/// A program under valgrind would be two programs under valgrind.
-bool runs_under_valgrind() {
-  const char* preloaded = std::getenv("LD_PRELOAD");
-  return preloaded && std::strstr(preloaded, "vgpreload_");
-}
-
 void announce(int status, void*) { announce_end(status); }
 
 }  // namespace
 
 void supervise_process() {
-  if (notes || is_traced() || runs_under_valgrind()) return;
+  if (notes || is_traced() || runs_under_valgrind()) return;  // it would become two programs under valgrind
   void* shared = mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) return;
   notes = new (shared) Notes;

@@ -288,13 +288,6 @@ class CameraInfoFeed : public DeviceFeed {
 
 }  // namespace
 
-Diagnostic at(const Place& place, Diagnostic diagnostic) {
-  diagnostic.file = place.file;
-  diagnostic.line = place.line;
-  diagnostic.column = place.column;
-  return diagnostic;
-}
-
 std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTimeline& timeline,
                                           const LogTopic& topic, const ros2msg::Schema& schema) {
   switch (source.kind) {

@@ -13,7 +13,7 @@
 namespace rehearse {
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double unknown_number = std::numeric_limits<double>::quiet_NaN();
 
 std::int64_t nanoseconds(std::optional<double> seconds) {
   return seconds ? std::llround(*seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
@@ -71,7 +71,7 @@ class JointFeed : public LogFeed {
   void take_joint(std::int64_t time, const JointRename& joint, const msg::JointState& state, std::size_t index) {
     LogTrack<3>& track = tracks_[joint.joint];
     const auto* before = track.newest();
-    std::array<double, 3> values = before ? before->values : std::array<double, 3>{unknown, unknown, unknown};
+    std::array<double, 3> values = before ? before->values : std::array<double, 3>{unknown_number, unknown_number, unknown_number};
     if (!state.position.empty()) {
       values[0] = state.position[index] * joint.scale;
       if (joint.offset != 0.0) values[0] += joint.offset;  // adding 0 would make -0 a 0

@@ -70,7 +70,4 @@ class JointNames {
   std::vector<JointRename> joints_;
 };
 
-/// A message in the map's place.
-Diagnostic at(const Place& place, Diagnostic diagnostic);
-
 }  // namespace rehearse

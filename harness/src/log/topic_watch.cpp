@@ -1,14 +1,11 @@
 #include "topic_watch.h"
 
+#include <rehearse/clock.h>
+
 #include <cmath>
 #include <utility>
 
 namespace rehearse {
-namespace {
-
-double seconds_of(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
-
-}  // namespace
 
 TopicWatch::TopicWatch(std::optional<double> max_age) {
   if (max_age) max_age_ = std::llround(*max_age * 1e9);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double no_covariance = -1.0;                                  // ROS: "this quantity is not measured"
 
-msg::Vector3 vector(const double* v) { return {v[0], v[1], v[2]}; }
+msg::Vector3 vector3_of(const double* v) { return {v[0], v[1], v[2]}; }
 
 msg::Time time_of_capture(const DeviceReading& reading) {
   return msg::Time::from_ns(static_cast<std::uint64_t>(std::llround(reading.measured_at * 1e9)));
@@ -56,12 +56,12 @@ Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const
   if (std::holds_alternative<ContactSensor>(device_->kind)) {
     const std::vector<double>& values = reading.values;
     const auto count = static_cast<std::uint32_t>(values[0]);
-    return output.write(measured_, tick, msg::ContactForce{{output.stamp(tick), frame_}, count, vector(&values[1])});
+    return output.write(measured_, tick, msg::ContactForce{{output.stamp(tick), frame_}, count, vector3_of(&values[1])});
   }
   if (!std::holds_alternative<ForceSensor>(device_->kind)) return write_inertial(output, tick, reading);
   msg::WrenchStamped message;
   message.header = {output.stamp(tick), frame_};
-  message.wrench = {vector(reading.values.data()), vector(reading.values.data() + 3)};
+  message.wrench = {vector3_of(reading.values.data()), vector3_of(reading.values.data() + 3)};
   return output.write(measured_, tick, message);
 }
 
@@ -75,8 +75,8 @@ Result<void> DeviceRecorder::write_inertial(TraceOutput& output, std::int64_t ti
   message.angular_velocity_covariance[0] = turns ? 0.0 : no_covariance;
   message.linear_acceleration_covariance[0] = accelerates ? 0.0 : no_covariance;
   const double* values = reading.values.data();
-  if (turns) message.angular_velocity = vector(values);
-  if (accelerates) message.linear_acceleration = vector(turns ? values + 3 : values);
+  if (turns) message.angular_velocity = vector3_of(values);
+  if (accelerates) message.linear_acceleration = vector3_of(turns ? values + 3 : values);
   return output.write(measured_, tick, message);
 }
 

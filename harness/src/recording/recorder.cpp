@@ -21,8 +21,8 @@ namespace {
 
 constexpr double transforms_per_second = 30.0;  // for viewers: the exact state stands in other channels
 
-msg::Vector3 vector(const double* v) { return {v[0], v[1], v[2]}; }
-msg::Vector3 vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+msg::Vector3 vector3(const double* v) { return {v[0], v[1], v[2]}; }
+msg::Vector3 vector3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 msg::Point point(const double* v) { return {v[0], v[1], v[2]}; }
 msg::Quaternion quaternion(const double* xyzw) { return {xyzw[0], xyzw[1], xyzw[2], xyzw[3]}; }
 
@@ -350,7 +350,7 @@ Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, co
     const LinkReading& root = seen.links[0];
     channels.pose_message.header.stamp = channels.twist_message.header.stamp = stamp(tick);
     channels.pose_message.pose = {point(root.position.data()), quaternion(root.rotation.coeffs().data())};
-    channels.twist_message.twist = {vector(root.velocity), vector(root.angular_velocity)};
+    channels.twist_message.twist = {vector3(root.velocity), vector3(root.angular_velocity)};
     if (auto done = write(channels.pose, tick, channels.pose_message); !done) return done;
     if (auto done = write(channels.twist, tick, channels.twist_message); !done) return done;
   }
@@ -376,7 +376,7 @@ Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observati
     const ScenarioBody& body = scenario.bodies[b];
     const std::vector<LinkReading>& links = seen.bodies[b].links;
     for (std::size_t i = 0; i < links.size(); ++i)
-      next(body.name + "/" + body.model->links[i].name) = {vector(links[i].position),
+      next(body.name + "/" + body.model->links[i].name) = {vector3(links[i].position),
                                                            quaternion(links[i].rotation.coeffs().data())};
     for (const Device& device : body.model->devices) {
       if (!std::holds_alternative<RangeSensor>(device.kind)) continue;
@@ -384,7 +384,7 @@ Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observati
       const Eigen::Vector3d place = link.position + link.rotation * device.pose.translation();
       const Eigen::Quaterniond turn =
           link.rotation * Eigen::Quaterniond(Eigen::Matrix3d(device.pose.linear() * scan_axes()));
-      next(scan_frame(body.name, device)) = {vector(place), quaternion(turn.coeffs().data())};
+      next(scan_frame(body.name, device)) = {vector3(place), quaternion(turn.coeffs().data())};
     }
   }
   return write(transform_channel, tick, transforms);
@@ -471,10 +471,10 @@ Result<void> Recorder::Impl::write_link(std::int64_t tick, const SideChannels::L
     case Quantity::pose:
       return write(to.channel, tick, msg::PoseStamped{header, {point(values), quaternion(values + 3)}});
     case Quantity::twist:
-      return write(to.channel, tick, msg::TwistStamped{header, {vector(values), vector(values + 3)}});
+      return write(to.channel, tick, msg::TwistStamped{header, {vector3(values), vector3(values + 3)}});
     case Quantity::acceleration:
-      return write(to.channel, tick, msg::AccelStamped{header, {vector(values), vector(values + 3)}});
-    default: return write(to.channel, tick, msg::WrenchStamped{header, {vector(values), vector(values + 3)}});
+      return write(to.channel, tick, msg::AccelStamped{header, {vector3(values), vector3(values + 3)}});
+    default: return write(to.channel, tick, msg::WrenchStamped{header, {vector3(values), vector3(values + 3)}});
   }
 }
 

@@ -10,20 +10,10 @@
 namespace rehearse {
 namespace {
 
-Diagnostic in_trace(const mcap::Reader& trace, std::string message, std::string hint = {}) {
-  Diagnostic diagnostic = error(std::move(message), std::move(hint));
-  diagnostic.file = trace.name();
-  return diagnostic;
-}
-
 const mcap::Attachment* find_attachment(const mcap::Reader& trace, const std::string& name) {
   for (const mcap::Attachment& attachment : trace.attachments())
     if (attachment.name == name) return &attachment;
   return nullptr;
-}
-
-std::string text_of(const mcap::Attachment& attachment) {
-  return {reinterpret_cast<const char*>(attachment.data.data()), attachment.data.size()};
 }
 
 }  // namespace
@@ -31,13 +21,14 @@ std::string text_of(const mcap::Attachment& attachment) {
 Result<Scenario> scenario_of(const mcap::Reader& trace) {
   const RunFacts run = RunFacts::of(trace);
   if (run.provenances > 1)
-    return in_trace(trace, "it holds several recordings, merged into one", "take them one by one");
+    return error_in(trace.name(), "it holds several recordings, merged into one", "take them one by one");
   const mcap::Attachment* source = find_attachment(trace, "scenario.yaml");
   if (!run.provenance || !source)
-    return in_trace(trace, "it is an MCAP file, but not a recording of Rehearse: it has no provenance or no scenario");
+    return error_in(trace.name(),
+                    "it is an MCAP file, but not a recording of Rehearse: it has no provenance or no scenario");
   const int version = run.trace_version.value_or(0);
   if (version != trace_version)
-    return in_trace(trace,
+    return error_in(trace.name(),
                     fmt::format("it is of trace version {}, and this program reads version {}", version, trace_version),
                     "read it with the version of Rehearse that wrote it");
   const Scenario::ModelSource models = [&trace](const std::string& file, const UrdfOptions& options) -> Result<Model> {
@@ -45,9 +36,9 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
     if (!model) return error(fmt::format("the trace has no attachment '{}'", file));
     UrdfOptions without_meshes = options;  // a trace has none
     without_meshes.meshes = UrdfOptions::Meshes::skip;
-    return parse_urdf(text_of(*model), file, without_meshes);
+    return parse_urdf(std::string(model->text()), file, without_meshes);
   };
-  Result<Scenario> scenario = Scenario::parse(text_of(*source), trace.name() + "/scenario.yaml", models);
+  Result<Scenario> scenario = Scenario::parse(std::string(source->text()), trace.name() + "/scenario.yaml", models);
   if (!scenario) return scenario;
   scenario->seed = run.seed.value_or(scenario->seed);
   scenario->duration = run.duration.value_or(scenario->duration);

@@ -53,12 +53,6 @@ mcap::Moment moment_of(double seconds) {
   return {static_cast<std::uint64_t>(std::llround(std::max(0.0, seconds) * 1e9)), false};
 }
 
-Diagnostic at(const fs::path& file, std::string message, std::string hint = {}) {
-  Diagnostic diagnostic = error(std::move(message), std::move(hint));
-  diagnostic.file = file.string();
-  return diagnostic;
-}
-
 Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scratch, const ReportOptions& options) {
   const bool is_part = options.from || options.until;
   SourceTrace source(is_part ? scratch : fs::path());
@@ -69,13 +63,13 @@ Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scra
     const auto filtered = mcap::filter(file, scratch, part);
     if (!filtered) return filtered.errors();
     if (filtered->messages == 0)
-      return at(file, "nothing was recorded in the span that is asked for", "rehearse info tells how long it is");
+      return error_in(file.string(), "nothing was recorded in the span that is asked for", "rehearse info tells how long it is");
   }
   auto trace = Trace::load(is_part ? scratch : file, Trace::Damage::tolerate);
   if (!trace) return trace.errors();
   if (const auto known = check_version(*trace); !known) return known.errors();
   if (!RunFacts::of(*trace).provenance)
-    return at(file, "it is an MCAP file, but not a recording of Rehearse: it has no provenance",
+    return error_in(file.string(), "it is an MCAP file, but not a recording of Rehearse: it has no provenance",
               "rehearse replay turns a robot's log into one");
   source.trace_ = std::make_unique<Trace>(*std::move(trace));
   return source;

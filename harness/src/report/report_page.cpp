@@ -19,18 +19,12 @@ namespace fs = std::filesystem;
 constexpr std::string_view place_of_data = "<!-- REHEARSE DATA -->";
 constexpr std::string_view doctype = "<!doctype html>";
 
-Diagnostic at(const fs::path& file, std::string message, std::string hint = {}) {
-  Diagnostic diagnostic = error(std::move(message), std::move(hint));
-  diagnostic.file = file.string();
-  return diagnostic;
-}
-
 Result<std::string> read_page(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string text((std::istreambuf_iterator<char>(stream)), {});
-  if (!stream) return at(file, "the page of reports can't be read");
+  if (!stream) return error_in(file.string(), "the page of reports can't be read");
   if (text.find(place_of_data) == std::string::npos)
-    return at(file, fmt::format("it is no page of reports: there is no {} in it", place_of_data));
+    return error_in(file.string(), fmt::format("it is no page of reports: there is no {} in it", place_of_data));
   return text;
 }
 
@@ -85,7 +79,7 @@ Result<ReportFile> ReportFile::begin(const fs::path& file, const fs::path& page,
   if (!draft) return draft.errors();
   const std::size_t place = text->find(place_of_data);
   ReportFile report(std::move(*draft), file, text->substr(place + place_of_data.size()));
-  if (!report.stream_) return at(file, "the report can't be written");
+  if (!report.stream_) return error_in(file.string(), "the report can't be written");
   report.put(report_magic);
   report.put(without_doctype(std::string_view(*text).substr(0, place)));
   return report;
@@ -126,7 +120,7 @@ Result<void> ReportFile::finish(const ReportJson& object) {
   put_data(text + "</script>\n");
   put(tail_);
   stream_.close();
-  if (!stream_) return at(file_, "the report can't be written", "is the disk full?");
+  if (!stream_) return error_in(file_, "the report can't be written", "is the disk full?");
   return draft_.finish();
 }
 

@@ -38,8 +38,7 @@ bool has_meshes(const Model& model) {
 }
 
 std::string text_of(const mcap::Attachment* attachment) {
-  if (!attachment) return {};
-  return {reinterpret_cast<const char*>(attachment->data.data()), attachment->data.size()};
+  return attachment ? std::string(attachment->text()) : std::string();
 }
 
 /// The folder itself and all above it.

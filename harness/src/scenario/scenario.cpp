@@ -157,6 +157,13 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
 
 }  // namespace
 
+Diagnostic at(const Place& place, Diagnostic diagnostic) {
+  diagnostic.file = place.file;
+  diagnostic.line = place.line;
+  diagnostic.column = place.column;
+  return diagnostic;
+}
+
 std::int64_t Scenario::ticks() const { return std::lround(duration / time_step); }
 
 bool Scenario::runs_camera(const std::string& body, const std::string& camera) const {

@@ -106,7 +106,7 @@ void ExpectationReader::read_bound(const Keys& keys, std::string_view key, std::
                                    Expectation& expectation) const {
   const YamlNode* node = keys.find(key);
   if (node == nullptr) return;
-  const auto quantity = read_quantity(findings_, *node, key);
+  const auto quantity = read_measure(findings_, *node, key);
   if (!quantity) return;
   bound = quantity->value;
   expectation.angle |= quantity->angle;

@@ -30,14 +30,14 @@ std::optional<double> plain_number(const YamlNode& node) {
 }
 
 // A bare number, or one with deg or rad. In quotes only with its unit: "10 deg" is how many people would write it.
-std::optional<Quantity> number_or_angle(const YamlNode& node) {
+std::optional<Measure> number_or_angle(const YamlNode& node) {
   std::string_view unit;
   const auto number = node.kind == YamlNode::Kind::scalar ? leading_number(node.text, unit) : std::nullopt;
   while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
   if (!number || (unit.empty() && node.quoted)) return std::nullopt;
-  if (unit.empty()) return Quantity{*number};
-  if (unit == "rad") return Quantity{*number, true};
-  if (unit == "deg") return Quantity{*number * std::numbers::pi / 180.0, true, true};
+  if (unit.empty()) return Measure{*number};
+  if (unit == "rad") return Measure{*number, true};
+  if (unit == "deg") return Measure{*number * std::numbers::pi / 180.0, true, true};
   return std::nullopt;
 }
 
@@ -169,7 +169,7 @@ std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::
   return std::nullopt;
 }
 
-std::optional<Quantity> read_quantity(Findings& findings, const YamlNode& node, std::string_view label) {
+std::optional<Measure> read_measure(Findings& findings, const YamlNode& node, std::string_view label) {
   constexpr double largest = 1e12;
   const auto quantity = number_or_angle(node);
   if (quantity && std::abs(quantity->value) <= largest) return quantity;

@@ -61,12 +61,12 @@ std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::str
 /// [rad]
 std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label);
 /// A number whose unit is known only later, or an angle with its unit as 10 deg or 0.1 rad.
-struct Quantity {
+struct Measure {
   double value = 0.0;    // angles in [rad]
   bool angle = false;    // it has the unit of one
   bool degrees = false;  // which is deg
 };
-std::optional<Quantity> read_quantity(Findings& findings, const YamlNode& node, std::string_view label);
+std::optional<Measure> read_measure(Findings& findings, const YamlNode& node, std::string_view label);
 /// A list of `least` to `most` numbers.
 std::optional<std::vector<double>> read_numbers(Findings& findings, const YamlNode& node, std::string_view label,
                                                 std::size_t least, std::size_t most, const Range& range);

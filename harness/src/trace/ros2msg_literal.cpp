@@ -9,14 +9,14 @@
 
 namespace rehearse::ros2msg {
 
-namespace {
-
 std::string_view trim(std::string_view text) {
   constexpr std::string_view blanks = " \t\r";
   const std::size_t begin = text.find_first_not_of(blanks);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
+
+namespace {
 
 bool is_quoted(std::string_view text) {
   return text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.front() == text.back();

@@ -14,6 +14,9 @@ std::string literal_problem(const FieldType& type, std::string_view text);
 /// The text, of a quoted string what is within the quotes.
 std::string_view without_quotes(const FieldType& type, std::string_view text);
 
+/// The text without blanks, tabs and carriage returns at its ends.
+std::string_view trim(std::string_view text);
+
 /// "uint8", "string".
 std::string_view name_of(Primitive primitive);
 

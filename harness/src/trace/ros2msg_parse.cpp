@@ -49,12 +49,6 @@ bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), is_name_character);
 }
 
-std::string_view trim(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// The line without its comment. A # within quotes begins none; a quote counts where a text may begin, so that an
 /// apostrophe in the midst of one hides nothing.
 std::string_view without_comment(std::string_view line) {

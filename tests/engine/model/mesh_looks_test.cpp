@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl paint\nf 1/1 2/2 3/3\n";
+constexpr const char* painted_triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl paint\nf 1/1 2/2 3/3\n";
 
 /// A PNG of one pixel of red, green, blue, opacity.
 std::string pixel(std::array<std::uint8_t, 4> rgba) {
@@ -27,7 +27,7 @@ std::string pixel(std::array<std::uint8_t, 4> rgba) {
 
 MeshReading painted(const TestFolder& folder, const std::string& material) {
   folder.write("a.mtl", "newmtl paint\n" + material);
-  return reading_of(folder.write("a.obj", std::string("mtllib a.mtl\n") + triangle));
+  return reading_of(folder.write("a.obj", std::string("mtllib a.mtl\n") + painted_triangle));
 }
 
 TEST(MeshLooks, AreTheColoursOfTheParts) {

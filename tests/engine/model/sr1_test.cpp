@@ -18,7 +18,7 @@ const Model& sr1() {
   return model;
 }
 
-const Link& link(std::string_view name) { return sr1().links.at(static_cast<std::size_t>(sr1().find_link(name))); }
+const Link& sr1_link(std::string_view name) { return sr1().links.at(static_cast<std::size_t>(sr1().find_link(name))); }
 
 const Device& device(std::string_view name) {
   return sr1().devices.at(static_cast<std::size_t>(sr1().find_device(name)));
@@ -83,7 +83,7 @@ TEST(Sr1, HasTwentyNineJointsInTheOrderOfTheirIds) {
 
 TEST(Sr1, HasTheJointsOfItsTable) {
   for (const Figures& each : figures) {
-    const Joint& joint = link(each.name).joint;
+    const Joint& joint = sr1_link(each.name).joint;
     EXPECT_EQ(joint.origin.translation(), each.origin) << each.name;
     EXPECT_EQ(joint.origin.linear(), Eigen::Matrix3d::Identity()) << each.name;
     EXPECT_EQ(joint.axis, each.axis) << each.name;
@@ -96,11 +96,11 @@ TEST(Sr1, HasTheJointsOfItsTable) {
 
 TEST(Sr1, HasTheMassesOfItsTable) {
   EXPECT_NEAR(sr1().mass(), 130.8, 1e-9);
-  EXPECT_EQ(link("WAIST").inertial.mass, 27);
-  EXPECT_EQ(link("WAIST").inertial.center, Eigen::Vector3d(0, 0, 0.0375));
+  EXPECT_EQ(sr1_link("WAIST").inertial.mass, 27);
+  EXPECT_EQ(sr1_link("WAIST").inertial.center, Eigen::Vector3d(0, 0, 0.0375));
   for (const Figures& each : figures) {
-    EXPECT_EQ(link(each.name).inertial.mass, each.mass) << each.name;
-    EXPECT_EQ(link(each.name).inertial.center, each.center) << each.name;
+    EXPECT_EQ(sr1_link(each.name).inertial.mass, each.mass) << each.name;
+    EXPECT_EQ(sr1_link(each.name).inertial.center, each.center) << each.name;
   }
   for (const Link& each : sr1().links) EXPECT_EQ(each.inertial.inertia, Eigen::Matrix3d::Identity()) << each.name;
 }
@@ -109,7 +109,7 @@ TEST(Sr1, BranchesAtTheWaistAndTheChest) {
   EXPECT_EQ(sr1().links.size(), 30u);
   EXPECT_EQ(sr1().links[0].name, "WAIST");
   EXPECT_EQ(sr1().links[0].joint.type, JointType::free);
-  const auto parent = [](const char* name) { return sr1().links.at(static_cast<std::size_t>(link(name).parent)).name; };
+  const auto parent = [](const char* name) { return sr1().links.at(static_cast<std::size_t>(sr1_link(name).parent)).name; };
   for (const char* name : {"RLEG_HIP_R", "LLEG_HIP_R", "WAIST_P"}) EXPECT_EQ(parent(name), "WAIST") << name;
   for (const char* name : {"RARM_SHOULDER_P", "LARM_SHOULDER_P"}) EXPECT_EQ(parent(name), "CHEST") << name;
   EXPECT_EQ(parent("CHEST"), "WAIST_R");
@@ -124,7 +124,7 @@ TEST(Sr1, ShowsTheShapesThatTouch) {
     for (const Shape& visual : each.visuals) EXPECT_TRUE(visual.color) << each.name;
   }
   EXPECT_EQ(shapes, 47u);
-  EXPECT_EQ(link("CHEST").collisions.size(), 4u);
+  EXPECT_EQ(sr1_link("CHEST").collisions.size(), 4u);
 }
 
 TEST(Sr1, StandsOnItsSolesAtTheStartingHeight) {
@@ -132,7 +132,7 @@ TEST(Sr1, StandsOnItsSolesAtTheStartingHeight) {
   root.translation().z() = 0.7135;
   const auto poses = forward_kinematics(sr1(), root, std::vector<double>(29, 0.0));
   for (const char* foot : {"RLEG_ANKLE_R", "LLEG_ANKLE_R"}) {
-    const Shape& sole = link(foot).collisions.at(1);
+    const Shape& sole = sr1_link(foot).collisions.at(1);
     EXPECT_EQ(std::get<Box>(sole.geometry).size, Eigen::Vector3d(0.25, 0.14, 0.01));
     const double bottom =
         (poses.at(static_cast<std::size_t>(sr1().find_link(foot))) * sole.pose).translation().z() - 0.01 / 2;

@@ -10,18 +10,18 @@ namespace {
 using testing::HasSubstr;
 
 /// base, and an arm on a hinge, and what is added.
-Model with(const std::string& more) {
+Model with_surface(const std::string& more) {
   return load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm") + more));
 }
 
-std::string block(const std::string& reference, const std::string& content) {
+std::string surface_block(const std::string& reference, const std::string& content) {
   return "<gazebo reference='" + reference + "'>" + content + "</gazebo>";
 }
 
-Surface arm_surface(const std::string& content) { return with(block("arm", content)).links[1].surface; }
+Surface arm_surface(const std::string& content) { return with_surface(surface_block("arm", content)).links[1].surface; }
 
 TEST(UrdfSurfaces, AreReadOfTheLinkAndOfNoOther) {
-  const Model model = with(block("arm",
+  const Model model = with_surface(surface_block("arm",
                                  "<mu1>0.5</mu1><mu2> 0.25\n</mu2><kp>1e5</kp><kd>10</kd><minDepth>0.001</minDepth>"
                                  "<maxVel>0.1</maxVel><fdir1>0 3 4</fdir1>"));
   const Surface& arm = model.links[1].surface;
@@ -55,7 +55,7 @@ TEST(UrdfSurfaces, HaveNoDirectionIfItIsZero) { EXPECT_FALSE(arm_surface("<fdir1
 
 TEST(UrdfSurfaces, AreGatheredFromSeveralBlocks) {
   const Model model =
-      with(block("arm", "<mu1>0.5</mu1>") + block("arm", "<mu2>0.25</mu2>") + block("arm", "<kp>3</kp>"));
+      with_surface(surface_block("arm", "<mu1>0.5</mu1>") + surface_block("arm", "<mu2>0.25</mu2>") + surface_block("arm", "<kp>3</kp>"));
   EXPECT_EQ(model.links[1].surface.friction, 0.5);
   EXPECT_EQ(model.links[1].surface.second_friction, 0.25);
   EXPECT_EQ(model.links[1].surface.stiffness, 3.0);
@@ -63,7 +63,7 @@ TEST(UrdfSurfaces, AreGatheredFromSeveralBlocks) {
 
 TEST(UrdfSurfaces, WithoutSenseAreLeftOut) {
   const Model model =
-      with(block("arm", "<mu1>-1</mu1><kp>0</kp><kd>-1</kd><minDepth>-1</minDepth><maxVel>-1</maxVel>"));
+      with_surface(surface_block("arm", "<mu1>-1</mu1><kp>0</kp><kd>-1</kd><minDepth>-1</minDepth><maxVel>-1</maxVel>"));
   const Surface& arm = model.links[1].surface;
   EXPECT_FALSE(arm.friction || arm.stiffness || arm.damping || arm.min_depth || arm.max_velocity);
   EXPECT_EQ(model.report.size(), 5u) << to_string(model.report);
@@ -71,7 +71,7 @@ TEST(UrdfSurfaces, WithoutSenseAreLeftOut) {
 
 TEST(UrdfSurfaces, OfABlockWithoutALinkAreNoted) {
   for (const char* gazebo : {"<gazebo>", "<gazebo reference=''>"})
-    EXPECT_EQ(to_string(with(gazebo + std::string("<mu1>1</mu1></gazebo>")).report),
+    EXPECT_EQ(to_string(with_surface(gazebo + std::string("<mu1>1</mu1></gazebo>")).report),
               "test.urdf:1: note: <gazebo><mu1> without a link is ignored\n");
 }
 
@@ -91,20 +91,20 @@ TEST(UrdfSurfaces, AreThoseOfPyBulletToo) {
 }
 
 TEST(UrdfSurfaces, WeightCanBeTakenFromALink) {
-  const auto has_weight = [](const std::string& content) { return with(block("arm", content)).links[1].has_weight; };
-  EXPECT_TRUE(with("").links[1].has_weight);
+  const auto has_weight = [](const std::string& content) { return with_surface(surface_block("arm", content)).links[1].has_weight; };
+  EXPECT_TRUE(with_surface("").links[1].has_weight);
   for (const char* off : {"<gravity>false</gravity>", "<gravity>0</gravity>", "<turnGravityOff>true</turnGravityOff>",
                           "<turnGravityOff>True</turnGravityOff>", "<turn_gravity_off>1</turn_gravity_off>"})
     EXPECT_FALSE(has_weight(off)) << off;
   for (const char* on : {"<gravity>true</gravity>", "<gravity> 1 </gravity>", "<turnGravityOff>false</turnGravityOff>"})
     EXPECT_TRUE(has_weight(on)) << on;
-  EXPECT_TRUE(with(block("arm", "<gravity>0</gravity>")).links[0].has_weight);
+  EXPECT_TRUE(with_surface(surface_block("arm", "<gravity>0</gravity>")).links[0].has_weight);
 }
 
 TEST(UrdfSurfaces, LinksCollideWithTheirOwnIfToldSo) {
-  EXPECT_FALSE(with("").links[1].collides_with_own);
+  EXPECT_FALSE(with_surface("").links[1].collides_with_own);
   for (const char* on : {"<selfCollide>true</selfCollide>", "<self_collide>1</self_collide>"}) {
-    const Model model = with(block("arm", on));
+    const Model model = with_surface(surface_block("arm", on));
     EXPECT_TRUE(model.links[1].collides_with_own) << on;
     EXPECT_FALSE(model.links[0].collides_with_own) << on;
   }
@@ -112,7 +112,7 @@ TEST(UrdfSurfaces, LinksCollideWithTheirOwnIfToldSo) {
 
 TEST(UrdfSurfaces, ARobotCanCollideWithItselfButForALink) {
   const Model model =
-      with("<gazebo><self_collide>true</self_collide></gazebo>" + block("arm", "<selfCollide>false</selfCollide>"));
+      with_surface("<gazebo><self_collide>true</self_collide></gazebo>" + surface_block("arm", "<selfCollide>false</selfCollide>"));
   EXPECT_TRUE(model.links[0].collides_with_own);
   EXPECT_FALSE(model.links[1].collides_with_own);
 }
@@ -125,13 +125,13 @@ TEST(UrdfSurfaces, AStaticRobotIsFixedToTheWorld) {
 
 TEST(UrdfSurfaces, ALinkIsMeantBeforeAJointOfItsName) {
   const Model model = load(
-      robot(link("base") + link("arm") + joint("arm", "continuous", "base", "arm") + block("arm", "<mu1>0.5</mu1>")));
+      robot(link("base") + link("arm") + joint("arm", "continuous", "base", "arm") + surface_block("arm", "<mu1>0.5</mu1>")));
   EXPECT_EQ(model.links[1].surface.friction, 0.5);
   EXPECT_EQ(to_string(model.report), "");
 }
 
 TEST(UrdfSurfaces, WhatGazeboSaysOfAJointIsOnlyNoted) {
-  EXPECT_EQ(to_string(with(block("hinge", "<implicitSpringDamper>1</implicitSpringDamper>")).report),
+  EXPECT_EQ(to_string(with_surface(surface_block("hinge", "<implicitSpringDamper>1</implicitSpringDamper>")).report),
             "test.urdf:1: note: <gazebo><implicitSpringDamper> is ignored\n");
 }
 

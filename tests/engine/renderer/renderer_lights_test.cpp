@@ -10,7 +10,7 @@ namespace rehearse {
 namespace {
 
 constexpr int side = 61;                // of the pictures, odd: there is a pixel in the middle [pixels]
-constexpr double height = 2.0;          // of the camera above the floor [m]
+constexpr double camera_height = 2.0;          // of the camera above the floor [m]
 constexpr float albedo = 0.5f;          // of the floor
 constexpr double one_step = 1.0 / 255;  // of a colour
 
@@ -54,7 +54,7 @@ class RendererLights : public ::testing::Test {
     return number;
   }
 
-  Image picture(Quality quality = Quality::plain) { return renderer_->draw(camera_, at(0, 0, height), quality).color; }
+  Image picture(Quality quality = Quality::plain) { return renderer_->draw(camera_, at(0, 0, camera_height), quality).color; }
 
   /// The light on the floor `x` metres to the right of the middle, as the shader adds it up: the square of the colour
   /// over that of the floor.
@@ -63,7 +63,7 @@ class RendererLights : public ::testing::Test {
     const double color = image.pixels[static_cast<std::size_t>((side / 2 * side + pixel) * 3 + channel)] * one_step;
     return color * color / (albedo * albedo);
   }
-  static double metres_a_pixel() { return 2.0 * height * std::tan(0.6) / side; }
+  static double metres_a_pixel() { return 2.0 * camera_height * std::tan(0.6) / side; }
   /// Where the middle of the nearest pixel is.
   static double pixel_middle(double x) { return std::round(x / metres_a_pixel()) * metres_a_pixel(); }
 
@@ -203,9 +203,9 @@ TEST_F(RendererLights, ShineIntoFinePicturesToo) {
 
 TEST_F(RendererLights, LeaveDepthAlone) {
   camera_.depth = true;
-  const auto before = renderer_->draw(camera_, at(0, 0, height)).depth.meters;
+  const auto before = renderer_->draw(camera_, at(0, 0, camera_height)).depth.meters;
   add(lamp(), at(0, 0, 1.0));
-  EXPECT_EQ(renderer_->draw(camera_, at(0, 0, height)).depth.meters, before);
+  EXPECT_EQ(renderer_->draw(camera_, at(0, 0, camera_height)).depth.meters, before);
 }
 
 TEST_F(RendererLights, WithImpossibleFiguresStillGiveAPicture) {

@@ -7,7 +7,6 @@
 namespace rehearse {
 namespace {
 
-const Eigen::Isometry3d at_origin = Eigen::Isometry3d::Identity();  // looks along -z, +y is up
 const Color white{1.0f, 1.0f, 1.0f, 1.0f};
 
 /// What a camera at the origin sees of shapes in front of it.
@@ -305,8 +304,6 @@ std::unique_ptr<Renderer> make_mesh_scene() {
   renderer->add(shape_at(Sphere{0.2}, {-0.5, 0, 0.2}), blue);
   return renderer;
 }
-
-const Eigen::Isometry3d scene_view = look_at({2.0, -1.0, 1.2}, {0.0, 0.0, 0.3});
 
 TEST(RendererMesh, LetsNothingOfAPictureReachTheNext) {
   const auto renderer = make_mesh_scene();

@@ -8,7 +8,6 @@
 namespace rehearse {
 namespace {
 
-const Eigen::Isometry3d at_origin = Eigen::Isometry3d::Identity();  // looks along -z, +y is up
 
 /// A bit of everything, for pictures that are only compared with each other.
 std::unique_ptr<Renderer> make_scene() {
@@ -19,8 +18,6 @@ std::unique_ptr<Renderer> make_scene() {
   renderer->add(shape_at(Capsule{0.1, 0.3}, {0.5, 0.3, 0.3}), {0.9f, 0.9f, 0.2f, 0.5f});
   return renderer;
 }
-
-const Eigen::Isometry3d scene_view = look_at({2.0, -1.0, 1.2}, {0.0, 0.0, 0.3});
 
 void expect_same(const Frame& a, const Frame& b) {
   EXPECT_EQ(a.color.width, b.color.width);

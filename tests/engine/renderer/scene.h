@@ -16,6 +16,9 @@ inline const Color green{0.0f, 1.0f, 0.0f, 1.0f};
 inline const Color blue{0.0f, 0.0f, 1.0f, 1.0f};
 inline const Color grey{0.5f, 0.5f, 0.5f, 1.0f};
 
+inline const Eigen::Isometry3d at_origin = Eigen::Isometry3d::Identity();  // looks along -z, +y is up
+inline const Eigen::Isometry3d scene_view = look_at({2.0, -1.0, 1.2}, {0.0, 0.0, 0.3});
+
 inline std::unique_ptr<Renderer> make_renderer(const Look& look = {}) {
   Result<std::unique_ptr<Renderer>> renderer = Renderer::create(look);
   if (renderer) return std::move(*renderer);

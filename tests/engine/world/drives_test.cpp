@@ -13,7 +13,6 @@ class Drives : public EachSolver {
 };
 INSTANTIATE_TEST_SUITE_P(Solver, Drives, both_solvers, solver_name);
 
-constexpr double wheel_inertia = 0.5;  // [kg·m²]
 
 /// A wheel on a fixed base, with a joint to be described.
 template <class Describe>

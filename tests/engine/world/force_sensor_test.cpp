@@ -7,10 +7,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double mass = 3.0;                        // [kg]
+constexpr double held_mass = 3.0;                        // [kg]
 constexpr double arm = 0.4;                         // of its centre from the joint [m]
-constexpr double weight = mass * standard_gravity;  // [N]
-const Inertial rod = inertial(mass, {0.01, 0.05, 0.05}, {arm, 0.0, 0.0});
+constexpr double held_weight = held_mass * standard_gravity;  // [N]
+const Inertial rod = inertial(held_mass, {0.01, 0.05, 0.05}, {arm, 0.0, 0.0});
 
 class ForceSensors : public EachSolver {};
 INSTANTIATE_TEST_SUITE_P(Solver, ForceSensors, both_solvers, solver_name);
@@ -23,8 +23,8 @@ std::shared_ptr<const Model> rod_on_a_hinge(const Eigen::Isometry3d& sensor = Ei
   return robot.build();
 }
 
-/// The rod held level by effort; gravity turns it towards +y with weight * arm.
-void hold_level(World& world) { run(world, 100, effort(-weight * arm)); }
+/// The rod held level by effort; gravity turns it towards +y with held_weight * arm.
+void hold_level(World& world) { run(world, 100, effort(-held_weight * arm)); }
 
 TEST_P(ForceSensors, AHangingMassPullsItsParentDownWithItsWeight) {
   WorldBody body = body_of(rod_on_a_hinge());
@@ -32,7 +32,7 @@ TEST_P(ForceSensors, AHangingMassPullsItsParentDownWithItsWeight) {
   const auto world = make_world(settings(), {body});
   run(*world, 100);
   // in the rod's frame, whose x axis points down
-  expect_near(device_of(*world, 0).head<3>(), Vector3d(weight, 0, 0), 1e-3);
+  expect_near(device_of(*world, 0).head<3>(), Vector3d(held_weight, 0, 0), 1e-3);
   expect_near(device_of(*world, 0).tail<3>(), Vector3d::Zero(), 1e-3);
 }
 
@@ -40,16 +40,16 @@ TEST_P(ForceSensors, ALevelRodBendsItsParentWithItsWeightTimesItsArm) {
   const auto world = make_world(settings(), {body_of(rod_on_a_hinge())});
   hold_level(*world);
   EXPECT_NEAR(joint_of(*world).q, 0.0, 1e-4);
-  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -weight), 1e-2);
-  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, weight * arm, 0), 1e-2);
+  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -held_weight), 1e-2);
+  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, held_weight * arm, 0), 1e-2);
 }
 
 TEST_P(ForceSensors, TheTorqueIsAboutTheSensorsOrigin) {
   const auto world = make_world(settings(), {body_of(rod_on_a_hinge(at(arm, 0.1, 0)))});
   hold_level(*world);
-  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -weight), 1e-2);
-  // the weight passes 0.1 m beside the sensor: (0, -0.1, 0) x (0, 0, -weight)
-  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0.1 * weight, 0, 0), 1e-2);
+  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -held_weight), 1e-2);
+  // the held_weight passes 0.1 m beside the sensor: (0, -0.1, 0) x (0, 0, -held_weight)
+  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0.1 * held_weight, 0, 0), 1e-2);
 }
 
 TEST_P(ForceSensors, ReadInTheSensorsFrame) {
@@ -57,8 +57,8 @@ TEST_P(ForceSensors, ReadInTheSensorsFrame) {
   pose.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX()).toRotationMatrix();  // its y axis is the link's z
   const auto world = make_world(settings(), {body_of(rod_on_a_hinge(pose))});
   hold_level(*world);
-  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, -weight, 0), 1e-2);
-  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, 0, -weight * arm), 1e-2);
+  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, -held_weight, 0), 1e-2);
+  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, 0, -held_weight * arm), 1e-2);
 }
 
 TEST_P(ForceSensors, MeasureTheJointsOwnEffortToo) {
@@ -71,9 +71,9 @@ TEST_P(ForceSensors, MeasureTheJointsOwnEffortToo) {
 TEST_P(ForceSensors, AMotorIsMeasuredLikeAnEffort) {
   const auto world = make_world(settings(), {body_of(rod_on_a_hinge())});
   run(*world, 100, displacement(0.0));
-  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -weight), 1e-2);
-  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, weight * arm, 0), 1e-2);
-  EXPECT_NEAR(joint_of(*world).u, -weight * arm, 1e-2);
+  expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -held_weight), 1e-2);
+  expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, held_weight * arm, 0), 1e-2);
+  EXPECT_NEAR(joint_of(*world).u, -held_weight * arm, 1e-2);
 }
 
 TEST_P(ForceSensors, AFootCarriesWhatStandsOnIt) {
@@ -101,13 +101,13 @@ TEST_P(ForceSensors, OnTheRootMeasureNothing) {
 
 TEST_P(ForceSensors, ASliderIsMeasuredInAllSixDirections) {
   RobotBuilder robot(JointType::fixed);
-  robot.add("SLED", 0, JointType::prismatic, Vector3d::UnitX(), inertial(mass, {0.1, 0.1, 0.1}, {0.0, 0.2, 0.0}));
+  robot.add("SLED", 0, JointType::prismatic, Vector3d::UnitX(), inertial(held_mass, {0.1, 0.1, 0.1}, {0.0, 0.2, 0.0}));
   robot.add_device("Sensor", 1, ForceSensor{});
   const auto world = make_world(settings(), {body_of(robot.build())});
   run(*world, 1, effort(5.0));
-  expect_near(device_of(*world, 0).head<3>(), Vector3d(-5.0, 0.0, -weight), 1e-2);
-  // the weight, 0.2 m aside, and the inertia of the centre that is pulled along beside the axis
-  expect_near(device_of(*world, 0).tail<3>(), Vector3d(-0.2 * weight, 0.0, 0.2 * 5.0), 1e-2);
+  expect_near(device_of(*world, 0).head<3>(), Vector3d(-5.0, 0.0, -held_weight), 1e-2);
+  // the held_weight, 0.2 m aside, and the inertia of the centre that is pulled along beside the axis
+  expect_near(device_of(*world, 0).tail<3>(), Vector3d(-0.2 * held_weight, 0.0, 0.2 * 5.0), 1e-2);
 }
 
 TEST_P(ForceSensors, ASliderBetweenTwoFlyingBodiesGivesEachWhatItsMotionTakes) {

@@ -9,7 +9,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double pi = std::numbers::pi;
 
 class Joints : public EachSolver {
  protected:

@@ -8,9 +8,6 @@ namespace rehearse {
 namespace {
 
 using Eigen::Vector3d;
-using std::numbers::pi;
-
-constexpr double wheel_inertia = 0.5;  // [kg·m²]
 
 class Limits : public EachSolver {
  protected:

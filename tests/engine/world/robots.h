@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,8 @@
 namespace rehearse {
 
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
+inline constexpr double pi = std::numbers::pi;
+inline constexpr double wheel_inertia = 0.5;  // of robots that are a wheel, about its axle [kg·m²]
 
 /// A body of that mass [kg] and diagonal inertia [kg·m²] about its centre [m].
 inline Inertial inertial(double mass, const Eigen::Vector3d& diagonal,

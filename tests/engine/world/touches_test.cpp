@@ -9,14 +9,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double mass = 2.0;                        // of the boxes [kg]
-constexpr double weight = mass * standard_gravity;  // [N]
+constexpr double box_mass = 2.0;                        // of the boxes [kg]
+constexpr double box_weight = box_mass * standard_gravity;  // [N]
 
 class Touching : public EachSolver {
  protected:
   /// A box of 0.2 m that lies on the floor at x = 0.5, `box_first` or after it.
   std::unique_ptr<World> lying_box(bool box_first = false) const {
-    std::vector<WorldBody> bodies{floor_body(), free_box("Box", {0.2, 0.2, 0.2}, mass, {0.5, 0, 0.1})};
+    std::vector<WorldBody> bodies{floor_body(), free_box("Box", {0.2, 0.2, 0.2}, box_mass, {0.5, 0, 0.1})};
     if (box_first) std::swap(bodies[0], bodies[1]);
     return make_world(settings(), bodies);
   }
@@ -44,7 +44,7 @@ TEST_P(Touching, ABoxThatLiesIsHeldAtItsFourCorners) {
       run(*world, 1);
       mean += force_at(contacts_of(*world, box)) / 200;
     }
-    expect_near(mean, Vector3d(0, 0, weight), 0.05);
+    expect_near(mean, Vector3d(0, 0, box_weight), 0.05);
     const auto& contacts = contacts_of(*world, box);
     ASSERT_EQ(contacts.size(), 4u);
     const double middle = link_of(*world, 0, box).position.x();
@@ -110,13 +110,13 @@ TEST_P(Touching, BothSidesTellTheSameFromTheirOwnPointOfView) {
 }
 
 TEST_P(Touching, TheForcesAreWhatChangesTheMomentum) {
-  const auto world = make_world(settings(), {floor_body(), free_box("Box", {0.2, 0.2, 0.2}, mass, {0, 0, 0.15})});
+  const auto world = make_world(settings(), {floor_body(), free_box("Box", {0.2, 0.2, 0.2}, box_mass, {0, 0, 0.15})});
   world->watch(1, 0);
   int touching = 0;
   for (int i = 0; i < 300; ++i) {
     world->push(1, 0, {10, 3, 0}, Vector3d::Zero(), Vector3d::Zero());
     run(*world, 1);
-    const Vector3d needed = mass * link_of(*world, 0, 1).acceleration + Vector3d(-10, -3, weight);
+    const Vector3d needed = box_mass * link_of(*world, 0, 1).acceleration + Vector3d(-10, -3, box_weight);
     expect_near(force_at(contacts_of(*world, 1)), needed, 1e-6);
     touching += contacts_of(*world, 1).empty() ? 0 : 1;
   }
@@ -127,14 +127,14 @@ TEST_P(Touching, TheForcesAreWhatChangesTheMomentum) {
 TEST_P(Touching, WhatSlidesIsHeldBackByFrictionAgainstItsVelocity) {
   WorldSettings icy = settings();
   icy.solver.friction = 0.2;
-  const auto world = make_world(icy, {floor_body(), free_box("Box", {0.4, 0.4, 0.1}, mass, {0, 0, 0.05})});
+  const auto world = make_world(icy, {floor_body(), free_box("Box", {0.4, 0.4, 0.1}, box_mass, {0, 0, 0.05})});
   world->watch(1, 0);
   run(*world, 200);
   for (int i = 0; i < 100; ++i) {
     world->push(1, 0, {20, 0, 0}, Vector3d::Zero(), Vector3d::Zero());
     run(*world, 1);
   }
-  EXPECT_NEAR(force_at(contacts_of(*world, 1)).x(), -0.2 * weight, 0.3);
+  EXPECT_NEAR(force_at(contacts_of(*world, 1)).x(), -0.2 * box_weight, 0.3);
   for (const ContactReading& contact : contacts_of(*world, 1))
     EXPECT_NEAR(contact.velocity.x(), link_of(*world, 0, 1).velocity.x(), 1e-2);
   EXPECT_GT(link_of(*world, 0, 1).velocity.x(), 0.5);
@@ -145,7 +145,7 @@ TEST_P(Touching, ARunningBeltsSurfaceIsWhatTouches) {
   robot.add("BELT", 0, JointType::track, Vector3d::UnitY(), {}, at(0, 0, -0.1));
   robot.add_collision(1, Box{{4.0, 1.0, 0.2}});
   for (const bool belt_first : {true, false}) {
-    std::vector<WorldBody> bodies{body_of(robot.build()), free_box("Parcel", {0.2, 0.2, 0.2}, mass, {0, 0, 0.1})};
+    std::vector<WorldBody> bodies{body_of(robot.build()), free_box("Parcel", {0.2, 0.2, 0.2}, box_mass, {0, 0, 0.1})};
     if (!belt_first) std::swap(bodies[0], bodies[1]);
     const int belt = belt_first ? 0 : 1;
     const auto world = make_world(settings(), bodies);
@@ -165,9 +165,9 @@ TEST_P(Touching, ARunningBeltsSurfaceIsWhatTouches) {
 
 TEST_P(Touching, WatchingChangesNothing) {
   const auto pile = [this] {
-    WorldBody tilted = free_box("Tilted", {0.2, 0.2, 0.2}, mass, {0.55, 0.02, 0.45});
+    WorldBody tilted = free_box("Tilted", {0.2, 0.2, 0.2}, box_mass, {0.55, 0.02, 0.45});
     tilted.rotation = Eigen::AngleAxisd(0.3, Vector3d(1, 2, 0).normalized());
-    return make_world(settings(), {floor_body(), free_box("Box", {0.2, 0.2, 0.2}, mass, {0.5, 0, 0.1}), tilted});
+    return make_world(settings(), {floor_body(), free_box("Box", {0.2, 0.2, 0.2}, box_mass, {0.5, 0, 0.1}), tilted});
   };
   const auto watched = pile(), alone = pile();
   for (int body = 0; body < 3; ++body) watched->watch(body, 0);
@@ -228,7 +228,7 @@ TEST_P(Touching, IsNotKnownAfterARestoreUntilTheNextStep) {
 /// A table on three balls: one 0.4 m before its middle, which so carries a third of it, two 0.2 m behind. A sensor of
 /// all its shapes and one of the front ball, whose frame is turned: its x axis points down.
 std::shared_ptr<const Model> table() {
-  RobotBuilder robot(JointType::free, inertial(mass, {0.1, 0.2, 0.2}));
+  RobotBuilder robot(JointType::free, inertial(box_mass, {0.1, 0.2, 0.2}));
   robot.add_collision(0, Sphere{0.1}).pose = at(0.4, 0, 0);
   for (const double y : {0.3, -0.3}) robot.add_collision(0, Sphere{0.1}).pose = at(-0.2, y, 0);
   robot.add_device("All", 0, ContactSensor{});
@@ -250,13 +250,13 @@ Eigen::VectorXd mean_of(World& world, int device, int ticks) {
 TEST_P(Touching, AContactSensorCountsPointsAndAddsUpForces) {
   const auto world = make_world(settings(), {body_of(table(), {0, 0, 0.1}), floor_body()});
   run(*world, 1000);
-  expect_near(mean_of(*world, 0, 200), Eigen::Vector4d(3, 0, 0, weight), 0.05);
+  expect_near(mean_of(*world, 0, 200), Eigen::Vector4d(3, 0, 0, box_weight), 0.05);
 }
 
 TEST_P(Touching, AContactSensorOfOneShapeFeelsNoOtherAndSpeaksInItsFrame) {
   const auto world = make_world(settings(), {body_of(table(), {0, 0, 0.1}), floor_body()});
   run(*world, 1000);
-  expect_near(mean_of(*world, 1, 200), Eigen::Vector4d(1, -weight / 3, 0, 0), 0.05);
+  expect_near(mean_of(*world, 1, 200), Eigen::Vector4d(1, -box_weight / 3, 0, 0), 0.05);
 }
 
 TEST_P(Touching, AContactSensorInTheAirReadsZero) {
@@ -287,7 +287,7 @@ TEST_P(Touching, AKinematicFingerFeelsWhatItPushes) {
   finger.kinematic = true;
   WorldSettings icy = settings();
   icy.solver.friction = 0.0;
-  const auto world = make_world(icy, {finger, free_box("Box", {0.2, 0.2, 0.2}, mass, {0.155, 0, 0.1}), floor_body()});
+  const auto world = make_world(icy, {finger, free_box("Box", {0.2, 0.2, 0.2}, box_mass, {0.155, 0, 0.1}), floor_body()});
   double pushed = 0.0, touching = 0.0;
   for (int i = 0; i < 400; ++i) {
     const double time = 1e-3 * (i + 1);
@@ -298,7 +298,7 @@ TEST_P(Touching, AKinematicFingerFeelsWhatItPushes) {
     ++touching;
   }
   EXPECT_GT(touching, 100);
-  EXPECT_NEAR(pushed, mass * link_of(*world, 0, 1).velocity.x(), 0.02);  // the impulse that set it going
+  EXPECT_NEAR(pushed, box_mass * link_of(*world, 0, 1).velocity.x(), 0.02);  // the impulse that set it going
   EXPECT_GT(link_of(*world, 0, 1).velocity.x(), 0.3);
 }
 

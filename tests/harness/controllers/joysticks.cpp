@@ -94,9 +94,9 @@ class Sharer : public cnoid::SimpleController {
 const Add<Sharer> sharer("share");
 
 /// listen [throw|abort]: says what its joystick signals, or fails at the first button. It never lets go of the signals.
-class Listener : public Pusher {
+class SignalListener : public Pusher {
  public:
-  explicit Listener(const Words& words) : Pusher(0.0), failure_(words.empty() ? "" : words[0]) {}
+  explicit SignalListener(const Words& words) : Pusher(0.0), failure_(words.empty() ? "" : words[0]) {}
   bool initialize(cnoid::SimpleControllerIO* io) override {
     Pusher::initialize(io);
     joystick_.sigAxis().connect([this](int axis, double position) {
@@ -118,7 +118,7 @@ class Listener : public Pusher {
   std::string failure_;
   Joystick joystick_;
 };
-const Add<Listener> listener("listen");
+const Add<SignalListener> signal_listener("listen");
 
 }  // namespace
 }  // namespace behaviours

@@ -9,7 +9,7 @@ namespace {
 
 using Age = TopicWatch::Age;
 
-constexpr std::int64_t ms = 1'000'000;  // [ns]
+constexpr std::int64_t millisecond = 1'000'000;  // [ns]
 
 LogTopicReport report_of(const TopicWatch& watch, std::int64_t start = 0) {
   LogTopicReport report;
@@ -19,11 +19,11 @@ LogTopicReport report_of(const TopicWatch& watch, std::int64_t start = 0) {
 
 TEST(TopicWatch, CountsWhatTicksSaw) {
   TopicWatch watch(0.1);
-  for (const std::int64_t time : {0, 4, 8, 12, 16, 20}) watch.came(time * ms);
+  for (const std::int64_t time : {0, 4, 8, 12, 16, 20}) watch.came(time * millisecond);
   EXPECT_EQ(watch.look(0, 0.0, false), Age::fresh);
-  EXPECT_EQ(watch.look(10 * ms, 0.01, false), Age::fresh);  // sees 8; 4 is skipped
-  EXPECT_EQ(watch.look(11 * ms, 0.011, false), Age::held);
-  EXPECT_EQ(watch.look(20 * ms, 0.02, false), Age::fresh);  // 12 and 16 are skipped
+  EXPECT_EQ(watch.look(10 * millisecond, 0.01, false), Age::fresh);  // sees 8; 4 is skipped
+  EXPECT_EQ(watch.look(11 * millisecond, 0.011, false), Age::held);
+  EXPECT_EQ(watch.look(20 * millisecond, 0.02, false), Age::fresh);  // 12 and 16 are skipped
   const LogTopicReport report = report_of(watch);
   EXPECT_EQ(report.messages, 6);
   EXPECT_EQ(report.used, 3);
@@ -37,25 +37,25 @@ TEST(TopicWatch, CountsWhatTicksSaw) {
 
 TEST(TopicWatch, CountsBothSidesOfWhatIsInterpolated) {
   TopicWatch watch(0.1);
-  for (const std::int64_t time : {0, 10, 20}) watch.came(time * ms);
-  watch.look(4 * ms, 0.004, true);
+  for (const std::int64_t time : {0, 10, 20}) watch.came(time * millisecond);
+  watch.look(4 * millisecond, 0.004, true);
   EXPECT_EQ(report_of(watch).used, 2);
-  watch.look(14 * ms, 0.014, true);
+  watch.look(14 * millisecond, 0.014, true);
   EXPECT_EQ(report_of(watch).used, 3) << "the one that was behind is before now, and counts once";
 }
 
 TEST(TopicWatch, TellsEachGapAndItsTicks) {
   TopicWatch watch(0.01);
   EXPECT_EQ(watch.look(0, 0.0, false), Age::none_yet);
-  watch.came(5 * ms);
-  EXPECT_EQ(watch.look(10 * ms, 0.01, false), Age::fresh);
-  EXPECT_EQ(watch.look(15 * ms, 0.015, false), Age::held) << "just as old as it may be";
-  EXPECT_EQ(watch.look(20 * ms, 0.02, false), Age::gap_begins);
-  EXPECT_EQ(watch.look(30 * ms, 0.03, false), Age::gap);
-  watch.came(35 * ms);
-  EXPECT_EQ(watch.look(40 * ms, 0.04, false), Age::fresh);
-  EXPECT_EQ(watch.look(50 * ms, 0.05, false), Age::gap_begins);
-  const LogTopicReport report = report_of(watch, 10 * ms);
+  watch.came(5 * millisecond);
+  EXPECT_EQ(watch.look(10 * millisecond, 0.01, false), Age::fresh);
+  EXPECT_EQ(watch.look(15 * millisecond, 0.015, false), Age::held) << "just as old as it may be";
+  EXPECT_EQ(watch.look(20 * millisecond, 0.02, false), Age::gap_begins);
+  EXPECT_EQ(watch.look(30 * millisecond, 0.03, false), Age::gap);
+  watch.came(35 * millisecond);
+  EXPECT_EQ(watch.look(40 * millisecond, 0.04, false), Age::fresh);
+  EXPECT_EQ(watch.look(50 * millisecond, 0.05, false), Age::gap_begins);
+  const LogTopicReport report = report_of(watch, 10 * millisecond);
   EXPECT_EQ(report.gaps, 2);
   EXPECT_EQ(report.ticks_in_gaps, 3);
   EXPECT_EQ(report.ticks_without, 1);
