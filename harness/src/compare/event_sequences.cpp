@@ -185,8 +185,8 @@ class Aligner {
   /// By event of the longer one, its partner in the shorter one; none: it remains alone.
   std::vector<std::optional<std::size_t>> partners() const {
     const std::size_t width = left_out_ + 1;
-    constexpr double never = std::numeric_limits<double>::infinity();
-    std::vector<double> cost((shorter_.size() + 1) * width, never);
+    constexpr double unreachable = std::numeric_limits<double>::infinity();
+    std::vector<double> cost((shorter_.size() + 1) * width, unreachable);
     const auto at = [&](std::size_t s, std::size_t d) -> double& { return cost[s * width + d]; };
     for (std::size_t s = 0; s <= shorter_.size(); ++s) {
       for (std::size_t d = 0; d < width; ++d) {
