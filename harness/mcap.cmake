@@ -31,7 +31,6 @@ rehearse_add_library(mcap
   src/mcap/summary.cpp
   src/mcap/survey.cpp
   src/mcap/writer.cpp)
-set_target_properties(rehearse_mcap PROPERTIES UNITY_BUILD OFF)
 target_include_directories(rehearse_mcap PUBLIC
   $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_compile_definitions(rehearse_mcap PRIVATE REHEARSE_VERSION="${PROJECT_VERSION}")

@@ -24,7 +24,9 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 add_library(rehearse_flags INTERFACE)
 target_compile_options(rehearse_flags INTERFACE
   -ffp-contract=off  # a fused multiply-add rounds once where two instructions round twice: other bits on other CPUs
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
+  # what a source declares shadows what its neighbours of a unity build keep to themselves
+  $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
+  -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
   $<$<BOOL:${REHEARSE_WERROR}>:-Werror>)
 if(REHEARSE_SANITIZE)

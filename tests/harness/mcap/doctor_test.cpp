@@ -12,7 +12,7 @@ using testing::IsEmpty;
 
 namespace {
 
-std::string text_of(const mcap::Findings& findings) {
+std::string findings_text(const mcap::Findings& findings) {
   std::string text;
   for (const mcap::Finding& finding : findings.list()) {
     text += std::to_string(finding.place.offset);
@@ -25,7 +25,7 @@ std::string text_of(const mcap::Findings& findings) {
 std::string findings_of(const Buffer& bytes, mcap::DoctorOptions options = {}) {
   const auto examination = mcap::examine_bytes(bytes, "composed.mcap", options);
   EXPECT_TRUE(examination);
-  return examination ? text_of(examination->findings) : "";
+  return examination ? findings_text(examination->findings) : "";
 }
 
 std::string findings_of(const Composer& file, mcap::DoctorOptions options = {}) {

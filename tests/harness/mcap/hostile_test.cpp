@@ -43,7 +43,7 @@ Composer lz4_zeros(std::size_t size) {
   return packed;
 }
 
-std::string complaint_about(const Composer& file) {
+std::string complaint_of_hostile(const Composer& file) {
   auto reader = mcap::Reader::open_bytes(file.bytes, "composed.mcap");
   if (!reader) return to_string(reader.errors());
   const Pass pass = pass_over(**reader);
@@ -61,22 +61,22 @@ constexpr std::uint64_t gigabyte = std::uint64_t{1} << 30;
 TEST(McapHostile, ABombThatSaysItIsSmallIsStoppedThere) {
   const Composer zstd = zstd_zeros(gigabyte + 1);
   ASSERT_LT(zstd.bytes.size(), 100'000u);
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, zstd, "zstd", 1000))), HasSubstr("can't be decompressed"));
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, lz4_zeros(1 << 24), "lz4", 1000))),
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, zstd, "zstd", 1000))), HasSubstr("can't be decompressed"));
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, lz4_zeros(1 << 24), "lz4", 1000))),
               HasSubstr("can't be decompressed"));
 }
 
 TEST(McapHostile, ABombThatSaysWhatItIsIsNotOpened) {
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, zstd_zeros(gigabyte + 1), "zstd", gigabyte + 1))),
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, zstd_zeros(gigabyte + 1), "zstd", gigabyte + 1))),
               HasSubstr("says that it holds 1073741825 bytes decompressed; 1073741824 is the limit"));
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, lz4_zeros(1 << 20), "lz4", std::uint64_t{1} << 40))),
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, lz4_zeros(1 << 20), "lz4", std::uint64_t{1} << 40))),
               HasSubstr("says that it holds 1099511627776 bytes decompressed"));
 }
 
 TEST(McapHostile, ABombThatIsSmallerThanItSaysIsNoChunk) {
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, zstd_zeros(1000), "zstd", 1'000'000))),
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, zstd_zeros(1000), "zstd", 1'000'000))),
               HasSubstr("says that it holds 1000000 bytes decompressed and holds 1000"));
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, lz4_zeros(1000), "lz4", 1'000'000))),
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, lz4_zeros(1000), "lz4", 1'000'000))),
               HasSubstr("says that it holds 1000000 bytes decompressed and holds 1000"));
 }
 
@@ -94,18 +94,18 @@ TEST(McapHostile, LengthsInLengthsAreNotBelieved) {
   const auto map = [](Composer head) {
     return head.put(std::uint32_t{8}).put(~std::uint32_t{0}).put(std::uint32_t{0});
   };
-  EXPECT_THAT(complaint_about(file_of(Composer().record(0x0c, map(Composer().text("m"))))), HasSubstr("Metadata"));
-  EXPECT_THAT(complaint_about(
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().record(0x0c, map(Composer().text("m"))))), HasSubstr("Metadata"));
+  EXPECT_THAT(complaint_of_hostile(
                   file_of(Composer().record(0x04, map(Composer().put(std::uint32_t{1}).text("/a").text(""))))),
               HasSubstr("channel"));
   // a record in a chunk that is longer than the chunk
   Composer records;
   records.put(std::uint8_t{5}).put(std::uint64_t{1} << 40).text("x");
-  EXPECT_THAT(complaint_about(file_of(Composer().chunk(0, 0, records))), HasSubstr("aren't whole"));
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, records))), HasSubstr("aren't whole"));
   // compressed records that are longer than their chunk
   Composer chunk = Composer().put(std::uint64_t{0}).put(std::uint64_t{0}).put(std::uint64_t{10}).put(std::uint32_t{0});
   chunk.text("").put(std::uint64_t{1} << 40).text("x");
-  EXPECT_THAT(complaint_about(file_of(Composer().record(0x06, chunk))), HasSubstr("is too short for what it says"));
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().record(0x06, chunk))), HasSubstr("is too short for what it says"));
 }
 
 TEST(McapHostile, ReadsAllChannelsThatThereCanBe) {
@@ -129,12 +129,12 @@ TEST(McapHostile, TheFirstDefinitionCountsAndASecondOtherOneIsDamage) {
   const auto schema = [](std::string_view name) {
     return Composer().record(0x03, Composer().put(std::uint16_t{1}).text(name).text("ros2msg").text(""));
   };
-  EXPECT_EQ(complaint_about(file_of(Composer().raw(schema("A").bytes).raw(schema("A").bytes))), "");
-  EXPECT_THAT(complaint_about(file_of(Composer().raw(schema("A").bytes).raw(schema("B").bytes))),
+  EXPECT_EQ(complaint_of_hostile(file_of(Composer().raw(schema("A").bytes).raw(schema("A").bytes))), "");
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().raw(schema("A").bytes).raw(schema("B").bytes))),
               HasSubstr("schema 1 is defined a second time"));
   const Composer file =
       file_of(Composer().channel(1, "/a").chunk(1, 1, Composer().channel(1, "/b").message(1, 1, "x")));
-  EXPECT_THAT(complaint_about(file), HasSubstr("channel 1 is defined a second time"));
+  EXPECT_THAT(complaint_of_hostile(file), HasSubstr("channel 1 is defined a second time"));
   EXPECT_EQ(pass_over(*open_composed(file)).messages, (std::vector<Seen>{{"/a", 0, 1, "x"}}));
 }
 
@@ -172,21 +172,21 @@ TEST(McapHostile, BytesThatAreNoTextComeThroughAsTheyAre) {
 TEST(McapHostile, NothingIsBehindTheFooterButTheMagic) {
   const Composer once = file_of(Composer().channel(1, "/a").message(1, 1, "x"));
   const Composer twice = Composer().raw(once.bytes).footer();
-  EXPECT_THAT(complaint_about(twice), HasSubstr("damaged at byte " + std::to_string(once.bytes.size() - 8) +
+  EXPECT_THAT(complaint_of_hostile(twice), HasSubstr("damaged at byte " + std::to_string(once.bytes.size() - 8) +
                                                 ": the file doesn't end with its magic bytes there"));
   EXPECT_EQ(pass_over(*open_composed(twice)).messages.size(), 1u);
 }
 
 TEST(McapHostile, AFileMayDoWithoutDataEnd) {
   const Composer file = Composer().magic().header().channel(1, "/a").message(1, 1, "x").footer();
-  EXPECT_EQ(complaint_about(file), "");
+  EXPECT_EQ(complaint_of_hostile(file), "");
 }
 
 TEST(McapHostile, AFooterThatPointsNowhereIsDamage) {
   for (const std::uint64_t nowhere : {std::uint64_t{1}, std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
     Composer file = Composer().magic().header().record(0x0f, Composer().put(std::uint32_t{0}));
     file.record(0x02, Composer().put(nowhere).put(nowhere).put(std::uint32_t{0})).magic();
-    EXPECT_THAT(complaint_about(file), HasSubstr("says that the summary begins at byte " + std::to_string(nowhere)));
+    EXPECT_THAT(complaint_of_hostile(file), HasSubstr("says that the summary begins at byte " + std::to_string(nowhere)));
     const auto reader = open_composed(file, {.opening = mcap::Opening::by_summary});
     EXPECT_FALSE(reader->opened_by_summary());
   }
