@@ -280,7 +280,7 @@ void Doctor::tell_channels() {
 
 namespace {
 
-Result<Examination> examine(const FileView& view, Bytes bytes, const std::string& name, const DoctorOptions& options) {
+Result<Examination> examine_view(const FileView& view, Bytes bytes, const std::string& name, const DoctorOptions& options) {
   if (!begins_with_magic(bytes)) {
     Diagnostic refused = error(describe_start(bytes));
     refused.file = name;
@@ -297,11 +297,11 @@ Result<Examination> examine(const FileView& view, Bytes bytes, const std::string
 Result<Examination> examine(const std::filesystem::path& file, const DoctorOptions& options) {
   const auto view = FileView::open(file);
   if (!view) return view.errors();
-  return examine(*view, view->bytes(), view->name(), options);
+  return examine_view(*view, view->bytes(), view->name(), options);
 }
 
 Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const DoctorOptions& options) {
-  return examine(FileView(), bytes, name, options);
+  return examine_view(FileView(), bytes, name, options);
 }
 
 }  // namespace rehearse::mcap
