@@ -130,8 +130,7 @@ void ReplayComparison::compare_results() {
 /// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.
 double ReplayComparison::tolerance_for(const Divergence& found) const {
   if (!options_.tolerances || !found.note.empty()) return 0.0;
-  const Tolerance tolerance =
-      tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
+  const Tolerance tolerance = tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
   return tolerance.bound(std::abs(found.expected));
 }
 

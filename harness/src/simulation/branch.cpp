@@ -157,8 +157,7 @@ Result<void> Branch::create(ClosedLoop& loop) {
   origin_.set = options_.set;
   const RunFacts source = RunFacts::of(source_->recording);
   for (const auto& [fact, library] : controller_facts(*loop.host))
-    if (source.stated(fact) != library)
-      origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
+    if (source.stated(fact) != library) origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
   if (!summary_.before.equal() || !summary_.before.same_controllers)
     origin_.acted_until = origin_.tick;
   else if (source_->origin && source_->origin->acted_until)
