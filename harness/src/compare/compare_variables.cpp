@@ -6,6 +6,7 @@
 
 #include "asked_variables.h"
 #include "compare_parts.h"
+#include "trace/float64_message.h"
 
 namespace rehearse {
 namespace {
