@@ -330,7 +330,9 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
     if (may_be_missing(channel_.golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
-    double difference = std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
+    put_numbers(divergence, expected, actual, column.unit);
+    divergence.tolerance = column.tolerance;
+    double& difference = divergence.difference;
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
     keep_larger(column.largest, difference);
@@ -339,11 +341,6 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
       beyond = !(from_envelope <= column.tolerance);
       if (!beyond) difference = from_envelope;  // what is judged is what is told
     }
-    divergence.expected = expected;
-    divergence.actual = actual;
-    divergence.difference = difference;
-    divergence.tolerance = column.tolerance;
-    divergence.ulps = ulps_between(expected, actual);
   } else {
     put_integers(divergence, column.kind, expected_bits, actual_bits);
   }
@@ -388,12 +385,9 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   if (traces_.options.on_difference) tell(golden_row, columns_of(orientation), beyond);
   if (to_describe) {
     Divergence divergence = place(column, golden_row);
-    divergence.expected = expected[most];
-    divergence.actual = actual[most];
+    put_numbers(divergence, expected[most], actual[most], "rad");
     divergence.difference = angle;
     divergence.tolerance = column.tolerance;
-    divergence.ulps = ulps_between(expected[most], actual[most]);
-    divergence.unit = "rad";
     findings_.describe(divergence, beyond);
   }
   compare_norms(orientation, golden_row, expected, actual);
@@ -414,12 +408,8 @@ void NumberJudge::compare_norms(const Orientation& orientation, std::size_t gold
   Divergence divergence = place(column, golden_row);
   divergence.element.back() = 'n';
   divergence.element += "orm";
-  divergence.unit.clear();
-  divergence.expected = wanted;
-  divergence.actual = norm;
-  divergence.difference = difference;
+  put_numbers(divergence, wanted, norm);
   divergence.tolerance = column.tolerance;
-  divergence.ulps = ulps_between(wanted, norm);
   findings_.describe(divergence, beyond);
 }
 

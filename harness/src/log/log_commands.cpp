@@ -105,11 +105,7 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
       Divergence found;
       found.channel = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
       found.element = joint.name + "/" + name_of(field.quantity);
-      found.unit = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
-      found.expected = *expected;
-      found.actual = actual;
-      found.difference = std::abs(actual - *expected);
-      found.ulps = ulps_between(*expected, actual);
+      put_numbers(found, *expected, actual, unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
       const std::string series = series_name(found.channel, found.element);
       found.tolerance = tolerance_of(series, found.unit, scenario.tolerances).bound(std::abs(*expected));
       differs(std::move(found));

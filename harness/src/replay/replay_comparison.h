@@ -59,7 +59,6 @@ class ReplayComparison final : public Sink {
   std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
   std::vector<bool> is_word_;                // by channel id
   const std::uint64_t from_;                 // [ns]
-  bool tick_differs_ = false;
   std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
 };
 
