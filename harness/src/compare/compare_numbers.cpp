@@ -15,6 +15,7 @@
 
 #include "compare_envelope.h"
 #include "compare_parts.h"
+#include "series_scale.h"
 
 namespace rehearse {
 namespace {
@@ -68,7 +69,6 @@ class NumberJudge {
   void report_lone(const TraceChannel& channel, const std::vector<std::string>& elements, const std::string& note);
   void structure(const TraceChannel& channel, const std::string& element, std::string note);
   void find_tolerance(Column& column) const;
-  double scale_of(std::size_t golden_column) const;
   void group_orientations();
   void compare_row(std::size_t golden_row, std::size_t actual_row);
   void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
@@ -185,33 +185,11 @@ void NumberJudge::find_tolerance(Column& column) const {
   const bool of_camera = golden.type == msg::CameraInfo::type_name && column.unit.empty();
   const Tolerance tolerance =
       tolerance_of(series, is_range ? "range" : of_camera ? "camera" : column.unit, traces_.rules);
-  column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(column.golden) : 0.0);
+  column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(golden, column.golden) : 0.0);
   column.lead = tolerance.lead;
   column.lag = tolerance.lag;
   const auto noise = traces_.options.noise_floors.find(series);
   if (noise != traces_.options.noise_floors.end()) column.noise = noise->second;
-}
-
-/// The largest magnitude in the golden; of an element x, y or z the largest norm of the three.
-double NumberJudge::scale_of(std::size_t golden_column) const {
-  const TraceChannel& golden = channel_.golden;
-  const std::string& element = golden.columns[golden_column].element;
-  std::vector<std::size_t> parts{golden_column};
-  if (element.ends_with("/x") || element.ends_with("/y") || element.ends_with("/z")) {
-    const std::string_view stem = std::string_view(element).substr(0, element.size() - 1);
-    parts.clear();
-    for (std::size_t i = 0; i < golden.columns.size(); ++i) {
-      const std::string_view other = golden.columns[i].element;
-      if (other.size() == element.size() && other.starts_with(stem) && other.back() != 'w') parts.push_back(i);
-    }
-  }
-  double largest = 0.0;
-  for (std::size_t row = 0; row < golden.rows(); ++row) {
-    double squares = 0.0;
-    for (const std::size_t part : parts) squares += golden.number(row, part) * golden.number(row, part);
-    if (std::isfinite(squares)) largest = std::max(largest, squares);
-  }
-  return std::sqrt(largest);
 }
 
 void NumberJudge::group_orientations() {

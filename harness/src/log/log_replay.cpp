@@ -185,7 +185,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   survey_ = survey(log_, map_, *model_, sources_);
   warn(report_.remarks, survey_.damage);
   if (auto found = find_span(); !found) return found.errors();
-  observations_.emplace(map_, *model_, sources_, report_.start);
+  observations_.emplace(map_, *model_, sources_, survey_, report_.start);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });

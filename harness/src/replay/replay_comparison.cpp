@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "compare/asked_variables.h"
 #include "trace/channel_name.h"
@@ -13,12 +14,14 @@
 namespace rehearse {
 
 ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
-                                   ControllerHost& host, const RecordingSource& source, ReplayReport& report)
+                                   ControllerHost& host, const RecordingSource& source, SeriesScales scales,
+                                   ReplayReport& report)
     : options_(options),
       scenario_(scenario),
       recording_(recording),
       host_(host),
       source_(source),
+      scales_(std::move(scales)),
       report_(report),
       words_(host, recording),
       channels_(words_.channels()),
@@ -129,7 +132,8 @@ void ReplayComparison::compare_results() {
 double ReplayComparison::tolerance_for(const Divergence& found) const {
   if (!options_.tolerances || !found.note.empty()) return 0.0;
   const Tolerance tolerance = tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
-  return tolerance.bound(std::abs(found.expected));
+  const auto scale = scales_.find({found.channel, found.element});
+  return tolerance.bound(scale == scales_.end() ? 0.0 : scale->second);
 }
 
 void ReplayComparison::differs(Divergence&& found) {
