@@ -14,6 +14,7 @@ rehearse_add_library(harness
   src/host/debug_hook.cpp
   src/recording/device_recorder.cpp
   src/compare/divergence.cpp
+  src/compare/series_scale.cpp
   src/host/file_tripwires.cpp
   src/host/float_mode.cpp
   src/host/guarded_call.cpp

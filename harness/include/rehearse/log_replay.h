@@ -54,20 +54,16 @@ struct LogTopicReport {
   std::int64_t ticks_without = 0;  // ticks before its first message
 };
 
-struct LogReplayReport {
+/// Differences from the log's commands, in the order of ticks.
+struct LogReplayReport : Differences {
   std::int64_t ticks = 0;
   double duration = 0.0;   // [s]
   std::int64_t start = 0;  // the log's time of the first tick [ns]
   std::string log_hash;    // of the log's bytes, 16 hexadecimal digits
   std::vector<LogTopicReport> topics;
   bool has_commands = false;  // the map names commands to compare with
-  std::int64_t values = 0;    // commanded numbers compared with the log's
-  std::int64_t values_different = 0;
   std::int64_t ticks_compared = 0;
   std::int64_t ticks_different = 0;
-  std::optional<Divergence> first;    // in the order of ticks
-  std::optional<Divergence> worst;    // by absolute difference
-  std::optional<Divergence> beyond;   // the first beyond its tolerance
   int channels = 0;                   // of the trace
   std::int64_t frames = 0;            // colour pictures in it
   std::uintmax_t bytes = 0;           // of it

@@ -71,14 +71,11 @@ struct ReplayedWords {
   std::optional<Divergence> first;
 };
 
-struct ReplayReport {
-  std::int64_t ticks = 0;            // replayed
-  std::int64_t ticks_different = 0;  // in which any command differed
-  std::int64_t values = 0;           // numbers compared
-  std::int64_t values_different = 0;
-  std::optional<Divergence> first;    // in the order of ticks, controllers, links
-  std::optional<Divergence> worst;    // by absolute difference
-  std::optional<Divergence> beyond;   // the first beyond ReplayOptions::tolerances; without them, the first
+/// Differences of commands, in the order of ticks, controllers, links; without ReplayOptions::tolerances none is
+/// allowed.
+struct ReplayReport : Differences {
+  std::int64_t ticks = 0;             // replayed
+  std::int64_t ticks_different = 0;   // in which any command differed
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   ReplayedWords words;
   bool controller_refused = false;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -205,21 +204,15 @@ Divergence divergence_at(const OutputField& field, std::uint64_t expected, std::
   Divergence found;
   found.channel = field.channel;
   found.element = field.element;
-  found.unit = field.unit;
   if (field.kind == OutputField::Kind::flag) {
-    found.expected = static_cast<double>(expected);
-    found.actual = static_cast<double>(actual);
-    found.difference = 1.0;
+    put_numbers(found, static_cast<double>(expected), static_cast<double>(actual), field.unit);
     const bool running = field.element.starts_with("running");
     found.note = field.element == "told" ? "a device is told something in one run, and nothing in the other"
                  : running               ? "the controller takes part in one run, and not in the other"
                                          : fmt::format("control() returned {}, then {}", expected != 0, actual != 0);
     return found;
   }
-  found.expected = std::bit_cast<double>(expected);
-  found.actual = std::bit_cast<double>(actual);
-  found.difference = std::abs(found.actual - found.expected);
-  found.ulps = ulps_between(found.expected, found.actual);
+  put_numbers(found, std::bit_cast<double>(expected), std::bit_cast<double>(actual), field.unit);
   return found;
 }
 

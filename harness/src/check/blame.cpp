@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "check_run.h"
 #include "compare/compare_parts.h"
 #include "plant_level.h"
 #include "replay/trace_scenario.h"
@@ -59,11 +60,9 @@ Evidence Detective::gather(const CheckReport& report) {
   if (report.closed != LevelState::differs) return evidence;
   const std::int64_t tick = report.comparison->first->tick;
   if (evidence.controller == LevelState::skipped) {
-    ReplayOptions options;
-    static_cast<HostOptions&>(options) = with_.host;
-    options.until = time_of(tick + 1, with_.scenario.time_step);
-    if (auto replayed = replay(with_.golden.file(), options)) {
-      evidence.controller = replayed->equal() ? LevelState::equal : LevelState::differs;
+    const double until = time_of(tick + 1, with_.scenario.time_step);
+    if (auto replayed = replay_golden(with_.scenario, with_.golden, with_.host, until)) {
+      evidence.controller = state_of(*replayed);
       evidence.replay = *std::move(replayed);
     }
   }

@@ -48,30 +48,19 @@ struct Check {
   void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
 };
 
-/// Whether the same program gives the same bits here as where the golden was recorded.
-bool computes_alike(const Scenario& scenario, const Trace& golden) {
-  const auto recorded = RunFacts::of(golden).provenance;
-  return recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
-}
-
-/// The bits have to be the same, unless the arithmetic isn't: a controller that calls sin() then commands other last
-/// bits, and is judged within tolerance.
 Result<void> Check::check_controller() {
   if (report.controller_problem = changed_controllers(scenario, golden); !report.controller_problem.empty()) {
     report.controller = LevelState::differs;
     return {};
   }
-  ReplayOptions replaying;
-  static_cast<HostOptions&>(replaying) = with_controllers_of(scenario, options.run);
-  if (!computes_alike(scenario, golden)) replaying.tolerances = scenario.tolerances;
-  auto replayed = replay(golden.file(), replaying);
+  auto replayed = replay_golden(scenario, golden, with_controllers_of(scenario, options.run));
   if (!replayed && !options.closed) return replayed.errors();
   report.controller = LevelState::differs;
   if (!replayed) {
     report.controller_problem = replayed.errors()[0].message;
     return {};
   }
-  if (replayed->within()) report.controller = replayed->equal() ? LevelState::equal : LevelState::within;
+  report.controller = state_of(*replayed);
   report.replay = *std::move(replayed);
   return {};
 }
@@ -276,6 +265,22 @@ HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& giv
     }
   }
   return options;
+}
+
+Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
+                                   std::optional<double> until) {
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = host;
+  replaying.until = until;
+  const auto recorded = RunFacts::of(golden).provenance;
+  const bool computes_alike = recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
+  if (!computes_alike) replaying.tolerances = scenario.tolerances;
+  return replay(golden.file(), replaying);
+}
+
+LevelState state_of(const ReplayReport& replayed) {
+  if (replayed.equal()) return LevelState::equal;
+  return replayed.within() ? LevelState::within : LevelState::differs;
 }
 
 Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,

@@ -5,6 +5,7 @@
 #include <rehearse/reproduction.h>
 
 #include <filesystem>
+#include <optional>
 
 namespace rehearse {
 
@@ -14,6 +15,12 @@ Result<RunSummary> make_run(const Scenario& scenario, const std::filesystem::pat
 
 /// For replays of any recording: the controllers of the scenario as it is now, whatever the recording names.
 HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given);
+
+/// Feeds controllers with the golden's inputs, until that time [s]. Their commands have to be the same bits, unless the
+/// arithmetic isn't: a controller that calls sin() then commands other last bits, and is judged within tolerance.
+Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
+                                   std::optional<double> until = std::nullopt);
+LevelState state_of(const ReplayReport& replayed);
 
 /// Whether a run repeats itself; what the world does meanwhile is written beside it, and removed.
 Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const std::filesystem::path& file,

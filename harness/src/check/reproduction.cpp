@@ -79,11 +79,8 @@ std::optional<Divergence> ChannelInWhole::compare_row(std::size_t message, std::
     } else if (element.ends_with("_hash")) {
       found.note = "is another hash";
     } else {
-      found.expected = other_->number(other, there);
-      found.actual = channel_.number(message, column);
-      found.difference = std::abs(found.actual - found.expected);
-      found.ulps = ulps_between(found.expected, found.actual);
-      found.unit = unit_of(other_->metadata, element);
+      put_numbers(found, other_->number(other, there), channel_.number(message, column),
+                  unit_of(other_->metadata, element));
     }
     return found;
   }

@@ -18,11 +18,7 @@ Divergence change_of(const char* key, double recorded, double stated) {
   Divergence change;
   change.channel = "scenario";
   change.element = key;
-  change.expected = recorded;
-  change.actual = stated;
-  change.difference = std::abs(stated - recorded);
-  change.ulps = ulps_between(recorded, stated);
-  change.unit = "s";
+  put_numbers(change, recorded, stated, "s");
   change.stage = Stage::inputs;
   return change;
 }

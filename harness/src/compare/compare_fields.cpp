@@ -177,12 +177,8 @@ void FieldJudge::compare_numbers(const std::string& path, double expected, doubl
   if (identical(expected, actual)) return;
   const Tolerance tolerance = tolerance_of(series_name(channel_.golden.topic, path), unit, traces_.rules);
   Divergence divergence = place(path);
-  divergence.expected = expected;
-  divergence.actual = actual;
-  divergence.difference = std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
+  put_numbers(divergence, expected, actual, unit == "range" ? "m" : unit);
   divergence.tolerance = tolerance.bound(std::isfinite(expected) ? std::abs(expected) : 0.0);
-  divergence.ulps = ulps_between(expected, actual);
-  divergence.unit = unit == "range" ? "m" : unit;
   const bool beyond = !(divergence.difference <= divergence.tolerance);
   report(std::move(divergence), beyond);
 }

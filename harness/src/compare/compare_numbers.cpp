@@ -15,6 +15,7 @@
 
 #include "compare_envelope.h"
 #include "compare_parts.h"
+#include "series_scale.h"
 
 namespace rehearse {
 namespace {
@@ -68,7 +69,6 @@ class NumberJudge {
   void report_lone(const TraceChannel& channel, const std::vector<std::string>& elements, const std::string& note);
   void structure(const TraceChannel& channel, const std::string& element, std::string note);
   void find_tolerance(Column& column) const;
-  double scale_of(std::size_t golden_column) const;
   void group_orientations();
   void compare_row(std::size_t golden_row, std::size_t actual_row);
   void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
@@ -185,33 +185,11 @@ void NumberJudge::find_tolerance(Column& column) const {
   const bool of_camera = golden.type == msg::CameraInfo::type_name && column.unit.empty();
   const Tolerance tolerance =
       tolerance_of(series, is_range ? "range" : of_camera ? "camera" : column.unit, traces_.rules);
-  column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(column.golden) : 0.0);
+  column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(golden, column.golden) : 0.0);
   column.lead = tolerance.lead;
   column.lag = tolerance.lag;
   const auto noise = traces_.options.noise_floors.find(series);
   if (noise != traces_.options.noise_floors.end()) column.noise = noise->second;
-}
-
-/// The largest magnitude in the golden; of an element x, y or z the largest norm of the three.
-double NumberJudge::scale_of(std::size_t golden_column) const {
-  const TraceChannel& golden = channel_.golden;
-  const std::string& element = golden.columns[golden_column].element;
-  std::vector<std::size_t> parts{golden_column};
-  if (element.ends_with("/x") || element.ends_with("/y") || element.ends_with("/z")) {
-    const std::string_view stem = std::string_view(element).substr(0, element.size() - 1);
-    parts.clear();
-    for (std::size_t i = 0; i < golden.columns.size(); ++i) {
-      const std::string_view other = golden.columns[i].element;
-      if (other.size() == element.size() && other.starts_with(stem) && other.back() != 'w') parts.push_back(i);
-    }
-  }
-  double largest = 0.0;
-  for (std::size_t row = 0; row < golden.rows(); ++row) {
-    double squares = 0.0;
-    for (const std::size_t part : parts) squares += golden.number(row, part) * golden.number(row, part);
-    if (std::isfinite(squares)) largest = std::max(largest, squares);
-  }
-  return std::sqrt(largest);
 }
 
 void NumberJudge::group_orientations() {
@@ -330,7 +308,9 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
     if (may_be_missing(channel_.golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
-    double difference = std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
+    put_numbers(divergence, expected, actual, column.unit);
+    divergence.tolerance = column.tolerance;
+    double& difference = divergence.difference;
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
     keep_larger(column.largest, difference);
@@ -339,11 +319,6 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
       beyond = !(from_envelope <= column.tolerance);
       if (!beyond) difference = from_envelope;  // what is judged is what is told
     }
-    divergence.expected = expected;
-    divergence.actual = actual;
-    divergence.difference = difference;
-    divergence.tolerance = column.tolerance;
-    divergence.ulps = ulps_between(expected, actual);
   } else {
     put_integers(divergence, column.kind, expected_bits, actual_bits);
   }
@@ -388,12 +363,9 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   if (traces_.options.on_difference) tell(golden_row, columns_of(orientation), beyond);
   if (to_describe) {
     Divergence divergence = place(column, golden_row);
-    divergence.expected = expected[most];
-    divergence.actual = actual[most];
+    put_numbers(divergence, expected[most], actual[most], "rad");
     divergence.difference = angle;
     divergence.tolerance = column.tolerance;
-    divergence.ulps = ulps_between(expected[most], actual[most]);
-    divergence.unit = "rad";
     findings_.describe(divergence, beyond);
   }
   compare_norms(orientation, golden_row, expected, actual);
@@ -414,12 +386,8 @@ void NumberJudge::compare_norms(const Orientation& orientation, std::size_t gold
   Divergence divergence = place(column, golden_row);
   divergence.element.back() = 'n';
   divergence.element += "orm";
-  divergence.unit.clear();
-  divergence.expected = wanted;
-  divergence.actual = norm;
-  divergence.difference = difference;
+  put_numbers(divergence, wanted, norm);
   divergence.tolerance = column.tolerance;
-  divergence.ulps = ulps_between(wanted, norm);
   findings_.describe(divergence, beyond);
 }
 

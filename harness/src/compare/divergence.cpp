@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "compare/describe.h"
 
@@ -38,6 +39,21 @@ std::uint64_t ulps_between(double a, double b) {
   const std::int64_t low = std::min(ordinal(a), ordinal(b));
   const std::int64_t high = std::max(ordinal(a), ordinal(b));
   return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
+}
+
+void put_numbers(Divergence& divergence, double expected, double actual, std::string_view unit) {
+  divergence.expected = expected;
+  divergence.actual = actual;
+  divergence.difference = std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
+  divergence.ulps = ulps_between(expected, actual);
+  divergence.unit = unit;
+}
+
+void Differences::add(Divergence found) {
+  ++values_different;
+  if (!beyond && (!found.note.empty() || !(found.difference <= found.tolerance))) beyond = found;
+  if (!worst || found.difference > worst->difference) worst = found;
+  if (!first) first = std::move(found);
 }
 
 double relative_difference(const Divergence& d) {

@@ -4,7 +4,9 @@
 #include <rehearse/messages.h>
 #include <rehearse/tolerance.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "message_reader.h"
 
@@ -24,7 +26,7 @@ struct NumberArray {
 
 }  // namespace
 
-struct LogCommands::Readers {
+struct CommandReader::Readers {
   Readers(const LogMap& map, const Model& model, const ros2msg::Schema& schema)
       : states(schema), array(schema), names(map.commands->names, model) {}
   MessageReader<msg::JointState> states;
@@ -32,27 +34,24 @@ struct LogCommands::Readers {
   JointNames names;
 };
 
-LogCommands::LogCommands(const LogMap& map, const Model& model, const ros2msg::Schema& schema)
-    : map_(map), model_(model), readers_(std::make_unique<Readers>(map, model, schema)) {}
-LogCommands::~LogCommands() = default;
+CommandReader::CommandReader(const LogMap& map, const Model& model, const ros2msg::Schema& schema)
+    : source_(*map.commands), joints_(model.joints.size()), readers_(std::make_unique<Readers>(map, model, schema)) {}
+CommandReader::~CommandReader() = default;
 
-bool LogCommands::take(std::int64_t time, mcap::Bytes payload) {
-  Sample sample;
-  sample.time = time;
-  sample.joints.resize(model_.joints.size());
-  const bool fits = map_.commands->is_array ? take_array(payload, sample) : take_states(payload, sample);
-  if (fits) samples_.push_back(std::move(sample));
-  return fits;
+std::optional<CommandedJoints> CommandReader::read(mcap::Bytes payload) {
+  CommandedJoints joints(joints_);
+  const bool fits = source_.is_array ? read_array(payload, joints) : read_states(payload, joints);
+  return fits ? std::optional(std::move(joints)) : std::nullopt;
 }
 
-bool LogCommands::take_states(mcap::Bytes payload, Sample& sample) {
+bool CommandReader::read_states(mcap::Bytes payload, CommandedJoints& joints) {
   const msg::JointState* state = readers_->states.read(payload);
   if (!state) return false;
-  const std::vector<JointRename>& joints = readers_->names.find(state->name);
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    const JointRename& joint = joints[i];
+  const std::vector<JointRename>& named = readers_->names.find(state->name);
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    const JointRename& joint = named[i];
     if (joint.joint < 0) continue;
-    Commanded& commanded = sample.joints[joint.joint];
+    CommandedJoint& commanded = joints[joint.joint];
     if (i < state->position.size()) {
       commanded.q = state->position[i] * joint.scale;
       if (joint.offset != 0.0) *commanded.q += joint.offset;
@@ -63,20 +62,33 @@ bool LogCommands::take_states(mcap::Bytes payload, Sample& sample) {
   return true;
 }
 
-bool LogCommands::take_array(mcap::Bytes payload, Sample& sample) {
+bool CommandReader::read_array(mcap::Bytes payload, CommandedJoints& joints) {
   const NumberArray* array = readers_->array.read(payload);
-  const CommandSource& source = *map_.commands;
-  if (!array || array->data.size() != source.joints.size()) return false;
+  if (!array || array->data.size() != source_.joints.size()) return false;
   for (std::size_t i = 0; i < array->data.size(); ++i) {
-    if (!source.joints[i]) continue;
-    Commanded& commanded = sample.joints[*source.joints[i]];
-    switch (source.quantity) {
+    if (!source_.joints[i]) continue;
+    CommandedJoint& commanded = joints[*source_.joints[i]];
+    switch (source_.quantity) {
       case CommandSource::Quantity::position: commanded.q = array->data[i]; break;
       case CommandSource::Quantity::velocity: commanded.dq = array->data[i]; break;
       case CommandSource::Quantity::effort: commanded.u = array->data[i]; break;
     }
   }
   return true;
+}
+
+void keep_largest(CommandedJoints& largest, const CommandedJoints& joints) {
+  largest.resize(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    for (const auto part : {&CommandedJoint::q, &CommandedJoint::dq, &CommandedJoint::u})
+      if (const std::optional<double>& number = joints[i].*part; number && std::isfinite(*number))
+        largest[i].*part = std::max((largest[i].*part).value_or(0.0), std::abs(*number));
+}
+
+bool LogCommands::take(std::int64_t time, mcap::Bytes payload) {
+  auto joints = reader_.read(payload);
+  if (joints) samples_.push_back({time, *std::move(joints)});
+  return joints.has_value();
 }
 
 std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const ControllerHost& host,
@@ -93,10 +105,10 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
     if (!hosted.tick.has_output) continue;
     for (const IoField& field : hosted.io->outputs().fields) {
       if (field.joint < 0) continue;
-      const Commanded& commanded = latest->joints[field.joint];
-      const std::optional<double>& expected = field.quantity == Quantity::q    ? commanded.q
-                                              : field.quantity == Quantity::dq ? commanded.dq
-                                                                               : commanded.u;
+      const auto part = field.quantity == Quantity::q    ? &CommandedJoint::q
+                        : field.quantity == Quantity::dq ? &CommandedJoint::dq
+                                                         : &CommandedJoint::u;
+      const std::optional<double>& expected = latest->joints[field.joint].*part;
       if (field.quantity > Quantity::u || field.quantity == Quantity::ddq || !expected) continue;
       ++compared;
       const double actual = hosted.io->output_values()[field.offset];
@@ -105,13 +117,10 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
       Divergence found;
       found.channel = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
       found.element = joint.name + "/" + name_of(field.quantity);
-      found.unit = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
-      found.expected = *expected;
-      found.actual = actual;
-      found.difference = std::abs(actual - *expected);
-      found.ulps = ulps_between(*expected, actual);
+      put_numbers(found, *expected, actual, unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
       const std::string series = series_name(found.channel, found.element);
-      found.tolerance = tolerance_of(series, found.unit, scenario.tolerances).bound(std::abs(*expected));
+      const double scale = largest_.empty() ? 0.0 : (largest_[field.joint].*part).value_or(0.0);
+      found.tolerance = tolerance_of(series, found.unit, scenario.tolerances).bound(scale);
       differs(std::move(found));
     }
   }

@@ -18,11 +18,41 @@
 
 namespace rehearse {
 
-class LogCommands {
+/// What a message commands of a joint.
+struct CommandedJoint {
+  std::optional<double> q, dq, u;
+};
+using CommandedJoints = std::vector<CommandedJoint>;  // by joint id
+
+/// Decodes the messages of a map's commands.
+class CommandReader {
  public:
   /// All but the schema must outlive this.
-  LogCommands(const LogMap& map, const Model& model, const ros2msg::Schema& schema);
-  ~LogCommands();
+  CommandReader(const LogMap& map, const Model& model, const ros2msg::Schema& schema);
+  ~CommandReader();
+
+  /// nullopt: it isn't what its schema says.
+  std::optional<CommandedJoints> read(mcap::Bytes payload);
+
+ private:
+  struct Readers;
+  bool read_states(mcap::Bytes payload, CommandedJoints& joints);
+  bool read_array(mcap::Bytes payload, CommandedJoints& joints);
+
+  const CommandSource& source_;
+  const std::size_t joints_;  // of the model
+  std::unique_ptr<Readers> readers_;
+};
+
+/// The larger magnitudes of both; numbers that aren't finite don't count.
+void keep_largest(CommandedJoints& largest, const CommandedJoints& joints);
+
+class LogCommands {
+ public:
+  /// All but the schema must outlive this. `largest`: magnitudes in the whole log, to which relative tolerances refer;
+  /// empty if there are none.
+  LogCommands(const LogMap& map, const Model& model, const ros2msg::Schema& schema, const CommandedJoints& largest)
+      : model_(model), largest_(largest), reader_(map, model, schema) {}
 
   /// The next message; not earlier than the one before it. False: it isn't what its schema says.
   bool take(std::int64_t time, mcap::Bytes payload);
@@ -35,22 +65,14 @@ class LogCommands {
                        const OnDifference& differs);
 
  private:
-  struct Readers;
-  /// What a message commands of a joint.
-  struct Commanded {
-    std::optional<double> q, dq, u;
-  };
   struct Sample {
-    std::int64_t time = 0;          // [ns]
-    std::vector<Commanded> joints;  // by joint id
+    std::int64_t time = 0;  // [ns]
+    CommandedJoints joints;
   };
 
-  bool take_states(mcap::Bytes payload, Sample& sample);
-  bool take_array(mcap::Bytes payload, Sample& sample);
-
-  const LogMap& map_;
   const Model& model_;
-  std::unique_ptr<Readers> readers_;
+  const CommandedJoints& largest_;
+  CommandReader reader_;
   std::deque<Sample> samples_;
 };
 

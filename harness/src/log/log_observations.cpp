@@ -37,7 +37,7 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     if (mapped.devices)
       fed.feed = make_device_feed(*mapped.devices, model_, {start_, map_.time_step, map_.clock}, *topic, *schema);
     if (mapped.commands) {
-      commands_ = std::make_unique<LogCommands>(map_, model_, *schema);
+      commands_ = std::make_unique<LogCommands>(map_, model_, *schema, survey_.largest_commands);
       lookahead_ = std::max(lookahead_, nanoseconds(map_.time_step * (std::max(0, map_.commands->shift) + 1)));
     }
     if (mapped.source->sampling == Sampling::interpolate)

@@ -19,8 +19,9 @@ namespace rehearse {
 class LogObservations final : public ObservationSource {
  public:
   /// `start`: the time of tick 0 [ns]. All must outlive this.
-  LogObservations(const LogMap& map, const Model& model, const std::vector<MappedSource>& sources, std::int64_t start)
-      : map_(map), model_(model), sources_(sources), start_(start) {}
+  LogObservations(const LogMap& map, const Model& model, const std::vector<MappedSource>& sources,
+                  const LogSurvey& survey, std::int64_t start)
+      : map_(map), model_(model), sources_(sources), survey_(survey), start_(start) {}
 
   Result<void> make_feeds(const std::vector<LogTopic>& topics);
   /// A message behind a tick by less than this may still matter to it [ns].
@@ -60,6 +61,7 @@ class LogObservations final : public ObservationSource {
   const LogMap& map_;
   const Model& model_;
   const std::vector<MappedSource>& sources_;
+  const LogSurvey& survey_;
   const std::int64_t start_;  // [ns]
   std::vector<Fed> fed_;      // parallel to sources_
   std::unique_ptr<LogCommands> commands_;

@@ -86,21 +86,17 @@ void LogSink::compare(const Moment& now) {
   const double time = time_of(now.tick, map_.time_step);
   if (time < options_.from) return;
   const std::int64_t wanted = now.tick + map_.commands->shift;
-  bool differs = false;
+  const std::int64_t before = report_.values_different;
   const std::int64_t compared = log_.commands()->compare(
       log_.time_of_tick(wanted), log_.time_of_tick(wanted + 1), *now.host, scenario_, [&](Divergence&& found) {
         found.tick = now.tick;
         found.time = time;
-        differs = true;
-        ++report_.values_different;
-        if (!report_.beyond && !(found.difference <= found.tolerance)) report_.beyond = found;
-        if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
         if (options_.on_difference) options_.on_difference(found);
-        if (!report_.first) report_.first = std::move(found);
+        report_.add(std::move(found));
       });
   report_.values += compared;
   report_.ticks_compared += compared > 0 ? 1 : 0;
-  report_.ticks_different += differs ? 1 : 0;
+  report_.ticks_different += report_.values_different > before ? 1 : 0;
 }
 
 class LogReplayer {
@@ -189,7 +185,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   survey_ = survey(log_, map_, *model_, sources_);
   warn(report_.remarks, survey_.damage);
   if (auto found = find_span(); !found) return found.errors();
-  observations_.emplace(map_, *model_, sources_, report_.start);
+  observations_.emplace(map_, *model_, sources_, survey_, report_.start);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });

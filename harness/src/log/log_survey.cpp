@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "compare/series_scale.h"
 #include "log_feed.h"
 #include "message_reader.h"
 
@@ -76,6 +77,7 @@ class JointSurvey {
 /// One source while it is surveyed.
 struct Surveyed {
   std::unique_ptr<JointSurvey> joints;
+  std::unique_ptr<CommandReader> commands;
   mcap::Location furthest;
   bool any = false;
 };
@@ -151,6 +153,7 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
   std::vector<Surveyed> surveyed(sources.size());
   LogTimes times(log, map.clock);
   bool any_time = false;
+  const bool has_relative = std::any_of(map.tolerances.begin(), map.tolerances.end(), is_relative);
   const auto look = [&](const mcap::Message& message) {
     const auto time = times.of(message);
     for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -170,13 +173,17 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
       source.last = *time;
       const std::int64_t late = static_cast<std::int64_t>(message.log_time) - *time;
       found.latest = std::exchange(any_time, true) ? std::max(found.latest, late) : late;
-      if (!sources[i].joints) continue;
-      if (!state.joints) {
+      const bool is_scale = sources[i].commands && has_relative;
+      if (!sources[i].joints && !is_scale) continue;
+      if (!state.joints && !state.commands) {
         const mcap::Schema* schema = log.schema_of(*message.channel);
-        if (const auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
-          state.joints = std::make_unique<JointSurvey>(*sources[i].joints, model, *parsed);
+        const auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
+        if (parsed && is_scale) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
+        if (parsed && !is_scale) state.joints = std::make_unique<JointSurvey>(*sources[i].joints, model, *parsed);
       }
       if (state.joints) state.joints->look(message.data, *time, source);
+      if (state.commands)
+        if (const auto joints = state.commands->read(message.data)) keep_largest(found.largest_commands, *joints);
     }
     return true;
   };

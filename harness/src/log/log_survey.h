@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "log_commands.h"
 #include "log_map.h"
 #include "trace/ros2msg.h"
 
@@ -70,6 +71,7 @@ struct SourceSurvey {
 struct LogSurvey {
   std::vector<SourceSurvey> sources;  // parallel to those of the map
   std::int64_t latest = 0;            // how much later than its time a message may be logged [ns]
+  CommandedJoints largest_commands;   // magnitudes, if a tolerance of the map is relative; else empty
   Diagnostics damage;                 // what isn't whole of the log
 };
 

@@ -132,16 +132,10 @@ std::int64_t RecordedOutputs::compare(const OnDifference& differs) const {
       if (pair.place >= 0) recorded[pair.place] = true;
       if (pair.place >= 0 && hosted_.running && identical(*pair.expected, now[pair.place])) continue;
       Divergence found = divergence(channel.topic, pair.element);
-      found.unit = unit_of(channel.metadata, pair.element);
-      found.expected = *pair.expected;
-      if (pair.place < 0 || !hosted_.running) {
-        found.actual = std::nan("");
-        found.note = "the controller no longer commands it";
-      } else {
-        found.actual = now[pair.place];
-      }
-      found.difference = std::abs(found.actual - found.expected);
-      found.ulps = ulps_between(found.actual, found.expected);
+      const bool is_commanded = pair.place >= 0 && hosted_.running;
+      put_numbers(found, *pair.expected, is_commanded ? now[pair.place] : std::nan(""),
+                  unit_of(channel.metadata, pair.element));
+      if (!is_commanded) found.note = "the controller no longer commands it";
       differs(std::move(found));
     }
   }
@@ -187,12 +181,11 @@ std::int64_t RecordedOutputs::compare_device(const Channel& channel, const OnDif
   }
   const std::size_t count = std::max(channel.values.size(), now->values.size());
   for (std::size_t i = 0; i < count; ++i) {
+    const double expected = i < channel.values.size() ? channel.values[i] : std::nan("");
+    const double actual = i < now->values.size() ? now->values[i] : std::nan("");
+    if (identical(expected, actual)) continue;
     Divergence found = divergence(channel.topic, "values/" + std::to_string(i));
-    found.expected = i < channel.values.size() ? channel.values[i] : std::nan("");
-    found.actual = i < now->values.size() ? now->values[i] : std::nan("");
-    if (identical(found.expected, found.actual)) continue;
-    found.difference = std::abs(found.actual - found.expected);
-    found.ulps = ulps_between(found.actual, found.expected);
+    put_numbers(found, expected, actual);
     differs(std::move(found));
   }
   return static_cast<std::int64_t>(count);

@@ -4,7 +4,6 @@
 #include <rehearse/cdr.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "trace/channel_name.h"
@@ -88,14 +87,10 @@ std::int64_t RecordedWords::compare_variables(const OnDifference& differs) const
     found.channel = topic;
     found.element = topic_segment(ChannelName::parse(topic).owner);
     found.stage = Stage::controller;
-    if (recorded && now) {
-      found.expected = *recorded;
-      found.actual = *now;
-      found.difference = std::abs(*now - *recorded);
-      found.ulps = ulps_between(*recorded, *now);
-    } else {
+    if (recorded && now)
+      put_numbers(found, *recorded, *now);
+    else
       found.note = now ? "is set now, and wasn't in the recording" : "was set in the recording, and isn't now";
-    }
     differs(std::move(found));
   }
   return static_cast<std::int64_t>(pairs.size());

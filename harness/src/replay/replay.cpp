@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "altered_inputs.h"
 #include "host/controller_host.h"
@@ -65,6 +66,8 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
                                  Damage damage, ControllerHost& host) {
   ReplayReport report;
   warn(report, other_clock_than(recording));
+  SeriesScales scales;  // before a controller can change the working folder
+  if (options.tolerances) scales = scales_of(recording.name(), *options.tolerances);
   host.initialize(initial_observation(scenario));
   host.start();
   AlteredInputs altered;
@@ -76,7 +79,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   if (auto read = altered.check_read_by(host); !read) return read.errors();
   if (options.until) source.end_before(static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9)));
 
-  ReplayComparison comparison(options, scenario, recording, host, source, report);
+  ReplayComparison comparison(options, scenario, recording, host, source, std::move(scales), report);
   HostedCommands commands(host, HostedCommands::Written::never);
   Run run(scenario.time_step, source, commands, comparison, 0, Run::no_end);
   run.report_progress(options.progress, scenario.ticks());

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "compare/asked_variables.h"
 #include "trace/channel_name.h"
@@ -13,12 +14,14 @@
 namespace rehearse {
 
 ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
-                                   ControllerHost& host, const RecordingSource& source, ReplayReport& report)
+                                   ControllerHost& host, const RecordingSource& source, SeriesScales scales,
+                                   ReplayReport& report)
     : options_(options),
       scenario_(scenario),
       recording_(recording),
       host_(host),
       source_(source),
+      scales_(std::move(scales)),
       report_(report),
       words_(host, recording),
       channels_(words_.channels()),
@@ -47,7 +50,6 @@ Result<void> ReplayComparison::take(const mcap::Message& message) {
 }
 
 Result<void> ReplayComparison::emit(const Moment& now) {
-  tick_differs_ = false;
   const std::int64_t before = std::max<std::int64_t>(0, now.tick - 1);
   words_.begin_tick([&](Divergence&& found) { word_differs(std::move(found), before); });
   if (now.alive) {
@@ -75,6 +77,7 @@ bool ReplayComparison::is_compared(std::int64_t tick) const {
 }
 
 void ReplayComparison::compare(const Moment& now) {
+  const std::int64_t before = report_.values_different;
   if (!source_.alters()) compare_inputs(now);
   if (now.tick == 0) compare_delays();
   if (!is_compared(now.tick)) return;
@@ -82,7 +85,7 @@ void ReplayComparison::compare(const Moment& now) {
     report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
   compare_results();
   compare_variables();
-  report_.ticks_different += tick_differs_ ? 1 : 0;
+  report_.ticks_different += report_.values_different > before ? 1 : 0;
 }
 
 /// A controller that reads more or less than the recorded one has other hashes from the first tick on: then they tell
@@ -118,9 +121,7 @@ void ReplayComparison::compare_results() {
     Divergence found;
     found.channel = run_topics::tick;
     found.element = fmt::format("controller_results/{}", i);
-    found.expected = source_.recorded().controller_results[i] ? 1.0 : 0.0;
-    found.actual = result ? 1.0 : 0.0;
-    found.difference = 1.0;
+    put_numbers(found, result ? 0.0 : 1.0, result ? 1.0 : 0.0);
     found.note = fmt::format("control() of '{}' returned {}, and {} in the recording", host_.controllers()[i].label,
                              result, !result);
     differs(std::move(found));
@@ -131,19 +132,16 @@ void ReplayComparison::compare_results() {
 double ReplayComparison::tolerance_for(const Divergence& found) const {
   if (!options_.tolerances || !found.note.empty()) return 0.0;
   const Tolerance tolerance = tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
-  return tolerance.bound(std::abs(found.expected));
+  const auto scale = scales_.find({found.channel, found.element});
+  return tolerance.bound(scale == scales_.end() ? 0.0 : scale->second);
 }
 
 void ReplayComparison::differs(Divergence&& found) {
   found.tick = source_.recorded().tick;
   found.time = time_of(source_.recorded().tick, scenario_.time_step);
   found.tolerance = tolerance_for(found);
-  tick_differs_ = true;
-  ++report_.values_different;
-  if (!report_.beyond && (!found.note.empty() || !(found.difference <= found.tolerance))) report_.beyond = found;
   if (options_.on_difference) options_.on_difference(found);
-  if (!report_.worst || found.difference > report_.worst->difference) report_.worst = found;
-  if (!report_.first) report_.first = std::move(found);
+  report_.add(std::move(found));
 }
 
 /// Those that a rule asks for are compared like commands.

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "compare/series_scale.h"
 #include "host/controller_host.h"
 #include "output_record.h"
 #include "recorded_outputs.h"
@@ -20,9 +21,10 @@ namespace rehearse {
 
 class ReplayComparison final : public Sink {
  public:
-  /// The controllers have started. What is found goes into the report. All must outlive this.
+  /// The controllers have started. Differences go into the report. All references must outlive this. `scales`: of the
+  /// recorded commands, for the tolerances of the options.
   ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
-                   ControllerHost& host, const RecordingSource& source, ReplayReport& report);
+                   ControllerHost& host, const RecordingSource& source, SeriesScales scales, ReplayReport& report);
 
   /// The channels that it compares.
   const std::vector<std::uint16_t>& channels() const { return channels_; }
@@ -51,6 +53,7 @@ class ReplayComparison final : public Sink {
   mcap::Reader& recording_;
   ControllerHost& host_;
   const RecordingSource& source_;
+  const SeriesScales scales_;
   ReplayReport& report_;
   RecordedWords words_;
   std::vector<RecordedOutputs> outputs_;       // by controller
@@ -59,7 +62,6 @@ class ReplayComparison final : public Sink {
   std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
   std::vector<bool> is_word_;                // by channel id
   const std::uint64_t from_;                 // [ns]
-  bool tick_differs_ = false;
   std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
 };
 

@@ -182,13 +182,9 @@ std::vector<Divergence> ReplayedOutputs::differences(std::uint64_t time) const {
       divergence.time = time_of(difference.tick, time_step_);
       divergence.channel = place.channel;
       divergence.element = place.element;
-      divergence.unit = place.unit;
       divergence.note = place.note;
       divergence.stage = place.stage;
-      divergence.expected = difference.expected;
-      divergence.actual = difference.actual;
-      divergence.difference = std::abs(difference.actual - difference.expected);
-      divergence.ulps = ulps_between(difference.actual, difference.expected);
+      put_numbers(divergence, difference.expected, difference.actual, place.unit);
       all.push_back(std::move(divergence));
     }
   }

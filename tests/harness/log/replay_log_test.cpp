@@ -8,9 +8,12 @@
 #include <rehearse/trace.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <vector>
 
 #include "robot_log.h"
 
@@ -288,6 +291,27 @@ TEST_F(LogReplay, JudgesByTheMapsTolerances) {
   const LogReplayReport strict = replayed("SR1MinimumController", "sr1.urdf");
   EXPECT_FALSE(strict.within());
   EXPECT_EQ(strict.beyond->tolerance, 1e-15);
+}
+
+TEST_F(LogReplay, ScalesRelativeTolerancesByTheLargestLoggedCommand) {
+  RobotLog robot;
+  robot.topics = {{"/SR1/joints", "/joint_states"}, {"/SR1/SR1Minimum/output/joints", "/joint_commands"}};
+  const std::string golden = "SR1.StandsUnderItsMinimumController.mcap";
+  log(golden, robot);
+  map("time_step: 0.001\njoints: /joint_states\ncommands: /joint_commands\n"
+      "tolerances: [{channel: \"SR1/*/u\", atol: 0, rtol: 1.0e-3}]\n");
+  std::vector<Divergence> found;
+  options_.on_difference = [&found](const Divergence& difference) { found.push_back(difference); };
+  replayed("SR1MinimumController", "sr1.urdf");
+  ASSERT_FALSE(found.empty());
+  const auto recorded = Trace::load(goldens / golden);
+  ASSERT_TRUE(recorded.ok());
+  for (const Divergence& difference : found) {
+    double largest = 0.0;
+    for (const double effort : recorded->values("SR1/SR1Minimum/output/" + difference.element))
+      largest = std::max(largest, std::abs(effort));
+    ASSERT_EQ(difference.tolerance, 1e-3 * largest) << to_string(difference);
+  }
 }
 
 TEST_F(LogReplay, RefusesAControllerThatReadsWhatNothingGives) {

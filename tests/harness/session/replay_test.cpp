@@ -2,6 +2,9 @@
 
 #include <rehearse/mcap.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "runs.h"
 
 namespace rehearse {
@@ -96,6 +99,46 @@ TEST_F(Replay, FindsAChangedGainAtTheTickInWhichItActs) {
   EXPECT_EQ(report.ticks, 100);  // it goes on to the end: nothing amplifies
   EXPECT_EQ(report.ticks_different, 30);
   EXPECT_EQ(report.values_different, 30);
+}
+
+TEST_F(Replay, ScalesRelativeTolerancesByTheLargestRecordedCommand) {
+  std::string text = hinge_pd();
+  text.replace(text.find("0.1"), 3, "0.2");  // the effort passes 0 after tick 70
+  const std::vector<double> efforts = record_run(text).values("Rig/C/output/SHOULDER/u");
+  const auto [least, greatest] = std::minmax_element(efforts.begin(), efforts.end());
+  const double largest = std::max(-*least, *greatest);
+  ReplayOptions options;
+  options.libraries["C"] = "HingePdChanged";
+  ToleranceRule rule;
+  rule.channel = "Rig/C/output/*";
+  rule.atol = 0.0;
+  rule.rtol = 0.01;
+  options.tolerances = {rule};
+  const ReplayReport report = replayed(options);
+  ASSERT_TRUE(report.first);
+  EXPECT_EQ(report.first->tolerance, 0.01 * largest);
+  EXPECT_TRUE(report.within()) << to_string(*report.beyond);
+  options.tolerances->front().rtol = 0.001;
+  EXPECT_FALSE(replayed(options).within());
+}
+
+TEST_F(Replay, ScalesRelativeTolerancesOfAVectorByItsLargestNorm) {
+  record_run(
+      "rehearse: 1\nduration: 0.02\nbodies:\n  - name: Box\n    box: {size: [1, 1, 1]}\n    mass: 2\n"
+      "    position: [9, 0, 0]\n    controllers: [" +
+      behaviour("W", "wrench 1 2 3") + "]\n");
+  ReplayOptions options;
+  options.controllers["Box/W"] = {"Behaviours", "wrench 1.002 2 3", true, false};
+  ToleranceRule rule;
+  rule.channel = "Box/W/output/*";
+  rule.atol = 0.0;
+  rule.rtol = 0.001;
+  options.tolerances = {rule};
+  const ReplayReport report = replayed(options);
+  ASSERT_TRUE(report.first);
+  EXPECT_EQ(report.first->element, "force/x");
+  EXPECT_EQ(report.first->tolerance, 0.001 * std::sqrt(14.0));
+  EXPECT_TRUE(report.within()) << to_string(*report.beyond);
 }
 
 TEST_F(Replay, LabelsNameAControllerToo) {
