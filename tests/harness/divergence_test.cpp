@@ -7,7 +7,7 @@
 namespace rehearse {
 namespace {
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double any_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t most_ulps = std::numeric_limits<std::uint64_t>::max();
 
 Divergence between(double expected, double actual) {
@@ -31,10 +31,10 @@ TEST(Divergence, OfZerosOfBothSignsIsZero) {
 }
 
 TEST(Divergence, OfOneNanIsNanAndOfTwoIsZero) {
-  EXPECT_TRUE(std::isnan(between(nan_value, 1.0).difference));
-  EXPECT_TRUE(std::isnan(between(1.0, nan_value).difference));
-  EXPECT_EQ(between(nan_value, -nan_value).difference, 0.0);
-  EXPECT_EQ(between(nan_value, -nan_value).ulps, most_ulps);
+  EXPECT_TRUE(std::isnan(between(any_nan, 1.0).difference));
+  EXPECT_TRUE(std::isnan(between(1.0, any_nan).difference));
+  EXPECT_EQ(between(any_nan, -any_nan).difference, 0.0);
+  EXPECT_EQ(between(any_nan, -any_nan).ulps, most_ulps);
 }
 
 TEST(Divergence, CollectionKeepsTheFirstTheWorstAndTheFirstBeyond) {
@@ -61,7 +61,7 @@ TEST(Divergence, WithANoteIsBeyondAnyTolerance) {
 
 TEST(Divergence, OfANumberFromNanIsBeyondAnyTolerance) {
   Differences differences;
-  Divergence divergence = between(1.0, nan_value);
+  Divergence divergence = between(1.0, any_nan);
   divergence.tolerance = 1.0;
   differences.add(divergence);
   EXPECT_TRUE(differences.beyond);
