@@ -80,7 +80,6 @@ const Exception allowed[] = {
     {"harness/src/host/interruption.cpp", "identity", "who sent the signal: decides how a process ends"},
     {"harness/src/host/pin.cpp", "environment", "how a process is pinned"},
     {"harness/src/host/supervisor.cpp", "clock", "the parent process: decides when a child is killed, never what is in a run"},
-    {"harness/src/host/supervisor.cpp", "environment", "valgrind: there is no parent process"},
     {"harness/src/host/supervisor.cpp", "identity", "the child asks whether its parent is still there"},
     {"harness/src/host/process_tripwires.cpp", "identity", "a controller's child asks whether its parent is still there"},
     {"harness/src/host/process_tripwires.cpp", "thread", "counts the threads that controllers start; starts none"},

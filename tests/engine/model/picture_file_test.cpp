@@ -57,7 +57,7 @@ std::string jpeg(unsigned width, unsigned height, std::vector<std::uint8_t> colo
   return bytes;
 }
 
-std::string refusal(const std::string& bytes) {
+std::string picture_refusal(const std::string& bytes) {
   const Result<Texture> texture = decode_picture(bytes);
   if (texture) return "it was accepted";
   return to_string(texture.errors());
@@ -103,20 +103,20 @@ TEST(PictureFile, ThatIsDamagedIsRefusedAndDoesNotEndTheProcess) {
        {png(8, 8, PNG_FORMAT_RGB, std::vector<std::uint8_t>(192, 9)), jpeg(8, 8, {1, 2, 3})}) {
     ASSERT_TRUE(decode_picture(whole));
     for (std::size_t length = 0; length + 12 < whole.size(); ++length) {  // a PNG's pixels end there
-      EXPECT_THAT(refusal(whole.substr(0, length)), HasSubstr("error: ")) << length << " of " << whole.size();
+      EXPECT_THAT(picture_refusal(whole.substr(0, length)), HasSubstr("error: ")) << length << " of " << whole.size();
     }
   }
-  EXPECT_THAT(refusal(jpeg(8, 8, {1, 2, 3, 4})), HasSubstr("error: "));  // CMYK
+  EXPECT_THAT(picture_refusal(jpeg(8, 8, {1, 2, 3, 4})), HasSubstr("error: "));  // CMYK
 }
 
 TEST(PictureFile, OfAnotherKindIsToldApart) {
-  EXPECT_THAT(refusal("GIF89a"), HasSubstr("it is neither PNG nor JPEG"));
-  EXPECT_THAT(refusal("version https://git-lfs.github.com/spec/v1"), HasSubstr("git-lfs pointer"));
+  EXPECT_THAT(picture_refusal("GIF89a"), HasSubstr("it is neither PNG nor JPEG"));
+  EXPECT_THAT(picture_refusal("version https://git-lfs.github.com/spec/v1"), HasSubstr("git-lfs pointer"));
 }
 
 TEST(PictureFile, OfTooManyPixelsIsRefused) {
-  EXPECT_THAT(refusal(jpeg(8193, 1, {1})), HasSubstr("it is 8193 x 1 pixels (at most 8192 x 8192 are read)"));
-  EXPECT_THAT(refusal(png(1, 8193, PNG_FORMAT_GRAY, std::vector<std::uint8_t>(8193))), HasSubstr("1 x 8193"));
+  EXPECT_THAT(picture_refusal(jpeg(8193, 1, {1})), HasSubstr("it is 8193 x 1 pixels (at most 8192 x 8192 are read)"));
+  EXPECT_THAT(picture_refusal(png(1, 8193, PNG_FORMAT_GRAY, std::vector<std::uint8_t>(8193))), HasSubstr("1 x 8193"));
 }
 
 }  // namespace
