@@ -21,7 +21,7 @@ rehearse_add_library(model
   src/mesh/mesh_scene.cpp
   src/model/model.cpp
   src/mesh/obj_check.cpp
-  src/urdf/package_search.cpp
+  src/mesh/package_search.cpp
   src/mesh/picture_file.cpp
   src/model/pinhole.cpp
   src/model/rigid_groups.cpp

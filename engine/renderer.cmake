@@ -6,7 +6,7 @@ pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 find_package(PNG REQUIRED)
 find_package(fmt REQUIRED)
 
-rehearse_add_library(png src/renderer/png.cpp)
+rehearse_add_library(png src/png/png.cpp)
 target_link_libraries(rehearse_png PUBLIC Rehearse::model PRIVATE PNG::PNG PkgConfig::libdeflate fmt::fmt)
 
 rehearse_add_library(renderer

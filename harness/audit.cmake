@@ -35,7 +35,7 @@ if(LOCALEDEF AND EXISTS /usr/share/i18n/locales/de_DE)
   install(DIRECTORY ${comma_locale} DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/locale)
 endif()
 # Recordings and replays with simulated time need it, too.
-target_sources(rehearse_harness PRIVATE src/audit/interposer.cpp src/audit/virtualised.cpp)
+target_sources(rehearse_harness PRIVATE src/host/interposer.cpp src/host/virtualised.cpp)
 target_include_directories(rehearse_audit PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(rehearse_audit
   PUBLIC Rehearse::harness

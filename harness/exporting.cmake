@@ -8,6 +8,6 @@ target_sources(rehearse_harness PRIVATE
   src/export/export_source.cpp
   src/export/export_tables.cpp
   src/export/picture_file.cpp
-  src/export/replaceable.cpp
+  src/mcap/replaceable.cpp
   src/export/video_encoder.cpp)
 target_link_libraries(rehearse_harness PRIVATE PNG::PNG)

@@ -36,16 +36,16 @@ rehearse_add_library(harness
   src/recording/recorder.cpp
   src/recording/variable_recorder.cpp
   src/replay/altered_inputs.cpp
-  src/replay/branch_origin.cpp
+  src/scenario/branch_origin.cpp
   src/replay/copying_sink.cpp
   src/replay/recording_source.cpp
   src/replay/write_replay.cpp
   src/replay/recorded_words.cpp
-  src/replay/tick_span.cpp
+  src/scenario/tick_span.cpp
   src/replay/replay.cpp
   src/replay/replay_comparison.cpp
   src/replay/replay_conditions.cpp
-  src/replay/trace_scenario.cpp
+  src/scenario/trace_scenario.cpp
   src/run/hosted_commands.cpp
   src/run/recording_sink.cpp
   src/run/run.cpp)

@@ -18,9 +18,9 @@ target_sources(rehearse_harness PRIVATE
   src/compare/compare_report.cpp
   src/compare/compare_structure.cpp
   src/compare/compare_variables.cpp
-  src/compare/digest.cpp
+  src/golden/digest.cpp
   src/compare/event_sequences.cpp
-  src/compare/expectation.cpp
+  src/check/expectation.cpp
   src/golden/golden.cpp
   src/golden/golden_accept.cpp
   src/golden/golden_files.cpp
@@ -35,11 +35,11 @@ target_sources(rehearse_harness PRIVATE
   src/golden/pending_verdict.cpp
   src/check/perturbed_run.cpp
   src/compare/picture_difference.cpp
-  src/check/plant_level.cpp
+  src/replay/plant_level.cpp
   src/compare/recorded_picture.cpp
   src/check/replayed_twice.cpp
   src/check/reproduction.cpp
-  src/check/scenario_changes.cpp
+  src/compare/scenario_changes.cpp
   src/compare/series_plot.cpp)
 find_package(yaml-cpp 0.7 REQUIRED)
 target_link_libraries(rehearse_harness PRIVATE nlohmann_json::nlohmann_json yaml-cpp)

@@ -2,7 +2,7 @@
 find_package(JPEG REQUIRED)
 
 # The maps' reader needs no more than scenarios do; its fuzzer is built of that alone.
-add_library(rehearse_log_map OBJECT src/log/log_map.cpp src/log/log_map_sources.cpp src/log/log_topics.cpp)
+add_library(rehearse_log_map OBJECT src/log_map/log_map.cpp src/log_map/log_map_sources.cpp src/log_map/log_topics.cpp)
 target_include_directories(rehearse_log_map PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
 target_link_libraries(rehearse_log_map PUBLIC Rehearse::scenario Rehearse::trace PRIVATE rehearse_flags yaml-cpp fmt::fmt)
 

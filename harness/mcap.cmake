@@ -15,7 +15,7 @@ rehearse_add_library(mcap
   src/mcap/doctor_summary.cpp
   src/mcap/draft.cpp
   src/mcap/file_view.cpp
-  src/mcap/filter.cpp
+  src/trace/filter.cpp
   src/mcap/merge.cpp
   src/mcap/order.cpp
   src/mcap/output.cpp
@@ -25,7 +25,7 @@ rehearse_add_library(mcap
   src/mcap/records.cpp
   src/mcap/recover.cpp
   src/mcap/resync.cpp
-  src/mcap/select.cpp
+  src/trace/select.cpp
   src/mcap/sink.cpp
   src/mcap/stream.cpp
   src/mcap/summary.cpp

@@ -3,7 +3,7 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json 3.10 REQUIRED)
 
 rehearse_add_library(trace
-  src/recording/hashing.cpp
+  src/trace/hashing.cpp
   src/trace/channel_name.cpp
   src/trace/message_json.cpp
   src/trace/message_print.cpp

@@ -1,5 +1,5 @@
 // What the interposer was told to do, by the variable REHEARSE_INTERPOSER; its form is that of
-// harness/src/audit/interposer.cpp.
+// harness/src/host/interposer.cpp.
 #pragma once
 
 #include <stdint.h>

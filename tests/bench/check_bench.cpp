@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "pairs.h"
-#include "check/plant_level.h"
+#include "replay/plant_level.h"
 #include "sr1_run.h"
 
 namespace rehearse {

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "command.h"
-#include "export/replaceable.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "audit/interposer.h"
-#include "audit/virtualised.h"
-#include "export/replaceable.h"
+#include "host/interposer.h"
+#include "host/virtualised.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -18,16 +18,16 @@
 #include <utility>
 #include <vector>
 
-#include "audit/virtualised.h"
 #include "check/compared.h"
 #include "command.h"
 #include "debugger.h"
 #include "golden/run_folder.h"
+#include "golden/stale_report.h"
+#include "host/virtualised.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "replay/trace_scenario.h"
-#include "report/stale_report.h"
+#include "scenario/trace_scenario.h"
 #include "scenario_text.h"
 #include "trace/run_facts.h"
 

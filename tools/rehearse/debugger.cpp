@@ -22,7 +22,7 @@
 #include "host/controller_library.h"
 #include "mcap/whole_input.h"
 #include "output.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
 

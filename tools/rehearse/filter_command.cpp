@@ -7,11 +7,11 @@
 #include <string>
 
 #include "command.h"
-#include "export/replaceable.h"
-#include "mcap/filter.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "trace/filter.h"
 
 namespace rehearse::tool {
 namespace {

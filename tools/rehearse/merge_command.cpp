@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "command.h"
-#include "export/replaceable.h"
 #include "mcap/merge.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "mcap/select.h"
+#include "trace/select.h"
 
 namespace rehearse::tool {
 

@@ -17,11 +17,11 @@
 #include <string>
 #include <utility>
 
-#include "audit/interposer.h"
 #include "branch_recording.h"
 #include "command.h"
 #include "debugger.h"
-#include "export/replaceable.h"
+#include "host/interposer.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "command.h"
-#include "export/replaceable.h"
 #include "mcap/recover.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

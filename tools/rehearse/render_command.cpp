@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "command.h"
-#include "export/replaceable.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "scenario_text.h"

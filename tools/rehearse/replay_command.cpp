@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "audit/virtualised.h"
 #include "command.h"
 #include "debugger.h"
-#include "export/replaceable.h"
+#include "host/virtualised.h"
+#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "audit/virtualised.h"
-#include "export/replaceable.h"
+#include "host/virtualised.h"
+#include "mcap/replaceable.h"
 #include "output.h"
 #include "progress.h"
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "audit/virtualised.h"
 #include "command.h"
+#include "host/virtualised.h"
 #include "line_editor.h"
 #include "options.h"
 #include "progress.h"

@@ -12,7 +12,7 @@
 #include <optional>
 #include <set>
 
-#include "export/replaceable.h"
+#include "mcap/replaceable.h"
 #include "output.h"
 #include "tick_print.h"
 

@@ -23,7 +23,7 @@
 #include <string_view>
 #include <vector>
 
-#include "urdf/package_search.h"
+#include "package_search.h"
 
 namespace rehearse {
 

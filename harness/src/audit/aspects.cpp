@@ -1,4 +1,4 @@
-#include "audit/aspects.h"
+#include "aspects.h"
 
 #include <algorithm>
 #include <string>

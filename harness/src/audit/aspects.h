@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "audit/call_log.h"
+#include "call_log.h"
 
 namespace rehearse {
 

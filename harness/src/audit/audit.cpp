@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <set>
 
-#include "audit/aspects.h"
-#include "audit/judgement.h"
-#include "audit/valgrind_report.h"
-#include "audit/virtualised.h"
+#include "aspects.h"
 #include "golden/golden_files.h"
 #include "host/controller_library.h"
-#include "replay/trace_scenario.h"
+#include "host/virtualised.h"
+#include "judgement.h"
+#include "scenario/trace_scenario.h"
+#include "valgrind_report.h"
 
 namespace rehearse {
 namespace {

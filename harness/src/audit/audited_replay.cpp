@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "audit/interposer.h"
-#include "audit/memory_check.h"
-#include "audit/outputs_file.h"
 #include "compare/place_json.h"
+#include "host/interposer.h"
+#include "memory_check.h"
+#include "outputs_file.h"
 
 namespace rehearse {
 namespace {

@@ -1,11 +1,11 @@
-#include "audit/call_log.h"
+#include "call_log.h"
 
 #include <cstring>
 #include <fstream>
 #include <memory>
 
-#include "audit/symbols.h"
 #include "interposer/log_format.h"
+#include "symbols.h"
 
 namespace rehearse {
 namespace {

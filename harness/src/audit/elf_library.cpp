@@ -1,4 +1,4 @@
-#include "audit/elf_library.h"
+#include "elf_library.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

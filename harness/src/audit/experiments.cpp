@@ -1,13 +1,13 @@
-#include "audit/experiments.h"
+#include "experiments.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
 
-#include "audit/aspects.h"
-#include "audit/virtualised.h"
+#include "aspects.h"
 #include "host/controller_library.h"
+#include "host/virtualised.h"
 
 namespace rehearse {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "audit/replay_process.h"
+#include "replay_process.h"
 
 namespace rehearse {
 

@@ -1,4 +1,4 @@
-#include "audit/judgement.h"
+#include "judgement.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "audit/aspects.h"
+#include "aspects.h"
 
 namespace rehearse {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "audit/experiments.h"
-#include "audit/library_scan.h"
-#include "audit/replay_process.h"
+#include "experiments.h"
+#include "library_scan.h"
+#include "replay_process.h"
 
 namespace rehearse {
 

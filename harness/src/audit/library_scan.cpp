@@ -1,4 +1,4 @@
-#include "audit/library_scan.h"
+#include "library_scan.h"
 
 #include <capstone/capstone.h>
 #include <fmt/format.h>
@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "audit/elf_library.h"
-#include "audit/sources.h"
-#include "audit/symbols.h"
+#include "elf_library.h"
+#include "sources.h"
+#include "symbols.h"
 
 namespace rehearse {
 namespace {

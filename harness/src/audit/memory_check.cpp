@@ -1,4 +1,4 @@
-#include "audit/memory_check.h"
+#include "memory_check.h"
 
 #include <fmt/format.h>
 #include <valgrind/memcheck.h>

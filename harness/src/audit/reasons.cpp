@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <functional>
 
-#include "audit/aspects.h"
-#include "audit/judgement.h"
+#include "aspects.h"
+#include "judgement.h"
 
 namespace rehearse {
 namespace {

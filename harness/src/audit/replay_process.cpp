@@ -1,4 +1,4 @@
-#include "audit/replay_process.h"
+#include "replay_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,9 +16,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "audit/virtualised.h"
 #include "compare/place_json.h"
 #include "golden/golden_files.h"
+#include "host/virtualised.h"
 
 namespace rehearse {
 namespace {

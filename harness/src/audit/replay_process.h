@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "audit/call_log.h"
-#include "audit/interposer.h"
-#include "audit/outputs_file.h"
+#include "call_log.h"
+#include "host/interposer.h"
+#include "outputs_file.h"
 
 namespace rehearse {
 

@@ -1,4 +1,4 @@
-#include "audit/sources.h"
+#include "sources.h"
 
 namespace rehearse {
 namespace {

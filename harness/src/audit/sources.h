@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "audit/call_log.h"
+#include "call_log.h"
 
 namespace rehearse {
 

@@ -1,4 +1,4 @@
-#include "audit/symbols.h"
+#include "symbols.h"
 
 #include <cxxabi.h>
 #include <dwarf.h>

@@ -1,4 +1,4 @@
-#include "audit/valgrind_report.h"
+#include "valgrind_report.h"
 
 #include <fmt/format.h>
 #include <tinyxml2.h>

@@ -11,9 +11,9 @@
 
 #include "check_run.h"
 #include "compare/compare_parts.h"
-#include "plant_level.h"
-#include "replay/trace_scenario.h"
+#include "replay/plant_level.h"
 #include "replayed_twice.h"
+#include "scenario/trace_scenario.h"
 
 namespace rehearse {
 namespace {

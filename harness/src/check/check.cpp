@@ -8,10 +8,10 @@
 
 #include "blame.h"
 #include "check_run.h"
-#include "plant_level.h"
+#include "compare/scenario_changes.h"
 #include "recording/provenance.h"
-#include "replay/branch_origin.h"
-#include "scenario_changes.h"
+#include "scenario/branch_origin.h"
+#include "replay/plant_level.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

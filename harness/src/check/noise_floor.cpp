@@ -7,7 +7,7 @@
 #include <map>
 
 #include "compare/compare_parts.h"
-#include "recording/hashing.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

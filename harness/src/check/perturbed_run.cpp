@@ -10,10 +10,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "golden/golden_files.h"
-#include "recording/hashing.h"
-#include "perturbed_process.h"
 #include "compare/place_json.h"
+#include "golden/golden_files.h"
+#include "perturbed_process.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "recording/hashing.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "compare/compare_parts.h"
-#include "plant_level.h"
+#include "replay/plant_level.h"
 
 namespace rehearse {
 namespace {

@@ -11,7 +11,7 @@
 #include "compare_fields.h"
 #include "compare_parts.h"
 #include "counterpart.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 
 namespace rehearse {
 

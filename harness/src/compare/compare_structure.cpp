@@ -8,7 +8,7 @@
 
 #include "compare_parts.h"
 #include "counterpart.h"
-#include "recording/trace_version.h"
+#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "compare/describe.h"
+#include "describe.h"
 
 namespace rehearse {
 namespace {

@@ -1,4 +1,4 @@
-#include "export/channel_table.h"
+#include "channel_table.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "compare/compare_parts.h"
-#include "export/picture_file.h"
+#include "picture_file.h"
 #include "trace/message_json.h"
 #include "trace/ros2msg.h"
 

@@ -1,4 +1,4 @@
-#include "export/export_files.h"
+#include "export_files.h"
 
 #include <fmt/format.h>
 

@@ -5,13 +5,13 @@
 #include <optional>
 #include <set>
 
-#include "export/channel_table.h"
-#include "export/export_files.h"
-#include "export/export_source.h"
-#include "export/picture_file.h"
-#include "export/replaceable.h"
-#include "export/video_encoder.h"
+#include "channel_table.h"
+#include "export_files.h"
+#include "export_source.h"
+#include "mcap/replaceable.h"
+#include "picture_file.h"
 #include "trace_export.h"
+#include "video_encoder.h"
 
 namespace rehearse {
 namespace {

@@ -1,4 +1,4 @@
-#include "export/export_source.h"
+#include "export_source.h"
 
 #include <fmt/format.h>
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "export/channel_table.h"
-#include "export/export_files.h"
-#include "export/export_source.h"
-#include "export/replaceable.h"
+#include "channel_table.h"
+#include "export_files.h"
+#include "export_source.h"
+#include "mcap/replaceable.h"
 #include "trace_export.h"
 
 namespace rehearse {

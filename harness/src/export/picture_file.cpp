@@ -1,4 +1,4 @@
-#include "export/picture_file.h"
+#include "picture_file.h"
 
 #include <fmt/format.h>
 #include <png.h>

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "mcap/select.h"
+#include "trace/select.h"
 
 namespace rehearse {
 

@@ -1,4 +1,4 @@
-#include "export/video_encoder.h"
+#include "video_encoder.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,8 +14,8 @@
 #include <system_error>
 #include <vector>
 
-#include "export/export_files.h"
-#include "export/replaceable.h"
+#include "export_files.h"
+#include "mcap/replaceable.h"
 
 extern char** environ;
 

@@ -10,10 +10,10 @@
 #include <string_view>
 
 #include "golden_files.h"
-#include "recording/hashing.h"
-#include "recording/trace_version.h"
-#include "report/stale_report.h"
+#include "stale_report.h"
+#include "trace/hashing.h"
 #include "trace/run_facts.h"
+#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

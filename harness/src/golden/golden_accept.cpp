@@ -11,7 +11,7 @@
 #include "golden_files.h"
 #include "mcap/copy.h"
 #include "pending_verdict.h"
-#include "report/stale_report.h"
+#include "stale_report.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "recording/hashing.h"
 #include "run_folder.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

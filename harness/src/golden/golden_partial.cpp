@@ -9,12 +9,12 @@
 #include <algorithm>
 
 #include "compare/compare_parts.h"
-#include "host/controller_host.h"
 #include "golden_files.h"
+#include "host/controller_host.h"
 #include "partial_candidate.h"
-#include "check/plant_level.h"
 #include "recording/provenance.h"
-#include "replay/trace_scenario.h"
+#include "replay/plant_level.h"
+#include "scenario/trace_scenario.h"
 
 namespace rehearse {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "golden_files.h"
-#include "recording/hashing.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

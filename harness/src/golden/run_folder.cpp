@@ -16,7 +16,7 @@
 
 #include "golden_files.h"
 #include "pending_verdict.h"
-#include "report/stale_report.h"
+#include "stale_report.h"
 
 namespace rehearse {
 namespace {

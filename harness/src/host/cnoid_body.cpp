@@ -12,7 +12,7 @@
 #include <cnoid/SpotLight>
 #include <limits>
 
-#include "recording/contact_device.h"
+#include "contact_device.h"
 
 namespace rehearse {
 namespace {

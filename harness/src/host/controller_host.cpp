@@ -12,8 +12,8 @@
 #include "debug_hook.h"
 #include "info_text.h"
 #include "opened_files.h"
-#include "recording/hashing.h"
 #include "supervisor.h"
+#include "trace/hashing.h"
 #include "usable_outputs.h"
 
 namespace rehearse {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "guarded_call.h"
-#include "recording/hashing.h"
 #include "supervisor.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

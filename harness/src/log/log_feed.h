@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "log_map.h"
+#include "log_map/log_map.h"
 #include "trace/ros2msg.h"
 
 namespace rehearse {

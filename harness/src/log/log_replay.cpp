@@ -17,11 +17,11 @@
 #include "log_requirements.h"
 #include "log_scenario.h"
 #include "log_survey.h"
-#include "recording/hashing.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/hosted_commands.h"
 #include "run/recording_sink.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/controller_host.h"
-#include "log_map.h"
+#include "log_map/log_map.h"
 #include "log_survey.h"
 
 namespace rehearse {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "log_map.h"
+#include "log_map/log_map.h"
 
 namespace rehearse {
 

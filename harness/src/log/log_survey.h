@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "log_commands.h"
-#include "log_map.h"
+#include "log_map/log_map.h"
 #include "trace/ros2msg.h"
 
 namespace rehearse {

@@ -13,10 +13,10 @@
 #include <map>
 #include <string_view>
 
-#include "audit/virtualised.h"
-#include "hashing.h"
+#include "host/virtualised.h"
+#include "trace/hashing.h"
 #include "trace/run_facts.h"
-#include "trace_version.h"
+#include "trace/trace_version.h"
 
 // The build asks the compiler for this, too; here it holds for whatever this file is compiled with in the end.
 static_assert(FLT_EVAL_METHOD == 0 || *REHEARSE_OTHER_FLAGS, "intermediate results are rounded to their type");

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host/controller_host.h"
-#include "tick_span.h"
+#include "scenario/tick_span.h"
 
 namespace rehearse {
 

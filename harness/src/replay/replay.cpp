@@ -16,7 +16,7 @@
 #include "replay_recording.h"
 #include "run/hosted_commands.h"
 #include "run/run.h"
-#include "trace_scenario.h"
+#include "scenario/trace_scenario.h"
 
 namespace rehearse {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "audit/virtualised.h"
 #include "host/opened_files.h"
+#include "host/virtualised.h"
 #include "recording/provenance.h"
 #include "recording_source.h"
 #include "trace/run_facts.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "branch_origin.h"
+#include "scenario/branch_origin.h"
 #include "copying_sink.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
@@ -14,7 +14,7 @@
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/hosted_commands.h"
-#include "trace_scenario.h"
+#include "scenario/trace_scenario.h"
 
 namespace rehearse {
 namespace {

@@ -1,6 +1,6 @@
 #include <rehearse/failure_report.h>
 
-#include "report/stale_report.h"
+#include "golden/stale_report.h"
 
 namespace rehearse {
 namespace {

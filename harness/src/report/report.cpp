@@ -12,14 +12,14 @@
 #include "compare/compare_parts.h"
 #include "compare/counterpart.h"
 #include "compare/report_json.h"
-#include "mcap/filter.h"
-#include "replay/trace_scenario.h"
-#include "report/report_page.h"
-#include "report/report_pictures.h"
-#include "report/report_robots.h"
-#include "report/report_run.h"
-#include "report/report_series.h"
-#include "report/report_size.h"
+#include "report_page.h"
+#include "report_pictures.h"
+#include "report_robots.h"
+#include "report_run.h"
+#include "report_series.h"
+#include "report_size.h"
+#include "scenario/trace_scenario.h"
+#include "trace/filter.h"
 
 namespace rehearse {
 namespace {

@@ -1,4 +1,4 @@
-#include "report/report_blobs.h"
+#include "report_blobs.h"
 
 #include <fmt/format.h>
 #include <libdeflate.h>

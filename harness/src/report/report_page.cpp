@@ -1,4 +1,4 @@
-#include "report/report_page.h"
+#include "report_page.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <iterator>
 
-#include "export/replaceable.h"
+#include "mcap/replaceable.h"
 
 namespace rehearse {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
+#include "golden/stale_report.h"
 #include "mcap/draft.h"
-#include "report/report_blobs.h"
-#include "report/stale_report.h"
+#include "report_blobs.h"
 
 namespace rehearse {
 

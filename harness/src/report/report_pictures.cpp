@@ -1,4 +1,4 @@
-#include "report/report_pictures.h"
+#include "report_pictures.h"
 
 #include <fmt/format.h>
 #include <rehearse/png.h>

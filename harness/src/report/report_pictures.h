@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "report/report_blobs.h"
-#include "report/report_run.h"
+#include "report_blobs.h"
+#include "report_run.h"
 
 namespace rehearse {
 

@@ -1,4 +1,4 @@
-#include "report/report_robots.h"
+#include "report_robots.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -13,8 +13,8 @@
 #include <tuple>
 #include <vector>
 
-#include "report/report_blobs.h"
-#include "report/report_run.h"
+#include "report_blobs.h"
+#include "report_run.h"
 
 namespace rehearse {
 

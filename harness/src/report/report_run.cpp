@@ -1,4 +1,4 @@
-#include "report/report_run.h"
+#include "report_run.h"
 
 #include <algorithm>
 

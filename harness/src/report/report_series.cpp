@@ -1,4 +1,4 @@
-#include "report/report_series.h"
+#include "report_series.h"
 
 #include <rehearse/messages.h>
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "report/report_blobs.h"
-#include "report/report_run.h"
+#include "report_blobs.h"
+#include "report_run.h"
 
 namespace rehearse {
 

@@ -1,4 +1,4 @@
-#include "report/report_size.h"
+#include "report_size.h"
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>

@@ -11,7 +11,7 @@
 #include "closed_loop.h"
 #include "host/float_mode.h"
 #include "recording/provenance.h"
-#include "replay/branch_origin.h"
+#include "scenario/branch_origin.h"
 #include "replay/copying_sink.h"
 #include "replay/replay_recording.h"
 

@@ -11,7 +11,7 @@
 #include "recorded_checkpoints.h"
 #include "recording/mesh_digests.h"
 #include "replay/recording_source.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

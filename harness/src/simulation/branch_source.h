@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "replay/branch_origin.h"
+#include "scenario/branch_origin.h"
 
 namespace rehearse {
 

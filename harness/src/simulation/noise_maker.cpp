@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "recording/hashing.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "check/scenario_changes.h"
+#include "compare/scenario_changes.h"
 #include "host/float_mode.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"

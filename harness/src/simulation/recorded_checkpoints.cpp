@@ -14,7 +14,7 @@
 #include "checkpoint_trial.h"
 #include "plant.h"
 #include "recording/recorder.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

@@ -9,7 +9,7 @@
 #include "export/picture_file.h"
 #include "mcap/whole_input.h"
 #include "name_search.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 #include "stepped_trace_impl.h"
 
 namespace rehearse {

@@ -15,7 +15,7 @@
 
 #include "check/compared.h"
 #include "golden/run_folder.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 #include "test_recordings.h"
 #include "test_reports.h"
 

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "export/replaceable.h"
 #include "golden/run_folder.h"
+#include "mcap/replaceable.h"
 
 namespace rehearse::internal {
 namespace {

@@ -8,7 +8,7 @@
 #include <array>
 #include <cstring>
 
-#include "recording/hashing.h"
+#include "hashing.h"
 
 namespace rehearse {
 namespace {

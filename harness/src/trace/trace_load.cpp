@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "channel_name.h"
+#include "hashing.h"
 #include "message_rest.h"
-#include "recording/hashing.h"
 
 namespace rehearse {
 

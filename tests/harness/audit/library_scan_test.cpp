@@ -13,8 +13,8 @@
 #include <iterator>
 #include <optional>
 
-#include "audit/interposer.h"
 #include "audit/sources.h"
+#include "host/interposer.h"
 
 namespace rehearse {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "audit/interposer.h"
+#include "host/interposer.h"
 
 namespace rehearse {
 namespace {

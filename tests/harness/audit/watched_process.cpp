@@ -7,7 +7,7 @@
 #include <ctime>
 #include <string>
 
-#include "audit/interposer.h"
+#include "host/interposer.h"
 
 int main(int, char** arguments) {
   using namespace rehearse;

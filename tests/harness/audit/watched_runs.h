@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "audit/call_log.h"
-#include "audit/interposer.h"
+#include "host/interposer.h"
 
 namespace rehearse {
 

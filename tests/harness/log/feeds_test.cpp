@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "log/log_feed.h"
-#include "log/log_map.h"
+#include "log_map/log_map.h"
 #include "mapped_robot.h"
 
 namespace rehearse {

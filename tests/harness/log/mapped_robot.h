@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "log/log_topics.h"
+#include "log_map/log_topics.h"
 
 namespace rehearse {
 

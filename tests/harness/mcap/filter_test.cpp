@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 
 #include "mcap/doctor.h"
-#include "mcap/filter.h"
 #include "mcap/merge.h"
 #include "mcap_files.h"
+#include "trace/filter.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

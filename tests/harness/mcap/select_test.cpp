@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mcap/select.h"
+#include "trace/select.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

@@ -11,7 +11,7 @@
 
 #include "../small_traces.h"
 #include "decoded_report.h"
-#include "replay/trace_scenario.h"
+#include "scenario/trace_scenario.h"
 
 namespace rehearse::testing {
 namespace {

@@ -11,7 +11,7 @@
 #include <map>
 #include <numbers>
 
-#include "compare_parts.h"
+#include "compare/compare_parts.h"
 
 namespace rehearse {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "audit/interposer.h"
+#include "interposer.h"
 
 namespace rehearse {
 

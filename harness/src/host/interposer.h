@@ -17,7 +17,7 @@
 #include <string>
 
 #include "audit/call_log.h"
-#include "host/controller_watch.h"
+#include "controller_watch.h"
 
 namespace rehearse {
 

@@ -4,8 +4,8 @@
 #include <rehearse/urdf.h>
 
 #include "branch_origin.h"
-#include "recording/trace_version.h"
 #include "trace/run_facts.h"
+#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

@@ -1,4 +1,4 @@
-#include "export/replaceable.h"
+#include "replaceable.h"
 
 #include <fmt/format.h>
 

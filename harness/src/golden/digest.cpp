@@ -12,8 +12,8 @@
 #include <iterator>
 #include <limits>
 
-#include "compare_parts.h"
-#include "recording/hashing.h"
+#include "compare/compare_parts.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

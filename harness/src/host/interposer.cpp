@@ -1,4 +1,4 @@
-#include "audit/interposer.h"
+#include "interposer.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "host/controller_library.h"
+#include "controller_library.h"
 
 namespace rehearse {
 namespace {

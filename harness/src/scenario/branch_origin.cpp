@@ -7,9 +7,9 @@
 #include <array>
 #include <fstream>
 
-#include "recording/hashing.h"
-#include "scenario/scenario_findings.h"
+#include "scenario_findings.h"
 #include "tick_span.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 

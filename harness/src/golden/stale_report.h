@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "export/replaceable.h"
+#include "mcap/replaceable.h"
 
 namespace rehearse {
 

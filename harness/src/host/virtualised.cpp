@@ -1,4 +1,4 @@
-#include "audit/virtualised.h"
+#include "virtualised.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "chunks.h"
-#include "draft.h"
-#include "file_view.h"
-#include "whole_input.h"
+#include "mcap/chunks.h"
+#include "mcap/draft.h"
+#include "mcap/file_view.h"
+#include "mcap/whole_input.h"
 
 namespace rehearse::mcap {
 
