@@ -1,5 +1,4 @@
 // What the plant level of a check costs, and what checkpoints cost a recording.
-#include <rehearse/plant_run.h>
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
 

@@ -10,7 +10,6 @@
 #include <cpuid.h>
 #include <fmt/format.h>
 #include <rehearse/pin.h>
-#include <rehearse/plant_run.h>
 #include <rehearse/session.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #include <rehearse/check.h>
+#include <rehearse/session.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

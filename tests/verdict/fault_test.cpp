@@ -2,6 +2,7 @@
 // on the right part of the loop. Printed when all have run.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <rehearse/session.h>
 
 #include <regex>
 

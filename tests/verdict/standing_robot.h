@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/check.h>
-#include <rehearse/plant_run.h>
 #include <rehearse/session.h>
 
 #include <gtest/gtest.h>

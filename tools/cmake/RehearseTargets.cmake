@@ -34,12 +34,68 @@ if(REHEARSE_SANITIZE)
   add_link_options(-fsanitize=${REHEARSE_SANITIZE})
 endif()
 
-# rehearse_add_library(NAME SOURCES... ): the shared library librehearse_NAME.so, target Rehearse::NAME.
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
+add_library(rehearse_xxhash INTERFACE)
+target_include_directories(rehearse_xxhash INTERFACE ${XXHASH_INCLUDE_DIR})
+
+# rehearse_room(NAME SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder of
+# sources as a target of its own, rehearse_room_NAME. Without sources it is a folder of headers.
+#
+# A file of the room may include its own headers and those of the rooms after MAY_USE, no others: headers of their
+# folders and headers of theirs that are installed (PUBLIC, in include/rehearse). Programs in tools/ may include what is
+# installed, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all that from the targets.
+# LIBRARIES are of other projects, and Rehearse::cnoid.
+function(rehearse_room name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
+  list(TRANSFORM arg_MAY_USE PREPEND rehearse_room_)
+  set(room rehearse_room_${name})
+  if(arg_SOURCES)
+    add_library(${room} OBJECT ${arg_SOURCES})
+    target_compile_features(${room} PRIVATE cxx_std_20)
+    target_include_directories(${room} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/../../include ${CMAKE_CURRENT_SOURCE_DIR}/..)
+    target_link_libraries(${room} PUBLIC ${arg_MAY_USE} ${arg_LIBRARIES} PRIVATE rehearse_flags)
+  else()
+    add_library(${room} INTERFACE)
+    target_include_directories(${room} INTERFACE ${CMAKE_CURRENT_SOURCE_DIR}/..)
+  endif()
+  set_target_properties(${room} PROPERTIES
+    REHEARSE_FOLDER "${CMAKE_CURRENT_SOURCE_DIR}" REHEARSE_PUBLIC "${arg_PUBLIC}" REHEARSE_DOOR "${arg_DOOR}"
+    REHEARSE_LIBRARIES "${arg_LIBRARIES}")
+  set_property(GLOBAL APPEND PROPERTY REHEARSE_ROOMS ${room})
+endfunction()
+
+# rehearse_write_rooms(FILE): the graph of the rooms as CMake has it, for the test: a line each of name, folder, links,
+# public headers and doors, separated by |.
+function(rehearse_write_rooms file)
+  get_property(rooms GLOBAL PROPERTY REHEARSE_ROOMS)
+  set(lines "")
+  foreach(room IN LISTS rooms)
+    get_target_property(type ${room} TYPE)
+    set(links "")
+    if(NOT type STREQUAL INTERFACE_LIBRARY)
+      set(links "$<TARGET_PROPERTY:${room},LINK_LIBRARIES>")
+    endif()
+    string(APPEND lines "${room}|$<TARGET_PROPERTY:${room},REHEARSE_FOLDER>|${links}"
+      "|$<TARGET_PROPERTY:${room},REHEARSE_PUBLIC>|$<TARGET_PROPERTY:${room},REHEARSE_DOOR>\n")
+  endforeach()
+  file(GENERATE OUTPUT ${file} CONTENT "${lines}")
+endfunction()
+
+# rehearse_add_library(NAME SOURCES... ROOMS rooms...): the shared library librehearse_NAME.so, target Rehearse::NAME.
 function(rehearse_add_library name)
-  add_library(rehearse_${name} SHARED ${ARGN})
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ROOMS")
+  add_library(rehearse_${name} SHARED ${arg_UNPARSED_ARGUMENTS})
   add_library(Rehearse::${name} ALIAS rehearse_${name})
   set_target_properties(rehearse_${name} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(rehearse_${name} PUBLIC cxx_std_20)
-  target_include_directories(rehearse_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(rehearse_${name} PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
+  foreach(room IN LISTS arg_ROOMS)
+    target_sources(rehearse_${name} PRIVATE $<TARGET_OBJECTS:rehearse_room_${room}>)
+    get_target_property(libraries rehearse_room_${room} REHEARSE_LIBRARIES)
+    target_link_libraries(rehearse_${name} PRIVATE ${libraries})
+  endforeach()
+  if(arg_ROOMS)
+    target_include_directories(rehearse_${name} PUBLIC
+      $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  endif()
 endfunction()

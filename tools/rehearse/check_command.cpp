@@ -3,6 +3,7 @@
 #include <rehearse/check.h>
 #include <rehearse/failure_report.h>
 #include <rehearse/interruption.h>
+#include <rehearse/session.h>
 #include <rehearse/supervise.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // rehearse golden accept and reject: decisions without a terminal.
 #include <fmt/format.h>
-#include <rehearse/plant_run.h>
+#include <rehearse/session.h>
 
 #include <memory>
 #include <utility>

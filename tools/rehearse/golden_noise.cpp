@@ -3,6 +3,7 @@
 #include <rehearse/golden.h>
 #include <rehearse/noise_floor.h>
 #include <rehearse/perturbed_run.h>
+#include <rehearse/session.h>
 #include <unistd.h>
 
 #include <algorithm>

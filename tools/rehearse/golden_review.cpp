@@ -35,7 +35,7 @@ Waiting waiting_run(const GoldenStore& store, const std::string& name) {
   waiting.name = name;
   const auto load = [&](const fs::path& file) -> std::optional<Trace> {
     auto trace = Trace::load(file);
-    const auto known = trace ? check_trace_version(trace->metadata(), trace->file()) : Result<void>(trace.errors());
+    const auto known = trace ? check_version(*trace) : Result<void>(trace.errors());
     if (known) return *std::move(trace);
     waiting.problems.insert(waiting.problems.end(), known.errors().begin(), known.errors().end());
     return std::nullopt;

@@ -3,7 +3,6 @@
 #include <rehearse/clock.h>
 #include <rehearse/expectation.h>
 #include <rehearse/interruption.h>
-#include <rehearse/plant_run.h>
 #include <rehearse/reproduction.h>
 #include <rehearse/session.h>
 #include <rehearse/supervise.h>

@@ -4,7 +4,7 @@
 // others, are fed with the source's inputs from tick 0 on, so that their memory is right, and what they do is recorded.
 // At the moment the world is the source's, and the loop is closed. A branch is a whole recording: it is replayed,
 // compared and branched from like any other. Its metadata record `rehearse.branch` says where it came from. Without any
-// change it is the source, bit for bit. Needs the simulation, like session.h; write_replay() doesn't.
+// change it is the source, bit for bit. Needs the simulation, like session.h.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -59,10 +59,5 @@ struct BranchSummary {
 /// fails before the moment.
 Result<BranchSummary> record_branch(const BranchPoint& from, const std::filesystem::path& trace,
                                     const BranchOptions& options = {});
-
-/// The replay of a recording as a recording: what was to be seen as it was, the controllers' inputs with what
-/// ReplayOptions::set alters of them, and what they did of them. Whole, whatever `from` and `until` say.
-Result<void> write_replay(const std::filesystem::path& recording, const std::filesystem::path& trace,
-                          const ReplayOptions& options);
 
 }  // namespace rehearse

@@ -7,19 +7,17 @@
 //
 // Nothing amplifies a difference on the first two levels for longer than from one checkpoint to the next, so they tell
 // what changed: the controller, or the physics, the sensors, the renderer. This library does not simulate: whoever
-// checks hands in what makes the runs (session.h: record; plant_run.h: run_plant).
+// checks hands in a Simulation, the functions that make runs.
 #pragma once
 
 #include <rehearse/compare.h>
 #include <rehearse/expectation.h>
 #include <rehearse/golden.h>
-#include <rehearse/plant_run.h>
 #include <rehearse/replay.h>
 #include <rehearse/scenario.h>
-#include <rehearse/session.h>
+#include <rehearse/simulation.h>
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -43,14 +41,6 @@ struct CheckOptions {
   bool closed = true;
   std::optional<double> estimated_horizon;  // of closed, if the scenario states none [s]
   RecordOptions run;                        // of all levels
-};
-
-/// What simulates: makes a fresh recording of a scenario, and a run of its world under recorded commands.
-struct Simulation {
-  std::function<Result<RunSummary>(const Scenario&, const std::filesystem::path& trace, const RecordOptions&)> record;
-  std::function<Result<PlantSummary>(const Scenario&, const Trace& recording, const std::filesystem::path& trace,
-                                     const PlantOptions&)>
-      run_plant;
 };
 
 struct CheckReport {

@@ -1,24 +1,14 @@
 // Divergence: one place where two runs differ, and by how much.
 #pragma once
 
+#include <rehearse/trace.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace rehearse {
-
-/// Which part of the loop produced the value that differs.
-enum class Stage {
-  inputs,      // what was fed to a controller isn't what was recorded
-  controller,  // the same inputs, other commands
-  physics,     // the state of the simulated bodies
-  sensors,     // what a sensor measured of it
-  renderer,    // pixels
-};
-
-/// "inputs", "controller", "physics", "sensors" or "renderer".
-std::string_view to_string(Stage stage);
 
 struct Divergence {
   std::int64_t tick = 0;

@@ -126,9 +126,8 @@ class GoldenStore {
   std::filesystem::path pending_;
 };
 
-/// Fails if the metadata of a recording says that it is of a version of the trace format that isn't known here. `file`:
-/// what the error calls it.
-Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file);
+/// The file of a golden's measured noise: beside it, with the ending .noise.
+std::filesystem::path noise_file_of(const std::filesystem::path& golden);
 
 /// The first words of a digest name its form.
 inline constexpr const char* digest_form = "digest 2";

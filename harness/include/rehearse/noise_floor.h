@@ -76,9 +76,6 @@ struct NoiseOptions {
 Result<NoiseFloor> measure_noise(const Scenario& scenario, const Trace& recording, const Simulation& simulation,
                                  const NoiseOptions& options);
 
-/// Beside the golden, with the ending .noise.
-std::filesystem::path noise_file_of(const std::filesystem::path& golden);
-
 /// The facts of provenance that noise depends on, and the processor it was measured on.
 inline constexpr const char* noise_facts[] = {"rehearse", "physics", "libc", "compiler", "renderer", "processor"};
 

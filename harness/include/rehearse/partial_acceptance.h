@@ -16,11 +16,10 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/host_options.h>
-#include <rehearse/plant_run.h>
+#include <rehearse/simulation.h>
 #include <rehearse/trace.h>
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,10 +41,8 @@ std::string to_string(const Selection& selection);
 /// What a candidate is executed again with.
 struct Reexecution {
   HostOptions host;
-  /// plant_run.h: run_plant, from who simulates. Null: only what is the run itself in all that is kept can be accepted.
-  std::function<Result<PlantSummary>(const Scenario&, const Trace& recording, const std::filesystem::path& trace,
-                                     const PlantOptions&)>
-      run_plant;
+  /// session.h: run_plant, from who simulates. Null: only what is the run itself in all that is kept can be accepted.
+  RunPlant run_plant;
   /// Files that may be the run's scenario. A recording has no meshes: a run with meshes needs the file that it is of.
   std::vector<std::filesystem::path> scenarios;
 };

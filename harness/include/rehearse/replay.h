@@ -94,4 +94,9 @@ struct ReplayReport : Differences {
 /// something that was not recorded.
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options = {});
 
+/// The replay of a recording as a recording: what was to be seen as it was, the controllers' inputs with what
+/// ReplayOptions::set alters of them, and what they did of them. Whole, whatever `from` and `until` say.
+Result<void> write_replay(const std::filesystem::path& recording, const std::filesystem::path& trace,
+                          const ReplayOptions& options);
+
 }  // namespace rehearse

@@ -1,11 +1,16 @@
 // Session: one closed-loop run of a scenario: sense, control, actuate, step, and all of it recorded.
 //
+// A plant run (run_plant) is the run of a world under the commands of a recording, without its controllers: the plant
+// level of a check. At each checkpoint of the recording the world is set back to the recorded state, so that a
+// difference never grows for longer than from one checkpoint to the next: what is left is what the simulation does
+// otherwise, not what became of it. The state at a checkpoint itself is recorded before it is restored.
+//
 // Needs the simulation (ODE, and OSMesa if a camera runs). For recorded inputs without simulation: replay.h.
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
 #include <rehearse/scenario.h>
+#include <rehearse/simulation.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -15,27 +20,6 @@
 #include <string>
 
 namespace rehearse {
-
-struct RecordOptions : HostOptions {
-  /// Simulated time from one checkpoint to the next [s]; at least a tick; 0: there are none, and the plant level of a
-  /// check runs from the start.
-  double checkpoint_period = 0.1;
-  /// Moves each body by a last bit before the first tick, to see how far that carries. See World::nudge().
-  std::optional<std::uint32_t> nudge;
-  /// Called about every hundredth of the run with the ticks done and all; null: not.
-  std::function<void(std::int64_t done, std::int64_t all)> progress;
-};
-
-/// What a run came to.
-struct RunSummary {
-  std::int64_t ticks = 0;
-  int channels = 0;
-  std::int64_t frames = 0;            // colour pictures
-  std::uintmax_t bytes = 0;           // of the trace file
-  std::optional<Diagnostic> failure;  // a controller threw, crashed or hung, or the simulation exploded: it ended there
-  bool controller_refused = false;    // a controller returned false from configure, initialize or start
-  Diagnostics remarks;  // what controllers did that they should not have, and World::remarks(); warnings and errors
-};
 
 /// Runs the scenario and writes the trace. Fails, with nothing written, if it can't begin: a library that doesn't load,
 /// a body that can't be simulated, a file that can't be created. A controller that fails later ends the run, not the
@@ -63,5 +47,13 @@ class Session {
   explicit Session(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Runs the scenario's world under the recorded commands and writes what it did into a trace: state, sensors, frames
+/// and the hash of the state. If the recording has no checkpoints, or says that they aren't exact, or they are of a
+/// kind that this version can't restore, it runs from the start without them and says so. Fails if the recording
+/// commands something that the scenario hasn't, if the scenario has another time step or parts that the checkpoints
+/// have no state of, or if the run can't begin.
+Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
+                               const PlantOptions& options = {});
 
 }  // namespace rehearse

@@ -52,6 +52,18 @@ struct ContactChange;
 struct Event;
 }  // namespace msg
 
+/// Which part of the loop produced the value that differs.
+enum class Stage {
+  inputs,      // what was fed to a controller isn't what was recorded
+  controller,  // the same inputs, other commands
+  physics,     // the state of the simulated bodies
+  sensors,     // what a sensor measured of it
+  renderer,    // pixels
+};
+
+/// "inputs", "controller", "physics", "sensors" or "renderer".
+std::string_view to_string(Stage stage);
+
 /// What the 64 bits of a cell are.
 enum class CellKind { floating, signed_integer, unsigned_integer, boolean };
 

@@ -12,16 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include "host/interposer.h"
+
 namespace rehearse {
-
-/// An address in a file of code: of the call itself, not of what follows it.
-struct CodePlace {
-  std::string module;        // path of the library
-  std::uint64_t offset = 0;  // virtual address in it, as its symbols have it
-
-  friend bool operator==(const CodePlace&, const CodePlace&) = default;
-  friend auto operator<=>(const CodePlace&, const CodePlace&) = default;
-};
 
 struct ObservedCall {
   enum class Source { clock, random, thread, file, network, environment, locale, process };

@@ -108,8 +108,6 @@ void read_file(Findings& findings, const YamlNode& root, NoiseFloor& noise) {
 
 }  // namespace
 
-fs::path noise_file_of(const fs::path& golden) { return fs::path(golden).replace_extension(".noise"); }
-
 std::string to_yaml(const NoiseFloor& noise) {
   YAML::Emitter out;
   out << YAML::Comment(

@@ -2,7 +2,6 @@
 // compared.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
@@ -10,6 +9,7 @@
 #include <set>
 
 #include "compare_parts.h"
+#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

@@ -20,17 +20,6 @@ std::int64_t ordinal(double value) {
 
 }  // namespace
 
-std::string_view to_string(Stage stage) {
-  switch (stage) {
-    case Stage::inputs: return "inputs";
-    case Stage::controller: return "controller";
-    case Stage::physics: return "physics";
-    case Stage::sensors: return "sensors";
-    case Stage::renderer: return "renderer";
-  }
-  return "";
-}
-
 bool identical(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 std::uint64_t ulps_between(double a, double b) {

@@ -89,16 +89,7 @@ Result<fs::path> find_golden_folder(const fs::path& scenario) {
 GoldenStore::GoldenStore(fs::path folder, fs::path pending)
     : folder_(std::move(folder)), pending_(std::move(pending)) {}
 
-Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file) {
-  const RunFacts run = RunFacts::of(metadata);
-  const std::string version = run.stated(facts::trace_version), writer = run.stated(facts::rehearse);
-  if (version.empty() || version == std::to_string(trace_version)) return {};
-  Diagnostic finding =
-      error(fmt::format("it is of trace version {}, and this program reads version {}", version, trace_version),
-            fmt::format("install the version of Rehearse that wrote it{}{}", writer.empty() ? "" : ": ", writer));
-  finding.file = file;
-  return finding;
-}
+fs::path noise_file_of(const fs::path& golden) { return fs::path(golden).replace_extension(".noise"); }
 
 fs::path GoldenStore::trace_file(const std::string& name) const { return folder_ / (name + ".mcap"); }
 fs::path GoldenStore::digest_file(const std::string& name) const { return folder_ / (name + ".txt"); }

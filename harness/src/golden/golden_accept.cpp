@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
-#include <rehearse/noise_floor.h>
 #include <rehearse/picture_difference.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "pending_verdict.h"
 #include "stale_report.h"
 #include "trace/run_facts.h"
+#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

@@ -11,6 +11,7 @@
 #include "golden_files.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
+#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

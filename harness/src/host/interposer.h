@@ -1,9 +1,10 @@
 // The interposer: a library that is loaded before all others (LD_PRELOAD) and sees what a controller asks of the
 // system.
 //
-// It takes note of the calls (call_log.h), and gives other answers than the system's where it was told to: another
-// time, other random numbers, other thread schedules. It does so only for calls made by a controller: on the thread
-// that called it, while it is called, with the controller's own code on the stack; and on threads that it created.
+// It takes note of the calls (audit/call_log.h), and gives other answers than the system's where it was told to:
+// another time, other random numbers, other thread schedules. It does so only for calls made by a controller: on the
+// thread that called it, while it is called, with the controller's own code on the stack; and on threads that it
+// created.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -16,10 +17,18 @@
 #include <optional>
 #include <string>
 
-#include "audit/call_log.h"
 #include "controller_watch.h"
 
 namespace rehearse {
+
+/// An address in a file of code: of the call itself, not of what follows it.
+struct CodePlace {
+  std::string module;        // path of the library
+  std::uint64_t offset = 0;  // virtual address in it, as its symbols have it
+
+  friend bool operator==(const CodePlace&, const CodePlace&) = default;
+  friend auto operator<=>(const CodePlace&, const CodePlace&) = default;
+};
 
 /// A clock that follows the simulation: `start + rate * (time of the tick)`, and `read_step` more with each further
 /// reading in the same call, so that nobody waits for ever. Sleeping takes no time but moves it on by what was asked
@@ -53,7 +62,8 @@ struct InterposerSettings {
   std::filesystem::path log;    // empty: none
   std::filesystem::path files;  // where copies of the files are that controllers write; empty: they write the files
   Substitution everywhere;
-  /// At calls from this place (ObservedCall::place) the clock and the seed are these; at all others `everywhere`.
+  /// At calls from this place (audit/call_log.h: ObservedCall::place) the clock and the seed are these; at all others
+  /// `everywhere`.
   std::optional<CodePlace> only;
   Substitution there;
 };

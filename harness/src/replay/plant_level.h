@@ -1,7 +1,8 @@
 // The plant level of a check: a golden's commands into the world, and what comes of it against the golden.
 #pragma once
 
-#include <rehearse/check.h>
+#include <rehearse/compare.h>
+#include <rehearse/simulation.h>
 
 #include <filesystem>
 #include <functional>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
-#include <rehearse/branch.h>
 #include <rehearse/clock.h>
+#include <rehearse/replay.h>
 
 #include <algorithm>
 #include <utility>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/clock.h>
-#include <rehearse/plant_run.h>
+#include <rehearse/session.h>
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 #include <rehearse/mcap.h>
 #include <rehearse/noise_floor.h>
 #include <rehearse/reproduction.h>
+#include <rehearse/session.h>
 #include <rehearse/test_support.h>
 #include <rehearse/tolerance.h>
 

@@ -272,6 +272,17 @@ std::string unit_of(const mcap::StringMap& metadata, std::string_view element) {
   return unit ? *unit : "";
 }
 
+std::string_view to_string(Stage stage) {
+  switch (stage) {
+    case Stage::inputs: return "inputs";
+    case Stage::controller: return "controller";
+    case Stage::physics: return "physics";
+    case Stage::sensors: return "sensors";
+    case Stage::renderer: return "renderer";
+  }
+  return "";
+}
+
 Stage stage_of(const ChannelName& name, std::string_view element) {
   if (name.side == ChannelSide::input) return Stage::inputs;
   if (name.side == ChannelSide::output) return Stage::controller;

@@ -3,8 +3,8 @@
 // topic apart.
 #pragma once
 
-#include <rehearse/divergence.h>
 #include <rehearse/mcap_types.h>
+#include <rehearse/trace.h>
 
 #include <cstdint>
 #include <span>

@@ -3,7 +3,7 @@
 #include <rehearse/cdr.h>
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
-#include <rehearse/plant_run.h>
+#include <rehearse/session.h>
 
 #include <algorithm>
 #include <cmath>

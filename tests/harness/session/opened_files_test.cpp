@@ -1,5 +1,6 @@
 // Files that controllers read: recorded by their content, and named where they explain a difference.
 #include <rehearse/check.h>
+#include <rehearse/session.h>
 
 #include "runs.h"
 

@@ -1,6 +1,6 @@
 // Parts of runs that become part of a golden, or don't: decided by executing them again.
 #include <rehearse/golden.h>
-#include <rehearse/plant_run.h>
+#include <rehearse/session.h>
 
 #include "runs.h"
 

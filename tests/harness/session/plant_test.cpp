@@ -1,8 +1,9 @@
 // The world under recorded commands: where it can't be set back, and what can't be commanded. That it repeats whatever
 // controllers do is expected of every run of these tests (runs.h).
-#include "simulation/checkpoint_trial.h"
+#include <rehearse/session.h>
 #include "mutilate.h"
 #include "runs.h"
+#include "simulation/checkpoint_trial.h"
 
 namespace rehearse {
 namespace {

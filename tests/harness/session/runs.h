@@ -3,7 +3,6 @@
 
 #include <rehearse/compare.h>
 #include <rehearse/messages.h>
-#include <rehearse/plant_run.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
