@@ -1,7 +1,7 @@
 // What a recorded camera frame costs over drawing it.
 #include "../engine/renderer/mesh_shapes.h"
 
-#include <rehearse/vision.h>
+#include "renderer/vision.h"
 
 #include "host/controller_host.h"
 #include "pairs.h"

@@ -1,8 +1,8 @@
 // What it costs to look at ticks of a long recording: to step back, to go anywhere, to open it.
 
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/session.h>
-#include <rehearse/tick_view.h>
+#include "stepping/tick_view.h"
 #include <rehearse/trace.h>
 
 #include "pairs.h"

@@ -1,8 +1,8 @@
 // What depth and range cost over a colour picture of the same size in the same scene.
 
-#include <rehearse/pinhole.h>
-#include <rehearse/scanner.h>
-#include <rehearse/vision.h>
+#include "model/pinhole.h"
+#include "world/scanner.h"
+#include "renderer/vision.h"
 
 #include "pairs.h"
 #include "sr1_run.h"

@@ -1,7 +1,7 @@
 // A branch of a recording without any change is that recording, message by message, bit for bit: every scenario of the
 // fixtures, both solvers.
 #include <rehearse/branch.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>

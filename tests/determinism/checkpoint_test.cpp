@@ -1,6 +1,6 @@
 // From any checkpoint of a recording, a new process goes on with the same bits: every scenario of the fixtures, both
 // solvers, three ticks each.
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
 

@@ -2,7 +2,7 @@
 // channel, pictures and hashes of states among them. What they are compared with is the golden, or, of a scenario that
 // has none, a plain run.
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/pin.h>
 #include <rehearse/scenario.h>
 #include <unistd.h>

@@ -8,4 +8,3 @@ rehearse_add_test(model_tests LABEL unit
           model/urdf_masses_test.cpp model/urdf_meshes_test.cpp model/urdf_referee_test.cpp
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
   LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
-target_include_directories(model_tests PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # the referee is tried on its own

@@ -6,4 +6,3 @@ rehearse_add_test(renderer_test LABEL render
     renderer/renderer_depth_test.cpp renderer/renderer_fine_test.cpp renderer/renderer_lights_test.cpp
     renderer/renderer_mesh_test.cpp renderer/renderer_meshes_test.cpp
   LIBRARIES Rehearse::renderer)
-target_include_directories(renderer_test PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # renderer_meshes.h

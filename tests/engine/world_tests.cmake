@@ -25,7 +25,6 @@ rehearse_add_test(world_tests LABEL sim
     world/weightless_links_test.cpp
     world/wrenches_test.cpp
   LIBRARIES Rehearse::world)
-target_include_directories(world_tests PRIVATE ${PROJECT_SOURCE_DIR}/engine/src)  # contacts of hulls, on their own
 
 rehearse_add_test(vision_tests LABEL render
   SOURCES vision/pinhole_test.cpp vision/vision_test.cpp

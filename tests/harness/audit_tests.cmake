@@ -21,14 +21,12 @@ add_watched_library(fast_math audit/libraries/plugin.cpp)
 target_link_options(fast_math PRIVATE -ffast-math)
 
 add_executable(watched_process audit/watched_process.cpp)
-target_include_directories(watched_process PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)
-target_link_libraries(watched_process PRIVATE rehearse_flags Rehearse::audit ${CMAKE_DL_LIBS})
+target_link_libraries(watched_process PRIVATE rehearse_flags rehearse_private_headers Rehearse::audit ${CMAKE_DL_LIBS})
 
 rehearse_add_test(audit_tests LABEL unit
   SOURCES audit/interposer_test.cpp audit/library_scan_test.cpp audit/stack_fill_test.cpp
           audit/substitution_test.cpp
   LIBRARIES Rehearse::audit)
-target_include_directories(audit_tests PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)
 target_compile_definitions(audit_tests PRIVATE
   AUDIT_LIBRARIES="${audit_libraries}" WATCHED_PROCESS="$<TARGET_FILE:watched_process>")
 add_dependencies(audit_tests watched watched_plugin instructions starts_early startup fast_math watched_process rehearse_interposer)

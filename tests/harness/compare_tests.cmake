@@ -20,4 +20,3 @@ rehearse_add_test(judging_test LABEL unit
     series_plot_test.cpp
     tolerance_test.cpp
   LIBRARIES Rehearse::harness Rehearse::png nlohmann_json::nlohmann_json)
-target_include_directories(judging_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)  # sequences of events, on their own

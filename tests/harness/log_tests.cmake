@@ -9,5 +9,4 @@ rehearse_add_test(log_test LABEL unit
     log/replay_log_test.cpp
     log/watch_test.cpp
   LIBRARIES Rehearse::log Rehearse::testing Rehearse::png JPEG::JPEG)
-target_include_directories(log_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)

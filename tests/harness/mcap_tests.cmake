@@ -14,4 +14,3 @@ rehearse_add_test(mcap_test LABEL unit
     mcap/writer_forms_test.cpp
     mcap/writer_test.cpp
   LIBRARIES Rehearse::mcap lz4 zstd)
-target_include_directories(mcap_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)

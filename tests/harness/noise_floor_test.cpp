@@ -1,4 +1,4 @@
-#include <rehearse/noise_floor.h>
+#include "check/noise_floor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,4 +7,3 @@ rehearse_add_test(report_test LABEL unit
     report/report_robots_test.cpp
     report/report_test.cpp
   LIBRARIES Rehearse::report Rehearse::trace Rehearse::png nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
-target_include_directories(report_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)  # the scenario in a recording

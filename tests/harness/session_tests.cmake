@@ -35,7 +35,7 @@ rehearse_add_test(session_tests LABEL sim
     session/traps_test.cpp
     session/words_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::world Rehearse::cnoid Rehearse::png)
-target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/harness/src)
+target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 
 add_test_controller(Behaviours

@@ -5,7 +5,7 @@
 #include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 #include <rehearse/trace.h>
 
 #include <unistd.h>

@@ -4,6 +4,6 @@ rehearse_add_test(stepping_tests LABEL sim
     stepping/expression_test.cpp
     stepping/stepped_trace_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::world)
-target_include_directories(stepping_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/harness/src)
+target_include_directories(stepping_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(stepping_tests PRIVATE TEST_CONTROLLERS="${CMAKE_BINARY_DIR}/tests/controllers")
 add_dependencies(stepping_tests Behaviours HingePd HingePdChanged)

@@ -11,4 +11,3 @@ rehearse_add_test(trace_test LABEL unit
     trace/run_facts_test.cpp
     trace/trace_test.cpp
   LIBRARIES Rehearse::trace nlohmann_json::nlohmann_json)
-target_include_directories(trace_test PRIVATE ${PROJECT_SOURCE_DIR}/harness/src)  # names of channels, records of a file

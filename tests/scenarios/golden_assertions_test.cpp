@@ -2,7 +2,7 @@
 #include <rehearse/gtest.h>
 
 #include <gmock/gmock.h>
-#include <rehearse/noise_floor.h>
+#include "check/noise_floor.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <png.h>
 #include <rehearse/image.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <array>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "command.h"
 
 #include <gmock/gmock.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <algorithm>
 #include <fstream>

@@ -1,6 +1,6 @@
 // Noise and faults, told apart: on every fixture with contacts, what must not matter stays within tolerance on the
 // levels controller and plant, and small faults of the plant lie far above it. Prints a table of both.
-#include <rehearse/noise_floor.h>
+#include "check/noise_floor.h"
 #include <rehearse/session.h>
 
 #include <fmt/format.h>

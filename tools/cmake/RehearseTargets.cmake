@@ -38,6 +38,10 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(rehearse_xxhash INTERFACE)
 target_include_directories(rehearse_xxhash INTERFACE ${XXHASH_INCLUDE_DIR})
 
+# For tests, which may include headers of all rooms, and for programs, which may include those after DOOR.
+add_library(rehearse_private_headers INTERFACE)
+target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
+
 # rehearse_room(NAME SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder of
 # sources as a target of its own, rehearse_room_NAME. Without sources it is a folder of headers.
 #

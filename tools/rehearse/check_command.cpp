@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/failure_report.h>
-#include <rehearse/interruption.h>
+#include "host/interruption.h"
 #include <rehearse/session.h>
-#include <rehearse/supervise.h>
+#include "host/supervise.h"
 
 #include <algorithm>
 #include <cstdint>

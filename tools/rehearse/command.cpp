@@ -1,7 +1,7 @@
 #include "command.h"
 
 #include <fmt/format.h>
-#include <rehearse/interruption.h>
+#include "host/interruption.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <rehearse/cdr.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/pin.h>

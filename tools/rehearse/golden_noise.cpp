@@ -1,8 +1,8 @@
 // rehearse golden noise: how far runs stray without a reason that matters, beside the golden.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
-#include <rehearse/noise_floor.h>
-#include <rehearse/perturbed_run.h>
+#include "check/noise_floor.h"
+#include "check/perturbed_run.h"
 #include <rehearse/session.h>
 #include <unistd.h>
 

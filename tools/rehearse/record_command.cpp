@@ -1,11 +1,11 @@
 // rehearse record: one closed-loop run, into a trace.
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/expectation.h>
-#include <rehearse/interruption.h>
+#include "host/interruption.h"
 #include <rehearse/reproduction.h>
 #include <rehearse/session.h>
-#include <rehearse/supervise.h>
+#include "host/supervise.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,6 +1,6 @@
 // rehearse render: a picture of a scenario as it starts, or of a model.
 #include <fmt/format.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 #include <rehearse/renderer.h>
 #include <rehearse/scenario.h>
 #include <rehearse/urdf.h>

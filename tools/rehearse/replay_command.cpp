@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/branch.h>
 #include <rehearse/replay.h>
-#include <rehearse/supervise.h>
+#include "host/supervise.h"
 
 #include <cstdint>
 #include <cstdio>

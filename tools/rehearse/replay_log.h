@@ -1,7 +1,7 @@
 // What `rehearse replay LOG --controller LIB --model ROBOT --map FILE` does: the log of a robot into a controller.
 #pragma once
 
-#include <rehearse/log_replay.h>
+#include "log/log_replay.h"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // rehearse replay --tick, --at, --watch and --when: looking into a recording while its controllers are replayed.
 #pragma once
 
-#include <rehearse/tick_view.h>
+#include "stepping/tick_view.h"
 
 #include <optional>
 #include <string>

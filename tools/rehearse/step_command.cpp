@@ -1,6 +1,6 @@
 // rehearse step: a recording tick by tick, at a terminal or by a script of commands on stdin.
 #include <fmt/format.h>
-#include <rehearse/tick_view.h>
+#include "stepping/tick_view.h"
 
 #include <cstdio>
 #include <memory>

@@ -1,7 +1,7 @@
 // StepSession: what one says to `rehearse step`, and what it answers. It knows where in the recording one is.
 #pragma once
 
-#include <rehearse/tick_view.h>
+#include "stepping/tick_view.h"
 
 #include <cstdint>
 #include <functional>

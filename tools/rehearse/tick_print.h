@@ -1,7 +1,7 @@
 // A tick of a recording, for a terminal and as JSON.
 #pragma once
 
-#include <rehearse/tick_view.h>
+#include "stepping/tick_view.h"
 
 #include <string>
 #include <string_view>

@@ -1,6 +1,6 @@
 #include "viewpoint.h"
 
-#include <rehearse/pinhole.h>
+#include "model/pinhole.h"
 #include <rehearse/renderer.h>
 
 #include <algorithm>

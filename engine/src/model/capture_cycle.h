@@ -6,7 +6,7 @@
 // waits and carries over what a capture was late). All of it follows from the tick number alone.
 #pragma once
 
-#include <rehearse/clock.h>
+#include "clock.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <rehearse/pinhole.h>
+#include "pinhole.h"
 
 #include <cmath>
 #include <limits>

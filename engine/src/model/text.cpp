@@ -1,4 +1,4 @@
-#include <rehearse/text.h>
+#include "text.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // Encoding is our own few lines around libdeflate, because a camera's frames shall be encoded faster than drawn;
 // decoding is libpng's, because it must take whatever others write.
-#include <rehearse/png.h>
+#include "png.h"
 
 #include <fmt/format.h>
 #include <libdeflate.h>

@@ -1,4 +1,4 @@
-#include <rehearse/vision.h>
+#include "vision.h"
 
 #include <string>
 

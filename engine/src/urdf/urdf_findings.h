@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/text.h>
+#include "model/text.h"
 
 #include <cstddef>
 #include <map>

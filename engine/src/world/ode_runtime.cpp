@@ -1,7 +1,7 @@
 #include "ode_runtime.h"
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/ode_messages.h>
+#include "ode_messages.h"
 
 #include <algorithm>
 #include <cstdarg>

@@ -1,4 +1,4 @@
-#include <rehearse/scanner.h>
+#include "scanner.h"
 
 #include "model/capture_cycle.h"
 

@@ -1,5 +1,5 @@
 #include <ode/ode.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/world.h>
 
 #include <cstring>

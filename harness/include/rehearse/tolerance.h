@@ -11,7 +11,6 @@
 // Events (contacts, limits, what control() returns, messages) may be off by whole `ticks`.
 #pragma once
 
-#include <rehearse/glob.h>
 #include <rehearse/scenario.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/audit.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/pin.h>
 #include <rehearse/scenario.h>

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/picture_difference.h>
-#include <rehearse/clock.h>
-#include <rehearse/noise_floor.h>
+#include "model/clock.h"
+#include "noise_floor.h"
 
 #include <algorithm>
 

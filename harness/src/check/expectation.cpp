@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/expectation.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>

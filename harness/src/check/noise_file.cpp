@@ -1,6 +1,6 @@
 // The noise floor as a file.
 #include <fmt/format.h>
-#include <rehearse/noise_floor.h>
+#include "noise_floor.h"
 #include <yaml-cpp/emitter.h>
 
 #include "golden/golden_files.h"

@@ -1,6 +1,6 @@
 // What a noise floor says of tolerances, horizons and differences.
 #include <fmt/format.h>
-#include <rehearse/noise_floor.h>
+#include "noise_floor.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 // Measuring noise: run, perturb, compare.
 #include <fmt/format.h>
-#include <rehearse/clock.h>
-#include <rehearse/noise_floor.h>
+#include "model/clock.h"
+#include "noise_floor.h"
 #include <rehearse/pin.h>
 
 #include <algorithm>

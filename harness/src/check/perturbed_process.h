@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/divergence.h>
-#include <rehearse/perturbed_run.h>
+#include "perturbed_run.h"
 
 #include <map>
 #include <optional>

@@ -1,6 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <rehearse/perturbed_run.h>
+#include "perturbed_run.h"
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>

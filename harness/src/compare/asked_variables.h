@@ -2,7 +2,7 @@
 // that a tolerance rule names as what they are, by a pattern with "/variable/" in it, decide anything.
 #pragma once
 
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 #include <rehearse/scenario.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #include <rehearse/picture_difference.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 #include <rehearse/tolerance.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include <rehearse/cdr.h>
 #include <rehearse/messages.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "scenario_changes.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 
 #include <algorithm>

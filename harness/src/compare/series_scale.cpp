@@ -1,6 +1,6 @@
 #include "series_scale.h"
 
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 
 #include <algorithm>
 #include <cmath>

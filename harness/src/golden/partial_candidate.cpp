@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/acceptance.h>
 #include <rehearse/cdr.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>

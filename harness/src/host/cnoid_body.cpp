@@ -1,6 +1,6 @@
 #include "cnoid_body.h"
 
-#include <rehearse/pinhole.h>
+#include "model/pinhole.h"
 
 #include <cmath>
 #include <cnoid/AccelerationSensor>

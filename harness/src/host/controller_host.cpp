@@ -1,7 +1,7 @@
 #include "controller_host.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <unistd.h>
 
 #include <algorithm>

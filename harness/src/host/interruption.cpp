@@ -1,6 +1,6 @@
 #include <fmt/format.h>
-#include <rehearse/clock.h>
-#include <rehearse/interruption.h>
+#include "model/clock.h"
+#include "interruption.h"
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
-#include <rehearse/supervise.h>
+#include "supervise.h"
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>

@@ -1,7 +1,7 @@
 #include "variables.h"
 
 #include <fmt/format.h>
-#include <rehearse/text.h>
+#include "model/text.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,6 +1,6 @@
 // Devices out of a log: inertial and force sensors, cameras, range sensors.
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>

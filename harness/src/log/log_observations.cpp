@@ -1,7 +1,7 @@
 #include "log_observations.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>

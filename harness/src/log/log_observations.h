@@ -1,7 +1,7 @@
 // LogObservations: what is observed comes from the messages of a log, by way of a feed for each source of its map.
 #pragma once
 
-#include <rehearse/log_replay.h>
+#include "log_replay.h"
 #include <rehearse/model.h>
 
 #include <cstdint>

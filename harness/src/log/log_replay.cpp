@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/clock.h>
-#include <rehearse/log_replay.h>
+#include "model/clock.h"
+#include "log_replay.h"
 #include <rehearse/urdf.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/log_replay.h>
+#include "log_replay.h"
 #include <rehearse/mcap.h>
 
 #include <vector>

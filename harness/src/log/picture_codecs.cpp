@@ -1,7 +1,7 @@
 #include "picture_codecs.h"
 
 #include <fmt/format.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "topic_watch.h"
 
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 #include <cmath>
 #include <utility>

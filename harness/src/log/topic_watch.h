@@ -1,7 +1,7 @@
 // TopicWatch: how well a topic of a log serves the ticks: what came late, out of order or not at all.
 #pragma once
 
-#include <rehearse/log_replay.h>
+#include "log_replay.h"
 
 #include <cstdint>
 #include <deque>

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <lz4frame.h>
-#include <rehearse/text.h>
+#include "model/text.h"
 #include <zstd.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "doctor_impl.h"
 
 #include <fmt/format.h>
-#include <rehearse/text.h>
+#include "model/text.h"
 
 #include <algorithm>
 #include <utility>

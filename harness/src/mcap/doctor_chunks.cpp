@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <rehearse/text.h>
+#include "model/text.h"
 
 #include <algorithm>
 

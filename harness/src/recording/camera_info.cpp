@@ -1,6 +1,6 @@
 #include "camera_info.h"
 
-#include <rehearse/pinhole.h>
+#include "model/pinhole.h"
 
 #include <cmath>
 

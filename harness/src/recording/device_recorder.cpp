@@ -1,6 +1,6 @@
 #include "device_recorder.h"
 
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <cmath>
 #include <cstring>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/cdr.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>

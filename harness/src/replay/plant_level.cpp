@@ -1,7 +1,7 @@
 #include "plant_level.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 namespace rehearse {
 

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/messages.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 

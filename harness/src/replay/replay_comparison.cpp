@@ -1,7 +1,7 @@
 #include "replay_comparison.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/tolerance.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/replay.h>
 
 #include <algorithm>

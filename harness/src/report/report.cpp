@@ -1,6 +1,6 @@
 // The order in which a report is made.
 #include <fmt/format.h>
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 #include <rehearse/messages.h>
 #include <rehearse/report.h>
 #include <rehearse/tolerance.h>

@@ -1,7 +1,7 @@
 #include "report_pictures.h"
 
 #include <fmt/format.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "run.h"
 
-#include <rehearse/interruption.h>
+#include "host/interruption.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,7 +1,7 @@
 #include "branch_origin.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/branch.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/mcap.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "branch_source.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>

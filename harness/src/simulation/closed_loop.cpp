@@ -1,7 +1,7 @@
 #include "closed_loop.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 #include "host/float_mode.h"
 #include "host/supervisor.h"

@@ -1,6 +1,6 @@
 #include "plant.h"
 
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 #include <algorithm>
 #include <utility>

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <rehearse/io.h>
-#include <rehearse/scanner.h>
+#include "world/scanner.h"
 #include <rehearse/scenario.h>
-#include <rehearse/vision.h>
+#include "renderer/vision.h"
 #include <rehearse/world.h>
 
 #include <cstdint>

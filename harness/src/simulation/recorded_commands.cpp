@@ -1,7 +1,7 @@
 #include "recorded_commands.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>

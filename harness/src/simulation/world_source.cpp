@@ -1,8 +1,8 @@
 #include "world_source.h"
 
 #include <fmt/format.h>
-#include <rehearse/clock.h>
-#include <rehearse/ode_messages.h>
+#include "model/clock.h"
+#include "world/ode_messages.h"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 #include <rehearse/divergence.h>
-#include <rehearse/expression.h>
+#include "expression.h"
 
 #include <algorithm>
 #include <cmath>

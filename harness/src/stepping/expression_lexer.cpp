@@ -1,7 +1,7 @@
 #include "expression_lexer.h"
 
 #include <fmt/format.h>
-#include <rehearse/expression.h>
+#include "expression.h"
 
 #include <algorithm>
 #include <charconv>

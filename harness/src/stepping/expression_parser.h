@@ -1,7 +1,7 @@
 // From words to an Expression, by recursive descent; types are checked as it goes. Internal.
 #pragma once
 
-#include <rehearse/expression.h>
+#include "expression.h"
 
 #include "expression_lexer.h"
 

@@ -5,7 +5,7 @@
 #include <rehearse/divergence.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>
-#include <rehearse/tick_view.h>
+#include "tick_view.h"
 
 #include <cstdint>
 #include <map>

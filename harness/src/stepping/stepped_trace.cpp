@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // What a SteppedTrace consists of. Internal; stepped_trace.cpp opens and looks up, tick_view.cpp shows a tick.
 #pragma once
 
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/scenario.h>
-#include <rehearse/tick_view.h>
+#include "tick_view.h"
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/clock.h>
+#include "model/clock.h"
 #include <rehearse/controller_bench.h>
 #include <rehearse/test_support.h>
 #include <rehearse/urdf.h>

@@ -4,7 +4,7 @@
 #include <rehearse/expectation.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
-#include <rehearse/noise_floor.h>
+#include "check/noise_floor.h"
 #include <rehearse/reproduction.h>
 #include <rehearse/session.h>
 #include <rehearse/test_support.h>

@@ -1,7 +1,7 @@
 // main() of tests that use <rehearse/gtest.h>.
 #include <gtest/gtest.h>
 #include <rehearse/pin.h>
-#include <rehearse/supervise.h>
+#include "host/supervise.h"
 
 namespace {
 

@@ -1,8 +1,8 @@
 #include "filter.h"
 
 #include <fmt/format.h>
-#include <rehearse/glob.h>
-#include <rehearse/text.h>
+#include "mcap/glob.h"
+#include "model/text.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 #include "message_rest.h"
 
 #include <rehearse/cdr.h>
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "select.h"
 
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <fmt/format.h>

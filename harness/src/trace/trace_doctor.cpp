@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/messages.h>
-#include <rehearse/text.h>
+#include "model/text.h"
 
 #include <algorithm>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The points behind a camera's pixels.
 
-#include <rehearse/pinhole.h>
+#include "model/pinhole.h"
 #include <rehearse/renderer.h>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // When cameras look and when their pictures arrive.
 
-#include <rehearse/clock.h>
-#include <rehearse/vision.h>
+#include "model/clock.h"
+#include "renderer/vision.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // When range sensors scan and when their scans arrive.
 
-#include <rehearse/clock.h>
-#include <rehearse/scanner.h>
+#include "model/clock.h"
+#include "world/scanner.h"
 
 #include <set>
 

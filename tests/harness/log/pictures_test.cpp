@@ -1,7 +1,7 @@
 // Pictures as ROS sends them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <cstdio>
 #include <cstdlib>

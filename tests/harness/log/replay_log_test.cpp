@@ -1,7 +1,7 @@
 // Logs that simulated robots left, into their controllers: what these commanded then, they command again.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rehearse/log_replay.h>
+#include "log/log_replay.h"
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
 #include <rehearse/test_support.h>

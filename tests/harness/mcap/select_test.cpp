@@ -1,6 +1,6 @@
 #include "mcap_files.h"
 
-#include <rehearse/glob.h>
+#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // What sensors and joints read in a run with noise, against the truth of the same run without.
 #include "runs.h"
 
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include <cmath>
 #include <numeric>

@@ -2,7 +2,7 @@
 
 #include <rehearse/mcap.h>
 #include <rehearse/pin.h>
-#include <rehearse/png.h>
+#include "png/png.h"
 
 #include "runs.h"
 

@@ -2,7 +2,7 @@
 #include "run/run.h"
 
 #include <gmock/gmock.h>
-#include <rehearse/interruption.h>
+#include "host/interruption.h"
 #include <signal.h>
 #include <unistd.h>
 

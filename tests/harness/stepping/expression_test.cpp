@@ -1,7 +1,7 @@
 // Expressions: what they mean, and what is said of those that mean nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rehearse/expression.h>
+#include "stepping/expression.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,8 +1,8 @@
 // A recording of three series and three links, made up: for tests of expressions.
 #pragma once
 
-#include <rehearse/expression.h>
-#include <rehearse/glob.h>
+#include "stepping/expression.h"
+#include "mcap/glob.h"
 
 #include <algorithm>
 #include <limits>

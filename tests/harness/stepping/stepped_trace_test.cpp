@@ -1,6 +1,6 @@
 // A recording at any of its ticks: what is there, what changed, what the controllers give now.
 #include <rehearse/mcap.h>
-#include <rehearse/tick_view.h>
+#include "stepping/tick_view.h"
 
 #include <algorithm>
 #include <cmath>

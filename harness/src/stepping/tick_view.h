@@ -10,7 +10,7 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/divergence.h>
-#include <rehearse/expression.h>
+#include "expression.h"
 #include <rehearse/host_options.h>
 
 #include <cstdint>
