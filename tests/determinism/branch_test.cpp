@@ -1,10 +1,9 @@
 // A branch of a recording without any change is that recording, message by message, bit for bit: every scenario of the
 // fixtures, both solvers.
-#include <rehearse/branch.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
+#include "model/clock.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

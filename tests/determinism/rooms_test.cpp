@@ -94,7 +94,7 @@ struct Include {
 
 /// What a file includes of the rooms. A header in include/rehearse that is no room's counts to the room "?".
 std::vector<Include> includes_in(const Rooms& rooms, std::istream& stream) {
-  static const std::regex form(R"(\s*#include (<rehearse/([^>]+)>|"([^"/]+)/([^"]+)").*)");
+  static const std::regex form(R"re(\s*#include (<rehearse/([^>]+)>|"([^"/]+)/([^"]+)").*)re");
   std::vector<Include> found;
   int number = 0;
   for (std::string line; std::getline(stream, line);) {

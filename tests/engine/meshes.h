@@ -1,7 +1,7 @@
 // Meshes and hulls made by code, for tests.
 #pragma once
 
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 // What has to be true of a run, judged on recordings made by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rehearse/expectation.h>
+#include <rehearse/check.h>
 
 #include <bit>
 #include <limits>
@@ -15,7 +15,6 @@ using ::testing::HasSubstr;
 using testing::nan_value;
 using testing::SmallTrace;
 using testing::TemporaryFolder;
-
 
 Expectation of(const std::string& series) {
   Expectation expectation;

@@ -1,7 +1,7 @@
 // What acceptance writes into a golden, and what it takes away.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <rehearse/acceptance.h>
+#include <rehearse/golden.h>
 
 #include "golden_folder.h"
 

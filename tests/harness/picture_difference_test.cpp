@@ -2,7 +2,7 @@
 #include "small_traces.h"
 
 #include <gmock/gmock.h>
-#include <rehearse/picture_difference.h>
+#include <rehearse/compare.h>
 
 #include <fstream>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include <rehearse/series_plot.h>
+#include <rehearse/compare.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
 #include <cmath>
+
+#include "mcap/glob.h"
 
 namespace rehearse {
 namespace {

@@ -1,4 +1,5 @@
 # Installs into a fresh folder, copies the consumer beside it, builds it, makes its golden, and checks it against that.
+# The installed headers are those that the consumer's headers.txt lists, no more and no less.
 # Then the same for a project that `rehearse new` writes, with ctest, as its README says.
 
 function(run)
@@ -14,6 +15,14 @@ set(new_project ${WORK}/my-arm)
 file(REMOVE_RECURSE ${prefix} ${project} ${new_project})
 run(${CMAKE_COMMAND} --install ${BUILD} --config ${CONFIG} --prefix ${prefix})
 file(COPY ${SOURCE}/ DESTINATION ${project})
+file(GLOB installed RELATIVE ${prefix}/include/rehearse ${prefix}/include/rehearse/*)
+file(STRINGS ${SOURCE}/headers.txt promised)
+list(TRANSFORM promised REPLACE " .*" "")
+list(SORT installed)
+list(SORT promised)
+if(NOT installed STREQUAL promised)
+  message(FATAL_ERROR "installed headers: ${installed}\npromised headers (headers.txt): ${promised}")
+endif()
 run(${CMAKE_COMMAND} -S ${project} -B ${project}/build -G ${GENERATOR}
     -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
 run(${CMAKE_COMMAND} --build ${project}/build)

@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 #include <rehearse/compare.h>
-#include <rehearse/picture_difference.h>
 
 #include <cstdlib>
 #include <fstream>

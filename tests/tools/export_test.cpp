@@ -1,7 +1,7 @@
 // rehearse export: tables, pictures, videos.
 #include <gmock/gmock.h>
 #include <png.h>
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 #include "png/png.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // record --from-checkpoint: a branch of a recording.
 #pragma once
 
-#include <rehearse/branch.h>
+#include <rehearse/session.h>
 
 #include <CLI/App.hpp>
 #include <string>

@@ -1,9 +1,9 @@
 // rehearse check: runs scenarios and compares them with their goldens.
 #include <fmt/format.h>
 #include <rehearse/check.h>
-#include <rehearse/failure_report.h>
-#include "host/interruption.h"
+#include <rehearse/report.h>
 #include <rehearse/session.h>
+#include "host/interruption.h"
 #include "host/supervise.h"
 
 #include <algorithm>

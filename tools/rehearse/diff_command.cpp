@@ -1,7 +1,6 @@
 // rehearse diff: two traces of what should be the same run; what differs first, first.
 #include <fmt/format.h>
 #include <rehearse/compare.h>
-#include <rehearse/picture_difference.h>
 
 #include <memory>
 #include <string>

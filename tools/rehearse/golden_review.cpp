@@ -1,6 +1,6 @@
 // rehearse golden review: the runs that wait, one after the other; a person decides, if one is there.
 #include <fmt/format.h>
-#include <rehearse/series_plot.h>
+#include <rehearse/compare.h>
 
 #include <algorithm>
 #include <memory>

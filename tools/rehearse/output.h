@@ -1,8 +1,8 @@
 // What verbs print and write: amounts for people, JSON for programs, files that don't replace something else.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/divergence.h>
 
 #include <concepts>
 #include <cstdint>

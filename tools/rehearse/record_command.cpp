@@ -1,11 +1,10 @@
 // rehearse record: one closed-loop run, into a trace.
 #include <fmt/format.h>
-#include "model/clock.h"
-#include <rehearse/expectation.h>
-#include "host/interruption.h"
-#include <rehearse/reproduction.h>
+#include <rehearse/check.h>
 #include <rehearse/session.h>
+#include "host/interruption.h"
 #include "host/supervise.h"
+#include "model/clock.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,8 +1,8 @@
 // rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs
 // of a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h. In gdb: debugger.h.
 #include <fmt/format.h>
-#include <rehearse/branch.h>
 #include <rehearse/replay.h>
+#include <rehearse/session.h>
 #include "host/supervise.h"
 
 #include <cstdint>
@@ -26,7 +26,6 @@
 
 namespace rehearse::tool {
 namespace {
-
 
 struct ReplaySettings {
   std::string trace;

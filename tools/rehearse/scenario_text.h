@@ -1,7 +1,7 @@
 // Scenarios and their runs, in the words of the command.
 #pragma once
 
-#include <rehearse/expectation.h>
+#include <rehearse/check.h>
 #include <rehearse/scenario.h>
 #include <rehearse/session.h>
 

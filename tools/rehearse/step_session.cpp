@@ -1,7 +1,7 @@
 #include "step_session.h"
 
 #include <fmt/format.h>
-#include <rehearse/series_plot.h>
+#include <rehearse/compare.h>
 
 #include <algorithm>
 #include <charconv>

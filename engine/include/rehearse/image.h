@@ -1,4 +1,4 @@
-// Pixels: what a camera draws and a controller reads. Row 0 is the top row.
+// Pixels: what a camera draws and a controller reads. Row 0 is the top row. C++17.
 #pragma once
 
 #include <cstdint>

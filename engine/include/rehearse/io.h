@@ -6,15 +6,49 @@
 #pragma once
 
 #include <rehearse/image.h>
-#include <rehearse/joystick.h>
 
 #include <Eigen/Geometry>
+#include <array>
+#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
+
+// A joystick is a gamepad, with the axes and buttons that Choreonoid numbers, in its order.
+
+inline constexpr std::array<std::string_view, 8> joystick_axes{"L_STICK_H", "L_STICK_V",         "R_STICK_H",
+                                                               "R_STICK_V", "DIRECTIONAL_PAD_H", "DIRECTIONAL_PAD_V",
+                                                               "L_TRIGGER", "R_TRIGGER"};
+inline constexpr std::array<std::string_view, 11> joystick_buttons{"A",      "B",     "X",       "Y",       "L",   "R",
+                                                                   "SELECT", "START", "L_STICK", "R_STICK", "LOGO"};
+
+/// What a person does with a joystick at one moment. Untouched until somebody sets it. Single precision, as ROS carries
+/// it: what was recorded is what was read.
+struct JoystickReading {
+  std::array<float, joystick_axes.size()> axes{};       // -1 to 1, up and left negative; triggers 0 to 1
+  std::array<bool, joystick_buttons.size()> buttons{};  // true while pressed
+
+  bool operator==(const JoystickReading&) const = default;
+};
+
+/// Where an axis begins; it ends at 1.
+constexpr double lowest_position(std::size_t axis) { return joystick_axes[axis].ends_with("_TRIGGER") ? 0.0 : -1.0; }
+
+/// The index of an axis (of joystick_axes) or a button (of joystick_buttons) by its name or its number, "1" or
+/// "L_STICK_V"; nullopt if there is none.
+template <std::size_t N>
+std::optional<std::size_t> find_control(const std::array<std::string_view, N>& names, std::string_view name) {
+  for (std::size_t i = 0; i < N; ++i)
+    if (name == names[i] || name == std::to_string(i)) return i;
+  return std::nullopt;
+}
 
 struct JointReading {
   double q = 0.0;    // displacement [rad] or [m]; a revolute joint's angle is unwrapped
@@ -55,6 +89,20 @@ struct ContactReading {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();     // of the other one on the link [N]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the link's point relative to the other's [m/s]
   double depth = 0.0;                                  // how far they overlap [m]
+};
+
+/// Two links that touch. The link of the earlier body comes first; of one body the earlier link.
+struct LinkPair {
+  int body = 0;  // index into the world's bodies
+  int link = 0;  // index into its model's links
+  int other_body = 0;
+  int other_link = 0;
+
+  static LinkPair of(int body, int link, int other_body, int other_link) {
+    const bool in_order = std::pair(body, link) <= std::pair(other_body, other_link);
+    return in_order ? LinkPair{body, link, other_body, other_link} : LinkPair{other_body, other_link, body, link};
+  }
+  auto operator<=>(const LinkPair&) const = default;
 };
 
 struct BodyObservation {

@@ -17,9 +17,9 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/image.h>
-#include <rehearse/look.h>
+#include <rehearse/io.h>
 #include <rehearse/model.h>
+#include <rehearse/scene_settings.h>
 
 #include <Eigen/Geometry>
 #include <memory>

@@ -3,8 +3,8 @@
 // A World is made of Models, each with a pose, and goes forward in steps of a fixed length. In: a Command (what the
 // controllers want of the joints) and pushes. Out: an Observation (what the sensors and the state say). It owns all
 // that the next step depends on, its random generator included: two worlds in one process never influence each other,
-// and the same calls give the same bits. One thread at a time. Cameras are not here: see vision.h. When range sensors
-// scan is decided by scanner.h.
+// and the same calls give the same bits. One thread at a time. Cameras are not here, nor is the
+// cycle in which range sensors scan.
 //
 // Links joined by fixed joints are one rigid body for the physics; each keeps its own frame in the Observation.
 // Links of one body touch each other only if they or the body's description say so, and never those that one joint or
@@ -15,9 +15,8 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
-#include <rehearse/link_pair.h>
 #include <rehearse/model.h>
-#include <rehearse/solver_settings.h>
+#include <rehearse/scene_settings.h>
 
 #include <Eigen/Geometry>
 #include <cstddef>

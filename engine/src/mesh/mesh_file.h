@@ -13,7 +13,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 // What a mesh file says of colours and pictures.
 #pragma once
 
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <map>
 #include <memory>

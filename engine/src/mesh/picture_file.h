@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <string_view>
 

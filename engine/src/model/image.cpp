@@ -1,4 +1,4 @@
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 
 #include <bit>
 #include <cmath>

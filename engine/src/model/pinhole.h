@@ -1,7 +1,7 @@
 // The geometry of a pinhole camera: its field of view, and the points behind its pixels. No drawing.
 #pragma once
 
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 #include <rehearse/model.h>
 
 #include <Eigen/Core>

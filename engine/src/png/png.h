@@ -4,7 +4,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 
 #include <cstddef>
 #include <cstdint>

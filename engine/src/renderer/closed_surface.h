@@ -1,7 +1,7 @@
 // Whether a mesh is the surface of a solid. Internal.
 #pragma once
 
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <vector>
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 #include <rehearse/model.h>
 
 #include <array>

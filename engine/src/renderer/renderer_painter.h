@@ -5,7 +5,7 @@
 
 #include "renderer_meshes.h"
 
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <array>
 #include <cstddef>

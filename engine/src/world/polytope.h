@@ -1,7 +1,6 @@
 // Polytope: a convex hull with all that contact and beams ask of it. Private to the world library.
 #pragma once
 
-#include <rehearse/mesh.h>
 #include <rehearse/model.h>
 
 #include <Eigen/Geometry>

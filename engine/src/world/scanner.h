@@ -1,8 +1,8 @@
 // Scanner: the range sensors of a world's bodies, when they scan and when their scans arrive.
 //
-// The cycle is that of cameras: see vision.h. What a beam meets are collision shapes, in ODE: no renderer is needed,
-// and what has no collision shape isn't seen. A sensor doesn't see what moves with it: the shapes of its own link and
-// of those that fixed joints hold to it.
+// The cycle is that of cameras: see renderer/vision.h. What a beam meets are collision shapes, in ODE: no renderer is
+// needed, and what has no collision shape isn't seen. A sensor doesn't see what moves with it: the shapes of its own
+// link and of those that fixed joints hold to it.
 #pragma once
 
 #include <rehearse/io.h>

@@ -7,8 +7,8 @@
 // at.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/divergence.h>
 #include <rehearse/host_options.h>
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Comparison: two traces of what should be the same run, value by value; what differs, where first, and by how much.
 //
 // Three answers at once. `equal`: every number, picture and event has the same bits. `within`: everything passes its
-// tolerance (tolerance.h). And the places: the first beyond tolerance, the first where bits differ, the worst.
+// tolerance (scenario.h). And the places: the first beyond tolerance, the first where bits differ, the worst.
 //
 // Messages of a channel are matched by their time, tables by the names of their elements. What one trace has and the
 // other lacks is a finding with its place: a tick, a body, a controller, a device is one finding, whatever it takes
@@ -25,11 +25,12 @@
 // the inputs.
 #pragma once
 
-#include <rehearse/divergence.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -38,6 +39,58 @@
 #include <vector>
 
 namespace rehearse {
+
+/// One place where two runs differ, and by how much.
+struct Divergence {
+  std::int64_t tick = 0;
+  double time = 0.0;      // of the tick [s]
+  std::string channel;    // topic
+  std::string element;    // within the channel's messages: RLEG_KNEE/u; empty: the message as a whole
+  double expected = 0.0;  // in the recording or golden
+  double actual = 0.0;
+  double difference = 0.0;  // |actual - expected|, by angle where it is one; 0 if both are NaN, NaN if one is
+  std::uint64_t ulps = 0;   // representable numbers between them; the largest value if either is NaN
+  double tolerance = 0.0;   // that it should have kept; 0: bit for bit
+  std::string unit;         // may be empty
+  std::string note;         // if it isn't a matter of two numbers: "missing", "120 pixels differ, ..."
+  Stage stage = Stage::controller;
+};
+
+/// Differences of a run from another one, counted in the order in which they are found.
+struct Differences {
+  std::int64_t values = 0;  // numbers compared
+  std::int64_t values_different = 0;
+  std::optional<Divergence> first;
+  std::optional<Divergence> worst;   // by absolute difference
+  std::optional<Divergence> beyond;  // the first beyond its tolerance, or with a note
+
+  void add(Divergence found);
+};
+
+/// Sets expected, actual, difference, ulps and unit: those that two numbers determine.
+void put_numbers(Divergence& divergence, double expected, double actual, std::string_view unit = {});
+
+/// The difference relative to what was expected; NaN where that means nothing: angles between orientations, angles
+/// modulo a turn, what isn't a matter of two numbers.
+double relative_difference(const Divergence& divergence);
+
+/// How many times its tolerance a difference is; infinity where none is allowed.
+double times_tolerance(double difference, double tolerance);
+
+/// One sentence: tick, time, channel, element, expected, actual, absolute and relative difference, ULPs, times the
+/// tolerance, and stage.
+std::string to_string(const Divergence& divergence);
+
+/// An object with all members, and relative and times_tolerance. expected, actual, difference, relative, ulps,
+/// tolerance and times_tolerance are null where it isn't a matter of two numbers; NaN and infinities are strings.
+std::string to_json(const Divergence& divergence);
+
+/// How many steps from one double to the next lead from a to b; 0 for equal bits and for 0 and -0. NaN with anything
+/// but the same bits: the largest value.
+std::uint64_t ulps_between(double a, double b);
+
+/// Same bits.
+bool identical(double a, double b);
 
 /// How far one series of numbers strays from its golden.
 struct SeriesComparison {
@@ -172,5 +225,46 @@ std::string table(const Comparison& comparison);
 /// An object with the same content: verdict, equal, within, agreement, first, first_bit, worst (null, or objects as
 /// to_json(Divergence)), explanation, counts, channels, equal_channels, events, remarks, warnings.
 std::string to_json(const Comparison& comparison);
+
+// Pictures of what differs between pictures: expected, actual and difference side by side, for a person to look at.
+
+/// For each camera channel with a picture beyond its tolerance, its first such picture as PNG: the golden's, the
+/// other's, and the difference: in red what is beyond, in yellow what differs within tolerance, on a dimmed picture of
+/// the golden's. Distances are shown as grey, from white where they are least to black at the greatest; blue is where
+/// nothing was found. The files are named like `actual`, then by channel: "Run.SR1.LeftCamera.image.png" beside
+/// "Run.mcap"; older ones of that name are removed first. Returns what was written.
+Result<std::vector<std::filesystem::path>> write_picture_differences(const Trace& golden, const Trace& actual,
+                                                                     const Comparison& comparison,
+                                                                     const std::vector<ToleranceRule>& rules,
+                                                                     const std::filesystem::path& beside);
+
+/// "expected, actual and difference: FILE", a line each, each after a newline; or why they couldn't be written.
+std::string picture_lines(const Result<std::vector<std::filesystem::path>>& written);
+
+/// Removes what write_picture_differences() wrote beside that recording.
+void remove_picture_differences(const std::filesystem::path& beside);
+
+// Small pictures of series in a terminal's characters: a golden and a run over time, and where they part.
+
+/// A series to draw. Samples that aren't finite are left out.
+struct Curve {
+  std::vector<double> times;  // [s], ascending
+  std::vector<double> values;
+};
+
+struct PlotSize {
+  std::size_t width = 78;  // [characters], labels included
+  std::size_t height = 7;  // [lines] of the curves; two more are the axis of time
+};
+
+/// Both curves over one axis of time, with a mark below the time of their first difference. Each column shows the range
+/// of its samples: ▒ where both are, ░ where only the golden is, █ where only the run is. Lines, each with its newline;
+/// one that says so if there is nothing to draw.
+std::string plot(const Curve& golden, const Curve& run, std::optional<double> mark, PlotSize size = {});
+
+/// Of the worst channels, at most so many, and of different stages where there are: the series that differs worst, with
+/// a heading and a plot whose mark stands at the channel's first difference. Curves that would look the same are shown
+/// by their difference.
+std::string worst_plots(const Trace& golden, const Trace& run, const Comparison& comparison, std::size_t channels);
 
 }  // namespace rehearse

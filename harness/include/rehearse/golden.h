@@ -4,7 +4,7 @@
 // `<Suite>.<Test>.txt`, its digest: what a person reads in a review. The digest is derived from the recording alone,
 // and a golden whose digest says something else fails. A run that doesn't match never touches the golden; its trace is
 // kept as `<pending folder>/<Suite>.<Test>.mcap`, from where it can be accepted, whole or in part, without running
-// again. Each acceptance adds to the golden what moved (acceptance.h).
+// again. Each acceptance adds to the golden what moved (Acceptance).
 //
 // Environment:
 //   REHEARSE_GOLDEN      check (the default), new (write goldens that are missing) or accept (replace those that
@@ -16,10 +16,11 @@
 //   SOURCE_DATE_EPOCH    the time that acceptances are dated by [s since 1970]; else now
 #pragma once
 
-#include <rehearse/acceptance.h>
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/partial_acceptance.h>
+#include <rehearse/host_options.h>
+#include <rehearse/mcap.h>
+#include <rehearse/simulation.h>
 #include <rehearse/trace.h>
 
 #include <cstdint>
@@ -27,9 +28,86 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rehearse {
+
+// Acceptance: what is written into a golden when somebody accepts it, so that its history travels with it.
+//
+// Each acceptance is a metadata record of its own at the end of the golden's data section, `rehearse.acceptance.1` and
+// on; any MCAP tool shows them. A recording that isn't a golden has none: nothing of the calendar is in it.
+
+/// One acceptance. Text throughout: it is for people, and goes into the digest as it is.
+struct Acceptance {
+  std::string date;                // UTC, as 2026-11-20
+  std::string kind;                // "first", "replaced" or "partial"
+  std::string accepted;            // partial: which channels and which span
+  std::string verdict;             // of the old golden and the new one; empty for the first
+  std::vector<std::string> moved;  // a line each: what moved, by how much at worst, when, how often
+};
+
+/// Names of acceptance records begin so.
+inline constexpr std::string_view acceptance_prefix = "rehearse.acceptance.";
+
+/// Today in UTC, or the day that SOURCE_DATE_EPOCH states [s since 1970]. An error if that is no number.
+Result<std::string> date_of_today();
+
+/// What moved: a line for each channel, worst first, and what else explains it; at most fourteen lines.
+std::vector<std::string> moved_lines(const Comparison& comparison);
+
+/// The acceptances that stand in a file, oldest first.
+std::vector<Acceptance> history_of(const std::vector<mcap::Metadata>& metadata);
+
+/// The records of a history.
+std::vector<mcap::Metadata> records_of(const std::vector<Acceptance>& history);
+
+/// For the head of the digest: the verdict and the lines of what moved.
+std::string acceptance_text(const Acceptance& acceptance);
+
+/// For the digest: two lines and more an acceptance; empty without any.
+std::string history_text(const std::vector<Acceptance>& history);
+
+// Partial acceptance: some channels of a run, or some span of its time, into a golden that keeps the rest.
+//
+// A golden is a recording, and a recording is what some run produced: its commands follow from its inputs, its state
+// from its commands, its sensors and pictures from its state. So a part of a run can be accepted only if that stays
+// true of what comes of it. How it is decided:
+//
+// 1. The candidate is the run (its scenario, models and provenance), with the golden's messages on every channel and
+//    outside of the span that isn't accepted. The hashes in /tick, checkpoints and transforms follow the stage that
+//    they are made of.
+// 2. If all that is kept has the same bits in both, the candidate is the run itself, and is accepted whole.
+// 3. Otherwise it is executed again, stage by stage: its inputs into the controllers have to give its commands, and its
+//    commands into the world, from checkpoint to checkpoint, its state, sensors and pictures; bit for bit.
+// 4. Anything else is refused, with the first place where a channel that is kept doesn't follow, and the channels that
+//    moved together with it.
+
+/// Which part of a run.
+struct Selection {
+  std::vector<std::string> channels;  // patterns of topics and series, `*` for any text; empty: all
+  double from = 0.0;                  // [s]
+  std::optional<double> until;        // [s], itself not included
+
+  bool is_all() const { return channels.empty() && from <= 0.0 && !until; }
+};
+
+/// "channels /SR1/Eye/*, from 1 s, until 2 s".
+std::string to_string(const Selection& selection);
+
+/// What a candidate is executed again with.
+struct Reexecution {
+  HostOptions host;
+  /// session.h: run_plant, from who simulates. Null: only what is the run itself in all that is kept can be accepted.
+  RunPlant run_plant;
+  /// Files that may be the run's scenario. A recording has no meshes: a run with meshes needs the file that it is of.
+  std::vector<std::filesystem::path> scenarios;
+};
+
+/// The recording that would become the golden: the run's own file, or `candidate`, which was written. Fails if no run
+/// can produce it, or if the selection selects nothing; then nothing is left behind.
+Result<std::filesystem::path> make_partial(const Trace& golden, const Trace& run, const Selection& selection,
+                                           const std::filesystem::path& candidate, const Reexecution& again);
 
 enum class GoldenMode {
   check,   // compare; write nothing into the folder
@@ -101,7 +179,7 @@ class GoldenStore {
   /// accept() of the run that waits, which is then removed.
   Result<Accepted> accept_pending(const std::string& name);
 
-  /// The same of a part of it, if some run can produce the golden that would come of it (partial_acceptance.h);
+  /// The same of a part of it, if some run can produce the golden that would come of it (make_partial);
   /// otherwise nothing is written, and the error says where it stops to be a run. The run waits on if all of it wasn't
   /// accepted.
   Result<Accepted> accept_pending(const std::string& name, const Selection& selection, const Reexecution& again);

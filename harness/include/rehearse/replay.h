@@ -6,8 +6,8 @@
 // may be others than those recorded. Links neither ODE nor OSMesa.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/divergence.h>
 #include <rehearse/host_options.h>
 #include <rehearse/scenario.h>
 

@@ -5,8 +5,9 @@
 // described in tools/report/FORMAT.md. Nothing is simulated and no controller is run.
 #pragma once
 
+#include <rehearse/check.h>
+#include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/divergence.h>
 #include <rehearse/scenario.h>
 
 #include <cstdint>
@@ -75,5 +76,23 @@ Result<std::uintmax_t> estimated_report_size(const std::filesystem::path& trace,
 Result<ReportSummary> write_report(const std::filesystem::path& trace,
                                    const std::optional<std::filesystem::path>& golden,
                                    const std::filesystem::path& report, const ReportOptions& options = {});
+
+/// The report of a check that failed, which `rehearse check` and the assertions of tests leave behind.
+struct FailureReport {
+  std::filesystem::path file;
+  ReportSummary summary;
+};
+
+/// What a check has found, for the head of a report.
+ReportVerdict report_verdict(const CheckReport& checked);
+
+/// Writes the report of a check that isn't within, of the fresh trace that it left (check_scenario: `actual`, or else
+/// that of the plant level) beside the golden, beside that trace and under its name with .html. None if nothing failed,
+/// or if there is no such trace, as of a check of the controller level alone. The report of a trace that is no longer
+/// there is removed. The scenario's tolerances decide.
+Result<std::optional<FailureReport>> write_failure_report(const CheckReport& checked, const Scenario& scenario,
+                                                          const std::filesystem::path& golden,
+                                                          const std::filesystem::path& actual,
+                                                          ReportOptions options = {});
 
 }  // namespace rehearse

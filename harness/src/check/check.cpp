@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
-#include <rehearse/picture_difference.h>
+#include <rehearse/compare.h>
 #include "model/clock.h"
 #include "noise_floor.h"
 

@@ -1,6 +1,6 @@
 // A scenario against the golden that it names, and that golden's life.
 #include <fmt/format.h>
-#include <rehearse/picture_difference.h>
+#include <rehearse/compare.h>
 
 #include "check_run.h"
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/check.h>
-#include <rehearse/reproduction.h>
 
 #include <filesystem>
 #include <optional>

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
-#include "model/clock.h"
-#include <rehearse/expectation.h>
+#include <rehearse/check.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
+#include "mcap/glob.h"
+#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>

@@ -98,7 +98,7 @@ std::optional<double> estimated_horizon(const Trace& golden);
 std::string hash_of_recording(const Trace& trace);
 
 /// A tolerance more than this above the noise of its unit is doubtful. By default tolerances lie 10 to 10^7 above what
-/// was measured on the sample scenarios (tolerance.h), and those that SR1's scenario states, for closed loops of other
+/// was measured on the sample scenarios (scenario.h), and those that SR1's scenario states, for closed loops of other
 /// compilers, up to 2 * 10^8. The smallest faults that were tried lie 10^7 above: what lies beyond 10^9 hides such.
 inline constexpr double doubtful_tolerance = 1e9;  // times the noise
 

@@ -1,7 +1,7 @@
 // A perturbed run in a process of its own, and what it hands back. Internal to the measurement of noise.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 #include "perturbed_run.h"
 
 #include <map>

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
-#include "model/clock.h"
+#include <rehearse/check.h>
 #include <rehearse/messages.h>
-#include <rehearse/reproduction.h>
+#include "model/clock.h"
 
 #include <algorithm>
 #include <bit>

@@ -7,6 +7,7 @@
 
 #include "compare_parts.h"
 #include "event_sequences.h"
+#include "mcap/glob.h"
 
 namespace rehearse {
 namespace {

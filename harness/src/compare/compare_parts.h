@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/compare.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
 #include <cstdint>
 #include <limits>

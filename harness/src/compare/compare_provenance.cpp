@@ -9,6 +9,7 @@
 #include <set>
 
 #include "compare_parts.h"
+#include "mcap/glob.h"
 #include "trace/trace_version.h"
 
 namespace rehearse {

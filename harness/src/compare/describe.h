@@ -1,7 +1,7 @@
 // A divergence in words, wherever it is. Internal.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 
 #include <string>
 

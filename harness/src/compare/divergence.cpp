@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 
 #include <algorithm>
 #include <bit>

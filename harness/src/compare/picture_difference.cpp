@@ -1,6 +1,6 @@
-#include <rehearse/picture_difference.h>
+#include <rehearse/compare.h>
+#include <rehearse/scenario.h>
 #include "png/png.h"
-#include <rehearse/tolerance.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // A Divergence on its way from one of our processes to another. What is shown to people and programs is to_json() of
-// divergence.h.
+// compare.h.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>

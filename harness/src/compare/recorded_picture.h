@@ -1,7 +1,7 @@
 // RecordedPicture: what a camera saw, out of a recording, and how two of them differ pixel by pixel.
 #pragma once
 
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
 #include <cstddef>
 #include <cstdint>

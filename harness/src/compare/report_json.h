@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/compare.h>
-#include <rehearse/divergence.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>

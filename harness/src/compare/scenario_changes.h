@@ -1,7 +1,7 @@
 // What a scenario says otherwise than the recording it is compared with, where that alone decides what can be compared.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
 

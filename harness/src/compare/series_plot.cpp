@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <rehearse/series_plot.h>
+#include <rehearse/compare.h>
 
 #include <algorithm>
 #include <cmath>

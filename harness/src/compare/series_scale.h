@@ -1,4 +1,4 @@
-// The scale of a series, to which a relative tolerance refers (tolerance.h). Internal.
+// The scale of a series, to which a relative tolerance refers (scenario.h). Internal.
 #pragma once
 
 #include <rehearse/scenario.h>

@@ -1,4 +1,4 @@
-#include <rehearse/acceptance.h>
+#include <rehearse/golden.h>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

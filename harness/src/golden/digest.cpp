@@ -1,10 +1,9 @@
 // The digest of a golden: a recording in words and numbers, for reviews.
 #include <fmt/format.h>
-#include <rehearse/acceptance.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
+#include <rehearse/compare.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
-#include <rehearse/picture_difference.h>
 
 #include <cstdlib>
 #include <fstream>

@@ -1,8 +1,8 @@
 // How a run becomes a golden, and how one goes.
 #include <fmt/format.h>
+#include <rehearse/compare.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
-#include <rehearse/picture_difference.h>
 
 #include <algorithm>
 #include <set>

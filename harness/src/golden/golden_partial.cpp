@@ -1,10 +1,9 @@
 // Accepting a part of a run: the candidate, and whether some run can produce it.
 #include <fmt/format.h>
-#include <rehearse/acceptance.h>
+#include <rehearse/golden.h>
 #include <rehearse/mcap.h>
-#include <rehearse/partial_acceptance.h>
 #include <rehearse/replay.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 

@@ -1,13 +1,14 @@
 #include "partial_candidate.h"
 
 #include <fmt/format.h>
-#include <rehearse/acceptance.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <rehearse/compare.h>
+#include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
+#include "mcap/glob.h"
+#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>

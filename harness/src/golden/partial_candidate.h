@@ -1,9 +1,9 @@
 // The candidate of a partial acceptance: the messages of a golden and of a run, mixed. Internal.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
+#include <rehearse/golden.h>
 #include <rehearse/mcap_types.h>
-#include <rehearse/partial_acceptance.h>
 
 #include <array>
 #include <cstddef>

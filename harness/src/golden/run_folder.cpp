@@ -2,7 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <rehearse/picture_difference.h>
+#include <rehearse/compare.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -5,7 +5,7 @@
 // the register while the controller is called, and only then. So no other run in this process can find it.
 #pragma once
 
-#include <rehearse/joystick.h>
+#include <rehearse/io.h>
 
 #include <cnoid/ExtJoystick>
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/messages.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 #include <cmath>

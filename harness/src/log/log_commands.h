@@ -1,7 +1,7 @@
 // LogCommands: what the robot's own controller commanded, to be compared with what the controller commands now.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 #include <rehearse/scenario.h>
 

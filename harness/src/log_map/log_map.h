@@ -5,7 +5,7 @@
 // there, a type that doesn't fit) has its place in the file, and all of them are told in one go.
 #pragma once
 
-#include <rehearse/joystick.h>
+#include <rehearse/io.h>
 #include <rehearse/model.h>
 #include <rehearse/scenario.h>
 

@@ -1,7 +1,7 @@
 // ContactRecorder: which links begin and cease to touch, as messages of a trace.
 #pragma once
 
-#include <rehearse/link_pair.h>
+#include <rehearse/io.h>
 #include <rehearse/scenario.h>
 
 #include <cstdint>

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <rehearse/io.h>
-#include <rehearse/link_pair.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>

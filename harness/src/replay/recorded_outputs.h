@@ -2,7 +2,7 @@
 // now.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 #include <rehearse/scenario.h>
 

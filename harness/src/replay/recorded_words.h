@@ -2,7 +2,7 @@
 // compared with what they say now.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 

@@ -1,8 +1,8 @@
 #include "replay_comparison.h"
 
 #include <fmt/format.h>
+#include <rehearse/scenario.h>
 #include "model/clock.h"
-#include <rehearse/tolerance.h>
 
 #include <algorithm>
 #include <cmath>

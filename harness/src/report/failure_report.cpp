@@ -1,4 +1,4 @@
-#include <rehearse/failure_report.h>
+#include <rehearse/report.h>
 
 #include "golden/stale_report.h"
 

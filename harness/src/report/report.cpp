@@ -1,9 +1,9 @@
 // The order in which a report is made.
 #include <fmt/format.h>
-#include "mcap/glob.h"
 #include <rehearse/messages.h>
 #include <rehearse/report.h>
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
+#include "mcap/glob.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,7 +14,6 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
-#include <rehearse/link_pair.h>
 #include <rehearse/messages.h>
 
 #include <cstddef>

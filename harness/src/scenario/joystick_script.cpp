@@ -1,5 +1,5 @@
 #include <rehearse/diagnostic.h>
-#include <rehearse/joystick_script.h>
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 

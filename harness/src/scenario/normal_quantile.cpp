@@ -1,5 +1,6 @@
+#include "normal_quantile.h"
+
 #include <rehearse/diagnostic.h>
-#include <rehearse/sensor_noise.h>
 
 #include <array>
 #include <cmath>

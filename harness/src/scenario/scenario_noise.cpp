@@ -1,6 +1,7 @@
 // The `noise` of a scenario: what sensors and joints read beside the truth.
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
 
+#include "mcap/glob.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 

@@ -52,8 +52,9 @@ void read_span(Findings& findings, const Keys& keys, const Scenario& scenario, P
   const Range times{0.0, Scenario::max_duration, "[s]"};
   const YamlNode* from_node = keys.require("from", "when it begins [s]");
   const YamlNode* until_node = keys.require("until", "when it ends [s]");
-  const auto from = from_node == nullptr ? std::nullopt : read_number(findings, *from_node, "from", times);
-  const auto until = until_node == nullptr ? std::nullopt : read_number(findings, *until_node, "until", times);
+  std::optional<double> from, until;
+  if (from_node != nullptr) from = read_number(findings, *from_node, "from", times);
+  if (until_node != nullptr) until = read_number(findings, *until_node, "until", times);
   if (!from || !until) return;
   push.from = *from;
   push.until = *until;

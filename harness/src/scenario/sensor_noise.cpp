@@ -1,4 +1,4 @@
-#include <rehearse/sensor_noise.h>
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 

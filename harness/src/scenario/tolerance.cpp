@@ -1,4 +1,6 @@
-#include <rehearse/tolerance.h>
+#include <rehearse/scenario.h>
+
+#include "mcap/glob.h"
 
 namespace rehearse {
 

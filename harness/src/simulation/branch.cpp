@@ -1,7 +1,7 @@
 #include <fmt/format.h>
-#include <rehearse/branch.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
+#include <rehearse/session.h>
+#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>

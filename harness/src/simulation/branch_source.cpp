@@ -31,7 +31,7 @@ void find_ticks(BranchSource& source) {
 }
 
 /// How many ticks before a moment the cameras and range sensors have to run so that all that arrives at it or later was
-/// captured meanwhile: twice the longest cycle, of which vision.h has that it is a second at most.
+/// captured meanwhile: twice the longest cycle, of which renderer/vision.h has that it is a second at most.
 std::int64_t lead_of(const Scenario& scenario) {
   double longest = 0.0;
   for (const ScenarioBody& body : scenario.bodies) {

@@ -1,6 +1,8 @@
 #include "noise_maker.h"
 
-#include <rehearse/sensor_noise.h>
+#include "scenario/normal_quantile.h"
+
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-#include <rehearse/divergence.h>
 #include "expression.h"
+#include <rehearse/compare.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // hour takes no memory, and by tick, so that any of them is at hand. Internal.
 #pragma once
 
-#include <rehearse/divergence.h>
+#include <rehearse/compare.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>
 #include "tick_view.h"

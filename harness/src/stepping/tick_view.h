@@ -8,10 +8,10 @@
 // recorded is there all the same; remarks() says so.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/divergence.h>
-#include "expression.h"
 #include <rehearse/host_options.h>
+#include "expression.h"
 
 #include <cstdint>
 #include <filesystem>

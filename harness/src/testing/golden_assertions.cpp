@@ -1,14 +1,12 @@
 // EXPECT_MATCHES_GOLDEN and EXPECT_HOLDS, without GoogleTest.
 #include <fmt/format.h>
 #include <rehearse/check.h>
-#include <rehearse/expectation.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
-#include "check/noise_floor.h"
-#include <rehearse/reproduction.h>
+#include <rehearse/scenario.h>
 #include <rehearse/session.h>
 #include <rehearse/test_support.h>
-#include <rehearse/tolerance.h>
+#include "check/noise_floor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +14,7 @@
 
 #include "check/compared.h"
 #include "golden/run_folder.h"
+#include "mcap/glob.h"
 #include "scenario/trace_scenario.h"
 #include "test_recordings.h"
 #include "test_reports.h"

@@ -3,7 +3,7 @@
 #include "test_reports.h"
 
 #include <fmt/format.h>
-#include <rehearse/failure_report.h>
+#include <rehearse/report.h>
 
 #include <algorithm>
 #include <cstdlib>

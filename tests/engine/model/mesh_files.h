@@ -1,7 +1,7 @@
 // Small meshes for tests, and what may be asked of any mesh.
 #pragma once
 
-#include <rehearse/mesh.h>
+#include <rehearse/model.h>
 
 #include <gtest/gtest.h>
 

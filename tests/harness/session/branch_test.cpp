@@ -1,5 +1,5 @@
 // What if: inputs that are altered in a replay, and branches of recordings.
-#include <rehearse/branch.h>
+#include <rehearse/session.h>
 
 #include <algorithm>
 #include <cmath>

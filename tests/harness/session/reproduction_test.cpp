@@ -1,6 +1,5 @@
 // Whether a recording repeats itself, and goldens that are met by chance alone.
 #include <rehearse/check.h>
-#include <rehearse/reproduction.h>
 #include <rehearse/session.h>
 
 #include <cstring>

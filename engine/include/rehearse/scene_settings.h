@@ -1,7 +1,11 @@
-// SolverSettings: how the physics engine solves a step. The defaults are those of Choreonoid's ODE simulator item.
+// Settings of a scene that are no body's: how the physics engine solves a step, and how pictures look.
 #pragma once
 
+#include <rehearse/model.h>
+
 namespace rehearse {
+
+/// How the physics engine solves a step. The defaults are those of Choreonoid's ODE simulator item.
 
 struct SolverSettings {
   enum class Method {
@@ -17,6 +21,12 @@ struct SolverSettings {
   double surface_layer = 1e-4;            // contacts rest this deep [m]
   double friction = 1.0;                  // coefficient of every contact
   int max_contacts = 100;                 // per pair of shapes
+};
+
+/// How a scene looks beside its bodies.
+
+struct Look {
+  Color sky{0.55f, 0.68f, 0.82f, 1.0f};  // what is seen where nothing is
 };
 
 }  // namespace rehearse
