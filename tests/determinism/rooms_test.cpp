@@ -8,7 +8,6 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <optional>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -134,16 +133,17 @@ std::vector<std::string> forbidden_in(const Rooms& rooms, const std::string& nam
 }
 
 /// What a program includes although its room keeps it to itself.
-std::vector<std::string> past_doors_in(const Rooms& rooms, const std::string& file, std::istream& stream) {
+std::vector<std::string> past_doors_in(const Rooms& rooms, const std::string& file,
+                                       const std::vector<Include>& includes) {
   std::vector<std::string> found;
-  for (const Include& include : includes_in(rooms, stream))
+  for (const Include& include : includes)
     if (include.text[0] == '"' && rooms.at(include.room).doors.count(include.header) == 0)
       found.push_back(at(file, include) + "programs may not include a header that the room " + include.room +
                       " keeps to itself: " + include.text);
   return found;
 }
 
-/// The sources below a folder, or in it alone, by path below the repository.
+/// The sources in a folder, by path below the repository.
 std::vector<std::string> sources_in(const std::string& folder) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(root / folder))
@@ -179,9 +179,9 @@ TEST(Rooms, AreEnteredByProgramsThroughTheirDoors) {
   std::set<std::string> entered;
   for (const std::string& file : sources_in("tools/rehearse")) {
     std::ifstream stream(root / file);
-    std::ifstream again(root / file);
-    for (const std::string& finding : past_doors_in(rooms, file, stream)) ADD_FAILURE() << finding;
-    for (const Include& include : includes_in(rooms, again)) entered.insert(include.room + "/" + include.header);
+    const std::vector<Include> includes = includes_in(rooms, stream);
+    for (const std::string& finding : past_doors_in(rooms, file, includes)) ADD_FAILURE() << finding;
+    for (const Include& include : includes) entered.insert(include.room + "/" + include.header);
   }
   for (const auto& [name, room] : rooms)
     for (const std::string& door : room.doors)
@@ -256,7 +256,7 @@ TEST(RoomsRule, FindsACycle) {
 
 TEST(RoomsRule, FindsAProgramThatEntersByAWindow) {
   std::istringstream stream("#include \"cellar/door.h\"\n#include \"cellar/window.h\"\n#include <rehearse/attic.h>\n");
-  EXPECT_EQ(past_doors_in(two_rooms, "main.cpp", stream),
+  EXPECT_EQ(past_doors_in(two_rooms, "main.cpp", includes_in(two_rooms, stream)),
             std::vector<std::string>{"main.cpp:2: programs may not include a header that the room cellar keeps to "
                                      "itself: \"cellar/window.h\""});
 }
