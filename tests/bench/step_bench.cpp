@@ -1,12 +1,12 @@
 // What it costs to look at ticks of a long recording: to step back, to go anywhere, to open it.
 
-#include "model/clock.h"
 #include <rehearse/session.h>
-#include "stepping/tick_view.h"
 #include <rehearse/trace.h>
 
+#include "model/clock.h"
 #include "pairs.h"
 #include "sr1_run.h"
+#include "stepping/tick_view.h"
 
 namespace rehearse {
 namespace {

@@ -3,7 +3,6 @@
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
-#include "model/clock.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "fixture_scenarios.h"
+#include "model/clock.h"
 
 namespace rehearse {
 namespace {

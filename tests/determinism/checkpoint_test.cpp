@@ -1,6 +1,5 @@
 // From any checkpoint of a recording, a new process goes on with the same bits: every scenario of the fixtures, both
 // solvers, three ticks each.
-#include "model/clock.h"
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
 
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "fixture_scenarios.h"
+#include "model/clock.h"
 
 namespace rehearse {
 namespace {

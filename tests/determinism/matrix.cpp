@@ -2,7 +2,6 @@
 // channel, pictures and hashes of states among them. What they are compared with is the golden, or, of a scenario that
 // has none, a plain run.
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/pin.h>
 #include <rehearse/scenario.h>
 #include <unistd.h>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "matrix_rows.h"
+#include "model/clock.h"
 #include "recording_content.h"
 
 namespace rehearse::matrix {

@@ -13,4 +13,4 @@ rehearse_add_test(mcap_test LABEL unit
     mcap/stream_test.cpp
     mcap/writer_forms_test.cpp
     mcap/writer_test.cpp
-  LIBRARIES Rehearse::mcap lz4 zstd)
+  LIBRARIES Rehearse::trace lz4 zstd)

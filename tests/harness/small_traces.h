@@ -5,7 +5,6 @@
 #include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
-#include "png/png.h"
 #include <rehearse/trace.h>
 
 #include <unistd.h>
@@ -17,6 +16,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "png/png.h"
 
 namespace rehearse::testing {
 

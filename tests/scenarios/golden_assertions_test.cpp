@@ -2,7 +2,6 @@
 #include <rehearse/gtest.h>
 
 #include <gmock/gmock.h>
-#include "check/noise_floor.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <iomanip>
 #include <iterator>
 
+#include "check/noise_floor.h"
 #include "small_traces.h"
 
 namespace rehearse {

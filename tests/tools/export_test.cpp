@@ -2,13 +2,13 @@
 #include <gmock/gmock.h>
 #include <png.h>
 #include <rehearse/io.h>
-#include "png/png.h"
 
 #include <array>
 #include <cmath>
 
 #include "command.h"
 #include "mixed_file.h"
+#include "png/png.h"
 
 namespace rehearse::test {
 namespace {

@@ -1,11 +1,11 @@
 // The verbs that look: info at traces, inspect at models, render at scenes.
-#include "command.h"
-
 #include <gmock/gmock.h>
-#include "png/png.h"
 
 #include <algorithm>
 #include <fstream>
+
+#include "command.h"
+#include "png/png.h"
 
 namespace rehearse::test {
 namespace {

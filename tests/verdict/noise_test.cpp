@@ -1,6 +1,5 @@
 // Noise and faults, told apart: on every fixture with contacts, what must not matter stays within tolerance on the
 // levels controller and plant, and small faults of the plant lie far above it. Prints a table of both.
-#include "check/noise_floor.h"
 #include <rehearse/session.h>
 
 #include <fmt/format.h>
@@ -13,6 +12,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "check/noise_floor.h"
 
 namespace rehearse {
 namespace {

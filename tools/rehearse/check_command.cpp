@@ -3,8 +3,6 @@
 #include <rehearse/check.h>
 #include <rehearse/report.h>
 #include <rehearse/session.h>
-#include "host/interruption.h"
-#include "host/supervise.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -24,6 +22,8 @@
 #include "debugger.h"
 #include "golden/run_folder.h"
 #include "golden/stale_report.h"
+#include "host/interruption.h"
+#include "host/supervise.h"
 #include "host/virtualised.h"
 #include "options.h"
 #include "output.h"

@@ -1,7 +1,6 @@
 #include "command.h"
 
 #include <fmt/format.h>
-#include "host/interruption.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "debugger.h"
+#include "host/interruption.h"
 
 namespace rehearse::tool {
 namespace {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/pin.h>
@@ -21,6 +20,7 @@
 
 #include "host/controller_library.h"
 #include "mcap/whole_input.h"
+#include "model/clock.h"
 #include "output.h"
 #include "scenario/trace_scenario.h"
 #include "trace/channel_name.h"

@@ -1,8 +1,6 @@
 // rehearse golden noise: how far runs stray without a reason that matters, beside the golden.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
-#include "check/noise_floor.h"
-#include "check/perturbed_run.h"
 #include <rehearse/session.h>
 #include <unistd.h>
 
@@ -11,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "check/noise_floor.h"
+#include "check/perturbed_run.h"
 #include "golden_verbs.h"
 #include "options.h"
 #include "progress.h"

@@ -2,9 +2,6 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/session.h>
-#include "host/interruption.h"
-#include "host/supervise.h"
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -19,7 +16,10 @@
 #include "command.h"
 #include "debugger.h"
 #include "host/interposer.h"
+#include "host/interruption.h"
+#include "host/supervise.h"
 #include "mcap/replaceable.h"
+#include "model/clock.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -1,6 +1,5 @@
 // rehearse render: a picture of a scenario as it starts, or of a model.
 #include <fmt/format.h>
-#include "png/png.h"
 #include <rehearse/renderer.h>
 #include <rehearse/scenario.h>
 #include <rehearse/urdf.h>
@@ -21,6 +20,7 @@
 #include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
+#include "png/png.h"
 #include "scenario_text.h"
 #include "viewpoint.h"
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
-#include "host/supervise.h"
 
 #include <cstdint>
 #include <cstdio>
@@ -16,6 +15,7 @@
 
 #include "command.h"
 #include "debugger.h"
+#include "host/supervise.h"
 #include "host/virtualised.h"
 #include "mcap/replaceable.h"
 #include "options.h"

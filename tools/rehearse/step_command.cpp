@@ -1,6 +1,5 @@
 // rehearse step: a recording tick by tick, at a terminal or by a script of commands on stdin.
 #include <fmt/format.h>
-#include "stepping/tick_view.h"
 
 #include <cstdio>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "progress.h"
 #include "replay_ticks.h"
 #include "step_session.h"
+#include "stepping/tick_view.h"
 
 namespace rehearse::tool {
 namespace {

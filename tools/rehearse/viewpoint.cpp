@@ -1,10 +1,11 @@
 #include "viewpoint.h"
 
-#include "model/pinhole.h"
 #include <rehearse/renderer.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "model/pinhole.h"
 
 namespace rehearse::tool {
 namespace {

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include "model/text.h"
 
 #include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "model/text.h"
 
 namespace rehearse::urdf {
 

@@ -1,12 +1,13 @@
 #include "ode_runtime.h"
 
 #include <rehearse/diagnostic.h>
-#include "ode_messages.h"
 
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <utility>
+
+#include "ode_messages.h"
 
 namespace rehearse {
 namespace {

@@ -1,5 +1,4 @@
 #include <ode/ode.h>
-#include "model/clock.h"
 #include <rehearse/world.h>
 
 #include <cstring>
@@ -10,6 +9,7 @@
 #include "beams.h"
 #include "contacts.h"
 #include "kinematic_body.h"
+#include "model/clock.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
 #include "state_by_name.h"

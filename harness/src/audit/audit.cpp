@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <rehearse/audit.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/pin.h>
 #include <rehearse/scenario.h>
@@ -13,6 +12,7 @@
 #include "host/controller_library.h"
 #include "host/virtualised.h"
 #include "judgement.h"
+#include "model/clock.h"
 #include "scenario/trace_scenario.h"
 #include "valgrind_report.h"
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "check_run.h"
 #include "compare/compare_parts.h"
+#include "model/clock.h"
 #include "replay/plant_level.h"
 #include "replayed_twice.h"
 #include "scenario/trace_scenario.h"

@@ -1,17 +1,17 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/compare.h>
-#include "model/clock.h"
-#include "noise_floor.h"
 
 #include <algorithm>
 
 #include "blame.h"
 #include "check_run.h"
 #include "compare/scenario_changes.h"
+#include "model/clock.h"
+#include "noise_floor.h"
 #include "recording/provenance.h"
-#include "scenario/branch_origin.h"
 #include "replay/plant_level.h"
+#include "scenario/branch_origin.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

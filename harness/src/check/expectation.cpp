@@ -3,8 +3,6 @@
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>
-#include "mcap/glob.h"
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +11,8 @@
 #include <numbers>
 
 #include "compare/compare_parts.h"
+#include "mcap/glob.h"
+#include "model/clock.h"
 
 namespace rehearse {
 namespace {

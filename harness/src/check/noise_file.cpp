@@ -1,9 +1,9 @@
 // The noise floor as a file.
 #include <fmt/format.h>
-#include "noise_floor.h"
 #include <yaml-cpp/emitter.h>
 
 #include "golden/golden_files.h"
+#include "noise_floor.h"
 #include "scenario/scenario_values.h"
 
 namespace rehearse {

@@ -1,6 +1,7 @@
 // What a noise floor says of tolerances, horizons and differences.
-#include <fmt/format.h>
 #include "noise_floor.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,5 @@
 // Measuring noise: run, perturb, compare.
 #include <fmt/format.h>
-#include "model/clock.h"
-#include "noise_floor.h"
 #include <rehearse/pin.h>
 
 #include <algorithm>
@@ -9,6 +7,8 @@
 #include <limits>
 
 #include "compare/compare_parts.h"
+#include "model/clock.h"
+#include "noise_floor.h"
 #include "perturbed_process.h"
 #include "recording/provenance.h"
 

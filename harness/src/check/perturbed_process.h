@@ -2,12 +2,13 @@
 #pragma once
 
 #include <rehearse/compare.h>
-#include "perturbed_run.h"
 
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include "perturbed_run.h"
 
 namespace rehearse {
 

@@ -1,6 +1,7 @@
+#include "perturbed_run.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
-#include "perturbed_run.h"
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/messages.h>
-#include "model/clock.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "compare/compare_parts.h"
+#include "model/clock.h"
 #include "replay/plant_level.h"
 
 namespace rehearse {

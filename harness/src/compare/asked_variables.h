@@ -2,13 +2,13 @@
 // that a tolerance rule names as what they are, by a pattern with "/variable/" in it, decide anything.
 #pragma once
 
-#include "mcap/glob.h"
 #include <rehearse/scenario.h>
 
 #include <algorithm>
 #include <string_view>
 #include <vector>
 
+#include "mcap/glob.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

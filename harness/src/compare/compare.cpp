@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -11,6 +10,7 @@
 #include "compare_fields.h"
 #include "compare_parts.h"
 #include "counterpart.h"
+#include "model/clock.h"
 #include "scenario/trace_scenario.h"
 
 namespace rehearse {

@@ -1,6 +1,5 @@
 #include <rehearse/compare.h>
 #include <rehearse/scenario.h>
-#include "png/png.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +7,7 @@
 #include <fstream>
 
 #include "compare_parts.h"
+#include "png/png.h"
 #include "recorded_picture.h"
 
 namespace rehearse {

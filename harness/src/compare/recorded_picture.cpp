@@ -2,11 +2,12 @@
 
 #include <rehearse/cdr.h>
 #include <rehearse/messages.h>
-#include "png/png.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+
+#include "png/png.h"
 
 namespace rehearse {
 namespace {

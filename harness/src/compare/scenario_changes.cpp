@@ -1,7 +1,6 @@
 #include "scenario_changes.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <set>
 #include <string_view>
 
+#include "model/clock.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

@@ -7,14 +7,14 @@
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>
-#include "mcap/glob.h"
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "mcap/glob.h"
+#include "model/clock.h"
 #include "recording/trace_output.h"
 #include "trace/run_facts.h"
 

@@ -1,7 +1,6 @@
 #include "controller_host.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "controller_watch.h"
 #include "debug_hook.h"
 #include "info_text.h"
+#include "model/clock.h"
 #include "opened_files.h"
 #include "supervisor.h"
 #include "trace/hashing.h"

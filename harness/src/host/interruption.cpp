@@ -1,6 +1,6 @@
-#include <fmt/format.h>
-#include "model/clock.h"
 #include "interruption.h"
+
+#include <fmt/format.h>
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "guarded_call.h"
+#include "model/clock.h"
 
 namespace rehearse {
 namespace {

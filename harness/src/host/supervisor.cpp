@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
-#include "supervise.h"
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -22,6 +21,7 @@
 
 #include "guarded_call.h"
 #include "mcap/recover.h"
+#include "supervise.h"
 
 namespace rehearse {
 namespace {

@@ -1,12 +1,13 @@
 #include "variables.h"
 
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <utility>
+
+#include "model/text.h"
 
 namespace rehearse {
 namespace {

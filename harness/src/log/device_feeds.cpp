@@ -1,6 +1,5 @@
 // Devices out of a log: inertial and force sensors, cameras, range sensors.
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "log_feed.h"
 #include "log_track.h"
 #include "message_reader.h"
+#include "model/clock.h"
 #include "picture_codecs.h"
 #include "range_codecs.h"
 

@@ -1,12 +1,13 @@
 #include "log_observations.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "model/clock.h"
 
 namespace rehearse {
 namespace {

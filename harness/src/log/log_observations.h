@@ -1,7 +1,6 @@
 // LogObservations: what is observed comes from the messages of a log, by way of a feed for each source of its map.
 #pragma once
 
-#include "log_replay.h"
 #include <rehearse/model.h>
 
 #include <cstdint>
@@ -10,6 +9,7 @@
 
 #include "log_commands.h"
 #include "log_feed.h"
+#include "log_replay.h"
 #include "log_survey.h"
 #include "run/run.h"
 #include "topic_watch.h"

@@ -1,7 +1,7 @@
+#include "log_replay.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include "model/clock.h"
-#include "log_replay.h"
 #include <rehearse/urdf.h>
 
 #include <algorithm>
@@ -17,6 +17,7 @@
 #include "log_requirements.h"
 #include "log_scenario.h"
 #include "log_survey.h"
+#include "model/clock.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/hosted_commands.h"

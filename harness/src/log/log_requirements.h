@@ -2,13 +2,13 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include "log_replay.h"
 #include <rehearse/mcap.h>
 
 #include <vector>
 
 #include "host/controller_host.h"
 #include "log_map/log_map.h"
+#include "log_replay.h"
 #include "log_survey.h"
 
 namespace rehearse {

@@ -1,7 +1,6 @@
 #include "picture_codecs.h"
 
 #include <fmt/format.h>
-#include "png/png.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,8 @@
 #include <limits>
 
 #include <jpeglib.h>
+
+#include "png/png.h"
 
 namespace rehearse {
 namespace {

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <lz4frame.h>
-#include "model/text.h"
 #include <zstd.h>
 
 #include <algorithm>
+
+#include "model/text.h"
 
 namespace rehearse::mcap {
 

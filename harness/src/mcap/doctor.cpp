@@ -1,11 +1,10 @@
-#include "doctor_impl.h"
-
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 #include <utility>
 
+#include "doctor_impl.h"
+#include "model/text.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

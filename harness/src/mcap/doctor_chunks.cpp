@@ -1,9 +1,9 @@
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 
 #include "doctor_impl.h"
+#include "model/text.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

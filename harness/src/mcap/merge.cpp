@@ -1,7 +1,6 @@
 #include "merge.h"
 
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 #include <limits>
@@ -12,6 +11,7 @@
 
 #include "chunks.h"
 #include "draft.h"
+#include "model/text.h"
 #include "order.h"
 #include "whole_input.h"
 

@@ -1,11 +1,12 @@
 #include "record_layout.h"
 
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 #include <iterator>
 #include <span>
+
+#include "model/text.h"
 
 namespace rehearse::mcap {
 namespace {

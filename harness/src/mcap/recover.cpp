@@ -1,7 +1,6 @@
 #include "recover.h"
 
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,6 +8,7 @@
 #include "doctor.h"
 #include "draft.h"
 #include "file_view.h"
+#include "model/text.h"
 #include "record_layout.h"
 #include "survey.h"
 

@@ -1,10 +1,10 @@
 #include "survey.h"
 
 #include <fmt/format.h>
-#include "model/text.h"
 
 #include <algorithm>
 
+#include "model/text.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
@@ -15,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/clock.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

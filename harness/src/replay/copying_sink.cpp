@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "model/clock.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

@@ -1,6 +1,7 @@
 #include "plant_level.h"
 
 #include <fmt/format.h>
+
 #include "model/clock.h"
 
 namespace rehearse {

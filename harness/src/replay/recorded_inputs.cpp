@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <rehearse/messages.h>
-#include "png/png.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +10,8 @@
 #include <set>
 
 #include "host/joint_arrays.h"
+#include "model/clock.h"
+#include "png/png.h"
 #include "recording/contact_messages.h"
 #include "trace/range_messages.h"
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 
 #include <utility>
 
+#include "model/clock.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

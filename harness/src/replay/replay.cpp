@@ -1,4 +1,3 @@
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 
@@ -10,6 +9,7 @@
 #include "host/controller_host.h"
 #include "host/float_mode.h"
 #include "mcap/whole_input.h"
+#include "model/clock.h"
 #include "recording_source.h"
 #include "replay_comparison.h"
 #include "replay_conditions.h"

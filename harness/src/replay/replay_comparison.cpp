@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <rehearse/scenario.h>
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "compare/asked_variables.h"
+#include "model/clock.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

@@ -1,19 +1,19 @@
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/replay.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "scenario/branch_origin.h"
 #include "copying_sink.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
 #include "host/process_guard.h"
 #include "mcap/whole_input.h"
+#include "model/clock.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/hosted_commands.h"
+#include "scenario/branch_origin.h"
 #include "scenario/trace_scenario.h"
 
 namespace rehearse {

@@ -3,7 +3,6 @@
 #include <rehearse/messages.h>
 #include <rehearse/report.h>
 #include <rehearse/scenario.h>
-#include "mcap/glob.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "compare/compare_parts.h"
 #include "compare/counterpart.h"
 #include "compare/report_json.h"
+#include "mcap/glob.h"
 #include "report_page.h"
 #include "report_pictures.h"
 #include "report_robots.h"

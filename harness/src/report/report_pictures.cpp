@@ -1,7 +1,6 @@
 #include "report_pictures.h"
 
 #include <fmt/format.h>
-#include "png/png.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "compare/recorded_picture.h"
 #include "export/picture_file.h"
+#include "png/png.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

@@ -1,12 +1,12 @@
 #include "branch_origin.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 
 #include <algorithm>
 #include <array>
 #include <fstream>
 
+#include "model/clock.h"
 #include "scenario_findings.h"
 #include "tick_span.h"
 #include "trace/hashing.h"

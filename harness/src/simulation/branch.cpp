@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
 #include <rehearse/session.h>
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +9,11 @@
 #include "branch_source.h"
 #include "closed_loop.h"
 #include "host/float_mode.h"
+#include "model/clock.h"
 #include "recording/provenance.h"
-#include "scenario/branch_origin.h"
 #include "replay/copying_sink.h"
 #include "replay/replay_recording.h"
+#include "scenario/branch_origin.h"
 
 namespace rehearse {
 namespace {

@@ -1,13 +1,13 @@
 #include "branch_source.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "model/clock.h"
 #include "recorded_checkpoints.h"
 #include "recording/mesh_digests.h"
 #include "replay/recording_source.h"

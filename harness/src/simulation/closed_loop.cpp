@@ -1,10 +1,10 @@
 #include "closed_loop.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 
 #include "host/float_mode.h"
 #include "host/supervisor.h"
+#include "model/clock.h"
 #include "recording/provenance.h"
 
 namespace rehearse {

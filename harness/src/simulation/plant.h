@@ -3,9 +3,7 @@
 #pragma once
 
 #include <rehearse/io.h>
-#include "world/scanner.h"
 #include <rehearse/scenario.h>
-#include "renderer/vision.h"
 #include <rehearse/world.h>
 
 #include <cstdint>
@@ -16,6 +14,8 @@
 #include <vector>
 
 #include "noise_maker.h"
+#include "renderer/vision.h"
+#include "world/scanner.h"
 
 namespace rehearse {
 

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include "model/clock.h"
 #include <rehearse/session.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 
 #include "compare/scenario_changes.h"
 #include "host/float_mode.h"
+#include "model/clock.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/recording_sink.h"

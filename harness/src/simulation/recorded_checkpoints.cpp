@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <rehearse/mcap.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "checkpoint_trial.h"
+#include "model/clock.h"
 #include "plant.h"
 #include "recording/recorder.h"
 #include "scenario/trace_scenario.h"

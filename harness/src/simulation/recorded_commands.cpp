@@ -1,12 +1,12 @@
 #include "recorded_commands.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "model/clock.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {

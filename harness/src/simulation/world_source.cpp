@@ -1,10 +1,11 @@
 #include "world_source.h"
 
 #include <fmt/format.h>
-#include "model/clock.h"
-#include "world/ode_messages.h"
 
 #include <utility>
+
+#include "model/clock.h"
+#include "world/ode_messages.h"
 
 namespace rehearse {
 

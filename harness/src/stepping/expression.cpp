@@ -1,4 +1,5 @@
 #include "expression.h"
+
 #include <rehearse/compare.h>
 
 #include <algorithm>

@@ -1,12 +1,13 @@
 #include "expression_lexer.h"
 
 #include <fmt/format.h>
-#include "expression.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
+
+#include "expression.h"
 
 namespace rehearse {
 namespace {

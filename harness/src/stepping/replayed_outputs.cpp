@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include "model/clock.h"
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <map>
 #include <tuple>
 
+#include "model/clock.h"
 #include "replay/replay_recording.h"
 #include "trace/channel_name.h"
 #include "trace/float64_message.h"

@@ -5,7 +5,6 @@
 #include <rehearse/compare.h>
 #include <rehearse/messages.h>
 #include <rehearse/scenario.h>
-#include "tick_view.h"
 
 #include <cstdint>
 #include <map>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "message_finder.h"
+#include "tick_view.h"
 
 namespace rehearse {
 

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
-#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>
 
 #include "compare/compare_parts.h"
 #include "export/picture_file.h"
+#include "mcap/glob.h"
 #include "mcap/whole_input.h"
 #include "name_search.h"
 #include "scenario/trace_scenario.h"

@@ -1,9 +1,7 @@
 // What a SteppedTrace consists of. Internal; stepped_trace.cpp opens and looks up, tick_view.cpp shows a tick.
 #pragma once
 
-#include "model/clock.h"
 #include <rehearse/scenario.h>
-#include "tick_view.h"
 
 #include <array>
 #include <cmath>
@@ -14,8 +12,10 @@
 
 #include "contact_history.h"
 #include "message_finder.h"
+#include "model/clock.h"
 #include "recorded_ticks.h"
 #include "replayed_outputs.h"
+#include "tick_view.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

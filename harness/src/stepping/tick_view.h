@@ -11,7 +11,6 @@
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/host_options.h>
-#include "expression.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -21,6 +20,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "expression.h"
 
 namespace rehearse {
 

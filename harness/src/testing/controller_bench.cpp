@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include "model/clock.h"
 #include <rehearse/controller_bench.h>
 #include <rehearse/test_support.h>
 #include <rehearse/urdf.h>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 
 #include "host/controller_host.h"
+#include "model/clock.h"
 #include "run/hosted_commands.h"
 #include "run/run.h"
 

@@ -6,13 +6,13 @@
 #include <rehearse/scenario.h>
 #include <rehearse/session.h>
 #include <rehearse/test_support.h>
-#include "check/noise_floor.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "check/compared.h"
+#include "check/noise_floor.h"
 #include "golden/run_folder.h"
 #include "mcap/glob.h"
 #include "scenario/trace_scenario.h"

@@ -1,6 +1,7 @@
 // main() of tests that use <rehearse/gtest.h>.
 #include <gtest/gtest.h>
 #include <rehearse/pin.h>
+
 #include "host/supervise.h"
 
 namespace {

@@ -1,13 +1,14 @@
 #include "channel_name.h"
 
 #include <rehearse/diagnostic.h>
-#include "float64_message.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
+
+#include "float64_message.h"
 
 namespace rehearse {
 namespace {

@@ -1,8 +1,6 @@
 #include "filter.h"
 
 #include <fmt/format.h>
-#include "mcap/glob.h"
-#include "model/text.h"
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +8,9 @@
 #include "mcap/chunks.h"
 #include "mcap/draft.h"
 #include "mcap/file_view.h"
+#include "mcap/glob.h"
 #include "mcap/whole_input.h"
+#include "model/text.h"
 
 namespace rehearse::mcap {
 

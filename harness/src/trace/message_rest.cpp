@@ -1,7 +1,6 @@
 #include "message_rest.h"
 
 #include <rehearse/cdr.h>
-#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <cstring>
 
 #include "hashing.h"
+#include "mcap/glob.h"
 
 namespace rehearse {
 namespace {

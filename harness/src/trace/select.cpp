@@ -1,6 +1,5 @@
 #include "select.h"
 
-#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <fmt/format.h>
@@ -8,6 +7,8 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+
+#include "mcap/glob.h"
 
 namespace rehearse::mcap {
 

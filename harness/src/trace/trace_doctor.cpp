@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <rehearse/messages.h>
-#include "model/text.h"
 
 #include <algorithm>
 #include <string_view>
 
 #include "channel_name.h"
+#include "model/text.h"
 #include "run_facts.h"
 
 namespace rehearse {

@@ -1,12 +1,13 @@
 // The points behind a camera's pixels.
 
-#include "model/pinhole.h"
 #include <rehearse/renderer.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "model/pinhole.h"
 
 namespace rehearse {
 namespace {

@@ -1,7 +1,6 @@
 // Pictures as ROS sends them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "png/png.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <jpeglib.h>
 
 #include "log/picture_codecs.h"
+#include "png/png.h"
 
 namespace rehearse {
 namespace {

@@ -1,7 +1,6 @@
 // Logs that simulated robots left, into their controllers: what these commanded then, they command again.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "log/log_replay.h"
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
 #include <rehearse/test_support.h>
@@ -15,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include "log/log_replay.h"
 #include "robot_log.h"
 
 namespace rehearse {

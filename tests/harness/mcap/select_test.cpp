@@ -1,10 +1,9 @@
-#include "mcap_files.h"
-
-#include "mcap/glob.h"
 #include <rehearse/messages.h>
 
 #include <gmock/gmock.h>
 
+#include "mcap/glob.h"
+#include "mcap_files.h"
 #include "trace/select.h"
 
 using namespace rehearse;

@@ -1,8 +1,8 @@
 // Lights in the closed loop: what controllers find, what cameras see, and what comes of a controller's word to them.
 
 #include <rehearse/mcap.h>
-#include "png/png.h"
 
+#include "png/png.h"
 #include "runs.h"
 
 namespace rehearse {

@@ -1,6 +1,7 @@
 // The world under recorded commands: where it can't be set back, and what can't be commanded. That it repeats whatever
 // controllers do is expected of every run of these tests (runs.h).
 #include <rehearse/session.h>
+
 #include "mutilate.h"
 #include "runs.h"
 #include "simulation/checkpoint_trial.h"

@@ -2,8 +2,8 @@
 
 #include <rehearse/mcap.h>
 #include <rehearse/pin.h>
-#include "png/png.h"
 
+#include "png/png.h"
 #include "runs.h"
 
 namespace rehearse {

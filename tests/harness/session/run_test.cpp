@@ -1,8 +1,5 @@
 // The loop of all runs, with parts that only note what they are asked.
-#include "run/run.h"
-
 #include <gmock/gmock.h>
-#include "host/interruption.h"
 #include <signal.h>
 #include <unistd.h>
 
@@ -10,6 +7,9 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "host/interruption.h"
+#include "run/run.h"
 
 namespace rehearse {
 namespace {

@@ -1,12 +1,12 @@
 // Expressions: what they mean, and what is said of those that mean nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include "stepping/expression.h"
 
 #include <cmath>
 #include <numbers>
 
 #include "made_up_source.h"
+#include "stepping/expression.h"
 
 namespace rehearse {
 namespace {

@@ -1,11 +1,11 @@
 // A recording at any of its ticks: what is there, what changed, what the controllers give now.
 #include <rehearse/mcap.h>
-#include "stepping/tick_view.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "session/runs.h"
+#include "stepping/tick_view.h"
 
 namespace rehearse {
 namespace {
