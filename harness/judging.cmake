@@ -8,6 +8,7 @@ target_sources(rehearse_harness PRIVATE
   src/check/check_golden.cpp
   src/check/check_json.cpp
   src/compare/compare.cpp
+  src/compare/compare_channel.cpp
   src/compare/compare_envelope.cpp
   src/compare/compare_events.cpp
   src/compare/compare_fields.cpp
@@ -37,6 +38,7 @@ target_sources(rehearse_harness PRIVATE
   src/compare/picture_difference.cpp
   src/check/plant_level.cpp
   src/compare/recorded_picture.cpp
+  src/compare/run_survey.cpp
   src/check/replayed_twice.cpp
   src/check/reproduction.cpp
   src/check/scenario_changes.cpp

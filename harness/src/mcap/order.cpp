@@ -130,18 +130,49 @@ void MessageOrder::advance() {
   heap_.pop_back();
 }
 
-Result<void> Reader::Impl::for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels) {
-  walk_if_not_yet();
-  DamageLog damage(name_);
-  MessageOrder order(*this, channels, damage);
+struct OrderedMessages::State {
+  State(Reader::Impl& from, std::span<const std::uint16_t> chosen)
+      : reader(from), channels(chosen), damage(from.name_), order(from, channels, damage) {}
+
+  Reader::Impl& reader;
+  const ChannelSet channels;
+  DamageLog damage;
+  MessageOrder order;
+  Message message;
+  bool has_message = false;  // which order is to leave behind
+  bool ended = false;
+};
+
+OrderedMessages::OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels) {
+  reader.impl().walk_if_not_yet();
+  state_ = std::make_unique<State>(reader.impl(), channels);
+}
+
+OrderedMessages::~OrderedMessages() = default;
+
+const Message* OrderedMessages::next() {
+  State& state = *state_;
   Record record;
-  while (order.next(record)) {
-    const Message message = contents_.read_message(record, damage);
-    if (message.channel != nullptr && !callback(message)) return verdict(damage);
-    order.advance();
-  }
-  check_data_crc(damage);
-  return verdict(damage);
+  do {
+    if (std::exchange(state.has_message, false)) state.order.advance();
+    state.ended = !state.order.next(record);
+    if (state.ended) return nullptr;
+    state.has_message = true;
+    state.message = state.reader.contents_.read_message(record, state.damage);
+  } while (state.message.channel == nullptr);
+  return &state.message;
+}
+
+Result<void> OrderedMessages::verdict() {
+  if (state_->ended) state_->reader.check_data_crc(state_->damage);
+  return state_->reader.verdict(state_->damage);
+}
+
+Result<void> Reader::for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels) {
+  OrderedMessages messages(*this, channels);
+  while (const Message* message = messages.next())
+    if (!callback(*message)) break;
+  return messages.verdict();
 }
 
 }  // namespace rehearse::mcap

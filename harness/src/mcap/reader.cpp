@@ -220,10 +220,6 @@ Result<void> Reader::for_each_message(const OnMessage& callback, std::span<const
   return impl_->for_each_message(callback, ChannelSet(channels));
 }
 
-Result<void> Reader::for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels) {
-  return impl_->for_each_message_in_order(callback, ChannelSet(channels));
-}
-
 Result<Message> Reader::message_at(const Location& location) { return impl_->message_at(location); }
 
 }  // namespace rehearse::mcap

@@ -29,9 +29,6 @@ class Reader::Impl {
   Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
   Result<Message> message_at(const Location& location);
 
-  // order.cpp
-  Result<void> for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels);
-
   FileView file_;
   Bytes bytes_;
   std::string name_;
