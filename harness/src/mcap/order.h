@@ -3,7 +3,10 @@
 
 #include "reader_impl.h"
 
+#include <condition_variable>
 #include <memory>
+#include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -18,6 +21,7 @@ struct Waiting {
 /// A run of messages sorted by time: a decompressed chunk, or all messages that are in no chunk.
 struct Run {
   std::optional<std::uint64_t> chunk;
+  Bytes compressed;  // the chunk's record, where the file is mapped
   RawBuffer buffer;
   Bytes records;
   std::vector<Waiting> order;
@@ -26,6 +30,36 @@ struct Run {
   bool done() const { return next == order.size(); }
   std::uint64_t time() const { return order[next].log_time; }
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
+};
+
+/// Opens one chunk on a thread of its own, while others are read.
+class ReadAhead {
+ public:
+  explicit ReadAhead(const ReaderOptions& options);
+  ~ReadAhead();
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
+
+  /// Begins with that chunk, whose bytes outlive this. The one before was taken.
+  void begin(const Record& chunk, std::unique_ptr<Run> run);
+  /// A chunk was begun and not taken.
+  bool is_under_way() const { return under_way_; }
+  /// Waits for the chunk that was begun.
+  std::unique_ptr<Run> take(OpenedChunk& opened);
+
+ private:
+  void work();
+
+  ChunkOpener opener_;
+  Record chunk_;
+  std::unique_ptr<Run> run_;
+  OpenedChunk opened_;
+  bool under_way_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool wanted_ = false;  // the thread has something to do
+  bool ending_ = false;
+  std::thread thread_;  // last: starts when all else is there
 };
 
 /// The messages of a file, one after the other, by (log time, position in the file). Chunks are opened when the time
@@ -46,8 +80,12 @@ class MessageOrder {
   }
   void collect_loose();
   void open_next_chunk();
+  std::unique_ptr<Run> open(const Record& chunk, OpenedChunk& opened);
+  void begin_next_chunk();
+  std::unique_ptr<Run> spare_run();
   void collect(Run& run, RecordWalker& walker, const Chunk* place);
   void add(std::unique_ptr<Run> run);
+  void let_go(std::unique_ptr<Run> run);
 
   Reader::Impl& reader_;
   const ChannelSet& channels_;
@@ -57,6 +95,7 @@ class MessageOrder {
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<Run>> spare_;  // for their memory
   std::uint64_t held_ = 0;                   // bytes of open chunks
+  std::unique_ptr<ReadAhead> ahead_;         // null: the file is too small
 };
 
 }  // namespace rehearse::mcap

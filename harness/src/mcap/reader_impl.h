@@ -71,6 +71,7 @@ class Reader::Impl {
   RawBuffer pass_buffer_;
   RawBuffer at_buffer_;  // of message_at: the chunk that it read last
   Bytes at_records_;
+  Bytes at_body_;               // of that chunk's record
   std::uint64_t at_chunk_ = 0;  // 0: none
   std::optional<bool> data_crc_matches_;
 };

@@ -275,7 +275,28 @@ void TraceWindows::move(std::uint64_t keep_from, std::uint64_t until) {
   for (std::size_t i = 0; i < sources_.size(); ++i) trace_.channels_[i] = std::move(sources_[i].rows.table);
 }
 
+std::optional<std::uint64_t> TraceWindows::next_time() const {
+  return message_ == nullptr ? std::nullopt : std::optional(message_->log_time);
+}
+
 Result<void> TraceWindows::verdict() { return messages_->verdict(); }
+
+bool is_without_messages(const Trace& trace) {
+  return std::any_of(trace.channels().begin(), trace.channels().end(),
+                     [](const TraceChannel& table) { return table.earlier > 0 && table.times.empty(); });
+}
+
+void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
+                     const std::function<void(const Trace& window)>& take) {
+  constexpr std::uint64_t span = 1'000'000'000;  // [ns]
+  if (!is_without_messages(trace)) return take(trace);
+  if (channels.empty()) return;
+  TraceWindows windows(trace, channels);
+  while (const auto begin = windows.next_time()) {
+    windows.move(*begin, *begin + span);
+    take(windows.window());
+  }
+}
 
 void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series) {
   for (std::size_t c = 0; c < channels.size(); ++c) {

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,6 +42,8 @@ class TraceWindows {
   void move(std::uint64_t keep_from, std::uint64_t until);
   /// Without events and changes of contact.
   const Trace& window() const { return trace_; }
+  /// When the first message behind the window is [ns]; none: there is none.
+  std::optional<std::uint64_t> next_time() const;
   /// What is damaged in the messages that were read.
   Result<void> verdict();
 
@@ -50,5 +54,13 @@ class TraceWindows {
   std::unique_ptr<mcap::OrderedMessages> messages_;
   const mcap::Message* message_ = nullptr;  // the next
 };
+
+/// Whether a trace is as Trace::load_in_pieces() returns it.
+bool is_without_messages(const Trace& trace);
+
+/// Calls `take` with the messages of some channels, by their place in the trace, in the order of time: with windows
+/// that are read from its file, or once with the trace itself if it holds its messages.
+void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
+                     const std::function<void(const Trace& window)>& take);
 
 }  // namespace rehearse
