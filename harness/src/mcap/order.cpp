@@ -18,7 +18,11 @@ std::uint64_t most_held(const ReaderOptions& options) {
 }  // namespace
 
 MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
-    : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
+    : reader_(reader),
+      channels_(channels),
+      damage_(damage),
+      passed_(reader.file_, reader.bytes_),
+      chunks_(reader.chunks_) {
   std::stable_sort(chunks_.begin(), chunks_.end(),
                    [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
   if (reader.loose_messages_) collect_loose();
@@ -107,6 +111,7 @@ void MessageOrder::begin_next_chunk() {
 
 void MessageOrder::open_next_chunk() {
   const Chunk place = chunks_[next_chunk_++];
+  passed_.pass(place.offset);
   Record record;
   if (!RecordWalker(reader_.bytes_, place.offset).next(record) || !parse_chunk(record.body)) {
     // it was there when the walk listed it: somebody cuts the file

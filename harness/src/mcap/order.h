@@ -90,6 +90,7 @@ class MessageOrder {
   Reader::Impl& reader_;
   const ChannelSet& channels_;
   DamageLog& damage_;
+  PassedBytes passed_;         // what stands between chunks, too
   std::vector<Chunk> chunks_;  // by start time, then place
   std::size_t next_chunk_ = 0;
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
