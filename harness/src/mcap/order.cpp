@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "quiet_thread.h"
-
 namespace rehearse::mcap {
 namespace {
 
@@ -36,79 +34,6 @@ void MessageOrder::collect_loose() {
   add(std::move(run));
 }
 
-ReadAhead::ReadAhead(const ReaderOptions& options)
-    : opener_(options), thread_(start_quiet_thread([this] { work(); })) {}
-
-ReadAhead::~ReadAhead() {
-  {
-    const std::scoped_lock lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
-void ReadAhead::begin(const Record& chunk, std::unique_ptr<Run> run) {
-  {
-    const std::scoped_lock lock(mutex_);
-    chunk_ = chunk;
-    run_ = std::move(run);
-    under_way_ = wanted_ = true;
-  }
-  changed_.notify_all();
-}
-
-std::unique_ptr<Run> ReadAhead::take(OpenedChunk& opened) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !wanted_; });
-  under_way_ = false;
-  opened = std::move(opened_);
-  return std::move(run_);
-}
-
-void ReadAhead::work() {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return wanted_ || ending_; });
-    if (ending_) return;
-    lock.unlock();
-    OpenedChunk opened = opener_.open(chunk_, run_->buffer);
-    lock.lock();
-    opened_ = std::move(opened);
-    wanted_ = false;
-    changed_.notify_all();
-  }
-}
-
-std::unique_ptr<Run> MessageOrder::spare_run() {
-  if (spare_.empty()) return std::make_unique<Run>();
-  std::unique_ptr<Run> run = std::move(spare_.back());
-  spare_.pop_back();
-  return run;
-}
-
-std::unique_ptr<Run> MessageOrder::open(const Record& chunk, OpenedChunk& opened) {
-  if (ahead_ && ahead_->is_under_way()) {
-    std::unique_ptr<Run> run = ahead_->take(opened);
-    if (opened.offset == chunk.offset) return run;
-    spare_.push_back(std::move(run));
-  }
-  std::unique_ptr<Run> run = spare_run();
-  opened = reader_.chunk_opener_.open(chunk, run->buffer);
-  return run;
-}
-
-/// While the messages of this one are read.
-void MessageOrder::begin_next_chunk() {
-  constexpr std::size_t fewest = 4;  // chunks that are worth a thread
-  if (next_chunk_ == chunks_.size() || chunks_.size() < fewest) return;
-  Record record;
-  if (!RecordWalker(reader_.bytes_, chunks_[next_chunk_].offset).next(record) || !parse_chunk(record.body)) return;
-  if (held_ + chunks_[next_chunk_].size > most_held(reader_.options_)) return;
-  if (!ahead_) ahead_ = std::make_unique<ReadAhead>(reader_.options_);
-  ahead_->begin(record, spare_run());
-}
-
 void MessageOrder::open_next_chunk() {
   const Chunk place = chunks_[next_chunk_++];
   passed_.pass(place.offset);
@@ -118,13 +43,18 @@ void MessageOrder::open_next_chunk() {
     damage_.add(fmt::format("damaged: the chunk at byte {} is gone", place.offset));
     return;
   }
-  OpenedChunk opened;
-  std::unique_ptr<Run> run = open(record, opened);
-  begin_next_chunk();
+  std::unique_ptr<Run> run;
+  if (spare_.empty()) {
+    run = std::make_unique<Run>();
+  } else {
+    run = std::move(spare_.back());
+    spare_.pop_back();
+  }
   run->order.clear();
   run->next = 0;
   run->chunk = place.offset;
   run->compressed = record.body;
+  const OpenedChunk opened = reader_.chunk_opener_.open(record, run->buffer);
   if (!opened.ok()) {
     damage_.add(reader_.chunk_opener_.describe(opened));
     return;

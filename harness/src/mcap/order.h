@@ -3,10 +3,7 @@
 
 #include "reader_impl.h"
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -32,36 +29,6 @@ struct Run {
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
 };
 
-/// Opens one chunk on a thread of its own, while others are read.
-class ReadAhead {
- public:
-  explicit ReadAhead(const ReaderOptions& options);
-  ~ReadAhead();
-  ReadAhead(const ReadAhead&) = delete;
-  ReadAhead& operator=(const ReadAhead&) = delete;
-
-  /// Begins with that chunk, whose bytes outlive this. The one before was taken.
-  void begin(const Record& chunk, std::unique_ptr<Run> run);
-  /// A chunk was begun and not taken.
-  bool is_under_way() const { return under_way_; }
-  /// Waits for the chunk that was begun.
-  std::unique_ptr<Run> take(OpenedChunk& opened);
-
- private:
-  void work();
-
-  ChunkOpener opener_;
-  Record chunk_;
-  std::unique_ptr<Run> run_;
-  OpenedChunk opened_;
-  bool under_way_ = false;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool wanted_ = false;  // the thread has something to do
-  bool ending_ = false;
-  std::thread thread_;  // last: starts when all else is there
-};
-
 /// The messages of a file, one after the other, by (log time, position in the file). Chunks are opened when the time
 /// comes to their first message and let go after their last.
 class MessageOrder {
@@ -80,9 +47,6 @@ class MessageOrder {
   }
   void collect_loose();
   void open_next_chunk();
-  std::unique_ptr<Run> open(const Record& chunk, OpenedChunk& opened);
-  void begin_next_chunk();
-  std::unique_ptr<Run> spare_run();
   void collect(Run& run, RecordWalker& walker, const Chunk* place);
   void add(std::unique_ptr<Run> run);
   void let_go(std::unique_ptr<Run> run);
@@ -96,7 +60,6 @@ class MessageOrder {
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<Run>> spare_;  // for their memory
   std::uint64_t held_ = 0;                   // bytes of open chunks
-  std::unique_ptr<ReadAhead> ahead_;         // null: the file is too small
 };
 
 }  // namespace rehearse::mcap
