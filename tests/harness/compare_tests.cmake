@@ -8,6 +8,7 @@ rehearse_add_test(judging_test LABEL unit
     compare_provenance_test.cpp
     compare_structure_test.cpp
     compare_time_test.cpp
+    compare_windows_test.cpp
     divergence_test.cpp
     event_sequences_test.cpp
     expectation_test.cpp

@@ -1,4 +1,4 @@
-// A recording takes the same memory however long it is. (An hour: tests/README.md.)
+// Recording, and comparing two recordings, take the same memory however long they are. (An hour: tests/README.md.)
 #include "recording_process.h"
 
 #include <sys/resource.h>
@@ -6,13 +6,22 @@
 namespace rehearse::test {
 namespace {
 
-/// What the program takes at most [kB]; -1 if it fails.
-long peak_memory(const std::vector<std::string>& words, const fs::path& log) {
+/// What the program takes at most [kB]; -1 if it ends with another status.
+long peak_memory(const std::vector<std::string>& words, const fs::path& log, int expected_status = 0) {
   const pid_t child = start(words, log);
   int status = 0;
   rusage usage{};
   EXPECT_EQ(wait4(child, &status, 0, &usage), child);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? usage.ru_maxrss : -1;
+  return WIFEXITED(status) && WEXITSTATUS(status) == expected_status ? usage.ru_maxrss : -1;
+}
+
+/// A pendulum under a controller that counts its calls; its hinge begins at that angle [degrees].
+void write_pendulum(const fs::path& scenario, const fs::path& calls, int hinge) {
+  std::ofstream(scenario) << "rehearse: 1\nduration: 60\nbodies:\n  - name: Pendulum\n    model: "
+                          << (fs::path(FIXTURES_DIR) / "models/pendulum.urdf").string()
+                          << "\n    joints: {hinge: " << hinge
+                          << " deg}\n    controllers:\n      - name: Ticking\n        library: " << TICKING
+                          << "\n        options: \"" << calls.string() << " 0\"\n";
 }
 
 TEST(Memory, OfARecordingDoesNotGrowWithItsLength) {
@@ -22,10 +31,7 @@ TEST(Memory, OfARecordingDoesNotGrowWithItsLength) {
   const Scratch scratch;
   const CallCounter counter(scratch.path() / "calls");
   const fs::path scenario = scratch.path() / "pendulum.yaml", trace = scratch.path() / "run.mcap";
-  std::ofstream(scenario) << "rehearse: 1\nduration: 60\nbodies:\n  - name: Pendulum\n    model: "
-                          << (fs::path(FIXTURES_DIR) / "models/pendulum.urdf").string()
-                          << "\n    joints: {hinge: 20 deg}\n    controllers:\n      - name: Ticking\n        library: "
-                          << TICKING << "\n        options: \"" << (scratch.path() / "calls").string() << " 0\"\n";
+  write_pendulum(scenario, scratch.path() / "calls", 20);
   const auto record = [&](const std::string& seconds) {
     return peak_memory({REHEARSE_COMMAND, "record", scenario.string(), "-o", trace.string(), "--duration", seconds},
                        scratch.path() / "log");
@@ -43,6 +49,39 @@ TEST(Memory, OfARecordingDoesNotGrowWithItsLength) {
                   scratch.path() / "log");
   EXPECT_GT(whole, 0);
   EXPECT_LT(whole, most);
+}
+
+TEST(Memory, OfAComparisonGrowsByItsTicksAlone) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the sanitizer keeps memory of its own";
+#endif
+  const Scratch scratch;
+  const CallCounter counter(scratch.path() / "calls");
+  const auto record = [&](int hinge, const std::string& seconds) {
+    const fs::path scenario = scratch.path() / "pendulum.yaml";
+    const std::string trace = (scratch.path() / (std::to_string(hinge) + "_" + seconds + ".mcap")).string();
+    write_pendulum(scenario, scratch.path() / "calls", hinge);
+    EXPECT_GT(peak_memory({REHEARSE_COMMAND, "record", scenario.string(), "-o", trace, "--duration", seconds},
+                          scratch.path() / "log"),
+              0)
+        << read_file(scratch.path() / "log");
+    return trace;
+  };
+  const auto diff = [&](const std::string& golden, const std::string& actual, int status) {
+    return peak_memory({REHEARSE_COMMAND, "diff", golden, actual}, scratch.path() / "log", status);
+  };
+  // The brief ones are larger than what a reader leaves mapped of a file that it passes.
+  const std::string brief = record(20, "100"), lengthy = record(20, "300");
+  const std::string brief_unlike = record(21, "100"), lengthy_unlike = record(21, "300");
+  constexpr long growth = 20 * 1024;  // [kB]; a clock has 16 bytes a tick: 200 s more of two are 6.4 MB
+  const long equal = diff(brief, brief, 0), unlike = diff(brief, brief_unlike, 1);
+  ASSERT_GT(equal, 0) << read_file(scratch.path() / "log");
+  ASSERT_GT(unlike, 0) << read_file(scratch.path() / "log");
+  const long lengthy_equal = diff(lengthy, lengthy, 0), lengthy_differing = diff(lengthy, lengthy_unlike, 1);
+  EXPECT_GT(lengthy_equal, 0);
+  EXPECT_LT(lengthy_equal, equal + growth);
+  EXPECT_GT(lengthy_differing, 0);
+  EXPECT_LT(lengthy_differing, unlike + growth);
 }
 
 }  // namespace

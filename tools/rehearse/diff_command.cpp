@@ -26,15 +26,17 @@ Result<std::vector<ToleranceRule>> rules_of(const DiffSettings& settings, const 
 }
 
 Exit run_diff(const DiffSettings& settings) {
-  const auto golden = Trace::load(settings.golden);
+  const auto golden = Trace::outline(settings.golden);
   if (!golden) return refuse(golden.errors());
-  const auto actual = Trace::load(settings.actual);
+  const auto actual = Trace::outline(settings.actual);
   if (!actual) return refuse(actual.errors());
   for (const Trace* trace : {&*golden, &*actual})
     if (const auto known = check_version(*trace); !known) return refuse(known.errors());
   const auto rules = rules_of(settings, *golden);
   if (!rules) return refuse(rules.errors());
-  const Comparison comparison = compare(*golden, *actual, *rules);
+  const auto compared = compare(settings.golden, settings.actual, *rules);
+  if (!compared) return refuse(compared.errors());
+  const Comparison& comparison = *compared;
   if (comparison.within && comparison.values == 0)
     return refuse(error(fmt::format("nothing was compared: {} and {} have no message in common that is compared",
                                     settings.golden, settings.actual)));

@@ -204,6 +204,12 @@ struct CompareOptions {
 Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
                    const CompareOptions& options = {});
 
+/// The same of two recordings that need not fit into the memory: each is read once, and what differs once more, in
+/// windows of time whose numbers take about `window_size` bytes. Fails if one of them can't be read.
+Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
+                           const std::vector<ToleranceRule>& rules, const CompareOptions& options = {},
+                           std::size_t window_size = Trace::usual_piece_size);
+
 /// Fails if the trace is of a version that this program doesn't know: what is in it may mean anything. A comparison with
 /// it says so, and nothing else.
 Result<void> check_version(const Trace& trace);

@@ -296,4 +296,24 @@ class Reader {
   std::unique_ptr<Impl> impl_;
 };
 
+/// The messages of a file in order of (log time, position in the file), one at a time, over chunks that overlap in
+/// time. Holds those chunks.
+class OrderedMessages {
+ public:
+  /// Of the chosen channels (all if empty). The reader must outlive this.
+  explicit OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels = {});
+  ~OrderedMessages();
+  OrderedMessages(const OrderedMessages&) = delete;
+  OrderedMessages& operator=(const OrderedMessages&) = delete;
+
+  /// The next message, valid until the next call; null behind the last.
+  const Message* next();
+  /// All damage so far, the reader's own included. Behind the last message the data section's CRC is checked, too.
+  Result<void> verdict();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 }  // namespace rehearse::mcap

@@ -95,6 +95,7 @@ struct TraceChannel {
   std::vector<mcap::Location> locations;   // of each message, for Trace::payload; empty for the types listed above
   std::vector<std::uint64_t> hashes = {};  // of the bytes of each message
   std::vector<TraceRest> rests = {};       // in the order of `first`; empty if no column or no schema is known
+  std::size_t earlier = 0;                 // of a piece: messages of the channel that earlier pieces had
 
   std::size_t messages() const { return times.size(); }
   std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
@@ -129,10 +130,14 @@ class Trace {
   static constexpr std::size_t usual_piece_size = std::size_t{4} << 20;  // [bytes]
   /// The same for a file that is too long for the memory: `on_piece` is called with some ticks at a time, in their
   /// order in the file, as soon as their numbers take about `piece_size` bytes. A piece has all attachments and
-  /// metadata, and the channels and series that were met so far. Returns the last piece. Damage is told at the end,
-  /// after the pieces.
+  /// metadata, and the channels and series that were met so far. Returns the trace without its tables' rows: all of its
+  /// channels, series, events and changes of contact. Damage is told at the end, after the pieces.
   static Result<Trace> load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                       std::size_t piece_size = usual_piece_size);
+
+  /// Channels without columns, attachments and metadata of a recording, as the end of the file states them; no message
+  /// is read.
+  static Result<Trace> outline(const std::filesystem::path& file);
 
   const std::string& file() const { return file_; }      // as the user named it
   const Diagnostics& damage() const { return damage_; }  // only with Damage::tolerate
@@ -180,6 +185,7 @@ class Trace {
 
  private:
   friend class TraceLoader;
+  friend class TraceWindows;
   struct Samples;  // the series that a name means
   struct Rests;    // what finds rests, by channel; made when it is asked for
   Samples samples(std::string_view name) const;

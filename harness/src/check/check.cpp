@@ -24,26 +24,32 @@ LevelState state_of(const Comparison& comparison) {
   return comparison.within ? LevelState::within : LevelState::differs;
 }
 
+/// Reads all of it for its damage, and its events.
+Result<Trace> load_without_messages(const fs::path& file) {
+  return Trace::load_in_pieces(file, [](const Trace&) {});
+}
+
 /// One check under way.
 struct Check {
   const Scenario& scenario;
-  const Trace& golden;
+  const Trace& golden;  // without messages
   fs::path actual;
   const CheckOptions& options;
   const Simulation& simulation;
   CheckReport report;
-  std::optional<NoiseFloor> noise = std::nullopt;  // that was measured of the golden
+  std::optional<NoiseFloor> noise = std::nullopt;    // that was measured of the golden
+  std::optional<Trace> whole_golden = std::nullopt;  // if noise was measured of it: it is known by all of its numbers
 
   fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
   Result<void> check_controller();
   Result<void> check_plant();
   Result<void> check_closed();
   void blame();
-  Result<void> certify(const Trace& fresh);
+  Result<void> certify();
   Result<void> tell_time_step(const Divergence& change);
   void tell_duration(const Divergence& change, const Trace& fresh);
   void judge_by_expectations(const Trace& fresh);
-  void find_noise();
+  Result<void> find_noise();
   void judge_tolerances();
   void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
 };
@@ -70,7 +76,7 @@ Result<void> Check::check_plant() {
   PlantOptions running;
   running.progress = options.run.progress;
   auto level = compare_plant(simulation, scenario, golden, file, running,
-                             noise ? noise_of_series(*noise, golden) : NoiseOfSeries());
+                             noise ? noise_of_series(*noise, *whole_golden) : NoiseOfSeries());
   report.plant = LevelState::differs;
   if (!level) {
     report.plant_problem = level.errors()[0].message;
@@ -90,21 +96,25 @@ Result<void> Check::check_plant() {
 }
 
 Result<void> Check::check_closed() {
-  const auto fresh = Trace::load(actual);
+  const auto fresh = load_without_messages(actual);
   if (!fresh) return fresh.errors();
-  const std::optional<double> measured = estimated_horizon(golden);
+  const std::optional<double> measured = whole_golden ? estimated_horizon(*whole_golden) : std::nullopt;
   report.horizon = horizon_of(scenario, options.estimated_horizon ? options.estimated_horizon : measured);
   const auto duration = changed_duration(scenario, golden);
   if (duration) report.horizon = std::min(duration->time, report.horizon.value_or(duration->time));
   CompareOptions what;
   what.until = report.horizon;
-  report.comparison = compare(golden, *fresh, scenario.tolerances, what);
+  auto compared = compare(golden.file(), actual, scenario.tolerances, what);
+  if (!compared) return compared.errors();
+  report.comparison = *std::move(compared);
   report.closed = state_of(*report.comparison);
-  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  auto judged = judge_expectations(scenario.expectations, actual);
+  if (!judged) return judged.errors();
+  report.expectations = *std::move(judged);
   if (report.closed == LevelState::differs || first_violation(report.expectations))
     tell_files(*fresh, *report.comparison, actual, "this run");
   blame();
-  if (auto done = certify(*fresh); !done) return done;
+  if (auto done = certify(); !done) return done;
   if (report.not_reproduced) tell_files(*fresh, *report.comparison, actual, "this run");
   if (duration) tell_duration(*duration, *fresh);
   judge_by_expectations(*fresh);
@@ -118,10 +128,12 @@ Result<void> Check::tell_time_step(const Divergence& change) {
   report.first = change;
   (options.closed ? report.closed : options.plant ? report.plant : report.controller) = LevelState::differs;
   if (!options.closed) return {};
-  const auto fresh = Trace::load(actual);
+  const auto fresh = load_without_messages(actual);
   if (!fresh) return fresh.errors();
   report.message = fmt::format("this run: {}", actual.string());
-  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  auto judged = judge_expectations(scenario.expectations, actual);
+  if (!judged) return judged.errors();
+  report.expectations = *std::move(judged);
   judge_by_expectations(*fresh);
   return {};
 }
@@ -140,9 +152,11 @@ void Check::tell_duration(const Divergence& change, const Trace& fresh) {
 
 /// Tolerances are for what changed. Where nothing did, or where a run doesn't repeat itself, other bits are chance, and
 /// a golden that is met by chance certifies nothing.
-Result<void> Check::certify(const Trace& fresh) {
+Result<void> Check::certify() {
   if (report.closed != LevelState::within || report.comparison->words_alone) return {};
-  auto found = try_reproduction(scenario, fresh, actual, options.run, simulation);
+  const auto fresh = Trace::load(actual);
+  if (!fresh) return fresh.errors();
+  auto found = try_reproduction(scenario, *fresh, actual, options.run, simulation);
   if (!found) return found.errors();
   const Divergence& bit = *report.comparison->first_bit;
   if (!found->reproduced()) {
@@ -192,15 +206,19 @@ void Check::blame() {
 }
 
 /// A golden without a measurement is fine.
-void Check::find_noise() {
+Result<void> Check::find_noise() {
   const fs::path file = noise_file_of(golden.file());
   std::error_code ignored;
-  if (!fs::exists(file, ignored)) return;
+  if (!fs::exists(file, ignored)) return {};
+  auto whole = Trace::load(golden.file());
+  if (!whole) return whole.errors();
+  whole_golden = *std::move(whole);
   auto found = load_noise_floor(file);
   if (found)
     noise = *std::move(found);
   else
     report.remarks.push_back("the measured noise can't be read: " + to_string(found.errors()[0]));
+  return {};
 }
 
 /// What the noise says of the tolerances.
@@ -209,7 +227,8 @@ void Check::judge_tolerances() {
   std::vector<const Comparison*> comparisons;
   if (report.plant_comparison) comparisons.push_back(&*report.plant_comparison);
   if (report.comparison) comparisons.push_back(&*report.comparison);
-  for (std::string& remark : noise_remarks(*noise, golden, comparisons)) report.remarks.push_back(std::move(remark));
+  for (std::string& remark : noise_remarks(*noise, *whole_golden, comparisons))
+    report.remarks.push_back(std::move(remark));
   if (scenario.horizon && noise->horizon() && *scenario.horizon >= *noise->horizon())
     report.remarks.push_back(fmt::format("the scenario's horizon, {:g} s, is not before {:g} s, when a perturbed run left the "
                                          "tolerances",
@@ -314,7 +333,7 @@ bool CheckReport::within() const {
 
 Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
                                    const CheckOptions& asked, const Simulation& simulation) {
-  const auto expected = Trace::load(golden);
+  const auto expected = load_without_messages(golden);
   if (!expected) return expected.errors();
   if (const auto known = check_version(*expected); !known) return known.errors();
   const auto origin = RunFacts::of(*expected).branch;
@@ -333,7 +352,7 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
                     "level closed is skipped",
                     *origin->acted_until));
   }
-  check.find_noise();
+  if (auto done = check.find_noise(); !done) return done.errors();
   if (options.closed) {
     auto run = make_run(scenario, actual, options, simulation);
     if (!run) return run.errors();

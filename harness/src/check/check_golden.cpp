@@ -17,13 +17,15 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   if (!run) return run.errors();
   report.run = std::move(*run);
   if (scenario.expectations.empty()) return report;
-  const auto fresh = Trace::load(actual);
-  if (!fresh) return fresh.errors();
-  report.expectations = judge_expectations(scenario.expectations, *fresh);
+  auto judged = judge_expectations(scenario.expectations, actual);
+  if (!judged) return judged.errors();
+  report.expectations = *std::move(judged);
   report.verdict = verdict(report.expectations);
   report.closed = LevelState::within;
   if (const ExpectationResult* violation = first_violation(report.expectations)) {
     report.closed = LevelState::differs;
+    const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});
+    if (!fresh) return fresh.errors();
     report.first = divergence_of(*violation, *fresh);
     report.message = fmt::format("this run: {}{}", actual.string(), violation_lines(report.expectations));
   }

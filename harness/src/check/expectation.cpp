@@ -13,6 +13,7 @@
 #include "compare/compare_parts.h"
 #include "mcap/glob.h"
 #include "model/clock.h"
+#include "trace/trace_windows.h"
 
 namespace rehearse {
 namespace {
@@ -389,6 +390,7 @@ std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>
 Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
                                                           const std::filesystem::path& recording,
                                                           std::size_t piece_size) {
+  if (expectations.empty()) return std::vector<ExpectationResult>();
   RunJudge judge(expectations);
   const auto last = Trace::load_in_pieces(
       recording, [&](const Trace& piece) { judge.take(piece); }, piece_size);
@@ -410,7 +412,10 @@ const ExpectationResult* first_violation(const std::vector<ExpectationResult>& r
 
 Divergence divergence_of(const ExpectationResult& violation, const Trace& run) {
   Divergence divergence;
-  const TickClock clock(run);
+  TickClock clock;
+  if (const TraceChannel* ticks = run.find_channel(run_topics::tick); ticks && !violation.first)
+    for_each_window(run, {static_cast<std::size_t>(ticks - run.channels().data())},
+                    [&](const Trace& window) { clock.take(window); });
   const auto place = run.find_series(violation.series);
   if (violation.first) {
     divergence.tick = violation.first->tick;

@@ -5,45 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <set>
+#include <utility>
 
-#include "compare_fields.h"
+#include "compare_channel.h"
 #include "compare_parts.h"
 #include "counterpart.h"
 #include "model/clock.h"
 #include "scenario/trace_scenario.h"
+#include "trace/trace_windows.h"
 
 namespace rehearse {
-
-TickClock::TickClock(const Trace& trace) { read(trace); }
-
-TickClock::TickClock(const Trace& piece, const TickClock& before) {
-  if (!before.empty()) {
-    times_.push_back(before.times_.back());
-    ticks_.push_back(before.ticks_.back());
-  }
-  read(piece);
-}
-
-void TickClock::read(const Trace& trace) {
-  for (const TraceChannel& channel : trace.channels()) {
-    if (channel.type != msg::Tick::type_name || channel.columns.empty()) continue;
-    const std::size_t column = column_of(channel, "tick");
-    for (std::size_t row = 0; row < channel.rows(); ++row) {
-      times_.push_back(channel.times[row]);
-      ticks_.push_back(column < channel.columns.size() ? static_cast<std::int64_t>(channel.bits(row, column))
-                                                       : static_cast<std::int64_t>(row));
-    }
-    break;
-  }
-}
-
-std::int64_t TickClock::tick_at(std::uint64_t time) const {
-  const auto after = std::upper_bound(times_.begin(), times_.end(), time);
-  return after == times_.begin() ? 0 : ticks_[static_cast<std::size_t>(after - times_.begin()) - 1];
-}
-
-bool TickClock::has(std::uint64_t time) const { return std::binary_search(times_.begin(), times_.end(), time); }
 
 bool ChannelFindings::count(double difference, double tolerance, bool beyond) {
   ++result_.differing;
@@ -70,6 +43,11 @@ void ChannelFindings::describe(const Divergence& divergence, bool beyond) {
 void ChannelFindings::structure(const Divergence& divergence) {
   if (!result_.first || comes_before(divergence, *result_.first)) result_.first = divergence;
   mark(divergence);
+}
+
+void ChannelFindings::structure_before(const Divergence& divergence) {
+  for (std::optional<Divergence>* place : {&result_.first, &result_.first_bit})
+    if (!*place || !comes_before(**place, divergence)) *place = divergence;
 }
 
 void ChannelFindings::mark(const Divergence& divergence) {
@@ -122,7 +100,7 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
   divergence.tick = clock.tick_at(time);
   if (traces.clock.empty() && traces.actual_clock.empty()) {  // not recorded by us: which message it is
     const auto message = std::lower_bound(channel.times.begin(), channel.times.end(), time);
-    divergence.tick = message - channel.times.begin();
+    divergence.tick = static_cast<std::int64_t>(channel.earlier) + (message - channel.times.begin());
   }
   divergence.time = static_cast<double>(time) / 1e9;
   divergence.channel = channel.topic;
@@ -131,95 +109,6 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
 }
 
 namespace {
-
-MatchedChannel match(const ComparedTraces& traces, const TraceChannel& golden, const TraceChannel& actual) {
-  MatchedChannel matched{golden, actual, {}, golden.times == actual.times, {}, {}};
-  std::size_t g = 0, a = 0;
-  while (g < golden.times.size() || a < actual.times.size()) {
-    const std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-    const std::uint64_t expected = g < golden.times.size() ? golden.times[g] : never;
-    const std::uint64_t seen = a < actual.times.size() ? actual.times[a] : never;
-    if (std::min(expected, seen) > traces.end) break;
-    if (expected == seen) {
-      matched.pairs.emplace_back(g++, a++);
-      continue;
-    }
-    const bool lacking = expected < seen;
-    std::vector<std::size_t>& lone = lacking ? matched.missing : matched.extra;
-    if (!traces.in_a_lone_tick(std::min(expected, seen))) lone.push_back(lacking ? g : a);
-    ++(lacking ? g : a);
-  }
-  return matched;
-}
-
-void report_unmatched(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
-  const auto report = [&](const TraceChannel& of, const std::vector<std::size_t>& messages, const char* what) {
-    if (messages.empty()) return;
-    Divergence divergence = place_of(traces, of, of.times[messages.front()]);
-    divergence.note = messages.size() == 1
-                          ? fmt::format("this message is {}", what)
-                          : fmt::format("{} messages are {}; this is the first", messages.size(), what);
-    findings.structure(divergence);
-  };
-  report(channel.golden, channel.missing, "missing");
-  report(channel.actual, channel.extra, "extra: the golden hasn't that");
-  findings.result().missing = static_cast<std::int64_t>(channel.missing.size());
-  findings.result().extra = static_cast<std::int64_t>(channel.extra.size());
-}
-
-/// A checkpoint is what the state's hash is made of; events are compared as sequences.
-bool is_compared_elsewhere(const TraceChannel& channel) {
-  return channel.type == msg::Checkpoint::type_name || channel.type == msg::Event::type_name ||
-         channel.type == msg::ContactChange::type_name;
-}
-
-/// The same contact, told from its other side: the scenario has its bodies in another order.
-bool is_contact_reversed(const msg::ContactChange& a, const msg::ContactChange& b) {
-  return a.stamp.to_ns() == b.stamp.to_ns() && a.tick == b.tick && a.begins == b.begins && a.link == b.other &&
-         a.other == b.link;
-}
-
-/// Events whose bytes differ where their judge found nothing: what differs there is no part of a sequence.
-void compare_event_fields(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
-  if (!channel.in_step) return;
-  FieldJudge judge(traces, channel, findings);
-  for (const auto& [golden, actual] : channel.pairs) {
-    if (channel.golden.hashes[golden] == channel.actual.hashes[actual]) continue;
-    if (channel.golden.type == msg::ContactChange::type_name &&
-        is_contact_reversed(traces.golden.contact_changes()[golden], traces.actual.contact_changes()[actual])) {
-      Divergence divergence = place_of(traces, channel.golden, channel.golden.times[golden]);
-      divergence.note = "names the two links in the other order";
-      findings.mark(divergence);
-      continue;
-    }
-    const auto expected = traces.golden.payload(channel.golden, golden);
-    const auto other = traces.actual.payload(channel.actual, actual);
-    if (expected && other && !judge.compare(golden, *expected, *other)) judge.report_encoding(golden);
-  }
-}
-
-/// One channel that both traces have. `differing_events`: the judge of events found something there.
-void compare_channel(const ComparedTraces& traces, const TraceChannel& golden, const TraceChannel& actual,
-                     bool differing_events, ChannelComparison& result) {
-  ChannelFindings findings(result);
-  const bool both_spoke = golden.messages() > 0 && actual.messages() > 0;
-  if (golden.type != actual.type || (both_spoke && golden.columns.empty() != actual.columns.empty())) {
-    Divergence divergence = place_of(traces, golden, golden.times.empty() ? 0 : golden.times.front());
-    divergence.note = golden.type == actual.type ? "one trace has numbers here, the other has none"
-                                                 : fmt::format("is of type {}, expected {}", actual.type, golden.type);
-    return findings.structure(divergence);
-  }
-  const MatchedChannel matched = match(traces, golden, actual);
-  if (is_compared_elsewhere(golden) && golden.type != msg::Checkpoint::type_name) {
-    if (!differing_events) compare_event_fields(traces, matched, findings);
-    return;
-  }
-  report_unmatched(traces, matched, findings);
-  if (is_compared_elsewhere(golden) || matched.pairs.empty()) return;
-  if (golden.columns.empty()) return compare_payloads(traces, matched, findings);
-  compare_numbers(traces, matched, findings);
-  compare_rests(traces, matched, findings);
-}
 
 /// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
 std::int64_t compared_ticks(const ComparedTraces& traces) {
@@ -298,6 +187,30 @@ Comparison refusal(const Diagnostic& reason) {
   return comparison;
 }
 
+/// Where the windows of two runs end: before ticks, so that none is divided.
+class WindowBorders {
+ public:
+  WindowBorders(const ComparedTraces& traces, std::uint64_t first, std::uint64_t last, std::size_t window_size)
+      : traces_(traces), end_(last) {
+    const double size = static_cast<double>(traces.golden_run.size + traces.actual_run.size);
+    const double windows = std::max(1.0, size / static_cast<double>(window_size));
+    step_ = static_cast<std::uint64_t>(static_cast<double>(last - first) / windows) + 1;
+  }
+
+  /// The end of the window that begins there, inclusive [ns].
+  std::uint64_t after(std::uint64_t begin) const {
+    if (end_ - begin <= step_) return end_;
+    const auto& times = (traces_.clock.empty() ? traces_.actual_clock : traces_.clock).times();
+    const auto tick = std::lower_bound(times.begin(), times.end(), begin + step_);
+    return tick == times.end() ? begin + step_ : std::min(end_, *tick - 1);
+  }
+
+ private:
+  const ComparedTraces& traces_;
+  const std::uint64_t end_;  // [ns]
+  std::uint64_t step_ = 0;   // [ns]
+};
+
 }  // namespace
 
 std::string_view to_string(Agreement agreement) {
@@ -310,57 +223,191 @@ std::string_view to_string(Agreement agreement) {
   return "";
 }
 
+namespace {
+
+/// Compares two runs, window after window.
+class RunComparer {
+ public:
+  RunComparer(const RunSurvey& golden, const RunSurvey& actual, const std::vector<ToleranceRule>& rules,
+              const CompareOptions& options);
+
+  const ComparedTraces& traces() const { return traces_; }
+  /// The channels to be found in the windows.
+  std::vector<PairedChannel> channels() const;
+  void take(const Window& window);
+  Comparison finish();
+
+ private:
+  static ChannelComparison& add_to(std::vector<ChannelComparison>& results, const std::string& topic);
+
+  ComparedTraces traces_;
+  Comparison comparison_;
+  std::vector<ChannelComparison> results_;
+  std::vector<ChannelComparison> of_events_;  // after the values: of two findings of a tick, a value tells more
+  std::deque<ChannelComparer> comparers_;     // in the golden's order
+  std::optional<VariablesRemark> variables_;
+};
+
+ChannelComparison& RunComparer::add_to(std::vector<ChannelComparison>& results, const std::string& topic) {
+  ChannelComparison& result = results.emplace_back();
+  result.channel = topic;
+  result.stage = stage_of(topic);
+  return result;
+}
+
+RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const std::vector<ToleranceRule>& rules,
+                         const CompareOptions& options)
+    : traces_{golden, actual, rules, options} {
+  if (options.until) traces_.end = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9));
+  const auto taken = [&](const TraceChannel& channel) {
+    return takes(options, channel) && !isnt_compared(channel, rules);
+  };
+  const auto add = [&](const std::string& topic) -> ChannelComparison& { return add_to(results_, topic); };
+  compare_ticks(traces_, add(run_topics::tick));
+  compare_events(
+      traces_,
+      [&](const std::string& topic) -> ChannelComparison& {
+        ChannelComparison& result = add_to(of_events_, topic);
+        result.of_events = true;
+        return result;
+      },
+      comparison_.event_differences);
+  compare_lone_channels(traces_, taken, add, comparison_.remarks);
+  for (const TraceChannel& channel : traces_.golden.channels()) {
+    const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);
+    if (!taken(channel) || !other) continue;
+    const bool differing_events = std::any_of(
+        of_events_.begin(), of_events_.end(),
+        [&](const ChannelComparison& events) { return events.channel == channel.topic && events.first_bit; });
+    comparers_.emplace_back(traces_, PairedChannel{channel, *other, golden.of(channel), actual.of(*other)},
+                            differing_events);
+  }
+  variables_.emplace(traces_);
+}
+
+std::vector<PairedChannel> RunComparer::channels() const {
+  std::vector<PairedChannel> channels = variables_->channels();
+  for (const ChannelComparer& comparer : comparers_)
+    if (comparer.needs_windows()) channels.push_back(comparer.channel());
+  return channels;
+}
+
+void RunComparer::take(const Window& window) {
+  for (ChannelComparer& comparer : comparers_)
+    if (comparer.needs_windows()) comparer.take(window);
+  variables_->take(window);
+}
+
+Comparison RunComparer::finish() {
+  for (ChannelComparer& comparer : comparers_) {
+    const TraceChannel& channel = comparer.channel().golden;
+    ChannelComparison result = comparer.finish();
+    if (is_picture(channel)) comparison_.pictures += result.values;
+    const bool by_hash = channel.type == msg::Checkpoint::type_name;  // nobody looked into it: it isn't equal either
+    if (!by_hash || result.first_bit) results_.push_back(std::move(result));
+  }
+  if (std::string remark = variables_->text(); !remark.empty()) comparison_.remarks.push_back(std::move(remark));
+  results_.insert(results_.end(), of_events_.begin(), of_events_.end());
+  comparison_.ticks = compared_ticks(traces_);
+  conclude(comparison_, std::move(results_));
+  compare_provenance(traces_, comparison_);
+  comparison_.warnings = unmatched_rules(traces_);
+  return std::move(comparison_);
+}
+
+}  // namespace
+
 Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
                    const CompareOptions& options) {
   for (const Trace* trace : {&golden, &actual})
     if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
-  ComparedTraces traces{golden, actual, rules, options, TickClock(golden), TickClock(actual)};
-  if (options.until) traces.end = static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9));
-  Comparison comparison;
-  std::vector<ChannelComparison> channels;
-  const auto add = [&](const std::string& topic) -> ChannelComparison& {
-    ChannelComparison& result = channels.emplace_back();
-    result.channel = topic;
-    result.stage = stage_of(topic);
-    return result;
-  };
-  const auto taken = [&](const TraceChannel& channel) {
-    return takes(options, channel) && !isnt_compared(channel, rules);
-  };
-  compare_ticks(traces, add(run_topics::tick));
-  std::vector<ChannelComparison> of_events;  // after the values: of two findings of a tick, a value tells more
-  compare_events(
-      traces,
-      [&](const std::string& topic) -> ChannelComparison& {
-        ChannelComparison& result = of_events.emplace_back();
-        result.channel = topic;
-        result.stage = stage_of(topic);
-        result.of_events = true;
-        return result;
-      },
-      comparison.event_differences);
-  compare_lone_channels(traces, taken, add, comparison.remarks);
-  for (const TraceChannel& channel : golden.channels()) {
-    const TraceChannel* other = counterpart(golden, channel, actual);
-    if (!taken(channel) || !other) continue;
-    ChannelComparison& result = add(channel.topic);
-    const bool differing_events = std::any_of(of_events.begin(), of_events.end(), [&](const ChannelComparison& events) {
-      return events.channel == channel.topic && events.first_bit;
-    });
-    compare_channel(traces, channel, *other, differing_events, result);
-    if (is_picture(channel)) comparison.pictures += result.values;
-    const bool by_hash = channel.type == msg::Checkpoint::type_name;  // nobody looked into it: it isn't equal either
-    if (by_hash && !result.first_bit) channels.pop_back();
+  WatchedLimits limits(golden, actual);
+  RunSurvey golden_run(rules, std::move(limits.golden)), actual_run(rules, std::move(limits.actual));
+  golden_run.take(golden);
+  golden_run.finish(golden);
+  actual_run.take(actual);
+  actual_run.finish(actual);
+  RunComparer comparer(golden_run, actual_run, rules, options);
+  comparer.take({golden, actual, 0, comparer.traces().end});
+  return comparer.finish();
+}
+
+namespace {
+
+/// A recording that is read in pieces.
+struct SurveyedFile {
+  SurveyedFile(const std::filesystem::path& file, const std::vector<ToleranceRule>& rules,
+               std::vector<WatchedLimit> limits, std::size_t piece_size)
+      : survey(rules, std::move(limits)),
+        whole(Trace::load_in_pieces(
+            file, [this](const Trace& piece) { survey.take(piece); }, piece_size)) {
+    if (whole) survey.finish(*whole);
   }
-  if (options.takes(Stage::controller))
-    if (std::string remark = remark_on_variables(traces); !remark.empty())
-      comparison.remarks.push_back(std::move(remark));
-  channels.insert(channels.end(), of_events.begin(), of_events.end());
-  comparison.ticks = compared_ticks(traces);
-  conclude(comparison, std::move(channels));
-  compare_provenance(traces, comparison);
-  comparison.warnings = unmatched_rules(traces);
-  return comparison;
+  SurveyedFile(const SurveyedFile&) = delete;
+  SurveyedFile& operator=(const SurveyedFile&) = delete;
+
+  RunSurvey survey;
+  const Result<Trace> whole;
+};
+
+/// The largest lead and lag of all rules [ns].
+std::pair<std::uint64_t, std::uint64_t> largest_lead_and_lag(const std::vector<ToleranceRule>& rules) {
+  double lead = 0.0, lag = 0.0;
+  for (const ToleranceRule& rule : rules) {
+    lead = std::max(lead, rule.lead.value_or(0.0));
+    lag = std::max(lag, rule.lag.value_or(0.0));
+  }
+  return {static_cast<std::uint64_t>(std::ceil(lead * 1e9)), static_cast<std::uint64_t>(std::ceil(lag * 1e9))};
+}
+
+/// Reads what differs in two recordings once more, and compares it.
+Result<void> compare_windows(RunComparer& comparer, const SurveyedFile& golden, const SurveyedFile& actual,
+                             std::size_t window_size) {
+  const ComparedTraces& traces = comparer.traces();
+  std::vector<std::size_t> of_golden, of_actual;  // channels
+  std::uint64_t begin = std::numeric_limits<std::uint64_t>::max(), last = 0;
+  for (const PairedChannel& channel : comparer.channels()) {
+    of_golden.push_back(traces.golden_run.index_of(channel.golden));
+    of_actual.push_back(traces.actual_run.index_of(channel.actual));
+    begin = std::min({begin, channel.golden_survey.first_time, channel.actual_survey.first_time});
+    last = std::max({last, channel.golden_survey.last_time, channel.actual_survey.last_time});
+  }
+  last = std::min(last, traces.end);
+  if (begin > last) return {};
+  const auto [lead, lag] = largest_lead_and_lag(traces.rules);
+  const WindowBorders borders(traces, begin, last, window_size);
+  TraceWindows golden_windows(*golden.whole, of_golden), actual_windows(*actual.whole, of_actual);
+  for (std::uint64_t end = 0; begin <= last; begin = end + 1) {
+    end = borders.after(begin);
+    golden_windows.move(begin - std::min(begin, lag), end + lead);
+    actual_windows.move(begin, end);
+    comparer.take({golden_windows.window(), actual_windows.window(), begin, end});
+  }
+  for (TraceWindows* windows : {&golden_windows, &actual_windows})
+    if (auto whole = windows->verdict(); !whole) return whole;
+  return {};
+}
+
+}  // namespace
+
+Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
+                           const std::vector<ToleranceRule>& rules, const CompareOptions& options,
+                           std::size_t window_size) {
+  const auto golden_outline = Trace::outline(golden);
+  if (!golden_outline) return golden_outline.errors();
+  const auto actual_outline = Trace::outline(actual);
+  if (!actual_outline) return actual_outline.errors();
+  for (const Trace* trace : {&*golden_outline, &*actual_outline})
+    if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
+  WatchedLimits limits(*golden_outline, *actual_outline);
+  const SurveyedFile golden_file(golden, rules, std::move(limits.golden), window_size);
+  if (!golden_file.whole) return golden_file.whole.errors();
+  const SurveyedFile actual_file(actual, rules, std::move(limits.actual), window_size);
+  if (!actual_file.whole) return actual_file.whole.errors();
+  RunComparer comparer(golden_file.survey, actual_file.survey, rules, options);
+  if (auto compared = compare_windows(comparer, golden_file, actual_file, window_size); !compared)
+    return compared.errors();
+  return comparer.finish();
 }
 
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace) {

@@ -247,7 +247,7 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
     for (const auto kind : {MessageJudge::Kind::judged, MessageJudge::Kind::words})
       MessageJudge(traces, kind, findings, differences).judge();
   }
-  const EventSequences sequences = event_sequences(traces.golden, traces.actual, traces.end);
+  const EventSequences sequences = event_sequences(traces.golden_run, traces.actual_run, traces.end);
   std::map<std::string, std::vector<const EventSequences::value_type*>> by_channel;
   for (const auto& sequence : sequences)
     if (traces.options.takes(stage_of(sequence.second.source.channel)))

@@ -93,7 +93,7 @@ float take_float(std::byte* place) {
 
 }  // namespace
 
-FieldJudge::FieldJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings)
+FieldJudge::FieldJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
     : traces_(traces), channel_(channel), findings_(findings) {
   auto golden = decoder_of(traces.golden, channel.golden), actual = decoder_of(traces.actual, channel.actual);
   if (golden && actual)
@@ -196,7 +196,7 @@ bool FieldJudge::is_held(const MessageField& field) const {
 }
 
 Divergence FieldJudge::place(const std::string& path) const {
-  Divergence divergence = place_of(traces_, channel_.golden, channel_.golden.times[message_]);
+  Divergence divergence = place_of(traces_, window_->golden, window_->golden.times[message_]);
   divergence.element = path;
   return divergence;
 }
@@ -213,7 +213,7 @@ void FieldJudge::report(Divergence divergence, bool beyond) {
   divergence.stage = stage_of(divergence.channel, divergence.element);
   if (!traces_.options.takes(divergence.stage)) return;
   if (!channel_.golden.columns.empty()) ++findings_.result().values;  // else the message is counted as one
-  if (traces_.options.on_difference) traces_.options.on_difference({channel_.golden, message_, {}, beyond, 0});
+  if (traces_.options.on_difference) traces_.options.on_difference({window_->golden, message_, {}, beyond, 0});
   if (findings_.count(divergence.difference, divergence.tolerance, beyond)) findings_.describe(divergence, beyond);
 }
 
@@ -265,21 +265,38 @@ bool same_row(const MatchedChannel& channel, std::size_t golden, std::size_t act
 
 }  // namespace
 
-void compare_rests(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
-  if (channel.in_step && channel.golden.hashes == channel.actual.hashes) return;
-  FieldJudge judge(traces, channel, findings);
-  for (const auto& [golden, actual] : channel.pairs) {
-    if (channel.golden.hashes[golden] == channel.actual.hashes[actual]) continue;
-    const TraceRest* expected = channel.golden.rest_of(golden);
-    const TraceRest* other = channel.actual.rest_of(actual);
-    bool found = !same_row(channel, golden, actual);
-    if (expected && other && expected->hash != other->hash) {
-      const auto golden_rest = traces.golden.rest(channel.golden, golden);
-      const auto actual_rest = traces.actual.rest(channel.actual, actual);
-      if (golden_rest && actual_rest && judge.compare(golden, *golden_rest, *actual_rest)) found = true;
+namespace {
+
+class RestJudge final : public PartJudge {
+ public:
+  RestJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
+      : fields_(traces, channel, findings) {}
+
+  void take(const MatchedChannel& channel) override {
+    fields_.begin(channel);
+    for (const auto& [golden, actual] : channel.pairs) {
+      if (channel.golden.hashes[golden] == channel.actual.hashes[actual]) continue;
+      const TraceRest* expected = channel.golden.rest_of(golden);
+      const TraceRest* other = channel.actual.rest_of(actual);
+      bool found = !same_row(channel, golden, actual);
+      if (expected && other && expected->hash != other->hash) {
+        const auto golden_rest = channel.window.golden.rest(channel.golden, golden);
+        const auto actual_rest = channel.window.actual.rest(channel.actual, actual);
+        if (golden_rest && actual_rest && fields_.compare(golden, *golden_rest, *actual_rest)) found = true;
+      }
+      if (!found) fields_.report_encoding(golden);
     }
-    if (!found) judge.report_encoding(golden);
   }
+
+ private:
+  FieldJudge fields_;
+};
+
+}  // namespace
+
+std::unique_ptr<PartJudge> judge_rests(const ComparedTraces& traces, const PairedChannel& channel,
+                                       ChannelFindings& findings) {
+  return std::make_unique<RestJudge>(traces, channel, findings);
 }
 
 }  // namespace rehearse

@@ -22,9 +22,11 @@ struct MessageField {
 /// Judges the values of messages that have no column: numbers by tolerance, all else exactly. Names each that differs.
 class FieldJudge {
  public:
-  FieldJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
+  FieldJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings);
   ~FieldJudge();
 
+  /// The messages that follow are of this window.
+  void begin(const MatchedChannel& window) { window_ = &window; }
   /// Compares two messages, but for the field `left_out`. True if a value differs; false too if the schema isn't known.
   bool compare(std::size_t golden_message, mcap::Bytes expected, mcap::Bytes actual, std::string_view left_out = {});
   bool knows_values() const { return decoders_ != nullptr; }
@@ -48,8 +50,9 @@ class FieldJudge {
   Divergence place(const std::string& path) const;
 
   const ComparedTraces& traces_;
-  const MatchedChannel& channel_;
+  const PairedChannel& channel_;
   ChannelFindings& findings_;
+  const MatchedChannel* window_ = nullptr;
   std::unique_ptr<Decoders> decoders_;  // null: a schema isn't known
   std::size_t message_ = 0;             // of the golden, at hand
   bool found_ = false;

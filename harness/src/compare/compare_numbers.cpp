@@ -15,7 +15,6 @@
 
 #include "compare_envelope.h"
 #include "compare_parts.h"
-#include "series_scale.h"
 
 namespace rehearse {
 namespace {
@@ -58,16 +57,18 @@ bool is_hash(const TraceChannel& channel, std::string_view element) {
 bool may_be_missing(const TraceChannel& channel) { return channel.type == msg::Contacts::type_name; }
 
 /// Judges the rows of one channel.
-class NumberJudge {
+class NumberJudge final : public PartJudge {
  public:
-  NumberJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
-  void compare_rows();
+  NumberJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings);
+  void take(const MatchedChannel& window) override;
+  void take_equal(std::int64_t pairs) override;
+  void finish() override;
 
  private:
   void match_columns();
   bool takes(const TraceChannel& channel, std::string_view element) const;
-  void report_lone(const TraceChannel& channel, const std::vector<std::string>& elements, const std::string& note);
-  void structure(const TraceChannel& channel, const std::string& element, std::string note);
+  void report_lone(const TraceChannel& channel, const ChannelSurvey& survey, const std::vector<std::string>& elements,
+                   const std::string& note);
   void find_tolerance(Column& column) const;
   void group_orientations();
   void compare_row(std::size_t golden_row, std::size_t actual_row);
@@ -80,30 +81,20 @@ class NumberJudge {
                      const Quaternion& actual);
   bool count(const Column& column, std::size_t golden_row, double difference, bool& beyond);
   void tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const;
-  void sum_up() const;
   Divergence place(const Column& column, std::size_t golden_row) const;
 
   const ComparedTraces& traces_;
-  const MatchedChannel& channel_;
+  const PairedChannel& paired_;
   ChannelFindings& findings_;
-  std::vector<Column> columns_;  // but those of orientations
+  const MatchedChannel* window_ = nullptr;  // that is judged
+  std::vector<Column> columns_;             // but those of orientations
   std::vector<Orientation> orientations_;
   bool same_columns_ = true;
 };
 
-NumberJudge::NumberJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings)
-    : traces_(traces), channel_(channel), findings_(findings) {
+NumberJudge::NumberJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
+    : traces_(traces), paired_(channel), findings_(findings) {
   match_columns();
-  findings_.result().values =
-      static_cast<std::int64_t>((columns_.size() + 4 * orientations_.size()) * channel_.pairs.size());
-}
-
-void NumberJudge::structure(const TraceChannel& channel, const std::string& element, std::string note) {
-  if (channel.times.empty()) return;
-  Divergence divergence = place_of(traces_, channel, channel.times.front());
-  divergence.element = element;
-  divergence.note = std::move(note);
-  findings_.structure(divergence);
 }
 
 bool NumberJudge::takes(const TraceChannel& channel, std::string_view element) const {
@@ -112,19 +103,22 @@ bool NumberJudge::takes(const TraceChannel& channel, std::string_view element) c
 }
 
 /// All that one of the traces lacks is one finding.
-void NumberJudge::report_lone(const TraceChannel& channel, const std::vector<std::string>& elements,
-                              const std::string& note) {
+void NumberJudge::report_lone(const TraceChannel& channel, const ChannelSurvey& survey,
+                              const std::vector<std::string>& elements, const std::string& note) {
   constexpr std::size_t most_named = 3;
-  if (elements.empty()) return;
+  if (elements.empty() || survey.messages == 0) return;
   std::string others;
   for (std::size_t i = 1; i < std::min(elements.size(), most_named); ++i) others += ", " + elements[i];
   if (elements.size() > most_named) others += ", ...";
-  structure(channel, elements.front(),
-            elements.size() == 1 ? note : fmt::format("{}; {} elements in all{}", note, elements.size(), others));
+  Divergence divergence = place_of(traces_, channel, survey.first_time);
+  divergence.element = elements.front();
+  divergence.note =
+      elements.size() == 1 ? note : fmt::format("{}; {} elements in all{}", note, elements.size(), others);
+  findings_.structure(divergence);
 }
 
 void NumberJudge::match_columns() {
-  const TraceChannel &golden = channel_.golden, &actual = channel_.actual;
+  const TraceChannel &golden = paired_.golden, &actual = paired_.actual;
   std::map<std::string_view, std::size_t> of_actual;
   for (std::size_t i = 0; i < actual.columns.size(); ++i) of_actual.emplace(actual.columns[i].element, i);
   same_columns_ = golden.columns.size() == actual.columns.size();
@@ -165,15 +159,14 @@ void NumberJudge::match_columns() {
   if (!may_be_missing(golden))
     for (const TraceColumn& column : actual.columns)  // in their own order
       if (of_actual.count(column.element) && takes(actual, column.element)) extra.push_back(column.element);
-  report_lone(golden, missing, "is missing");
-  report_lone(golden, of_another_kind, "is a number of another kind than in the golden");
-  report_lone(actual, extra, "is extra: the golden hasn't it");
+  report_lone(golden, paired_.golden_survey, missing, "is missing");
+  report_lone(golden, paired_.golden_survey, of_another_kind, "is a number of another kind than in the golden");
+  report_lone(actual, paired_.actual_survey, extra, "is extra: the golden hasn't it");
   group_orientations();
 }
 
 void NumberJudge::find_tolerance(Column& column) const {
-  const TraceChannel& golden = channel_.golden;
-  const std::string& series = series_of(golden, golden.columns[column.golden]);
+  const TraceChannel& golden = paired_.golden;
   if (!traces_.blanked.empty()) {
     const bool transforms = golden.type == msg::TFMessage::type_name;
     const auto spans = traces_.blanked.find(transforms ? body_of_name(column.element)
@@ -181,14 +174,11 @@ void NumberJudge::find_tolerance(Column& column) const {
     if (spans != traces_.blanked.end()) column.blanked = &spans->second;
   }
   if (column.kind != CellKind::floating) return;
-  const bool is_range = golden.type == msg::LaserScan::type_name && column.element.starts_with("ranges/");
-  const bool of_camera = golden.type == msg::CameraInfo::type_name && column.unit.empty();
-  const Tolerance tolerance =
-      tolerance_of(series, is_range ? "range" : of_camera ? "camera" : column.unit, traces_.rules);
-  column.tolerance = tolerance.bound(tolerance.rtol > 0.0 ? scale_of(golden, column.golden) : 0.0);
+  const Tolerance tolerance = column_tolerance(golden, column.golden, traces_.rules);
+  column.tolerance = tolerance.bound(traces_.golden_run.scale_of(golden, column.golden));
   column.lead = tolerance.lead;
   column.lag = tolerance.lag;
-  const auto noise = traces_.options.noise_floors.find(series);
+  const auto noise = traces_.options.noise_floors.find(series_of(golden, golden.columns[column.golden]));
   if (noise != traces_.options.noise_floors.end()) column.noise = noise->second;
 }
 
@@ -213,15 +203,20 @@ void NumberJudge::group_orientations() {
   }
 }
 
-void NumberJudge::compare_rows() {
-  const TraceChannel &golden = channel_.golden, &actual = channel_.actual;
-  const std::size_t row_bytes = golden.columns.size() * sizeof(std::uint64_t);
-  if (same_columns_ && channel_.in_step && golden.cells == actual.cells) return sum_up();
-  for (const auto& [golden_row, actual_row] : channel_.pairs) {
-    if (same_columns_ && std::memcmp(golden.row(golden_row), actual.row(actual_row), row_bytes) == 0) continue;
+void NumberJudge::take_equal(std::int64_t pairs) {
+  findings_.result().values += static_cast<std::int64_t>(columns_.size() + 4 * orientations_.size()) * pairs;
+}
+
+void NumberJudge::take(const MatchedChannel& window) {
+  window_ = &window;
+  for (Column& column : columns_) column.envelope.reset();
+  take_equal(std::ssize(window.pairs));
+  const std::size_t row_bytes = window.golden.columns.size() * sizeof(std::uint64_t);
+  for (const auto& [golden_row, actual_row] : window.pairs) {
+    if (same_columns_ && std::memcmp(window.golden.row(golden_row), window.actual.row(actual_row), row_bytes) == 0)
+      continue;
     compare_row(golden_row, actual_row);
   }
-  sum_up();
 }
 
 void NumberJudge::compare_row(std::size_t golden_row, std::size_t actual_row) {
@@ -229,7 +224,7 @@ void NumberJudge::compare_row(std::size_t golden_row, std::size_t actual_row) {
   for (Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
 }
 
-void NumberJudge::sum_up() const {
+void NumberJudge::finish() {
   std::vector<SeriesComparison>& series = findings_.result().series;
   for (const Column& column : columns_)
     if (column.kind == CellKind::floating && !column.hash)
@@ -246,7 +241,7 @@ void keep_larger(double& largest, double difference) {
 }
 
 Divergence NumberJudge::place(const Column& column, std::size_t golden_row) const {
-  Divergence divergence = place_of(traces_, channel_.golden, channel_.golden.times[golden_row]);
+  Divergence divergence = place_of(traces_, window_->golden, window_->golden.times[golden_row]);
   divergence.element = column.element;
   divergence.stage = stage_of(divergence.channel, column.element);
   divergence.unit = column.unit;
@@ -263,7 +258,7 @@ bool is_blanked(const std::vector<BlankedSpan>* spans, std::uint64_t time) {
 /// Counts a cell whose bits differ; true if it is to be described. Takes back `beyond` where it isn't judged.
 bool NumberJudge::count(const Column& column, std::size_t golden_row, double difference, bool& beyond) {
   if (difference <= column.noise) ++findings_.result().in_noise;
-  if (beyond && is_blanked(column.blanked, channel_.golden.times[golden_row])) {
+  if (beyond && is_blanked(column.blanked, window_->golden.times[golden_row])) {
     beyond = false;
     ++findings_.result().differing;
     ++findings_.result().blanked;
@@ -286,28 +281,28 @@ void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
 
 /// To whoever wants to know of each.
 void NumberJudge::tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const {
-  traces_.options.on_difference({channel_.golden, golden_row, std::move(columns), beyond, 0});
+  traces_.options.on_difference({window_->golden, golden_row, std::move(columns), beyond, 0});
 }
 
 /// How far a number is from all that the golden is within lead and lag.
 double NumberJudge::beside(Column& column, std::size_t golden_row, double actual) const {
   if (!column.envelope)
-    column.envelope = std::make_shared<Envelope>(channel_.golden, column.golden, column.lead, column.lag);
-  const double expected = channel_.golden.number(golden_row, column.golden);
+    column.envelope = std::make_shared<Envelope>(window_->golden, column.golden, column.lead, column.lag);
+  const double expected = window_->golden.number(golden_row, column.golden);
   if (column.wraps) actual = expected + std::remainder(actual - expected, turn);
   return column.envelope->distance(golden_row, actual);
 }
 
 void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row) {
-  const std::uint64_t expected_bits = channel_.golden.bits(golden_row, column.golden);
-  const std::uint64_t actual_bits = channel_.actual.bits(actual_row, column.actual);
+  const std::uint64_t expected_bits = window_->golden.bits(golden_row, column.golden);
+  const std::uint64_t actual_bits = window_->actual.bits(actual_row, column.actual);
   if (expected_bits == actual_bits) return;
   if (column.hash) return mark_hash(column, golden_row);
   Divergence divergence = place(column, golden_row);
   bool beyond = true;
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
-    if (may_be_missing(channel_.golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
+    if (may_be_missing(window_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
     put_numbers(divergence, expected, actual, column.unit);
     divergence.tolerance = column.tolerance;
     double& difference = divergence.difference;
@@ -330,11 +325,11 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
 double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {
   const auto golden_at = [&](std::size_t row) {
     Quaternion q{};
-    for (std::size_t i = 0; i < 4; ++i) q[i] = channel_.golden.number(row, orientation.columns[i].golden);
+    for (std::size_t i = 0; i < 4; ++i) q[i] = window_->golden.number(row, orientation.columns[i].golden);
     return q;
   };
   const Column& column = orientation.columns[0];
-  return distance_from_path(channel_.golden.times, golden_row, column.lead, column.lag, golden_at, actual);
+  return distance_from_path(window_->golden.times, golden_row, column.lead, column.lag, golden_at, actual);
 }
 
 void NumberJudge::compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row) {
@@ -342,8 +337,8 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   std::size_t most = 4;  // the element that differs most stands for all four
   bool same_nan = true;
   for (std::size_t i = 0; i < 4; ++i) {
-    expected[i] = channel_.golden.number(golden_row, orientation.columns[i].golden);
-    actual[i] = channel_.actual.number(actual_row, orientation.columns[i].actual);
+    expected[i] = window_->golden.number(golden_row, orientation.columns[i].golden);
+    actual[i] = window_->actual.number(actual_row, orientation.columns[i].actual);
     same_nan = same_nan && std::isnan(expected[i]) == std::isnan(actual[i]);
     if (identical(expected[i], actual[i])) continue;
     if (most == 4 || std::abs(actual[i] - expected[i]) > std::abs(actual[most] - expected[most])) most = i;
@@ -397,8 +392,18 @@ bool is_result_of_control(const TraceChannel& channel, std::string_view element)
   return channel.type == msg::Tick::type_name && element.starts_with("controller_results/");
 }
 
-void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
-  NumberJudge(traces, channel, findings).compare_rows();
+Tolerance column_tolerance(const TraceChannel& channel, std::size_t column, const std::vector<ToleranceRule>& rules) {
+  const TraceColumn& of = channel.columns[column];
+  const std::string unit = unit_of(channel.metadata, of.element);
+  const bool is_range = channel.type == msg::LaserScan::type_name && of.element.starts_with("ranges/");
+  const bool of_camera = channel.type == msg::CameraInfo::type_name && unit.empty();
+  if (of.kind != CellKind::floating) return {};
+  return tolerance_of(series_of(channel, of), is_range ? "range" : of_camera ? "camera" : unit, rules);
+}
+
+std::unique_ptr<PartJudge> judge_numbers(const ComparedTraces& traces, const PairedChannel& channel,
+                                         ChannelFindings& findings) {
+  return std::make_unique<NumberJudge>(traces, channel, findings);
 }
 
 }  // namespace rehearse

@@ -7,37 +7,18 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "run_survey.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
-
-/// Which tick a time belongs to, by a trace's /tick channel.
-class TickClock {
- public:
-  TickClock() = default;
-  explicit TickClock(const Trace& trace);
-  /// Of a piece of a trace; `before` is that of the piece before it, whose last tick may not be over.
-  TickClock(const Trace& piece, const TickClock& before);
-  bool empty() const { return times_.empty(); }
-  std::uint64_t last_time() const { return times_.back(); }
-  const std::vector<std::uint64_t>& times() const { return times_; }  // [ns]
-  /// Of the latest tick at or before the time; counts from 0 without ticks.
-  std::int64_t tick_at(std::uint64_t time) const;
-  /// Whether a tick begins at that time.
-  bool has(std::uint64_t time) const;
-
- private:
-  void read(const Trace& trace);
-
-  std::vector<std::uint64_t> times_;  // ascending
-  std::vector<std::int64_t> ticks_;
-};
 
 /// A span of time in which the numbers of a body are not judged; both ends are part of it [ns].
 struct BlankedSpan {
@@ -45,14 +26,17 @@ struct BlankedSpan {
   std::uint64_t until = 0;
 };
 
-/// Two traces and what decides how they are compared.
+/// Two runs and what decides how they are compared.
 struct ComparedTraces {
-  const Trace& golden;
-  const Trace& actual;
+  const RunSurvey& golden_run;
+  const RunSurvey& actual_run;
   const std::vector<ToleranceRule>& rules;
   const CompareOptions& options;
-  TickClock clock;  // of the golden
-  TickClock actual_clock;
+  // of the surveys; their tables have rows only if they are whole in memory
+  const Trace& golden = golden_run.whole();
+  const Trace& actual = actual_run.whole();
+  const TickClock& clock = golden_run.clock;
+  const TickClock& actual_clock = actual_run.clock;
   /// The last time that is compared: both runs reached it [ns].
   std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
   bool one_goes_on = false;   // beyond that time, where the other has but the state that closes it
@@ -67,12 +51,37 @@ struct ComparedTraces {
   }
 };
 
-/// A channel of both traces, their messages matched by time.
+/// A channel of both runs, of their surveys.
+struct PairedChannel {
+  const TraceChannel& golden;
+  const TraceChannel& actual;
+  const ChannelSurvey& golden_survey;
+  const ChannelSurvey& actual_survey;
+
+  /// No message differs, nor its time.
+  bool is_equal() const { return golden_survey == actual_survey; }
+};
+
+/// A span of time of both runs; the golden's tables may reach beyond it for tolerances that allow for time.
+struct Window {
+  const Trace& golden;
+  const Trace& actual;
+  std::uint64_t begin = 0;  // [ns]
+  std::uint64_t end = 0;    // inclusive
+
+  /// The messages of a channel in this window: the first, and one past the last.
+  std::pair<std::size_t, std::size_t> messages(const TraceChannel& channel) const;
+};
+
+/// The table of a window for one of the channels of the whole.
+const TraceChannel& table_in(const Trace& window, const Trace& whole, const TraceChannel& channel);
+
+/// A channel of both runs in a window, its messages matched by time.
 struct MatchedChannel {
+  const Window& window;
   const TraceChannel& golden;
   const TraceChannel& actual;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  // of message numbers
-  bool in_step = false;                                    // pairs are (0, 0), (1, 1), ... over all messages of both
   std::vector<std::size_t> missing;                        // messages of golden only
   std::vector<std::size_t> extra;                          // messages of actual only
 };
@@ -87,6 +96,8 @@ class ChannelFindings {
   void describe(const Divergence& divergence, bool beyond);
   /// Something that isn't a matter of two values: missing, extra, of another kind. Fails the channel.
   void structure(const Divergence& divergence);
+  /// The same of what counts before all else of the same tick and stage.
+  void structure_before(const Divergence& divergence);
   /// Other bits, but nothing that passes or fails: a hash, or a value that isn't judged.
   void mark(const Divergence& divergence);
   ChannelComparison& result() { return result_; }
@@ -106,10 +117,13 @@ std::size_t column_of(const TraceChannel& channel, std::string_view element);
 /// The name by which rules know a column. A transform is named by its frame, like the pose of a link.
 const std::string& series_of(const TraceChannel& channel, const TraceColumn& column);
 
+/// By the rules and its unit; of integers, which are exact, none.
+Tolerance column_tolerance(const TraceChannel& channel, std::size_t column, const std::vector<ToleranceRule>& rules);
+
 /// The name by which rules know the messages of a channel that has no columns: its topic without the first slash.
 std::string_view series_of(const TraceChannel& channel);
 
-/// A divergence of that channel at that time, without values.
+/// A divergence of that channel, or of a window's table of it, at that time, without values.
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time);
 
 /// What control() returned is compared as events.
@@ -118,10 +132,26 @@ bool is_result_of_control(const TraceChannel& channel, std::string_view element)
 /// Two integers that aren't the same: what they are and how far apart. Beyond 2^53, where doubles have gaps, in words.
 void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual);
 
-void compare_numbers(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
+/// Judges some values of a channel's messages, window after window.
+class PartJudge {
+ public:
+  virtual ~PartJudge() = default;
+  virtual void take(const MatchedChannel& window) = 0;
+  /// So many pairs of messages that are equal.
+  virtual void take_equal(std::int64_t /*pairs*/) {}
+  virtual void finish() {}
+};
+
+std::unique_ptr<PartJudge> judge_numbers(const ComparedTraces& traces, const PairedChannel& channel,
+                                         ChannelFindings& findings);
 /// What has no column in the tables of numbers.
-void compare_rests(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
-void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings);
+std::unique_ptr<PartJudge> judge_rests(const ComparedTraces& traces, const PairedChannel& channel,
+                                       ChannelFindings& findings);
+std::unique_ptr<PartJudge> judge_payloads(const ComparedTraces& traces, const PairedChannel& channel,
+                                          ChannelFindings& findings);
+/// Fields of events that are no part of a sequence.
+std::unique_ptr<PartJudge> judge_event_fields(const ComparedTraces& traces, const PairedChannel& channel,
+                                              ChannelFindings& findings);
 bool is_picture(const TraceChannel& channel);
 /// Of a camera's colours or distances.
 Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
@@ -140,8 +170,29 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
 
 /// A variable of a controller that no rule names, or commands that moved the world before a branch began.
 bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
-/// That such variables aren't the same in both; empty: they are.
-std::string remark_on_variables(const ComparedTraces& traces);
+/// Finds where such variables aren't the same in both.
+class VariablesRemark {
+ public:
+  explicit VariablesRemark(const ComparedTraces& traces);
+  /// The channels to look at.
+  const std::vector<PairedChannel>& channels() const { return channels_; }
+  void take(const Window& window);
+  /// Empty: they are the same.
+  std::string text() const;
+
+ private:
+  struct Found {
+    std::uint64_t time;
+    std::size_t order;  // of the channels
+    std::string text;
+  };
+  void find_lone(const Trace& of, const RunSurvey& run, const Trace& other, const char* which);
+
+  const ComparedTraces& traces_;
+  std::vector<PairedChannel> channels_;             // that may differ
+  std::vector<std::optional<std::size_t>> orders_;  // like channels_; none: it was found to differ
+  std::vector<Found> found_;
+};
 
 /// What the two were recorded of and with that isn't the same: changed_files, same_arithmetic, remarks, explanation.
 void compare_provenance(const ComparedTraces& traces, Comparison& comparison);

@@ -19,10 +19,13 @@ std::string share_text(std::size_t count, std::size_t all) {
 /// Judges the pictures of one channel.
 class PictureJudge {
  public:
-  PictureJudge(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings)
+  PictureJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
       : traces_(traces), channel_(channel), findings_(findings), unit_(unit_of(channel.golden.metadata, "")) {
     tolerance_ = picture_tolerance(channel.golden, traces.rules);
   }
+
+  /// The pictures that follow are of this window.
+  void begin(const MatchedChannel& window) { window_ = &window; }
 
   /// How two pictures of other bytes differ.
   enum class Finding {
@@ -90,11 +93,11 @@ class PictureJudge {
   /// To whoever wants to know of each.
   void tell(std::size_t golden_index, bool beyond, std::size_t pixels) const {
     if (traces_.options.on_difference)
-      traces_.options.on_difference({channel_.golden, golden_index, {}, beyond, static_cast<std::int64_t>(pixels)});
+      traces_.options.on_difference({window_->golden, golden_index, {}, beyond, static_cast<std::int64_t>(pixels)});
   }
 
   Divergence place(std::size_t golden_index) const {
-    Divergence divergence = place_of(traces_, channel_.golden, channel_.golden.times[golden_index]);
+    Divergence divergence = place_of(traces_, window_->golden, window_->golden.times[golden_index]);
     divergence.unit = unit_;
     return divergence;
   }
@@ -110,8 +113,9 @@ class PictureJudge {
   }
 
   const ComparedTraces& traces_;
-  const MatchedChannel& channel_;
+  const PairedChannel& channel_;
   ChannelFindings& findings_;
+  const MatchedChannel* window_ = nullptr;
   std::string unit_;
   Tolerance tolerance_;
   double color_ = 0.0;  // largest difference so far [of 255]
@@ -130,32 +134,61 @@ Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<Toler
   return tolerance_of(series_of(channel), unit == "m" ? "depth" : unit, rules);
 }
 
-void compare_payloads(const ComparedTraces& traces, const MatchedChannel& channel, ChannelFindings& findings) {
-  const bool pictures = is_picture(channel.golden);
-  PictureJudge judge(traces, channel, findings);
-  FieldJudge fields(traces, channel, findings);
-  findings.result().values = static_cast<std::int64_t>(channel.pairs.size());
-  for (const auto& [golden_index, actual_index] : channel.pairs) {
-    if (channel.golden.hashes[golden_index] == channel.actual.hashes[actual_index]) continue;
-    const auto expected = traces.golden.payload(channel.golden, golden_index);
-    const auto actual = traces.actual.payload(channel.actual, actual_index);
+namespace {
+
+class PayloadJudge final : public PartJudge {
+ public:
+  PayloadJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
+      : traces_(traces),
+        findings_(findings),
+        are_pictures_(is_picture(channel.golden)),
+        pictures_(traces, channel, findings),
+        fields_(traces, channel, findings) {}
+
+  void take(const MatchedChannel& channel) override {
+    take_equal(std::ssize(channel.pairs));
+    pictures_.begin(channel);
+    fields_.begin(channel);
+    for (const auto& [golden, actual] : channel.pairs)
+      if (channel.golden.hashes[golden] != channel.actual.hashes[actual]) compare(channel, golden, actual);
+  }
+  void take_equal(std::int64_t pairs) override { findings_.result().values += pairs; }
+  void finish() override {
+    if (are_pictures_) pictures_.sum_up();
+  }
+
+ private:
+  void compare(const MatchedChannel& channel, std::size_t golden_index, std::size_t actual_index) {
+    const auto expected = channel.window.golden.payload(channel.golden, golden_index);
+    const auto actual = channel.window.actual.payload(channel.actual, actual_index);
     if (!expected || !actual) {
-      Divergence divergence = place_of(traces, channel.golden, channel.golden.times[golden_index]);
+      Divergence divergence = place_of(traces_, channel.golden, channel.golden.times[golden_index]);
       divergence.note = "can't be read again: " + (expected ? actual : expected).errors()[0].message;
-      findings.structure(divergence);
-      continue;
+      return findings_.structure(divergence);
     }
     auto found = PictureJudge::Finding::none;
-    if (pictures) found = judge.compare(golden_index, *expected, *actual);
-    if (found == PictureJudge::Finding::failed) continue;
-    const bool known = fields.compare(golden_index, *expected, *actual, pictures ? "data" : "");
-    if (known || found == PictureJudge::Finding::pixels) continue;
-    if (pictures || fields.knows_values())
-      fields.report_encoding(golden_index);
+    if (are_pictures_) found = pictures_.compare(golden_index, *expected, *actual);
+    if (found == PictureJudge::Finding::failed) return;
+    const bool known = fields_.compare(golden_index, *expected, *actual, are_pictures_ ? "data" : "");
+    if (known || found == PictureJudge::Finding::pixels) return;
+    if (are_pictures_ || fields_.knows_values())
+      fields_.report_encoding(golden_index);
     else
-      fields.report_bytes(golden_index);
+      fields_.report_bytes(golden_index);
   }
-  if (pictures) judge.sum_up();
+
+  const ComparedTraces& traces_;
+  ChannelFindings& findings_;
+  const bool are_pictures_;
+  PictureJudge pictures_;
+  FieldJudge fields_;
+};
+
+}  // namespace
+
+std::unique_ptr<PartJudge> judge_payloads(const ComparedTraces& traces, const PairedChannel& channel,
+                                          ChannelFindings& findings) {
+  return std::make_unique<PayloadJudge>(traces, channel, findings);
 }
 
 }  // namespace rehearse

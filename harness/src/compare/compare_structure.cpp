@@ -104,9 +104,10 @@ class LoneChannels {
       : traces_(traces),
         missing_(missing),
         of_(missing ? traces.golden : traces.actual),
+        run_(missing ? traces.golden_run : traces.actual_run),
         other_(missing ? traces.actual : traces.golden) {
     for (const TraceChannel& channel : of_.channels()) {
-      const bool later = !channel.times.empty() && channel.times.front() > traces.end;
+      const bool later = run_.of(channel).messages > 0 && run_.of(channel).first_time > traces.end;
       if (takes(channel) && !later && !counterpart(of_, channel, other_)) lone_.push_back(&channel);
     }
   }
@@ -124,7 +125,8 @@ class LoneChannels {
       ChannelComparison& result = add(channel.topic);
       result.channels = static_cast<int>(take(group.prefix));
       if (result.channels > 1) result.group = group.prefix;
-      Divergence divergence = place_of(traces_, channel, channel.times.empty() ? 0 : channel.times.front());
+      Divergence divergence =
+          place_of(traces_, channel, run_.of(channel).messages > 0 ? run_.of(channel).first_time : 0);
       divergence.note = text_of(group, result.channels);
       ChannelFindings(result).structure(divergence);
     }
@@ -181,6 +183,7 @@ class LoneChannels {
   const ComparedTraces& traces_;
   const bool missing_;
   const Trace& of_;
+  const RunSurvey& run_;
   const Trace& other_;
   std::vector<const TraceChannel*> lone_;
 };

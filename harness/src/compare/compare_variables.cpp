@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "asked_variables.h"
 #include "compare_parts.h"
@@ -15,17 +16,15 @@ bool is_variable(const TraceChannel& channel) {
   return channel.type == msg::Float64::type_name && ChannelName::parse(channel.topic).kind == ChannelKind::variable;
 }
 
-/// The time of the first message that isn't the same in both [ns]; none: they are the same.
-std::optional<std::uint64_t> first_difference(const TraceChannel& a, const TraceChannel& b, std::uint64_t end) {
-  const std::size_t both = std::min(a.rows(), b.rows());
-  for (std::size_t row = 0; row < both; ++row) {
-    const std::uint64_t time = std::min(a.times[row], b.times[row]);
-    if (time > end) return std::nullopt;
-    if (a.times[row] != b.times[row] || a.bits(row, 0) != b.bits(row, 0)) return time;
-  }
-  if (a.rows() == b.rows()) return std::nullopt;
-  const std::uint64_t time = (a.rows() > b.rows() ? a : b).times[both];
-  return time > end ? std::nullopt : std::optional(time);
+/// The time of the first message of a window that isn't the same in both [ns]; none: they are the same.
+std::optional<std::uint64_t> first_difference(const Window& window, const TraceChannel& a, const TraceChannel& b) {
+  auto [row, end] = window.messages(a);
+  auto [other, other_end] = window.messages(b);
+  for (; row < end && other < other_end; ++row, ++other)
+    if (a.times[row] != b.times[other] || a.bits(row, 0) != b.bits(other, 0))
+      return std::min(a.times[row], b.times[other]);
+  if (row < end) return a.times[row];
+  return other < other_end ? std::optional(b.times[other]) : std::nullopt;
 }
 
 }  // namespace
@@ -35,31 +34,45 @@ bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>
   return is_variable(channel) && !asks_for_variable(series_of(channel), rules);
 }
 
-std::string remark_on_variables(const ComparedTraces& traces) {
-  struct Found {
-    std::uint64_t time;
-    std::string text;
-  };
-  std::vector<Found> found;
-  const auto look_at = [&](const Trace& of, const Trace& other, const char* which) {
-    for (const TraceChannel& channel : of.channels()) {
-      if (!is_variable(channel) || asks_for_variable(series_of(channel), traces.rules) || channel.times.empty())
-        continue;
-      const std::string series(series_of(channel));
-      const TraceChannel* there = other.find_channel(channel.topic);
-      if (!there && channel.times[0] <= traces.end)
-        found.push_back({channel.times[0], fmt::format("{} is in the {} only", series, which)});
-      if (!there || !is_variable(*there) || &of != &traces.golden) continue;
-      if (const auto time = first_difference(channel, *there, traces.end))
-        found.push_back({*time, fmt::format("{} differs at tick {}", series, traces.clock.tick_at(*time))});
-    }
-  };
-  look_at(traces.golden, traces.actual, "golden");
-  look_at(traces.actual, traces.golden, "run");
-  if (found.empty()) return {};
-  const auto first =
-      std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.time < b.time; });
-  const std::size_t others = found.size() - 1;
+VariablesRemark::VariablesRemark(const ComparedTraces& traces) : traces_(traces) {
+  if (!traces.options.takes(Stage::controller)) return;
+  find_lone(traces.golden, traces.golden_run, traces.actual, "golden");
+  find_lone(traces.actual, traces.actual_run, traces.golden, "run");
+}
+
+void VariablesRemark::find_lone(const Trace& of, const RunSurvey& run, const Trace& other, const char* which) {
+  for (const TraceChannel& channel : of.channels()) {
+    const ChannelSurvey& survey = run.of(channel);
+    if (!is_variable(channel) || asks_for_variable(series_of(channel), traces_.rules) || survey.messages == 0) continue;
+    const TraceChannel* there = other.find_channel(channel.topic);
+    const std::size_t order = found_.size() + channels_.size();
+    if (!there && survey.first_time <= traces_.end)
+      found_.push_back({survey.first_time, order, fmt::format("{} is in the {} only", series_of(channel), which)});
+    if (!there || !is_variable(*there) || &of != &traces_.golden) continue;
+    const PairedChannel pair{channel, *there, survey, traces_.actual_run.of(*there)};
+    if (pair.is_equal()) continue;
+    channels_.push_back(pair);
+    orders_.push_back(order);
+  }
+}
+
+void VariablesRemark::take(const Window& window) {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (!orders_[i]) continue;
+    const TraceChannel& golden = table_in(window.golden, traces_.golden, channels_[i].golden);
+    const auto time = first_difference(window, golden, table_in(window.actual, traces_.actual, channels_[i].actual));
+    if (!time) continue;
+    found_.push_back({*time, *std::exchange(orders_[i], std::nullopt),
+                      fmt::format("{} differs at tick {}", series_of(golden), traces_.clock.tick_at(*time))});
+  }
+}
+
+std::string VariablesRemark::text() const {
+  if (found_.empty()) return {};
+  const auto first = std::min_element(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+    return std::pair(a.time, a.order) < std::pair(b.time, b.order);
+  });
+  const std::size_t others = found_.size() - 1;
   return fmt::format("controllers' variables, which no rule asks to compare: {}{}", first->text,
                      others == 0   ? ""
                      : others == 1 ? ", and one more isn't the same"

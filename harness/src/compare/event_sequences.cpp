@@ -10,40 +10,149 @@
 #include <functional>
 
 #include "compare_parts.h"
+#include "trace/hashing.h"
+#include "run_survey.h"
 
 namespace rehearse {
+namespace {
+
+constexpr std::string_view limits_key = "limits:";
+
+std::vector<std::string> limits_in(const mcap::StringMap& metadata) {
+  std::vector<std::string> elements;
+  for (auto at = metadata.lower_bound(std::string(limits_key));
+       at != metadata.end() && at->first.starts_with(limits_key); ++at)
+    elements.push_back(at->first.substr(limits_key.size()));
+  return elements;
+}
+
+bool read_limits(const std::string& text, double& lower, double& upper) {
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, lower);
+  if (first.ec != std::errc() || first.ptr == end) return false;
+  const auto second = std::from_chars(first.ptr + 1, end, upper);
+  return second.ec == std::errc() && second.ptr == end;
+}
+
+}  // namespace
+
+WatchedLimits::WatchedLimits(const Trace& golden_run, const Trace& actual_run) {
+  for (const TraceChannel& channel : golden_run.channels()) {
+    const TraceChannel* other = actual_run.find_channel(channel.topic);
+    if (channel.type != msg::JointState::type_name || !other) continue;
+    const mcap::StringMap& stated = limits_in(channel.metadata).empty() ? other->metadata : channel.metadata;
+    for (const std::string& element : limits_in(stated)) {
+      WatchedLimit limit{channel.topic, element};
+      const std::string key = std::string(limits_key) + element;
+      if (!read_limits(stated.at(key), limit.lower, limit.upper)) continue;
+      golden.push_back(limit);
+      const auto now = other->metadata.find(key);
+      if (now != other->metadata.end()) read_limits(now->second, limit.lower, limit.upper);
+      actual.push_back(std::move(limit));
+    }
+  }
+}
+
+void EdgeFinder::take(const Trace& piece) {
+  if (!closing_tick_) {
+    const auto outcome = RunFacts::of(piece).outcome;
+    closing_tick_.emplace(outcome ? outcome->ticks : std::nullopt);
+  }
+  for (const TraceChannel& channel : piece.channels()) {
+    const bool is_tick = channel.type == msg::Tick::type_name;
+    if ((!is_tick && channel.type != msg::JointState::type_name) || piece.find_channel(channel.topic) != &channel)
+      continue;
+    std::uint64_t& hash = hashes_[channel.topic];
+    for (std::size_t row = 0; row < channel.rows(); ++row)
+      hash = hash_bytes(channel.row(row), channel.columns.size() * sizeof(std::uint64_t), hash ^ channel.times[row]);
+    if (is_tick)
+      take_refusals(channel);
+    else
+      take_limits(channel);
+  }
+}
+
+void EdgeFinder::take_limits(const TraceChannel& channel) {
+  // A joint that rests on its stop goes a little to and fro: it has left a limit when it is this far from it, of the
+  // span between the two.
+  constexpr double leaving = 1e-3;
+  for (const WatchedLimit& limit : limits_) {
+    if (limit.topic != channel.topic) continue;
+    const std::size_t column = column_of(channel, limit.element);
+    if (column == channel.columns.size()) continue;
+    const double span = limit.upper - limit.lower;
+    const double away = std::isfinite(span) ? leaving * span : leaving;
+    Watched& watched = watched_[{limit.topic, limit.element}];
+    for (std::size_t row = 0; row < channel.rows(); ++row) {
+      const double value = channel.number(row, column);
+      const double from = watched.there ? away : 0.0;
+      const bool now = value >= limit.upper - from || value <= limit.lower + from;
+      if (now != watched.there) watched.edges.push_back({0, channel.times[row], now});
+      watched.there = now;
+    }
+  }
+}
+
+/// The message that closes a run has no results.
+void EdgeFinder::take_refusals(const TraceChannel& channel) {
+  const std::size_t tick = column_of(channel, "tick");
+  const auto closes = [&](std::size_t row) {
+    return *closing_tick_ && tick < channel.columns.size() &&
+           **closing_tick_ == static_cast<std::int64_t>(channel.bits(row, tick));
+  };
+  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+    const std::string& element = channel.columns[column].element;
+    if (!is_result_of_control(channel, element)) continue;
+    Watched& watched = watched_[{channel.topic, element}];
+    for (std::size_t row = 0; row < channel.rows(); ++row) {
+      const bool now = channel.bits(row, column) == 0 && !closes(row);
+      if (now != watched.there) watched.edges.push_back({0, channel.times[row], now});
+      watched.there = now;
+    }
+  }
+}
+
+const std::vector<EventEdge>* EdgeFinder::find(const std::string& topic, const std::string& element) const {
+  const auto found = watched_.find({topic, element});
+  return found == watched_.end() ? nullptr : &found->second.edges;
+}
+
+std::uint64_t EdgeFinder::hash_of(const std::string& topic) const {
+  const auto found = hashes_.find(topic);
+  return found == hashes_.end() ? 0 : found->second;
+}
+
 namespace {
 
 using EdgesOf = std::vector<EventEdge> EventSequence::*;
 
 class SequenceMaker {
  public:
-  SequenceMaker(const Trace& golden, const Trace& actual, std::uint64_t end)
+  SequenceMaker(const RunSurvey& golden, const RunSurvey& actual, std::uint64_t end)
       : golden_(golden), actual_(actual), end_(end) {}
 
   EventSequences make() {
     const auto same = [](const msg::ContactChange& a, const msg::ContactChange& b) {
       return a.tick == b.tick && a.begins == b.begins && a.link == b.link && a.other == b.other;
     };
-    const auto &contacts = golden_.contact_changes(), &others = actual_.contact_changes();
-    const bool both_tell =
-        golden_.find_channel(run_topics::contact_changes) && actual_.find_channel(run_topics::contact_changes);
+    const auto &contacts = golden_.whole().contact_changes(), &others = actual_.whole().contact_changes();
+    const bool both_tell = golden_.whole().find_channel(run_topics::contact_changes) &&
+                           actual_.whole().find_channel(run_topics::contact_changes);
     if (both_tell && !std::equal(contacts.begin(), contacts.end(), others.begin(), others.end(), same)) {
-      add_contacts(golden_, &EventSequence::golden);
-      add_contacts(actual_, &EventSequence::actual);
+      add_contacts(contacts, &EventSequence::golden);
+      add_contacts(others, &EventSequence::actual);
     }
-    for (const TraceChannel& channel : golden_.channels()) {
-      const TraceChannel* other = actual_.find_channel(channel.topic);
-      if (!other || (channel.cells == other->cells && channel.times == other->times)) continue;
-      if (channel.type == msg::JointState::type_name) add_limits(channel, *other);
-      if (channel.type == msg::Tick::type_name) add_refusals(channel, *other);
+    for (const TraceChannel& channel : golden_.whole().channels()) {
+      if (golden_.edges.hash_of(channel.topic) == actual_.edges.hash_of(channel.topic)) continue;
+      if (channel.type == msg::JointState::type_name) add_limits(channel);
+      if (channel.type == msg::Tick::type_name) add_refusals(channel);
     }
     return std::move(sequences_);
   }
 
  private:
-  void add_contacts(const Trace& trace, EdgesOf edges) {
-    for (const msg::ContactChange& change : trace.contact_changes()) {
+  void add_contacts(const std::vector<msg::ContactChange>& changes, EdgesOf edges) {
+    for (const msg::ContactChange& change : changes) {
       const std::uint64_t time = change.stamp.to_ns();
       if (time > end_) break;
       const std::string reversed = "contacts/" + change.other + "/" + change.link;  // the scenario's order is another
@@ -62,109 +171,49 @@ class SequenceMaker {
     }
   }
 
-  /// An older golden states no limits: then those of the run are meant.
-  void add_limits(const TraceChannel& golden, const TraceChannel& actual) {
-    const mcap::StringMap& stated = limits_in(golden).empty() ? actual.metadata : golden.metadata;
-    for (const std::string& element : limits_in(stated)) {
-      double lower = 0.0, upper = 0.0;
-      const auto now = actual.metadata.find("limits:" + element);
-      if (!read_limits(stated.at("limits:" + element), lower, upper)) continue;
-      EventSequence sequence;
-      const std::string body = ChannelName::parse(golden.topic).body;
-      sequence.source = {EventKind::limit, golden.topic, element, "being at its limit", {body}};
-      sequence.golden = edges_at(golden, element, lower, upper);
-      if (now != actual.metadata.end()) read_limits(now->second, lower, upper);
-      sequence.actual = edges_at(actual, element, lower, upper);
-      if (!sequence.golden.empty() || !sequence.actual.empty())
-        sequences_.emplace("limits/" + body + "/" + element, std::move(sequence));
+  void add_limits(const TraceChannel& channel) {
+    const std::string body = ChannelName::parse(channel.topic).body;
+    for (const WatchedLimit& limit : golden_.edges.limits()) {
+      if (limit.topic == channel.topic)
+        add("limits/" + body + "/" + limit.element,
+            {EventKind::limit, channel.topic, limit.element, "being at its limit", {body}});
     }
   }
 
-  static std::vector<std::string> limits_in(const TraceChannel& channel) { return limits_in(channel.metadata); }
-  static std::vector<std::string> limits_in(const mcap::StringMap& metadata) {
-    constexpr std::string_view key = "limits:";
-    std::vector<std::string> elements;
-    for (auto at = metadata.lower_bound(std::string(key)); at != metadata.end() && at->first.starts_with(key); ++at)
-      elements.push_back(at->first.substr(key.size()));
-    return elements;
-  }
-
-  static bool read_limits(const std::string& text, double& lower, double& upper) {
-    const char* const end = text.data() + text.size();
-    const auto first = std::from_chars(text.data(), end, lower);
-    if (first.ec != std::errc() || first.ptr == end) return false;
-    const auto second = std::from_chars(first.ptr + 1, end, upper);
-    return second.ec == std::errc() && second.ptr == end;
-  }
-
-  /// A joint that rests on its stop goes a little to and fro: it has left a limit when it is this far from it, of the
-  /// span between the two.
-  static constexpr double leaving = 1e-3;
-
-  std::vector<EventEdge> edges_at(const TraceChannel& channel, const std::string& element, double lower,
-                                  double upper) const {
-    const std::size_t column = column_of(channel, element);
-    if (column == channel.columns.size()) return {};
-    const double span = upper - lower;
-    const double away = std::isfinite(span) ? leaving * span : leaving;
-    bool there = false;
-    return edges_of(channel, [&, column](std::size_t row) {
-      const double value = channel.number(row, column);
-      const double from = there ? away : 0.0;
-      there = value >= upper - from || value <= lower + from;
-      return there;
-    });
-  }
-
-  void add_refusals(const TraceChannel& golden, const TraceChannel& actual) {
-    for (std::size_t column = 0; column < golden.columns.size(); ++column) {
-      const std::string& element = golden.columns[column].element;
-      const std::size_t other = column_of(actual, element);
-      if (!is_result_of_control(golden, element) || other == actual.columns.size()) continue;
-      EventSequence sequence;
-      sequence.source = {EventKind::refusal, golden.topic, element, "false from control()", {}};
-      sequence.golden = refusals(golden_, golden, column);
-      sequence.actual = refusals(actual_, actual, other);
-      if (!sequence.golden.empty() || !sequence.actual.empty()) sequences_.emplace(element, std::move(sequence));
+  void add_refusals(const TraceChannel& channel) {
+    for (const TraceColumn& column : channel.columns) {
+      if (!is_result_of_control(channel, column.element)) continue;
+      if (actual_.edges.find(channel.topic, column.element))
+        add(column.element, {EventKind::refusal, channel.topic, column.element, "false from control()", {}});
     }
   }
 
-  /// The message that closes a run has no results.
-  std::vector<EventEdge> refusals(const Trace& trace, const TraceChannel& channel, std::size_t column) const {
-    const std::size_t rows = channel.rows() - (channel.rows() > 0 && is_closing(trace, channel) ? 1 : 0);
-    return edges_of(channel, [&](std::size_t row) { return row < rows && channel.bits(row, column) == 0; });
+  void add(const std::string& name, EventSource source) {
+    EventSequence sequence;
+    sequence.golden = edges_in(golden_, source);
+    sequence.actual = edges_in(actual_, source);
+    sequence.source = std::move(source);
+    if (!sequence.golden.empty() || !sequence.actual.empty()) sequences_.emplace(name, std::move(sequence));
   }
 
-  static bool is_closing(const Trace& trace, const TraceChannel& channel) {
-    const auto outcome = RunFacts::of(trace).outcome;
-    const std::size_t column = column_of(channel, "tick");
-    if (!outcome || column == channel.columns.size()) return false;
-    return outcome->ticks == static_cast<std::int64_t>(channel.bits(channel.rows() - 1, column));
-  }
-
-  template <class State>
-  std::vector<EventEdge> edges_of(const TraceChannel& channel, State&& state) const {
-    const TickClock& clock = &channel == golden_.find_channel(channel.topic) ? golden_clock_ : actual_clock_;
+  std::vector<EventEdge> edges_in(const RunSurvey& run, const EventSource& source) const {
     std::vector<EventEdge> edges;
-    bool before = false;
-    for (std::size_t row = 0; row < channel.rows() && channel.times[row] <= end_; ++row) {
-      const bool now = state(row);
-      if (now != before) edges.push_back({clock.tick_at(channel.times[row]), channel.times[row], now});
-      before = now;
-    }
+    const std::vector<EventEdge>* found = run.edges.find(source.channel, source.element);
+    if (!found) return edges;
+    for (const EventEdge& edge : *found)
+      if (edge.time <= end_) edges.push_back({run.clock.tick_at(edge.time), edge.time, edge.begins});
     return edges;
   }
 
-  const Trace& golden_;
-  const Trace& actual_;
+  const RunSurvey& golden_;
+  const RunSurvey& actual_;
   const std::uint64_t end_;
-  const TickClock golden_clock_{golden_}, actual_clock_{actual_};
   EventSequences sequences_;
 };
 
 }  // namespace
 
-EventSequences event_sequences(const Trace& golden, const Trace& actual, std::uint64_t end) {
+EventSequences event_sequences(const RunSurvey& golden, const RunSurvey& actual, std::uint64_t end) {
   return SequenceMaker(golden, actual, end).make();
 }
 

@@ -44,9 +44,52 @@ struct EventSequence {
 /// By the name that rules know it by: contacts/LINK/OTHER, limits/Body/JOINT/u, controller_results/0.
 using EventSequences = std::map<std::string, EventSequence>;
 
-/// Contacts, limits and refusals of both traces, up to a time [ns]. Those that follow from channels of the same bits
+/// A joint's element that is kept between two numbers, in its unit.
+struct WatchedLimit {
+  std::string topic;
+  std::string element;
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// The limits that two traces state of the joints of both. An older golden states none: then those of the run are
+/// meant.
+struct WatchedLimits {
+  WatchedLimits(const Trace& golden, const Trace& actual);
+  std::vector<WatchedLimit> golden, actual;
+};
+
+/// Finds where joints are at their limits and where controllers refuse, in the pieces of a run.
+class EdgeFinder {
+ public:
+  explicit EdgeFinder(std::vector<WatchedLimit> limits) : limits_(std::move(limits)) {}
+  void take(const Trace& piece);
+
+  const std::vector<WatchedLimit>& limits() const { return limits_; }
+  /// Beginnings and ends, without their ticks. Null: there is nothing to watch.
+  const std::vector<EventEdge>* find(const std::string& topic, const std::string& element) const;
+  /// Of the times and numbers of a topic that can have such events.
+  std::uint64_t hash_of(const std::string& topic) const;
+
+ private:
+  struct Watched {
+    std::vector<EventEdge> edges;
+    bool there = false;
+  };
+  void take_limits(const TraceChannel& channel);
+  void take_refusals(const TraceChannel& channel);
+
+  const std::vector<WatchedLimit> limits_;
+  std::map<std::pair<std::string, std::string>, Watched> watched_;  // by topic and element
+  std::map<std::string, std::uint64_t> hashes_;                     // by topic
+  std::optional<std::optional<std::int64_t>> closing_tick_;  // of the message that closes the run, as it states it
+};
+
+struct RunSurvey;
+
+/// Contacts, limits and refusals of both runs, up to a time [ns]. Those that follow from channels of the same numbers
 /// are left out.
-EventSequences event_sequences(const Trace& golden, const Trace& actual, std::uint64_t end);
+EventSequences event_sequences(const RunSurvey& golden, const RunSurvey& actual, std::uint64_t end);
 
 /// Indices into two sequences; none: the other has nothing for it.
 struct EventPair {

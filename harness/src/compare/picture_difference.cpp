@@ -1,4 +1,5 @@
 #include <rehearse/compare.h>
+#include <rehearse/mcap.h>
 #include <rehearse/scenario.h>
 
 #include <algorithm>
@@ -78,18 +79,20 @@ Image side_by_side(const RecordedPicture& golden, const RecordedPicture& actual,
   return image;
 }
 
-/// Of the message at that time; null if there is none, or none that has a picture.
-std::optional<RecordedPicture> picture_at(const Trace& trace, const std::string& topic, double time) {
-  const TraceChannel* channel = trace.find_channel(topic);
-  if (!channel) return std::nullopt;
-  for (std::size_t i = 0; i < channel->times.size(); ++i) {
-    if (static_cast<double>(channel->times[i]) / 1e9 != time) continue;
-    const auto payload = trace.payload(*channel, i);
-    if (!payload) return std::nullopt;
-    auto picture = read_picture(channel->type, *payload);
-    return picture && picture->pixels() > 0 ? picture : std::nullopt;
-  }
-  return std::nullopt;
+/// Of the first message at that time; none if there is none, or none that has a picture.
+std::optional<RecordedPicture> picture_at(mcap::Reader& recording, const TraceChannel& channel, double time) {
+  std::vector<std::uint16_t> ids;
+  for (const auto& [id, described] : recording.channels())
+    if (described.topic == channel.topic && ids.empty()) ids.push_back(id);
+  std::optional<RecordedPicture> picture;
+  const auto look = [&](const mcap::Message& message) {
+    if (static_cast<double>(message.log_time) / 1e9 != time) return true;
+    picture = read_picture(channel.type, message.data);
+    return false;
+  };
+  // Whoever compared the recordings has reported their damage.
+  if (!ids.empty()) static_cast<void>(recording.for_each_message(look, ids));
+  return picture && picture->pixels() > 0 ? picture : std::nullopt;
 }
 
 /// "Run." of Run.mcap
@@ -124,12 +127,16 @@ Result<std::vector<fs::path>> write_picture_differences(const Trace& golden, con
                                                         const std::vector<ToleranceRule>& rules,
                                                         const fs::path& beside) {
   remove_picture_differences(beside);
+  const auto of_golden_run = mcap::Reader::open(golden.file()), of_actual_run = mcap::Reader::open(actual.file());
+  if (!of_golden_run || !of_actual_run) return (of_golden_run ? of_actual_run : of_golden_run).errors();
   std::vector<fs::path> written;
   for (const ChannelComparison& channel : comparison.channels) {
     const TraceChannel* of_golden = golden.find_channel(channel.channel);
     if (!channel.first || !of_golden || !is_picture(*of_golden)) continue;
-    const auto expected = picture_at(golden, channel.channel, channel.first->time);
-    const auto other = picture_at(actual, channel.channel, channel.first->time);
+    const TraceChannel* of_actual = actual.find_channel(channel.channel);
+    if (!of_actual) continue;
+    const auto expected = picture_at(**of_golden_run, *of_golden, channel.first->time);
+    const auto other = picture_at(**of_actual_run, *of_actual, channel.first->time);
     if (!expected || !other || !expected->same_size(*other)) continue;
     const Tolerance tolerance = picture_tolerance(*of_golden, rules);
     const fs::path file = beside.parent_path() / file_name(beside, channel.channel);

@@ -10,9 +10,12 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include "compare/compare_parts.h"
 #include "trace/hashing.h"
+#include "trace/trace_windows.h"
 
 namespace rehearse {
 namespace {
@@ -28,38 +31,22 @@ std::string number_text(double value, const std::string& series, const std::stri
   return text == "-0" ? "0" : text;
 }
 
-std::string cell_text(const TraceChannel& channel, std::size_t row, std::size_t column) {
-  const std::uint64_t bits = channel.bits(row, column);
+/// A value of a series.
+struct Cell {
+  std::uint64_t bits = 0;
+  double number = 0.0;
+};
+
+std::string cell_text(const TraceChannel& channel, std::size_t column, const Cell& cell) {
   const TraceColumn& series = channel.columns[column];
   switch (series.kind) {
     case CellKind::floating:
-      return number_text(std::bit_cast<double>(bits), series_of(channel, series),
-                         unit_of(channel.metadata, series.element));
-    case CellKind::signed_integer: return fmt::format("{}", static_cast<std::int64_t>(bits));
-    case CellKind::unsigned_integer: return fmt::format("{}", bits);
-    case CellKind::boolean: return bits ? "true" : "false";
+      return number_text(cell.number, series_of(channel, series), unit_of(channel.metadata, series.element));
+    case CellKind::signed_integer: return fmt::format("{}", static_cast<std::int64_t>(cell.bits));
+    case CellKind::unsigned_integer: return fmt::format("{}", cell.bits);
+    case CellKind::boolean: return cell.bits ? "true" : "false";
   }
   return "";
-}
-
-/// One line: what a series does over the run.
-void describe_series(const TraceChannel& channel, std::size_t column, std::string& text) {
-  const TraceColumn& series = channel.columns[column];
-  const std::size_t rows = channel.rows();
-  if (rows == 0) return;
-  std::size_t least = 0, most = 0, not_numbers = 0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    const double value = channel.number(row, column);
-    not_numbers += std::isnan(value) ? 1 : 0;
-    if (!(value >= channel.number(least, column))) least = row;
-    if (!(value <= channel.number(most, column))) most = row;
-  }
-  const std::string unit = unit_of(channel.metadata, series.element);
-  fmt::format_to(Out(text), "  {} [{}] first {} last {} min {} max {}", series.element, unit.empty() ? "-" : unit,
-                 cell_text(channel, 0, column), cell_text(channel, rows - 1, column), cell_text(channel, least, column),
-                 cell_text(channel, most, column));
-  if (not_numbers > 0) fmt::format_to(Out(text), " NaN {} times", not_numbers);
-  text += '\n';
 }
 
 bool is_range(const TraceColumn& column) { return column.element.starts_with("ranges/"); }
@@ -69,81 +56,132 @@ bool is_contact(const TraceChannel& channel, const TraceColumn& column) {
   return channel.type == msg::Contacts::type_name && column.element != "contacts/count";
 }
 
-/// One line for all points that touch a link: how hard and how deep.
-void describe_contacts(const TraceChannel& channel, std::string& text) {
-  double most = 0.0, deepest = 0.0;
-  bool any = false;
-  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
-    if (!is_contact(channel, channel.columns[column])) continue;
-    any = true;
+bool is_hash(const TraceColumn& column) { return column.element.ends_with("_hash"); }
+
+/// What a series does over the run.
+class SeriesDigest {
+ public:
+  void take(const TraceChannel& channel, std::size_t column) {
+    for (std::size_t row = 0; row < channel.rows(); ++row) {
+      const Cell cell{channel.bits(row, column), channel.number(row, column)};
+      if (rows_++ == 0) first_ = least_ = most_ = cell;
+      last_ = cell;
+      not_numbers_ += std::isnan(cell.number) ? 1 : 0;
+      if (!(cell.number >= least_.number)) least_ = cell;
+      if (!(cell.number <= most_.number)) most_ = cell;
+    }
+  }
+
+  /// One line.
+  void describe(const TraceChannel& channel, std::size_t column, std::string& text) const {
+    if (rows_ == 0) return;
+    const TraceColumn& series = channel.columns[column];
+    const std::string unit = unit_of(channel.metadata, series.element);
+    fmt::format_to(Out(text), "  {} [{}] first {} last {} min {} max {}", series.element, unit.empty() ? "-" : unit,
+                   cell_text(channel, column, first_), cell_text(channel, column, last_),
+                   cell_text(channel, column, least_), cell_text(channel, column, most_));
+    if (not_numbers_ > 0) fmt::format_to(Out(text), " NaN {} times", not_numbers_);
+    text += '\n';
+  }
+
+ private:
+  std::size_t rows_ = 0, not_numbers_ = 0;
+  Cell first_, last_, least_, most_;
+};
+
+/// What a channel's messages hold over the run.
+class ChannelDigest {
+ public:
+  void take(const TraceChannel& channel) {
+    messages_ += channel.messages();
+    times_.add(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
+    series_.resize(channel.columns.size());
+    for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+      if (is_range(channel.columns[column]))
+        take_range(channel, column);
+      else if (is_contact(channel, channel.columns[column]))
+        take_contact(channel, column);
+      else if (!is_hash(channel.columns[column]))
+        series_[column].take(channel, column);
+    }
+  }
+
+  std::uint64_t hash_of_times() const { return times_.value(); }
+
+  void describe(const TraceChannel& channel, std::string& text) const {
+    fmt::format_to(Out(text), "\n{} {}: {} {}\n", channel.topic, channel.type, messages_,
+                   is_picture(channel) ? "pictures" : "messages");
+    for (std::size_t column = 0; column < series_.size(); ++column) series_[column].describe(channel, column, text);
+    const auto beams = std::count_if(channel.columns.begin(), channel.columns.end(), is_range);
+    if (beams > 0)
+      fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams,
+                     number_text(nearest_, "", "m"), number_text(farthest_, "", "m"), nothing_);
+    if (std::any_of(channel.columns.begin(), channel.columns.end(),
+                    [&](const TraceColumn& column) { return is_contact(channel, column); }))
+      fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", number_text(force_, "", "N"),
+                     number_text(depth_, "", "m"));
+  }
+
+ private:
+  /// How near and how far a beam met something, and how often nothing.
+  void take_range(const TraceChannel& channel, std::size_t column) {
+    for (std::size_t row = 0; row < channel.rows(); ++row) {
+      const double range = channel.number(row, column);
+      nothing_ += std::isinf(range) ? 1 : 0;
+      if (!std::isfinite(range)) continue;  // not a number: there was no scan
+      nearest_ = std::min(nearest_, range);
+      farthest_ = std::max(farthest_, range);
+    }
+  }
+
+  /// How hard and how deep a point touches a link.
+  void take_contact(const TraceChannel& channel, std::size_t column) {
     const bool force = channel.columns[column].element.find("/force/") != std::string::npos;
     const bool depth = channel.columns[column].element.ends_with("/depth");
     for (std::size_t row = 0; row < channel.rows(); ++row) {
       const double value = channel.number(row, column);
-      if (force && std::abs(value) > most) most = std::abs(value);
-      if (depth && value > deepest) deepest = value;
+      if (force && std::abs(value) > force_) force_ = std::abs(value);
+      if (depth && value > depth_) depth_ = value;
     }
   }
-  if (any)
-    fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", number_text(most, "", "N"),
-                   number_text(deepest, "", "m"));
-}
 
-/// One line for all beams of a range sensor: how near and how far they met something, and how often nothing.
-void describe_ranges(const TraceChannel& channel, std::string& text) {
-  std::size_t beams = 0, nothing = 0;
-  double nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
-  for (std::size_t column = 0; column < channel.columns.size(); ++column) {
-    if (!is_range(channel.columns[column])) continue;
-    ++beams;
-    for (std::size_t row = 0; row < channel.rows(); ++row) {
-      const double range = channel.number(row, column);
-      nothing += std::isinf(range) ? 1 : 0;
-      if (!std::isfinite(range)) continue;  // not a number: there was no scan
-      nearest = std::min(nearest, range);
-      farthest = std::max(farthest, range);
-    }
-  }
-  if (beams > 0)
-    fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams,
-                   number_text(nearest, "", "m"), number_text(farthest, "", "m"), nothing);
-}
-
-bool is_hash(const TraceColumn& column) { return column.element.ends_with("_hash"); }
-
-Result<std::uint64_t> hash_of_table(const TraceChannel& channel) {
-  const std::uint64_t times = hash_bytes(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
-  return hash_bytes(channel.cells.data(), channel.cells.size() * sizeof(std::uint64_t), times);
-}
-
-Result<std::uint64_t> hash_of_payloads(const Trace& trace, const TraceChannel& channel) {
-  std::uint64_t hash = hash_bytes(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
-  for (std::size_t i = 0; i < channel.locations.size(); ++i) {
-    const auto payload = trace.payload(channel, i);
-    if (!payload) return payload.errors();
-    hash = hash_bytes(payload->data(), payload->size(), hash);
-  }
-  return hash;
-}
-
-void describe_channel(const TraceChannel& channel, std::string& text) {
-  fmt::format_to(Out(text), "\n{} {}: {} {}\n", channel.topic, channel.type, channel.messages(),
-                 is_picture(channel) ? "pictures" : "messages");
-  for (std::size_t column = 0; column < channel.columns.size(); ++column)
-    if (!is_hash(channel.columns[column]) && !is_range(channel.columns[column]) &&
-        !is_contact(channel, channel.columns[column]))
-      describe_series(channel, column, text);
-  describe_ranges(channel, text);
-  describe_contacts(channel, text);
-}
+  std::size_t messages_ = 0;
+  RunningHash times_;
+  std::vector<SeriesDigest> series_;                                           // by column
+  std::size_t nothing_ = 0;                                                    // met by a beam
+  double nearest_ = std::numeric_limits<double>::infinity(), farthest_ = 0.0;  // [m]
+  double force_ = 0.0, depth_ = 0.0;                                           // the largest [N], [m]
+};
 
 /// Of all that was recorded, so that the text belongs to this recording and no other.
-Result<std::uint64_t> hash_of_channels(const Trace& trace) {
+Result<std::uint64_t> hash_of_channels(const Trace& trace, const std::vector<std::size_t>& all,
+                                       const std::vector<ChannelDigest>& digests) {
+  std::vector<RunningHash> of_tables;
+  std::vector<std::uint64_t> of_payloads;
+  for (const ChannelDigest& digest : digests) {
+    of_tables.emplace_back(digest.hash_of_times());
+    of_payloads.push_back(digest.hash_of_times());
+  }
+  Diagnostics unread;
+  for_each_window(trace, all, [&](const Trace& window) {
+    for (const std::size_t i : all) {
+      const TraceChannel& channel = window.channels()[i];
+      of_tables[i].add(channel.cells.data(), channel.cells.size() * sizeof(std::uint64_t));
+      for (std::size_t message = 0; trace.channels()[i].columns.empty() && message < channel.locations.size();
+           ++message) {
+        const auto payload = window.payload(channel, message);
+        if (payload)
+          of_payloads[i] = hash_bytes(payload->data(), payload->size(), of_payloads[i]);
+        else if (unread.empty())
+          unread = payload.errors();
+      }
+    }
+  });
+  if (!unread.empty()) return unread;
   std::uint64_t hash = 0;
-  for (const TraceChannel& channel : trace.channels()) {
-    const auto of_channel = channel.columns.empty() ? hash_of_payloads(trace, channel) : hash_of_table(channel);
-    if (!of_channel) return of_channel;
-    hash = hash_bytes(&*of_channel, sizeof *of_channel, hash);
+  for (const std::size_t i : all) {
+    const std::uint64_t of_channel = trace.channels()[i].columns.empty() ? of_payloads[i] : of_tables[i].value();
+    hash = hash_bytes(&of_channel, sizeof of_channel, hash);
   }
   return hash;
 }
@@ -157,7 +195,13 @@ void describe_facts(const Trace& trace, const char* metadata, std::string& text)
 }  // namespace
 
 Result<std::string> digest_of(const Trace& trace) {
-  const auto hash = hash_of_channels(trace);
+  std::vector<std::size_t> all(trace.channels().size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<ChannelDigest> digests(all.size());
+  for_each_window(trace, all, [&](const Trace& window) {
+    for (const std::size_t i : all) digests[i].take(window.channels()[i]);
+  });
+  const auto hash = hash_of_channels(trace, all, digests);
   if (!hash) return hash.errors();
   std::string text = fmt::format("{} of a recording; derived from it, not to be edited\n\n", digest_form);
   std::vector<Acceptance> history = history_of(trace.metadata());
@@ -174,7 +218,7 @@ Result<std::string> digest_of(const Trace& trace) {
   text += "\nevents\n";
   for (const msg::Event& event : trace.events())
     fmt::format_to(Out(text), "  tick {} {} {}: {}\n", event.tick, event.severity, event.source, event.text);
-  for (const TraceChannel& channel : trace.channels()) describe_channel(channel, text);
+  for (const std::size_t i : all) digests[i].describe(trace.channels()[i], text);
   return text;
 }
 

@@ -83,22 +83,31 @@ class PassedBytes {
   /// Of the view's own bytes; of others nothing is let go.
   PassedBytes(const FileView& view, Bytes bytes, Progress progress = {})
       : view_(view), bytes_(bytes), progress_(std::move(progress)) {}
+  ~PassedBytes() { let_go(passed_); }
+  PassedBytes(const PassedBytes&) = delete;
+  PassedBytes& operator=(const PassedBytes&) = delete;
+
   /// All before that offset is passed.
   void pass(std::uint64_t offset) {
     constexpr std::uint64_t step = std::uint64_t{16} << 20;
+    passed_ = offset;
     if (progress_ && offset >= next_progress_) {
       progress_(offset, bytes_.size());
       next_progress_ = offset + step;
     }
-    if (offset < forgotten_ + step) return;
-    view_.forget(bytes_.subspan(forgotten_, offset - forgotten_));
-    forgotten_ = offset;
+    if (offset >= forgotten_ + step) let_go(offset);
   }
 
  private:
+  void let_go(std::uint64_t end) {
+    if (end > forgotten_) view_.forget(bytes_.subspan(forgotten_, end - forgotten_));
+    forgotten_ = end;
+  }
+
   const FileView& view_;
   Bytes bytes_;
   Progress progress_;
+  std::uint64_t passed_ = 0;
   std::uint64_t forgotten_ = 0;
   std::uint64_t next_progress_ = 0;
 };

@@ -16,7 +16,11 @@ std::uint64_t most_held(const ReaderOptions& options) {
 }  // namespace
 
 MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
-    : reader_(reader), channels_(channels), damage_(damage), chunks_(reader.chunks_) {
+    : reader_(reader),
+      channels_(channels),
+      damage_(damage),
+      passed_(reader.file_, reader.bytes_),
+      chunks_(reader.chunks_) {
   std::stable_sort(chunks_.begin(), chunks_.end(),
                    [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
   if (reader.loose_messages_) collect_loose();
@@ -32,6 +36,7 @@ void MessageOrder::collect_loose() {
 
 void MessageOrder::open_next_chunk() {
   const Chunk place = chunks_[next_chunk_++];
+  passed_.pass(place.offset);
   Record record;
   if (!RecordWalker(reader_.bytes_, place.offset).next(record) || !parse_chunk(record.body)) {
     // it was there when the walk listed it: somebody cuts the file
@@ -48,6 +53,7 @@ void MessageOrder::open_next_chunk() {
   run->order.clear();
   run->next = 0;
   run->chunk = place.offset;
+  run->compressed = record.body;
   const OpenedChunk opened = reader_.chunk_opener_.open(record, run->buffer);
   if (!opened.ok()) {
     damage_.add(reader_.chunk_opener_.describe(opened));
@@ -88,13 +94,15 @@ void MessageOrder::collect(Run& run, RecordWalker& walker, const Chunk* place) {
 }
 
 void MessageOrder::add(std::unique_ptr<Run> run) {
-  if (run->done()) {
-    spare_.push_back(std::move(run));
-    return;
-  }
+  if (run->done()) return let_go(std::move(run));
   if (run->chunk) held_ += run->records.size();
   heap_.push_back(std::move(run));
   std::push_heap(heap_.begin(), heap_.end(), later);
+}
+
+void MessageOrder::let_go(std::unique_ptr<Run> run) {
+  if (run->chunk) reader_.file_.forget(run->compressed);  // its records may be there
+  spare_.push_back(std::move(run));
 }
 
 bool MessageOrder::next(Record& record) {
@@ -126,22 +134,53 @@ void MessageOrder::advance() {
     return;
   }
   if (run.chunk) held_ -= run.records.size();
-  spare_.push_back(std::move(heap_.back()));
+  let_go(std::move(heap_.back()));
   heap_.pop_back();
 }
 
-Result<void> Reader::Impl::for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels) {
-  walk_if_not_yet();
-  DamageLog damage(name_);
-  MessageOrder order(*this, channels, damage);
+struct OrderedMessages::State {
+  State(Reader::Impl& from, std::span<const std::uint16_t> chosen)
+      : reader(from), channels(chosen), damage(from.name_), order(from, channels, damage) {}
+
+  Reader::Impl& reader;
+  const ChannelSet channels;
+  DamageLog damage;
+  MessageOrder order;
+  Message message;
+  bool has_message = false;  // which order is to leave behind
+  bool ended = false;
+};
+
+OrderedMessages::OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels) {
+  reader.impl().walk_if_not_yet();
+  state_ = std::make_unique<State>(reader.impl(), channels);
+}
+
+OrderedMessages::~OrderedMessages() = default;
+
+const Message* OrderedMessages::next() {
+  State& state = *state_;
   Record record;
-  while (order.next(record)) {
-    const Message message = contents_.read_message(record, damage);
-    if (message.channel != nullptr && !callback(message)) return verdict(damage);
-    order.advance();
-  }
-  check_data_crc(damage);
-  return verdict(damage);
+  do {
+    if (std::exchange(state.has_message, false)) state.order.advance();
+    state.ended = !state.order.next(record);
+    if (state.ended) return nullptr;
+    state.has_message = true;
+    state.message = state.reader.contents_.read_message(record, state.damage);
+  } while (state.message.channel == nullptr);
+  return &state.message;
+}
+
+Result<void> OrderedMessages::verdict() {
+  if (state_->ended) state_->reader.check_data_crc(state_->damage);
+  return state_->reader.verdict(state_->damage);
+}
+
+Result<void> Reader::for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels) {
+  OrderedMessages messages(*this, channels);
+  while (const Message* message = messages.next())
+    if (!callback(*message)) break;
+  return messages.verdict();
 }
 
 }  // namespace rehearse::mcap

@@ -18,6 +18,7 @@ struct Waiting {
 /// A run of messages sorted by time: a decompressed chunk, or all messages that are in no chunk.
 struct Run {
   std::optional<std::uint64_t> chunk;
+  Bytes compressed;  // the chunk's record, where the file is mapped
   RawBuffer buffer;
   Bytes records;
   std::vector<Waiting> order;
@@ -48,10 +49,12 @@ class MessageOrder {
   void open_next_chunk();
   void collect(Run& run, RecordWalker& walker, const Chunk* place);
   void add(std::unique_ptr<Run> run);
+  void let_go(std::unique_ptr<Run> run);
 
   Reader::Impl& reader_;
   const ChannelSet& channels_;
   DamageLog& damage_;
+  PassedBytes passed_;         // what stands between chunks, too
   std::vector<Chunk> chunks_;  // by start time, then place
   std::size_t next_chunk_ = 0;
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top

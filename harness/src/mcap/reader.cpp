@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace rehearse::mcap {
 
@@ -163,6 +164,7 @@ Result<Message> Reader::Impl::message_at(const Location& location) {
     if (record.opcode != op::chunk) return nothing_there;
     if (at_chunk_ != location.record) {
       at_chunk_ = 0;
+      file_.forget(std::exchange(at_body_, record.body));
       const OpenedChunk opened = chunk_opener_.open(record, at_buffer_);
       if (opened.fault == OpenedChunk::Fault::too_short) return nothing_there;
       if (!opened.ok()) return damaged(chunk_opener_.describe(opened));
@@ -218,10 +220,6 @@ const Schema* Reader::schema_of(const Channel& channel) const { return impl_->co
 
 Result<void> Reader::for_each_message(const OnMessage& callback, std::span<const std::uint16_t> channels) {
   return impl_->for_each_message(callback, ChannelSet(channels));
-}
-
-Result<void> Reader::for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels) {
-  return impl_->for_each_message_in_order(callback, ChannelSet(channels));
 }
 
 Result<Message> Reader::message_at(const Location& location) { return impl_->message_at(location); }

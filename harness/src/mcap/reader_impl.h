@@ -29,9 +29,6 @@ class Reader::Impl {
   Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
   Result<Message> message_at(const Location& location);
 
-  // order.cpp
-  Result<void> for_each_message_in_order(const OnMessage& callback, const ChannelSet& channels);
-
   FileView file_;
   Bytes bytes_;
   std::string name_;
@@ -74,6 +71,7 @@ class Reader::Impl {
   RawBuffer pass_buffer_;
   RawBuffer at_buffer_;  // of message_at: the chunk that it read last
   Bytes at_records_;
+  Bytes at_body_;               // of that chunk's record
   std::uint64_t at_chunk_ = 0;  // 0: none
   std::optional<bool> data_crc_matches_;
 };

@@ -20,14 +20,15 @@ Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& s
   if (auto made = make_folder_of(file); !made) return made.errors();
   auto run = simulation.run_plant(scenario, golden, file, options);
   if (!run) return run.errors();
-  auto trace = Trace::load(file);
+  auto trace = Trace::outline(file);
   if (!trace) return trace.errors();
   CompareOptions what;
   what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
   what.noise_floors = noise;
   if (options.until) what.until = time_of(*options.until, scenario.time_step);
-  Comparison comparison = compare(golden, *trace, scenario.tolerances, what);
-  return PlantLevel{*std::move(run), *std::move(trace), std::move(comparison)};
+  auto comparison = compare(golden.file(), file, scenario.tolerances, what);
+  if (!comparison) return comparison.errors();
+  return PlantLevel{*std::move(run), *std::move(trace), *std::move(comparison)};
 }
 
 }  // namespace rehearse

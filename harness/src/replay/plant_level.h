@@ -13,7 +13,7 @@ namespace rehearse {
 
 struct PlantLevel {
   PlantSummary run;
-  Trace trace;
+  Trace trace;            // without messages
   Comparison comparison;  // of what the plant makes: state, sensors, pictures; up to PlantOptions::until
 };
 

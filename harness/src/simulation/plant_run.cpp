@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "compare/scenario_changes.h"
 #include "host/float_mode.h"
@@ -10,6 +11,7 @@
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/recording_sink.h"
+#include "trace/trace_windows.h"
 #include "world_source.h"
 
 namespace rehearse {
@@ -18,8 +20,14 @@ namespace {
 /// The last tick whose state the recording has.
 std::int64_t last_tick_of(const Trace& recording, double time_step) {
   const TraceChannel* ticks = recording.find_channel(run_topics::tick);
-  if (!ticks || ticks->times.empty()) return -1;
-  return std::llround(static_cast<double>(ticks->times.back()) * 1e-9 / time_step);
+  if (!ticks) return -1;
+  const auto at = static_cast<std::size_t>(ticks - recording.channels().data());
+  std::optional<std::uint64_t> last;
+  for_each_window(recording, {at}, [&](const Trace& window) {
+    const std::vector<std::uint64_t>& times = window.channels()[at].times;
+    if (!times.empty()) last = times.back();
+  });
+  return last ? std::llround(static_cast<double>(*last) * 1e-9 / time_step) : -1;
 }
 
 /// A world that is set back to the recorded state before each step from a tick that has a checkpoint.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -19,8 +20,17 @@
 
 namespace rehearse {
 
+RecordedCheckpoints::RecordedCheckpoints(const Trace& recording, const Scenario& scenario)
+    : recording_(recording), scenario_(scenario), channel_(recording.find_channel(run_topics::checkpoint)) {
+  if (!channel_ || !is_without_messages(recording)) return;
+  const auto at = static_cast<std::size_t>(channel_ - recording.channels().data());
+  messages_ = std::make_unique<TraceWindows>(recording, std::vector{at});
+  messages_->move(0, std::numeric_limits<std::uint64_t>::max());
+  channel_ = &messages_->window().channels()[at];
+}
+
 Result<msg::Checkpoint> RecordedCheckpoints::read(std::size_t row) const {
-  const auto payload = recording_.payload(*channel_, row);
+  const auto payload = (messages_ ? messages_->window() : recording_).payload(*channel_, row);
   if (!payload) return payload.errors();
   CdrReader reader(*payload);
   msg::Checkpoint checkpoint;

@@ -13,14 +13,14 @@
 #include <vector>
 
 #include "trace/channel_name.h"
+#include "trace/trace_windows.h"
 
 namespace rehearse {
 
 class RecordedCheckpoints {
  public:
   /// The states are for worlds of `scenario`, which need not be the recording's own. Both must outlive this.
-  RecordedCheckpoints(const Trace& recording, const Scenario& scenario)
-      : recording_(recording), scenario_(scenario), channel_(recording.find_channel(run_topics::checkpoint)) {}
+  RecordedCheckpoints(const Trace& recording, const Scenario& scenario);
 
   /// Why none of them can be used: a sentence; empty: they can.
   Result<std::string> objection() const;
@@ -38,6 +38,7 @@ class RecordedCheckpoints {
 
   const Trace& recording_;
   const Scenario& scenario_;
+  std::unique_ptr<TraceWindows> messages_;  // of the checkpoints; null: the recording holds its messages
   const TraceChannel* channel_;
   std::unique_ptr<World> recorded_world_;  // that the states are of, without shapes; null: they are of the scenario's
   bool prepared_ = false;

@@ -22,12 +22,6 @@ std::vector<double> finite_row(const TraceChannel& channel, std::size_t row) {
   return numbers;
 }
 
-bool has_a_number(const TraceChannel& channel, std::size_t column) {
-  for (std::size_t row = 0; row < channel.rows(); ++row)
-    if (!std::isnan(channel.number(row, column))) return true;
-  return false;
-}
-
 Eigen::Vector3d vector(const std::vector<double>& numbers, std::size_t at) {
   return {numbers[at], numbers[at + 1], numbers[at + 2]};
 }
@@ -42,17 +36,18 @@ bool is_on(const Device& device, const std::vector<double>& state) {
 }  // namespace
 
 Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const Trace& trace) {
-  RecordedCommands commands(scenario);
+  RecordedCommands commands(scenario, trace);
   if (const auto origin = RunFacts::of(trace).branch) commands.acted_until_ = origin->acted_until.value_or(0);
   Diagnostics findings;
   std::set<std::string_view> taken;
   const auto add = [&](const ScenarioController& controller, std::size_t body, bool delay) {
     const std::string label = scenario.bodies[body].name + "/" + controller.name;
-    for (const TraceChannel& channel : trace.channels()) {
+    for (std::size_t i = 0; i < trace.channels().size(); ++i) {
+      const TraceChannel& channel = trace.channels()[i];
       const ChannelName name = ChannelName::parse(channel.topic);
       if (!name.is_of(label, ChannelSide::output) && !name.is_of(label, ChannelSide::acted)) continue;
       if (!taken.insert(channel.topic).second) continue;
-      const auto added = commands.add(name, static_cast<int>(body), delay, channel);
+      const auto added = commands.add(name, static_cast<int>(body), delay, i);
       findings.insert(findings.end(), added.errors().begin(), added.errors().end());
     }
   };
@@ -68,13 +63,39 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
                                            channel.topic, scenario.name)));
   for (Diagnostic& finding : findings) finding.file = trace.file();
   if (!findings.empty()) return findings;
+  commands.begin();
   return commands;
 }
 
-Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay, const TraceChannel& channel) {
+/// The first window, in which is what was said in initialize().
+void RecordedCommands::begin() {
+  std::vector<std::size_t> channels;
+  for (const Source& source : sources_) channels.push_back(source.channel);
+  if (channels.empty() || !is_without_messages(trace_)) return;
+  windows_ = std::make_unique<TraceWindows>(trace_, channels);
+  windows_->move(0, window_end_);
+}
+
+const TraceChannel& RecordedCommands::table(const Source& source) const {
+  return (windows_ ? windows_->window() : trace_).channels()[source.channel];
+}
+
+std::vector<bool> RecordedCommands::columns_with_numbers(std::size_t channel) const {
+  std::vector<bool> found(trace_.channels()[channel].columns.size(), false);
+  for_each_window(trace_, {channel}, [&](const Trace& window) {
+    const TraceChannel& table = window.channels()[channel];
+    for (std::size_t column = 0; column < found.size(); ++column)
+      for (std::size_t row = 0; row < table.rows() && !found[column]; ++row)
+        found[column] = !std::isnan(table.number(row, column));
+  });
+  return found;
+}
+
+Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay, std::size_t at) {
+  const TraceChannel& channel = trace_.channels()[at];
   const ScenarioBody& commanded = scenario_.bodies[body];
   Source source;
-  source.channel = &channel;
+  source.channel = at;
   source.is_acted = name.side == ChannelSide::acted;
   source.body = body;
   const auto stated = channel.metadata.find("delay");
@@ -104,11 +125,13 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay
 
 Result<void> RecordedCommands::add_joints(Source& source) {
   const Model& model = *scenario_.bodies[source.body].model;
+  const std::vector<TraceColumn>& columns = trace_.channels()[source.channel].columns;
+  const std::vector<bool> with_numbers = columns_with_numbers(source.channel);
   Diagnostics findings;
-  for (std::size_t column = 0; column < source.channel->columns.size(); ++column) {
-    const std::string& element = source.channel->columns[column].element;
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    const std::string& element = columns[column].element;
     const std::size_t slash = element.rfind('/');
-    if (slash == std::string::npos || !has_a_number(*source.channel, column)) continue;
+    if (slash == std::string::npos || !with_numbers[column]) continue;
     JointCell cell;
     cell.column = column;
     const std::string quantity = element.substr(slash + 1), joint = element.substr(0, slash);
@@ -158,20 +181,25 @@ void RecordedCommands::set_drives(std::int64_t tick, Command& command) const {
 }
 
 void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
+  constexpr std::uint64_t span = 1'000'000'000;  // of a window [ns]
   const std::uint64_t now = nanoseconds_of(tick, scenario_.time_step);
+  if (windows_ && now > window_end_) windows_->move(now, window_end_ = now + span);
   if (tick == acted_until_ && tick > 0 && timing == Timing::same_step) set_drives(tick, command);
   for (Source& source : sources_) {
     if (!is_used(source, tick)) continue;
     if (source.delayed != (timing == Timing::next_step)) continue;
-    const std::vector<std::uint64_t>& times = source.channel->times;
-    while (source.next < times.size() && times[source.next] < now) ++source.next;
-    for (; source.next < times.size() && times[source.next] == now; ++source.next)
-      if (source.next > 0 || !source.before_the_run) put_row(source, source.next, command);
+    const std::size_t earlier = table(source).earlier;
+    const std::vector<std::uint64_t>& times = table(source).times;
+    std::size_t row = std::max(source.next, earlier) - earlier;
+    while (row < times.size() && times[row] < now) ++row;
+    for (; row < times.size() && times[row] == now; ++row)
+      if (earlier + row > 0 || !source.before_the_run) put_row(source, row, command);
+    source.next = earlier + row;
   }
 }
 
 void RecordedCommands::put_row(const Source& source, std::size_t row, Command& command) const {
-  const TraceChannel& channel = *source.channel;
+  const TraceChannel& channel = table(source);
   BodyCommand& body = command.bodies[source.body];
   if (source.kind == Kind::joints) {
     for (const JointCell& cell : source.cells) {

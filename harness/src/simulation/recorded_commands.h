@@ -8,17 +8,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "host/timing.h"
 #include "run/run.h"
 #include "trace/channel_name.h"
+#include "trace/trace_windows.h"
 
 namespace rehearse {
 
 class RecordedCommands final : public Commander {
  public:
-  /// Finds the controllers' outputs. Fails if the trace has commands to something that the scenario hasn't: a body, a
+  /// Finds the controllers' outputs, which are read from the trace's file as the run goes on if the trace is without
+  /// messages. Fails if the trace has commands to something that the scenario hasn't: a body, a
   /// controller, a joint, a device; all of them in one go. Scenario and trace must outlive this.
   static Result<RecordedCommands> find(const Scenario& scenario, const Trace& trace);
 
@@ -43,24 +46,30 @@ class RecordedCommands final : public Commander {
   enum class Kind { joints, wrench, root, device };
   struct Source {
     Kind kind = Kind::joints;
-    const TraceChannel* channel = nullptr;
+    std::size_t channel = 0;  // of the trace
     int body = 0;
     int target = 0;  // link or device index
     bool delayed = true;
     bool is_acted = false;         // of a branch: what moved the world before acted_until_
     bool before_the_run = false;   // its first message was said in initialize()
     std::vector<JointCell> cells;  // of joints
-    std::size_t next = 0;          // row
+    std::size_t next = 0;          // row, of all that the run has
   };
 
-  explicit RecordedCommands(const Scenario& scenario) : scenario_(scenario) {}
-  Result<void> add(const ChannelName& name, int body, bool delay, const TraceChannel& channel);
+  RecordedCommands(const Scenario& scenario, const Trace& trace) : scenario_(scenario), trace_(trace) {}
+  Result<void> add(const ChannelName& name, int body, bool delay, std::size_t channel);
   Result<void> add_joints(Source& source);
+  std::vector<bool> columns_with_numbers(std::size_t channel) const;
+  void begin();
+  const TraceChannel& table(const Source& source) const;
   bool is_used(const Source& source, std::int64_t tick) const;
   void set_drives(std::int64_t tick, Command& command) const;
   void put_row(const Source& source, std::size_t row, Command& command) const;
 
   const Scenario& scenario_;
+  const Trace& trace_;
+  std::unique_ptr<TraceWindows> windows_;  // null: the trace holds its messages
+  std::uint64_t window_end_ = 0;           // [ns]
   std::vector<Source> sources_;  // in the order of the controllers
   std::int64_t acted_until_ = 0;  // tick
 };

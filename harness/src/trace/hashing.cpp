@@ -11,6 +11,21 @@ std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed)
   return XXH3_64bits_withSeed(data, size, seed);
 }
 
+struct RunningHash::State {
+  XXH3_state_t xxh;
+};
+
+RunningHash::RunningHash(std::uint64_t seed) : state_(std::make_unique<State>()) {
+  XXH3_64bits_reset_withSeed(&state_->xxh, seed);
+}
+
+RunningHash::~RunningHash() = default;
+RunningHash::RunningHash(RunningHash&&) noexcept = default;
+
+void RunningHash::add(const void* data, std::size_t size) { XXH3_64bits_update(&state_->xxh, data, size); }
+
+std::uint64_t RunningHash::value() const { return XXH3_64bits_digest(&state_->xxh); }
+
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 }  // namespace rehearse

@@ -3,11 +3,26 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 namespace rehearse {
 
 std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed = 0);
+
+/// The hash of bytes that come in parts: that of all of them.
+class RunningHash {
+ public:
+  explicit RunningHash(std::uint64_t seed = 0);
+  ~RunningHash();
+  RunningHash(RunningHash&&) noexcept;
+  void add(const void* data, std::size_t size);
+  std::uint64_t value() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);

@@ -8,8 +8,43 @@
 #include "channel_name.h"
 #include "hashing.h"
 #include "message_rest.h"
+#include "trace_windows.h"
 
 namespace rehearse {
+
+// Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
+ChannelSource::ChannelSource(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns)
+    : rows(channel, schema, std::move(columns)),
+      rest(rows.has_rows() ? MessageRest::make(rows.table.type, schema) : nullptr) {}
+
+bool ChannelSource::add(const mcap::Message& message) {
+  TraceChannel& table = rows.table;
+  if (!rows.add(message.log_time, message.data)) return false;
+  if (!rows.is_typed()) table.locations.push_back(message.location);
+  table.hashes.push_back(hash_bytes(message.data.data(), message.data.size()));
+  if (rest && rest->take(message.data, message.log_time))
+    table.rests.push_back({table.times.size() - 1, rest->hash(), message.location});
+  return true;
+}
+
+void drop_messages(TraceChannel& table, std::size_t count) {
+  const auto drop = [](auto& values, std::size_t some) {
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(some, values.size())));
+  };
+  drop(table.cells, count * table.columns.size());
+  drop(table.locations, count);
+  drop(table.hashes, count);
+  std::vector<TraceRest> rests;
+  for (std::size_t i = 0; i < table.rests.size() && count < table.messages(); ++i) {
+    const bool is_over = i + 1 < table.rests.size() && table.rests[i + 1].first <= count;
+    if (is_over) continue;
+    rests.push_back(table.rests[i]);
+    rests.back().first -= std::min(rests.back().first, count);
+  }
+  table.rests = std::move(rests);
+  drop(table.times, count);
+  table.earlier += count;
+}
 
 /// Builds a Trace in one pass over its file: whole, or piece after piece.
 class TraceLoader {
@@ -22,17 +57,11 @@ class TraceLoader {
         piece_size_(piece_size) {}
 
   Result<Trace> load();
+  Result<Trace> outline();
 
  private:
-  /// A channel while it is read.
-  struct Source {
-    Source(const mcap::Channel& channel, const mcap::Schema* schema)
-        // Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
-        : rows(channel, schema), rest(rows.has_rows() ? MessageRest::make(rows.table.type, schema) : nullptr) {}
-
-    ChannelRows rows;
-    std::unique_ptr<MessageRest> rest;  // null if there are no rows
-  };
+  Result<void> open(const mcap::ReaderOptions& options);
+  using Source = ChannelSource;
 
   Source& source_of(const mcap::Message& message);
   void add_message(const mcap::Message& message);
@@ -40,6 +69,7 @@ class TraceLoader {
   void add_decoded(const mcap::Message& message, std::vector<T>& to);
   bool ends_a_tick(const mcap::Message& message) const;
   void end_piece();
+  void empty_tables();
   void assemble();
   void complain(std::string message);
 
@@ -48,6 +78,8 @@ class TraceLoader {
   const Trace::OnPiece on_piece_;
   const std::size_t piece_size_;
   Trace trace_;
+  std::vector<msg::Event> earlier_events_;  // of the pieces that were handed out
+  std::vector<msg::ContactChange> earlier_changes_;
   bool has_ticks_ = false;
   std::size_t held_ = 0;  // bytes of the tables, about
   std::map<std::uint16_t, std::unique_ptr<Source>> sources_;
@@ -88,13 +120,18 @@ void put_in_order(TraceChannel& channel) {
 
 }  // namespace
 
-Result<Trace> TraceLoader::load() {
-  auto reader = mcap::Reader::open(file_);
+Result<void> TraceLoader::open(const mcap::ReaderOptions& options) {
+  auto reader = mcap::Reader::open(file_, options);
   if (!reader) return reader.errors();
   trace_.file_ = file_.string();
   trace_.events_ = std::make_shared<std::vector<msg::Event>>();
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
   trace_.reader_ = std::move(*reader);
+  return {};
+}
+
+Result<Trace> TraceLoader::load() {
+  if (auto opened = open({}); !opened) return opened.errors();
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     const mcap::Schema* schema = trace_.reader_->schema_of(channel);
     has_ticks_ = has_ticks_ || (schema != nullptr && schema->name == msg::Tick::type_name);
@@ -110,12 +147,15 @@ Result<Trace> TraceLoader::load() {
   assemble();
   if (on_piece_) {
     on_piece_(trace_);
+    empty_tables();
+    trace_.events_->swap(earlier_events_);
+    trace_.contact_changes_->swap(earlier_changes_);
   } else {
     for (TraceChannel& channel : trace_.channels_) put_in_order(channel);
-    const auto earlier = [](const auto& a, const auto& b) { return a.stamp.to_ns() < b.stamp.to_ns(); };
-    std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
-    std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
   }
+  const auto earlier = [](const auto& a, const auto& b) { return a.stamp.to_ns() < b.stamp.to_ns(); };
+  std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
+  std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
   return std::move(trace_);
 }
 
@@ -130,14 +170,10 @@ bool TraceLoader::ends_a_tick(const mcap::Message& message) const {
 void TraceLoader::end_piece() {
   assemble();
   on_piece_(trace_);
+  empty_tables();
   std::size_t next = 0;
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     TraceChannel& table = trace_.channels_[next++];
-    table.times.clear();
-    table.cells.clear();
-    table.locations.clear();
-    table.hashes.clear();
-    table.rests.clear();
     const auto source = sources_.find(id);
     if (source == sources_.end()) continue;
     if (source->second->rest) source->second->rest->forget();
@@ -145,9 +181,18 @@ void TraceLoader::end_piece() {
   }
   trace_.channels_.clear();
   trace_.series_.clear();
-  trace_.events_->clear();
-  trace_.contact_changes_->clear();
   held_ = 0;
+}
+
+/// Of all channels; keeps the events.
+void TraceLoader::empty_tables() {
+  for (TraceChannel& table : trace_.channels_) drop_messages(table, table.messages());
+  const auto keep = [](auto& piece, auto& all) {
+    all.insert(all.end(), std::make_move_iterator(piece.begin()), std::make_move_iterator(piece.end()));
+    piece.clear();
+  };
+  keep(*trace_.events_, earlier_events_);
+  keep(*trace_.contact_changes_, earlier_changes_);
 }
 
 /// Makes the trace of the tables.
@@ -176,14 +221,10 @@ TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
 void TraceLoader::add_message(const mcap::Message& message) {
   Source& source = source_of(message);
   TraceChannel& table = source.rows.table;
-  if (!source.rows.add(message.log_time, message.data))
-    return complain(fmt::format("topic {}: message {} isn't a valid {}", table.topic, table.times.size(), table.type));
-  const bool keeps_location = !source.rows.is_typed();
-  if (keeps_location) table.locations.push_back(message.location);
-  table.hashes.push_back(hash_bytes(message.data.data(), message.data.size()));
-  if (source.rest && source.rest->take(message.data, message.log_time))
-    table.rests.push_back({table.times.size() - 1, source.rest->hash(), message.location});
-  held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (keeps_location ? sizeof(mcap::Location) : 0);
+  if (!source.add(message))
+    return complain(fmt::format("topic {}: message {} isn't a valid {}", table.topic,
+                                table.earlier + table.times.size(), table.type));
+  held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (source.rows.is_typed() ? 0 : sizeof(mcap::Location));
   if (table.encoding != "cdr") return;
   if (table.type == msg::Event::type_name) add_decoded(message, *trace_.events_);
   if (table.type == msg::ContactChange::type_name) add_decoded(message, *trace_.contact_changes_);
@@ -207,9 +248,55 @@ void TraceLoader::complain(std::string message) {
   problems_.back().file = trace_.file_;
 }
 
-namespace {
+TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> channels) : trace_(whole) {
+  std::vector<std::uint16_t> ids;
+  trace_.events_ = std::make_shared<std::vector<msg::Event>>();
+  trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
+  for (const auto& [id, channel] : trace_.reader_->channels()) {
+    TraceChannel& table = trace_.channels_[sources_.size()];
+    if (std::find(channels.begin(), channels.end(), sources_.size()) != channels.end()) ids.push_back(id);
+    by_id_[id] = &sources_.emplace_back(channel, trace_.reader_->schema_of(channel), table.columns);
+    table = std::move(by_id_[id]->rows.table);
+  }
+  messages_ = std::make_unique<mcap::OrderedMessages>(*trace_.reader_, ids);
+  message_ = messages_->next();
+}
 
-}  // namespace
+void TraceWindows::move(std::uint64_t keep_from, std::uint64_t until) {
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    ChannelSource& source = sources_[i];
+    TraceChannel& table = source.rows.table = std::move(trace_.channels_[i]);
+    const auto kept = std::lower_bound(table.times.begin(), table.times.end(), keep_from);
+    drop_messages(table, static_cast<std::size_t>(kept - table.times.begin()));
+    if (source.rest && table.times.empty()) source.rest->forget();
+  }
+  for (; message_ != nullptr && message_->log_time <= until; message_ = messages_->next())
+    by_id_[message_->channel->id]->add(*message_);
+  for (std::size_t i = 0; i < sources_.size(); ++i) trace_.channels_[i] = std::move(sources_[i].rows.table);
+}
+
+std::optional<std::uint64_t> TraceWindows::next_time() const {
+  return message_ == nullptr ? std::nullopt : std::optional(message_->log_time);
+}
+
+Result<void> TraceWindows::verdict() { return messages_->verdict(); }
+
+bool is_without_messages(const Trace& trace) {
+  return std::any_of(trace.channels().begin(), trace.channels().end(),
+                     [](const TraceChannel& table) { return table.earlier > 0 && table.times.empty(); });
+}
+
+void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
+                     const std::function<void(const Trace& window)>& take) {
+  constexpr std::uint64_t span = 1'000'000'000;  // [ns]
+  if (!is_without_messages(trace)) return take(trace);
+  if (channels.empty()) return;
+  TraceWindows windows(trace, channels);
+  while (const auto begin = windows.next_time()) {
+    windows.move(*begin, *begin + span);
+    take(windows.window());
+  }
+}
 
 void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series) {
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -229,6 +316,14 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
     }
   }
 }
+
+Result<Trace> TraceLoader::outline() {
+  if (auto opened = open({.opening = mcap::Opening::by_summary}); !opened) return opened.errors();
+  assemble();
+  return std::move(trace_);
+}
+
+Result<Trace> Trace::outline(const std::filesystem::path& file) { return TraceLoader(file, Damage::refuse).outline(); }
 
 Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) { return TraceLoader(file, damage).load(); }
 

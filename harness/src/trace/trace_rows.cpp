@@ -46,6 +46,13 @@ class SchemaRowReader : public RowReader {
 
 }  // namespace
 
+RowWriter::RowWriter(TraceChannel& channel) : channel_(channel) {
+  for (std::size_t i = 0; i < channel.columns.size(); ++i) {
+    by_name_.emplace(channel.columns[i].element, i);
+    empty_row_.push_back(missing(channel.columns[i].kind));
+  }
+}
+
 void RowWriter::begin_row() {
   channel_.cells.insert(channel_.cells.end(), empty_row_.begin(), empty_row_.end());
   cursor_ = 0;
@@ -70,7 +77,11 @@ std::span<std::uint64_t> RowWriter::next_cells(std::size_t count) {
 }
 
 void RowWriter::put_array(std::string_view name, std::span<const float> values) {
-  if (array_size_ == 0) array_begin_ = channel_.columns.size();
+  if (array_size_ == 0) {
+    const auto known = by_name_.find(std::string(name) + "/0");
+    array_begin_ = known == by_name_.end() ? channel_.columns.size() : known->second;
+    array_size_ = channel_.columns.size() - array_begin_;
+  }
   REHEARSE_ASSERT(array_begin_ + array_size_ == channel_.columns.size(),
                   "an array's columns are a channel's last ones");
   if (values.size() > array_size_) {
@@ -122,8 +133,9 @@ TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* 
   return described;
 }
 
-ChannelRows::ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema)
+ChannelRows::ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns)
     : table(describe_channel(channel, schema)) {
+  table.columns = std::move(columns);
   if (table.encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return;
   if (has_no_series(schema->name)) return;
   reader_ = make_typed_row_reader(table);

@@ -12,7 +12,8 @@ namespace rehearse {
 /// Appends rows to a channel's table; columns are found by name, and added when a name is new.
 class RowWriter {
  public:
-  explicit RowWriter(TraceChannel& channel) : channel_(channel) {}
+  /// The channel may have columns already.
+  explicit RowWriter(TraceChannel& channel);
 
   void begin_row();
   void put(std::string_view element, CellKind kind, std::uint64_t bits);
@@ -52,8 +53,8 @@ TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* 
 /// A channel's table, and what reads messages into it: all rows one after the other, or the row of one message.
 class ChannelRows {
  public:
-  /// `schema` may be null.
-  ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema);
+  /// `schema` may be null. `columns`: those that the rows are known to have, as an earlier pass found them.
+  ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns = {});
   ChannelRows(const ChannelRows&) = delete;
   ChannelRows& operator=(const ChannelRows&) = delete;
 

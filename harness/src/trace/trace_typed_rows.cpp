@@ -79,17 +79,20 @@ class NamedArraysReader : public RowReader {
   }
 
   void put_row() {
-    const bool first = channel_.columns.empty();
+    bool in_order = true;
+    std::size_t column = 0;
     std::string element;
     for (std::size_t a = 0; a < arrays_.size(); ++a) {
       for (std::size_t i = 0; i < arrays_[a].size(); ++i) {
         element = i < names_.size() ? names_[i] : std::to_string(i);
         element += suffixes_[a];
         row_.put(element, arrays_[a][i]);
+        in_order = in_order && column < channel_.columns.size() && channel_.columns[column].element == element;
+        ++column;
       }
     }
     // Then column k holds element k of the arrays in a row; not so if names come twice or other columns came before.
-    columns_are_arrays_ = first && channel_.columns.size() == column_count();
+    columns_are_arrays_ = in_order && channel_.columns.size() == column_count();
   }
 
   TraceChannel& channel_;
