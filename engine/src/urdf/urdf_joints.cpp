@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace rehearse::urdf {
 namespace {
@@ -76,6 +78,21 @@ double read_magnitude(XMLElement& limit, const char* attribute, const Joint& joi
   return unlimited;
 }
 
+/// Angles that people write in degrees: multiples of 15 from 30 to 360. None is one that a joint reaches [rad].
+bool looks_like_degrees(double angle) {
+  const double magnitude = std::abs(angle);
+  return magnitude >= 30.0 && magnitude <= 360.0 && std::fmod(magnitude, 15.0) == 0.0;
+}
+
+void warn_of_degrees(const XMLElement& limit, double lower, double upper, const Joint& joint, Findings& findings) {
+  if (joint.type != JointType::revolute || (!looks_like_degrees(lower) && !looks_like_degrees(upper))) return;
+  findings.warning(limit.GetLineNum(),
+                   fmt::format("joint {} has limits of {} and {} rad, which look like degrees", in_quotes(joint.name),
+                               lower, upper),
+                   fmt::format("in radians: {:.5g} and {:.5g}", lower * std::numbers::pi / 180.0,
+                               upper * std::numbers::pi / 180.0));
+}
+
 void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
   const bool has_lower = limit.Attribute("lower") != nullptr;
   const bool has_upper = limit.Attribute("upper") != nullptr;
@@ -101,6 +118,7 @@ void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
         fmt::format("joint {} can't be at 0: its range is {} to {}", in_quotes(joint.name), *lower, *upper),
         "a scenario that doesn't state its displacement starts it at the nearest limit");
   }
+  warn_of_degrees(limit, *lower, *upper, joint, findings);
   joint.lower = *lower;
   joint.upper = *upper;
 }

@@ -224,6 +224,7 @@ const std::vector<Mistake> warnings = {
     {"inertia_tiny", 9, "the inertia of moving link 'arm' is that of 1 kg within 1e-06 m"},
     {"joint_far_away", 10, "joint 'mount' is 150 m away from the origin of its parent link"},
     {"limit_excludes_zero", 7, "joint 'hinge' can't be at 0: its range is 0.5 to 1"},
+    {"limit_in_degrees", 7, "joint 'hinge' has limits of -90 and 90 rad, which look like degrees"},
     {"limit_lower_is_upper", 7, "joint 'hinge' can't move: its lower and upper limits are both 0.5"},
     {"limit_without_range", 7, "joint 'hinge' can't move: its lower and upper limits are both 0"},
     {"material_with_texture", 6, "the <texture> 'wood.png' of a material isn't drawn"},
