@@ -115,14 +115,22 @@ enum class GoldenMode {
   accept,  // a golden that is missing or differs is written
 };
 
+/// CI=true in the environment: a machine that checks goldens and writes none, and whose disk nobody looks at.
+bool is_ci();
+
+/// The steps for a run that isn't its golden but may be right, one a line: to look at it and to accept it; under CI, on
+/// which machine.
+std::string acceptance_advice(const std::string& name);
+
 /// By REHEARSE_GOLDEN. Any other word, and anything but check under CI=true, is an error.
 Result<GoldenMode> golden_mode();
 
 /// By REHEARSE_PENDING.
 std::filesystem::path pending_folder();
 
-/// By REHEARSE_GOLDEN_DIR, else the nearest folder named `golden` beside the scenario or above it. An error if there is
-/// none.
+/// By REHEARSE_GOLDEN_DIR, else `golden` in the project of the scenario: the nearest folder above it that has a folder
+/// `golden`, else the nearest that has a CMakeLists.txt; then the folder is made with the first golden. An error if no
+/// folder above has either.
 Result<std::filesystem::path> find_golden_folder(const std::filesystem::path& scenario);
 
 /// What a golden has to say about a run.

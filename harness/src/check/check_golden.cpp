@@ -60,8 +60,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
     report->closed = LevelState::differs;
     report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
     if (!violated)
-      report->message =
-          fmt::format("this run: {}\nif it is right: rehearse golden accept {}", actual.string(), scenario.golden);
+      report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
     return report;
   }
   auto certified = certify_candidate(scenario, actual, options.run, simulation, *report);
@@ -97,8 +96,7 @@ Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, Golden
     report.golden_written = true;
     report.message = fmt::format("replaced {}", store.trace_file(name).string());
   } else {
-    report.message +=
-        fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+    report.message += '\n' + acceptance_advice(name);
   }
   return {};
 }

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "golden_files.h"
+#include "scenario/project.h"
 #include "stale_report.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -53,13 +54,21 @@ bool claim(const fs::path& golden, std::uint64_t content) {
 
 }  // namespace
 
+bool is_ci() { return environment("CI") == "true"; }
+
+std::string acceptance_advice(const std::string& name) {
+  if (is_ci())
+    return fmt::format("if it is right: make this run on a machine of yours, accept it there, and commit the golden {}",
+                       name);
+  return fmt::format("if it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+}
+
 Result<GoldenMode> golden_mode() {
   const std::string word = environment("REHEARSE_GOLDEN");
-  const bool ci = environment("CI") == "true";
   if (word.empty() || word == "check") return GoldenMode::check;
   if (word != "new" && word != "accept")
     return error(fmt::format("REHEARSE_GOLDEN is '{}'", word), "it may be check, new or accept");
-  if (ci)
+  if (is_ci())
     return error(fmt::format("REHEARSE_GOLDEN is '{}', but CI is 'true': goldens are only checked there", word),
                  "accept them on a machine of yours, look at the digests, and commit them");
   return word == "new" ? GoldenMode::create : GoldenMode::accept;
@@ -69,21 +78,19 @@ fs::path pending_folder() {
   const std::string stated = environment("REHEARSE_PENDING");
   if (!stated.empty()) return stated;
   std::error_code ignored;
-  const bool has_build = fs::is_regular_file("build/CMakeCache.txt", ignored);
-  return has_build ? "build/goldens/pending" : "rehearse-pending";
+  const fs::path project = find_project("./").value_or(fs::current_path(ignored));
+  const bool has_build = fs::is_regular_file(project / "build/CMakeCache.txt", ignored);
+  return fs::proximate(project / (has_build ? "build/goldens/pending" : "rehearse-pending"), ignored);
 }
 
 Result<fs::path> find_golden_folder(const fs::path& scenario) {
   const std::string stated = environment("REHEARSE_GOLDEN_DIR");
   if (!stated.empty()) return fs::path(stated);
   std::error_code ignored;
-  for (fs::path folder = fs::absolute(scenario, ignored).lexically_normal().parent_path();;
-       folder = folder.parent_path()) {
-    if (fs::is_directory(folder / "golden", ignored)) return fs::relative(folder / "golden", ignored);
-    if (folder == folder.parent_path()) break;
-  }
-  return error(fmt::format("there is no folder 'golden' beside {} or above it", scenario.string()),
-               "make one, or name one by REHEARSE_GOLDEN_DIR");
+  if (const auto project = find_project(scenario)) return fs::relative(*project / "golden", ignored);
+  return error(fmt::format("{} belongs to no project: no folder above it has a folder 'golden' or a CMakeLists.txt",
+                           scenario.string()),
+               "make a folder 'golden', or name one by REHEARSE_GOLDEN_DIR");
 }
 
 GoldenStore::GoldenStore(fs::path folder, fs::path pending)
@@ -140,10 +147,7 @@ GoldenResult GoldenStore::fail_and_keep(const std::string& name, const Trace& ac
   if (const auto kept = keep_pending(name, actual); !kept)
     result.message += "\n" + text_of(kept.errors());
   else
-    result.message += fmt::format(
-        "\nthis run: {}\nif it is right: rehearse golden accept {}\n"
-        "look at it: rehearse golden review {}",
-        pending_file(name).string(), name, name);
+    result.message += fmt::format("\nthis run: {}\n{}", pending_file(name).string(), acceptance_advice(name));
   return result;
 }
 
@@ -169,8 +173,9 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   if (!has(name)) {
     if (wrong) return fail_and_keep(name, actual, options.violation);
     if (mode != GoldenMode::check) return write(fmt::format("wrote the new golden {}", trace_file(name).string()));
-    return fail_and_keep(
-        name, actual, fmt::format("there is no golden {} (REHEARSE_GOLDEN=new writes it)", trace_file(name).string()));
+    return fail_and_keep(name, actual,
+                         fmt::format("there is no golden {}{}", trace_file(name).string(),
+                                     is_ci() ? "" : " (REHEARSE_GOLDEN=new writes it)"));
   }
   if (const auto known = check_version_of(trace_file(name)); !known) {
     // nothing is wrong with the run: there is nothing to accept

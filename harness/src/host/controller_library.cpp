@@ -9,12 +9,14 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "guarded_call.h"
+#include "scenario/project.h"
 #include "supervisor.h"
 #include "trace/hashing.h"
 
@@ -26,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr const char* factory_name = "createSimpleController";
 constexpr const char* abi_name = "rehearseCnoidAbi";
 
-std::vector<fs::path> search_folders() {
+std::vector<fs::path> stated_folders() {
   std::vector<fs::path> folders;
   if (const char* listed = std::getenv("REHEARSE_CONTROLLER_PATH")) {
     std::string_view rest = listed;
@@ -36,8 +38,48 @@ std::vector<fs::path> search_folders() {
       rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
     }
   }
-  folders.push_back(own_library_folder() / "rehearse" / "controllers");
   return folders;
+}
+
+bool is_inside(const fs::path& path, const fs::path& folder) {
+  const fs::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+/// The folders of controllers of a project's builds; first the one whose library of that name is the newest.
+std::vector<fs::path> built_folders(const fs::path& project, const std::string& name) {
+  std::vector<fs::path> folders;
+  for (const fs::path& build : build_folders(project)) folders.push_back(build / "lib/rehearse/controllers");
+  std::ranges::stable_sort(folders, std::greater(), [&](const fs::path& folder) {
+    std::error_code missing;
+    const auto written = fs::last_write_time(folder / (name + ".so"), missing);
+    return missing ? fs::file_time_type::min() : written;
+  });
+  return folders;
+}
+
+/// Where a controller is looked for by its name: the folders that the user names, the builds of the project, and where
+/// those of this installation are. What runs from a build of the project takes controllers of that build alone: others
+/// may be made with other compilers, or with sanitizers.
+std::vector<fs::path> search_folders(const std::string& name, const fs::path& directory) {
+  const fs::path own = own_library_folder() / "rehearse" / "controllers";
+  std::vector<fs::path> folders = stated_folders();
+  for (const fs::path& inside : {directory / "", fs::current_path() / ""}) {
+    const auto project = find_project(inside);
+    if (!project || is_inside(own, *project)) continue;
+    for (const fs::path& folder : built_folders(*project, name))
+      if (std::ranges::find(folders, folder) == folders.end()) folders.push_back(folder);
+  }
+  folders.push_back(own);
+  return folders;
+}
+
+/// What to do about a controller that isn't there.
+std::string advice_on_missing(const std::string& looked, const fs::path& directory) {
+  const auto project = find_project(directory / "");
+  if (project && build_folders(*project).empty())
+    return fmt::format("build it first: cmake -S {0} -B {0}/build && cmake --build {0}/build", project->string());
+  return "looked for " + looked + "; REHEARSE_CONTROLLER_PATH names further folders";
 }
 
 bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".so"); }
@@ -95,7 +137,7 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
     candidates = {directory / name, fs::current_path() / name};
     if (candidates[0].lexically_normal() == candidates[1].lexically_normal()) candidates.pop_back();
   } else {
-    for (const fs::path& folder : search_folders()) {
+    for (const fs::path& folder : search_folders(name, directory)) {
       candidates.push_back(folder / (name + ".so"));
       candidates.push_back(folder / ("lib" + name + ".so"));
     }
@@ -107,7 +149,7 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
     looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
   }
   return error("controller library '" + name + "' not found",
-               "looked for " + looked + (is_path(name) ? "" : "; REHEARSE_CONTROLLER_PATH names further folders"));
+               is_path(name) ? "looked for " + looked : advice_on_missing(looked, directory));
 }
 
 std::string content_hash_of(const fs::path& file) {

@@ -18,8 +18,9 @@ namespace rehearse {
 
 /// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
 /// working directory. Any other name is looked for as NAME.so and libNAME.so in the folders of REHEARSE_CONTROLLER_PATH
-/// (separated by colons), then in lib/rehearse/controllers beside this library.
-/// Fails saying where it looked.
+/// (separated by colons), then in the builds of the project that `directory` or the working directory is of (the newest
+/// first; not by a program that was built there: then in its own build alone), then in lib/rehearse/controllers beside
+/// this library. Fails saying where it looked.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
 /// What provenance says of a library's file: 16 hexadecimal digits (XXH3) of its bytes.

@@ -135,8 +135,7 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
   if (report.closed != LevelState::differs) return text;
   if (const ExpectationResult* violation = first_violation(report.expectations))
     return text + fmt::format("\nif it is right, {} expects what is wrong", violation->expectation.place.file);
-  return text +
-         fmt::format("\nif it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+  return text + '\n' + acceptance_advice(name);
 }
 
 /// The levels that are wanted, and of a run that differs what is to blame.

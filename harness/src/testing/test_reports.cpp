@@ -151,7 +151,8 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
     if (written) {
       note["report"] = file.filename().string();
       if (written->first_tick) note["tick"] = *written->first_tick;
-      told = "\nin a browser: " + report_link(file, written->first_tick);
+      told = is_ci() ? "\nreport: " + file.lexically_proximate(fs::current_path()).string()
+                     : "\nin a browser: " + report_link(file, written->first_tick);
     } else {
       told = "\nthere is no report to look at: " + written.errors()[0].message;
     }

@@ -1,0 +1,25 @@
+// A project: the folder that scenarios, their goldens and their controllers belong to.
+//
+// The rule, which the command, the tests and RehearseControllers.cmake share: the project of a file is the nearest folder
+// above it that has a folder `golden`, else the nearest that has a CMakeLists.txt. Its scenarios are the *.yaml below
+// `scenarios` and `fixtures/scenarios`, its goldens are in `golden`, its controllers in `lib/rehearse/controllers` of
+// its builds, which are the folders `build*`.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace rehearse {
+
+/// The project of a file, or of a folder: of "walk/" as of "walk/run.yaml" that is `walk` or a folder above it. None: no
+/// folder above has a golden or a CMakeLists.txt.
+std::optional<std::filesystem::path> find_project(const std::filesystem::path& inside);
+
+/// All files that may be scenarios of a project, by path.
+std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& project);
+
+/// The folders of a project's builds, by name.
+std::vector<std::filesystem::path> build_folders(const std::filesystem::path& project);
+
+}  // namespace rehearse
