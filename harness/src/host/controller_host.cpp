@@ -21,6 +21,8 @@ namespace {
 
 using CnoidLink = cnoid::Link;
 
+constexpr std::size_t lines_of_a_failure = 3;  // that its message repeats
+
 std::uint8_t drive_of(int mode) {
   std::uint8_t drive = drive_none;
   if (mode & CnoidLink::JointEffort) drive |= drive_effort;
@@ -158,6 +160,12 @@ void ControllerHost::event(Severity severity, const std::string& source, std::st
 
 std::vector<msg::Event> ControllerHost::take_events() { return std::exchange(events_, {}); }
 
+/// The last lines that a controller wrote, for the message of its failure; empty if it wrote none.
+std::string ControllerHost::last_words(const HostedController& hosted) {
+  if (hosted.last_lines.empty()) return "";
+  return fmt::format("; it wrote: {}", fmt::join(hosted.last_lines, " | "));
+}
+
 /// What a call said, however it ended. Where its code was interrupted, the stream may be in any state.
 void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
   std::vector<std::string> lines;
@@ -166,7 +174,11 @@ void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
     collect();
   else
     guarded_call(collect, options_.call_limit);
-  for (std::string& line : lines) event(Severity::note, hosted.label, std::move(line));
+  for (std::string& line : lines) {
+    hosted.last_lines.push_back(line);
+    if (hosted.last_lines.size() > lines_of_a_failure) hosted.last_lines.pop_front();
+    event(Severity::note, hosted.label, std::move(line));
+  }
   if (hosted.io->take_enabled_too_late() && !std::exchange(hosted.reported.enabled_too_late, true))
     event(Severity::warning, hosted.label, "enabled an input or output after initialize(): it has no effect");
   for (const std::string& finding : hosted.variables.take_findings()) event(Severity::warning, hosted.label, finding);
@@ -214,8 +226,8 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   if (outcome.end == CallEnd::returned) return true;
   if (outcome.by_thread_of) thread_failed_of_ = outcome.by_thread_of;
   const std::string& label = label_of_failed(hosted, outcome);
-  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s)", label, outcome.what, function, tick_,
-                                 time_of(tick_, scenario_->time_step));
+  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s){}", label, outcome.what, function, tick_,
+                                 time_of(tick_, scenario_->time_step), &label == &hosted.label ? last_words(hosted) : "");
   event(Severity::error, label, text);
   if (!failure_) failure_ = error(std::move(text));
   hosted.running = false;
@@ -237,6 +249,7 @@ void ControllerHost::refuse(HostedController& hosted, const char* function) {
   std::string text = fmt::format("controller '{}' refuses to take part: {}() returned false", hosted.label, function);
   for (const auto& [file, content] : hosted.files)
     if (content == missing_file) text += fmt::format("; {} wasn't there", file);
+  text += last_words(hosted);
   event(Severity::error, hosted.label, text);
   if (!failure_) failure_ = error(std::move(text), "a run goes on without a controller that is `optional: true`");
   refused_ = true;

@@ -12,6 +12,7 @@
 
 #include <cnoid/SimpleController>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -49,6 +50,7 @@ struct HostedController {
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
   std::map<std::string, std::string> files;  // that it opened to read: content by name (opened_files.h)
   ControllerVariables variables;             // as it set them in the current tick
+  std::deque<std::string> last_lines;        // that it wrote, a few
 
   /// What it read and gave in the current tick.
   struct Tick {
@@ -121,6 +123,7 @@ class ControllerHost {
   void take_opened_files(HostedController& hosted);
   void show_joystick(const Observation& seen);
   void event(Severity severity, const std::string& source, std::string text);
+  static std::string last_words(const HostedController& hosted);
   void collect_messages(HostedController& hosted, CallEnd end);
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);

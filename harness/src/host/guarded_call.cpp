@@ -21,6 +21,7 @@
 #include <typeinfo>
 
 #include "process_guard.h"
+#include "supervise.h"
 #include "supervisor.h"
 
 namespace rehearse {

@@ -64,10 +64,6 @@ bool in_controllers_code();
 /// Ends the process, past all that would be called in exit().
 [[noreturn]] void leave_process(int status);
 
-/// A debugger, or another tracer as strace, looks at the process. Allocates nothing and takes no lock: the code that
-/// hangs may hold any, that of the dynamic linker included.
-bool is_traced(const char* status_file = "/proc/self/status");
-
 /// A signal stack for this thread while it lives, so that an overflow of its ordinary stack can be survived.
 class SignalStack {
  public:

@@ -12,4 +12,8 @@ void supervise_process();
 /// What the program does now, for that report, as "test Walk.IsAsBefore"; and how much of it is left to be done.
 void note_task(const char* name, int left);
 
+/// A debugger, or another tracer as strace, looks at the process. Allocates nothing and takes no lock: the code that
+/// hangs may hold any, that of the dynamic linker included.
+bool is_traced(const char* status_file = "/proc/self/status");
+
 }  // namespace rehearse
