@@ -83,7 +83,7 @@ TEST_F(Compare, CallsADifferenceBelowTheUnitsToleranceWithin) {
   EXPECT_THAT(verdict(comparison), HasSubstr("within tolerance: 1 of"));
   EXPECT_THAT(
       table(comparison),
-      HasSubstr("\n  first: tick 1 (0.001 s): /Robot/joints KNEE/q is 0.5000000000000001 rad, expected 0.5 rad: "
+      HasSubstr("\n  first: tick 1 (0.001 s): /Robot/joints KNEE/q is 0.5 rad, expected 0.5 rad: "
                 "off by 1.11022e-16 rad (relative 2.22e-16, 1 ULP, "));
 }
 

@@ -184,13 +184,13 @@ TEST_F(Check, DiffersIfARunIsNotAsExpectedHoweverItCompares) {
       "first": null)"));
 }
 
-TEST_F(Check, BlamesThePartAndSaysBesideThatTheRunIsNotAsExpected) {
+TEST_F(Check, SaysFirstThatTheRunIsNotAsExpectedAndThenBlamesThePart) {
   make_golden();
   scenario_.gravity.z() = -9.9;
   scenario_.expectations = {waist_above(2.0)};
   const CheckReport report = check();
-  EXPECT_THAT(report.verdict, ::testing::StartsWith("physics changed"));
-  EXPECT_THAT(report.verdict, HasSubstr("; expected SR1/WAIST/position/z above 2 m: "));
+  EXPECT_THAT(report.verdict, ::testing::StartsWith("expected SR1/WAIST/position/z above 2 m: "));
+  EXPECT_THAT(report.verdict, HasSubstr("; physics changed"));
   EXPECT_EQ(report.first->note, "") << "the values differ before";
 }
 

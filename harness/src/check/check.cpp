@@ -182,7 +182,7 @@ void Check::judge_by_expectations(const Trace& fresh) {
   const std::string judged = verdict(report.expectations);
   const ExpectationResult* violation = first_violation(report.expectations);
   const bool is_alone = violation && report.within();
-  report.verdict = is_alone ? judged + "; " + report.verdict : report.verdict + "; " + judged;
+  report.verdict = violation ? judged + "; " + report.verdict : report.verdict + "; " + judged;
   if (is_alone) report.first = divergence_of(*violation, fresh);
   if (violation) report.closed = LevelState::differs;
   report.message += violation_lines(report.expectations);

@@ -57,6 +57,18 @@ double times_tolerance(double difference, double tolerance) {
 
 namespace {
 
+/// Two numbers as a person reads them: with as many digits as tell them apart, 4 to 7, and all of those before the point.
+std::pair<std::string, std::string> texts_of(double a, double b) {
+  std::pair<std::string, std::string> texts;
+  const double larger = std::max(std::abs(a), std::abs(b));
+  const int before_point = larger >= 1.0 && larger < 1e7 ? static_cast<int>(std::log10(larger)) + 1 : 1;
+  for (int digits = std::max(4, before_point); digits <= 7; ++digits) {
+    texts = {fmt::format("{:.{}g}", a, digits), fmt::format("{:.{}g}", b, digits)};
+    if (texts.first != texts.second) break;
+  }
+  return texts;
+}
+
 /// Exact as long as a person would count them.
 std::string ulps_text(std::uint64_t ulps) {
   constexpr std::uint64_t countable = 1'000'000;
@@ -77,15 +89,16 @@ std::string describe(const Divergence& d, const std::string& where, bool with_st
   };
   if (!d.note.empty()) return fmt::format("{}: {}{}", place, d.note, stage(" (", ")"));
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
+  const auto [actual, expected] = texts_of(d.actual, d.expected);
   if (std::isnan(d.difference))
-    return fmt::format("{} is {}{}, expected {}{} (not comparable{})", place, d.actual, unit, d.expected, unit,
+    return fmt::format("{} is {}{}, expected {}{} (not comparable{})", place, actual, unit, expected, unit,
                        stage("; ", ""));
   const double share = relative_difference(d);
   const std::string relative = std::isfinite(share) ? fmt::format("relative {:.3g}, ", share) : "";
   const std::string bound = d.tolerance > 0.0 ? fmt::format(", {:.3g} times the tolerance of {:g}{}",
                                                             d.difference / d.tolerance, d.tolerance, unit)
                                               : "";
-  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}{})", place, d.actual, unit, d.expected, unit,
+  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}{})", place, actual, unit, expected, unit,
                      d.difference, unit, relative, ulps_text(d.ulps), bound, stage("; ", ""));
 }
 
