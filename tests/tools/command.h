@@ -67,6 +67,8 @@ class Command : public ::testing::Test {
   ~Command() override {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
+    for (const char* stream : {".stdout", ".stderr"}) fs::remove(folder_.string() + stream, ignored);
+    fs::remove(folder_.parent_path(), ignored);  // stays while other tests of the process use it
   }
 
   const fs::path& folder() const { return folder_; }

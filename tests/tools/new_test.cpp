@@ -19,7 +19,7 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
   EXPECT_THAT(read_file(project / "CMakeLists.txt"), HasSubstr("project(my_walker CXX)"));
   EXPECT_THAT(read_file(project / "README.md"), HasSubstr("# my_walker"));
   for (const char* file :
-       {".gitattributes", ".gitignore", "hold.cpp", "hold_test.cpp", "models/arm.urdf", "scenarios/hold.yaml"})
+       {".gitattributes", ".github/workflows/test.yml", ".gitignore", "hold.cpp", "hold_test.cpp", "models/arm.urdf", "scenarios/hold.yaml"})
     EXPECT_GT(fs::file_size(project / file), 10u) << file;
 }
 

@@ -150,7 +150,7 @@ Exit run_audit(AuditSettings& settings) {
   if (!settings.output.empty())
     if (const auto kept = keep_recording(settings); !kept) return refuse(kept.errors());
   if (settings.json)
-    fmt::print("{}\n", to_json(*report));
+    print(Json::parse(to_json(*report)));
   else
     tell(settings, *report);
   if (!settings.output.empty() && !settings.json)

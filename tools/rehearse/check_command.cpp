@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "check/compared.h"
+#include "ci_output.h"
 #include "command.h"
 #include "debugger.h"
 #include "golden/run_folder.h"
@@ -28,6 +29,7 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "scenario/project.h"
 #include "scenario/trace_scenario.h"
 #include "scenario_text.h"
 #include "trace/run_facts.h"
@@ -37,13 +39,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* usual_scenarios = "fixtures/scenarios";
-
 struct CheckSettings {
   std::vector<std::string> scenarios;
   std::string golden;  // a trace to compare with; empty: the one that each scenario names
   bool json = false;
   bool no_report = false;
+  std::string junit;  // a file to write; empty: none
+  bool github = is_github();
   CheckOptions check;
   bool has_levels = false;  // that the user named
   DebuggerOptions debugger;
@@ -57,27 +59,28 @@ struct Checked {
   CheckReport report;
   std::optional<FailureReport> page;  // to look at in a browser
   std::string no_page;                // why there is none although there should be
+  double seconds = 0.0;               // wall time [s]
 };
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
 
-/// All scenarios below the usual folder that can be checked, by path.
-Result<std::vector<Scenario>> usual() {
-  std::vector<fs::path> files;
-  std::error_code missing;
-  for (fs::recursive_directory_iterator entry(usual_scenarios, missing), end; !missing && entry != end;
-       entry.increment(missing))
-    if (entry->path().extension() == ".yaml") files.push_back(entry->path());
-  std::sort(files.begin(), files.end());
+/// All scenarios of the project that can be checked, by path.
+Result<std::vector<Scenario>> all_of_project() {
+  const auto project = find_project("./");
+  if (!project)
+    return error("this folder is of no project: no folder above it has a folder 'golden' or a CMakeLists.txt",
+                 "name a scenario, or go to a project's folder");
   std::vector<Scenario> scenarios;
-  for (const fs::path& file : files) {
-    Result<Scenario> scenario = Scenario::load(file);
+  std::error_code ignored;
+  for (const fs::path& file : scenario_files(*project)) {
+    Result<Scenario> scenario = Scenario::load(fs::proximate(file, ignored));
     if (!scenario) return scenario.errors();
     if (can_be_checked(*scenario)) scenarios.push_back(*std::move(scenario));
   }
   if (scenarios.empty())
-    return error(fmt::format("no scenario below {} names a golden or expects something", usual_scenarios),
-                 "name a scenario, or go to the folder that has fixtures and golden");
+    return error(fmt::format("no scenario below scenarios or fixtures/scenarios of {} names a golden or expects something",
+                             project->string()),
+                 "name a scenario");
   return scenarios;
 }
 
@@ -92,7 +95,7 @@ Result<Scenario> scenario_of_a_log(const std::string& file) {
 }
 
 Result<std::vector<Scenario>> load(const CheckSettings& settings) {
-  if (settings.scenarios.empty()) return usual();
+  if (settings.scenarios.empty()) return all_of_project();
   std::vector<Scenario> scenarios;
   for (const std::string& file : settings.scenarios) {
     Result<Scenario> scenario = file.ends_with(".mcap") ? scenario_of_a_log(file) : Scenario::load(file);
@@ -164,7 +167,7 @@ Result<RunSummary> record_whole(const Scenario& scenario, const fs::path& trace,
 /// `folder`: of this run alone.
 Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenario, const fs::path& folder) {
   InterposerWatch watch;
-  Progress progress("checking " + scenario.name);
+  Progress progress("checking " + scenario.name, settings.check.controller + settings.check.plant + settings.check.closed);
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
@@ -218,11 +221,13 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
   }
 }
 
-void tell(const Checked& checked, double seconds) {
+void tell(const Checked& checked) {
   const CheckReport& report = checked.report;
-  fmt::print("{}: {}\n", checked.scenario, report.verdict);
+  const std::string sentence = fmt::format("{}: {}", checked.scenario, report.verdict);
+  const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
+  fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
   fmt::print("  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}; {:.1f} s\n",
-             to_string(report.controller), to_string(report.plant), to_string(report.closed), seconds);
+             to_string(report.controller), to_string(report.plant), to_string(report.closed), checked.seconds);
   if (report.plant_run && !report.plant_run->from_the_start.empty())
     fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
   if (report.plant == LevelState::differs && report.plant_comparison)
@@ -231,7 +236,9 @@ void tell(const Checked& checked, double seconds) {
     fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
-  if (checked.page) fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
+  if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
+  if (checked.page && !is_ci())
+    fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before what stderr says of it
   if (report.run) tell_remarks(*report.run);
@@ -295,6 +302,26 @@ Json json_of_checks(const std::vector<Checked>& all) {
           {"scenarios", scenarios}};
 }
 
+CiCase ci_case(const Checked& checked) {
+  const CheckReport& report = checked.report;
+  const Exit exit = exit_of(report);
+  CiCase one;
+  one.name = checked.scenario;
+  one.file = checked.file;
+  one.verdict = headline(report.verdict);
+  one.seconds = checked.seconds;
+  one.state = exit == Exit::done      ? CiCase::State::passed
+              : exit == Exit::differs ? CiCase::State::differs
+                                      : CiCase::State::failed;
+  if (const ExpectationResult* violation = first_violation(report.expectations))
+    one.line = violation->expectation.place.line;
+  one.details = report.verdict + '\n';
+  if (report.comparison) one.details += table(*report.comparison);
+  one.details += report.message;
+  if (checked.page) one.pictures.push_back(checked.page->file.string());
+  return one;
+}
+
 /// Of the levels the closed loop alone, unless others are asked for: else it would be a matter of chance whose tick it is.
 Exit run_in_gdb(const CheckSettings& settings, const std::vector<Scenario>& scenarios, const CLI::App& options) {
   if (scenarios.size() != 1) return refuse(error("--gdb stops in one scenario", "name that scenario"));
@@ -326,10 +353,17 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     auto checked = check_beside_others(settings, scenario);
     if (!checked) return refuse(checked.errors());
     worst = std::max(worst, exit_of(checked->report));
-    if (!settings.json) tell(*checked, stopwatch.seconds());
+    checked->seconds = stopwatch.seconds();
+    if (!settings.json) tell(*checked);
     all.push_back(*std::move(checked));
   }
   if (settings.json) print(all.size() == 1 ? json_of_check(all[0]) : json_of_checks(all));
+  std::vector<CiCase> cases;
+  for (const Checked& checked : all) cases.push_back(ci_case(checked));
+  if (!settings.junit.empty())
+    if (const auto written = write_junit(settings.junit, cases); !written) return refuse(written.errors());
+  if (settings.github && !settings.json)
+    if (const auto printed = print_for_github(cases); !printed) return refuse(printed.errors());
   return worst;
 }
 
@@ -352,9 +386,10 @@ std::function<Exit()> declare_check(CLI::App& options) {
   const auto settings = std::make_shared<CheckSettings>();
   options
       .add_option("SCENARIO", settings->scenarios,
-                  fmt::format("YAML files (all below {} that name a golden, or expect something); or recordings of "
-                              "robots' logs",
-                              usual_scenarios))
+                  "YAML files, or recordings of robots' logs; without one, all of the project that name a golden or "
+                  "expect something. A project is the nearest folder above this one that has a folder golden, else a "
+                  "CMakeLists.txt; its scenarios are below scenarios and fixtures/scenarios, its controllers in the "
+                  "newest of the folders build*")
       ->type_name("");
   options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
       ->type_name("TRACE");
@@ -372,6 +407,11 @@ std::function<Exit()> declare_check(CLI::App& options) {
       ->type_name("LEVEL");
   options.add_flag("--no-report", settings->no_report,
                    "of a run that differs, write no HTML beside its trace to look at it in a browser");
+  options.add_option("--junit", settings->junit, "write the verdicts as JUnit's XML, for continuous integration")
+      ->type_name("FILE");
+  options.add_flag("--github", settings->github,
+                   "print workflow commands of GitHub Actions, and write the job's summary; by itself under "
+                   "GITHUB_ACTIONS=true");
   add_host_options(options, settings->check.run);
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);

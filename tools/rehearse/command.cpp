@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "debugger.h"
 #include "host/interruption.h"
+#include "output.h"
+#include "progress.h"
 
 namespace rehearse::tool {
 namespace {
@@ -39,11 +43,15 @@ constexpr VerbSummary verbs[] = {
     {"render", "draw a picture of a scenario or a model", Program::simulate},
     {"new", "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
      Rounding::is_none},
+    {"doc", "show a page of the manual", Program::rehearse, Rounding::is_none},
 };
 
 Exit usage_error(const std::string& verb, const std::string& what) {
   return refuse(error(fmt::format("rehearse {}: {}", verb, what), fmt::format("see rehearse {} --help", verb)));
 }
+
+/// Whether the verb at hand was asked for JSON: then an error is an object on stdout as well.
+bool errors_as_json = false;
 
 /// One line, without the full stop that some messages have.
 std::string one_line(std::string text) {
@@ -51,6 +59,29 @@ std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
   return text;
 }
+
+/// CLI11's help, in lines of at most 100 columns.
+class WrappedHelp : public CLI::Formatter {
+ public:
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    const std::string names = make_option_name(option, is_positional) + make_option_opts(option);
+    return entry(names, make_option_desc(option));
+  }
+  std::string make_subcommand(const CLI::App* verb) const override {
+    return entry(verb->get_name(), verb->get_description());
+  }
+
+ private:
+  static constexpr std::size_t text_column = 26;
+  static constexpr std::size_t last_column = 100;
+
+  static std::string entry(const std::string& names, const std::string& text) {
+    std::string lines = "  " + names;
+    lines += lines.size() < text_column ? std::string(text_column - lines.size(), ' ')
+                                        : '\n' + std::string(text_column, ' ');
+    return lines + wrapped(text, last_column, text_column) + '\n';
+  }
+};
 
 }  // namespace
 
@@ -67,34 +98,41 @@ std::string overview() {
       "Rehearse records robot controllers in a deterministic simulation, and replays and judges the recordings.\n"
       "\n"
       "Usage: rehearse [--no-pin] VERB [ARGUMENTS...]\n"
-      "       rehearse VERB --help\n"
+      "       rehearse VERB --help | rehearse help VERB\n"
+      "       rehearse --version\n"
       "\n"
       "Verbs:\n";
   for (const VerbSummary& verb : verbs) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
-  text +=
-      "\n"
+  const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
+  paragraph(
       "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures as this processor does them best, so "
-      "that their\nlast bits are not those of other machines. Recordings say so.\n"
-      "\n"
-      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller "
-      "failed.\n";
+      "that their last bits are not those of other machines. Recordings say so.");
+  paragraph(
+      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed.");
   return text;
 }
 
 Exit run_verb(const Verb& verb, int argc, char** argv) {
   const std::string name(verb.name);
   CLI::App options(std::string(find_verb(verb.name)->summary), "rehearse " + name);
-  options.get_formatter()->label("REQUIRED", "");
-  options.get_formatter()->column_width(26);
+  const auto formatter = std::make_shared<WrappedHelp>();
+  formatter->label("REQUIRED", "");
+  options.formatter(formatter);
   options.footer("Example:\n" + std::string(verb.example));
   try {
     const std::function<Exit()> run = verb.declare(options);
     std::vector<std::string> arguments(argv + 2, argv + argc);
+    // cat prints lines, and an error comes behind some of them
+    errors_as_json = name != "cat" && std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
     spell_out_gdb_arguments(arguments);
     std::reverse(arguments.begin(), arguments.end());  // the order in which CLI11 takes them
     options.parse(arguments);
     const Exit exit = run();
     return interruption() == 0 ? exit : static_cast<Exit>(128 + interruption());
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "rehearse {}: interrupted by SIG{}; what was begun is removed\n", name,
+               sigabbrev_np(interruption()));
+    return static_cast<Exit>(128 + interruption());
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", options.help());
     return Exit::done;
@@ -106,6 +144,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
 }
 
 Exit refuse(const Diagnostics& diagnostics) {
+  if (errors_as_json) print(Json{{"errors", json_of(diagnostics)}});
   std::fputs(to_string(diagnostics).c_str(), stderr);  // which may stand on a disk that is full: that is no exception
   return Exit::bad_input;
 }

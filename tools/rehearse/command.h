@@ -38,6 +38,7 @@ extern const Verb audit_verb;
 extern const Verb cat_verb;
 extern const Verb check_verb;
 extern const Verb diff_verb;
+extern const Verb doc_verb;
 extern const Verb doctor_verb;
 extern const Verb export_verb;
 extern const Verb filter_verb;

@@ -41,7 +41,7 @@ Exit run_diff(const DiffSettings& settings) {
     return refuse(error(fmt::format("nothing was compared: {} and {} have no message in common that is compared",
                                     settings.golden, settings.actual)));
   if (settings.json) {
-    fmt::print("{}\n", to_json(comparison));
+    print(Json::parse(to_json(comparison)));
   } else {
     fmt::print("{}\n{}", verdict(comparison), table(comparison));
   }

@@ -37,7 +37,7 @@ Visit visit(const std::string& file) {
   TraceCheck content;
   mcap::DoctorOptions options;
   options.content = &content;
-  Progress progress("examining");
+  StoppableProgress progress("examining");
   options.progress = [&](std::uint64_t done, std::uint64_t all) {
     progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
   };

@@ -28,7 +28,7 @@ struct ExportSettings {
 };
 
 Result<ExportReport> write(const ExportSettings& settings) {
-  Progress progress("exporting");
+  StoppableProgress progress("exporting");
   ExportOptions options = settings.options;
   options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   const auto form = settings.joined   ? export_joined

@@ -75,7 +75,7 @@ Exit run_filter(FilterSettings& settings) {
   if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto filtered = [&] {
-    Progress progress("filtering");
+    StoppableProgress progress("filtering");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
     };

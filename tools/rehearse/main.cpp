@@ -21,7 +21,7 @@ namespace {
 constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb,  &cat_verb,
                                      &export_verb, &filter_verb,  &merge_verb, &recover_verb,
                                      &doctor_verb, &inspect_verb, &new_verb,   &report_verb,
-                                     &step_verb};
+                                     &step_verb,   &doc_verb};
 
 /// Goes on as another of our programs, which stand at a fixed place beside this one. Comes back only if it can't.
 Exit become(const char* program, char** argv) {
@@ -53,6 +53,9 @@ int take_no_pin(int argc, char** argv) {
 
 Exit run(int argc, char** argv) {
   argc = take_no_pin(argc, argv);
+  std::string help = "--help";
+  char* help_of_verb[] = {argv[0], argc > 2 ? argv[2] : nullptr, help.data(), nullptr};
+  if (argc == 3 && std::string_view(argv[1]) == "help") argv = help_of_verb;  // rehearse help VERB
   const std::string_view word = argc < 2 ? "" : argv[1];
   if (word == "--help" || word == "-h" || word == "help") {
     fmt::print("{}", overview());

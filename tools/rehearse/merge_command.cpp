@@ -66,7 +66,7 @@ Exit run_merge(MergeSettings& settings) {
   if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto merged = [&] {
-    Progress progress("merging");
+    StoppableProgress progress("merging");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
     };

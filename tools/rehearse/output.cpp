@@ -2,12 +2,17 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <iterator>
+
+#include "progress.h"
 
 namespace rehearse::tool {
 namespace {
@@ -77,7 +82,57 @@ Json json_of(const Diagnostics& diagnostics) {
   return list;
 }
 
-void print(const Json& object) { fmt::print("{}\n", object.dump(2, ' ', false, Json::error_handler_t::replace)); }
+void print(const Json& object) {
+  Json numbered{{"schema", json_schema}};
+  numbered.update(object);
+  fmt::print("{}\n", numbered.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+  std::string lines;
+  std::size_t column = indent;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    const std::string_view word = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::size_t needed = width_of(word) + (column > indent ? 1 : 0);
+    if (column > indent && column + needed > width) {
+      lines += '\n' + std::string(indent, ' ');
+      column = indent;
+    } else if (column > indent) {
+      lines += ' ';
+      ++column;
+    }
+    lines += word;
+    column += width_of(word);
+  }
+  return lines;
+}
+
+std::string headline(std::string_view sentence) {
+  constexpr std::size_t longest = 160;
+  if (width_of(sentence) <= longest) return std::string(sentence);
+  std::size_t end = 0;
+  for (std::size_t at = 0; at < longest - 3; ++at)
+    if (std::string_view(";:,(").find(sentence[at]) != std::string_view::npos && sentence[at + 1] != '/') end = at;
+  if (end == 0) end = sentence.rfind(' ', longest - 4);
+  std::string_view kept = sentence.substr(0, end);
+  while (!kept.empty() && kept.back() == ' ') kept.remove_suffix(1);
+  return fmt::format("{} ...", kept);
+}
+
+std::size_t terminal_width() {
+  if (!is_terminal(stdout)) return 0;
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+}
+
+std::string colored(std::string_view text, TextColor color) {
+  const char* refused = std::getenv("NO_COLOR");
+  if ((refused && *refused) || !is_terminal(stdout)) return std::string(text);
+  const int code = color == TextColor::red ? 31 : color == TextColor::green ? 32 : 33;
+  return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
+}
 
 std::string file_size_text(std::uintmax_t bytes) {
   if (bytes < 1000) return count_text(bytes, "byte");

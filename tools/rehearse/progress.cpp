@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "host/interruption.h"
+#include "host/supervise.h"
+
 namespace rehearse::tool {
 namespace {
 
@@ -17,19 +20,30 @@ constexpr std::chrono::milliseconds interval{100};
 
 bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) == 1; }
 
-Progress::Progress(std::string what) : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::string what, int parts)
+    : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1 && !is_traced()), parts_(parts) {}
 
 Progress::~Progress() {
   if (drawn_) fmt::print(stderr, "\r\x1b[K");
 }
 
+StoppableProgress::StoppableProgress(std::string what) : Progress(std::move(what)) { end_runs_on_signals(); }
+
+void StoppableProgress::show(std::int64_t done, std::int64_t all) {
+  if (interruption() != 0) throw Interrupted();
+  Progress::show(done, all);
+}
+
 void Progress::show(std::int64_t done, std::int64_t all) {
   if (!on_terminal_ || all <= 0) return;
+  if (done < done_) ++part_;
+  done_ = done;
   const Clock::time_point now = Clock::now();
   if (now - begin_ < patience || (drawn_ && now - last_ < interval)) return;
   last_ = now;
   drawn_ = true;
-  const double share = std::clamp(static_cast<double>(done) / static_cast<double>(all), 0.0, 1.0);
+  const double of_part = std::clamp(static_cast<double>(done) / static_cast<double>(all), 0.0, 1.0);
+  const double share = std::min((part_ + of_part) / parts_, 1.0);
   const double elapsed = std::chrono::duration<double>(now - begin_).count();
   const double left = share > 0.0 ? elapsed / share - elapsed : 0.0;
   const int filled = static_cast<int>(share * bar_width);

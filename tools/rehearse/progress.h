@@ -1,4 +1,5 @@
-// A progress bar on stderr, for people only: if stderr is a terminal, and once the work has taken a second.
+// A progress bar on stderr, for people only: if stderr is a terminal and no debugger uses it, and once the work has taken a
+// second.
 #pragma once
 
 #include <chrono>
@@ -10,8 +11,9 @@ namespace rehearse::tool {
 
 class Progress {
  public:
-  /// `what` stands before the bar: "recording".
-  explicit Progress(std::string what);
+  /// `what` stands before the bar: "recording". `parts`: how often the work counts from 0 to all; the bar takes each for as
+  /// long as the others.
+  explicit Progress(std::string what, int parts = 1);
   /// Takes the bar away.
   ~Progress();
   Progress(const Progress&) = delete;
@@ -23,9 +25,23 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::string what_;
   bool on_terminal_;
+  int parts_;
+  int part_ = 0;               // that is under way
+  std::int64_t done_ = 0;      // of it
   bool drawn_ = false;
   Clock::time_point begin_ = Clock::now();
   Clock::time_point last_ = begin_;
+};
+
+/// Thrown by StoppableProgress.
+struct Interrupted {};
+
+/// Of work that is no run: SIGINT and SIGTERM end it at its next count by an exception, which run_verb() takes; objects on
+/// the way remove what was begun. The same signal again, a second later, ends the process at once.
+class StoppableProgress : public Progress {
+ public:
+  explicit StoppableProgress(std::string what);
+  void show(std::int64_t done, std::int64_t all);
 };
 
 /// True if what is written there is read by a person: then it is its own progress bar.

@@ -20,6 +20,7 @@
 #include "host/supervise.h"
 #include "mcap/replaceable.h"
 #include "model/clock.h"
+#include "model_scenario.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -30,6 +31,10 @@ namespace {
 
 struct RecordSettings {
   std::string scenario;
+  ModelScenario model;        // instead of a scenario, if it names a model
+  std::string alone;          // a library without the name of a controller: the model's
+  std::string save_scenario;  // a file for the model's scenario
+  bool json = false;
   std::string trace;  // empty: named like the scenario, in the working directory
   std::optional<std::uint32_t> seed;
   std::optional<double> duration;  // [s]
@@ -55,7 +60,8 @@ void set_duration(Scenario& scenario, double duration) {
 
 /// The scenario as it will run.
 Result<Scenario> load(const RecordSettings& settings) {
-  Result<Scenario> scenario = Scenario::load(settings.scenario);
+  Result<Scenario> scenario =
+      settings.model.model.empty() ? Scenario::load(settings.scenario) : scenario_of_model(settings.model);
   if (!scenario) return scenario;
   if (settings.seed) scenario->seed = *settings.seed;
   if (settings.duration) set_duration(*scenario, *settings.duration);
@@ -74,6 +80,26 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
              static_cast<double>(summary.ticks) / seconds);
   fmt::print("{}, {}{} in {}\n", count_text(summary.channels, "channel"), count_text(summary.frames, "camera frame"),
              summary.bytes > 0 ? ", " + file_size_text(summary.bytes) : "", trace);
+}
+
+Json json_of_run(const Scenario& scenario, const std::string& trace, const RunSummary& summary,
+                 const std::vector<ExpectationResult>& judged, const std::optional<Reproduction>& verified) {
+  Json expectations = Json::array();
+  for (const ExpectationResult& result : judged)
+    expectations.push_back(
+        {{"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}});
+  return {{"scenario", scenario.name},
+          {"trace", trace},
+          {"ticks", summary.ticks},
+          {"duration", time_of(summary.ticks, scenario.time_step)},
+          {"channels", summary.channels},
+          {"frames", summary.frames},
+          {"bytes", summary.bytes},
+          {"expectations", expectations},
+          {"repeats_itself", verified ? Json(verified->reproduced()) : Json(nullptr)},
+          {"failure", summary.failure ? json_of(Diagnostics{*summary.failure})[0] : Json(nullptr)},
+          {"controller_refused", summary.controller_refused},
+          {"remarks", json_of(summary.remarks)}};
 }
 
 /// What the scenario expects of the run: violations are remarks, because the recording is as good as any.
@@ -123,60 +149,106 @@ Exit run_branch(RecordSettings& settings) {
   return record_branch_of(settings.branch);
 }
 
-Exit run_record(RecordSettings& settings, const CLI::App& options) {
-  if (!settings.branch.from.empty()) return run_branch(settings);
-  if (settings.scenario.empty())
-    return refuse(error("rehearse record: SCENARIO is required (see rehearse record --help)"));
-  if (is_about_a_branch(settings.branch))
-    return refuse(
-        error("--until, --set and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
-  if (settings.checkpoints) settings.record.checkpoint_period = *settings.checkpoints;
-  const Result<Scenario> scenario = load(settings);
-  if (!scenario) return refuse(scenario.errors());
-  if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
-  tell_warnings(*scenario);
-  const std::string trace =
-      settings.trace.empty() ? std::filesystem::path(settings.scenario).stem().string() + ".mcap" : settings.trace;
-  if (const auto allowed = check_replaceable(trace, mcap_magic, "trace"); !allowed) return refuse(allowed.errors());
+/// Of options that belong together, those that are there without the others.
+Result<void> check_model_options(const RecordSettings& settings) {
+  const bool has_model = !settings.model.model.empty();
+  if (has_model && !settings.scenario.empty())
+    return error("SCENARIO and --model: a run has one of them", "name the model in the scenario");
+  if (!has_model && !settings.alone.empty())
+    return error(fmt::format("--controller: '{}' is not NAME=LIB", settings.alone), "LIB alone goes with --model");
+  if (!has_model && !settings.save_scenario.empty())
+    return error("--save-scenario writes the scenario of a --model", "expected --model URDF as well");
+  if (!has_model && settings.scenario.empty())
+    return error("rehearse record: SCENARIO is required, or --model URDF (see rehearse record --help)");
+  return {};
+}
+
+/// Writes the scenario of a model, if that is wanted; then it is run like any other.
+Result<void> prepare_model(RecordSettings& settings) {
+  if (!settings.alone.empty()) settings.model.controllers.push_back(settings.alone);
+  settings.model.duration = settings.duration;
+  if (settings.save_scenario.empty()) return {};
+  settings.scenario = settings.save_scenario;
+  auto saved = save_scenario(settings.model, settings.save_scenario);
+  settings.model.model.clear();
+  return saved;
+}
+
+/// A trace that may be written to, and read again where that is needed.
+Result<void> check_trace(const RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
+  if (auto allowed = check_replaceable(trace, mcap_magic, "trace"); !allowed) return allowed;
   std::error_code none;
   const bool readable = !std::filesystem::exists(trace, none) || std::filesystem::is_regular_file(trace, none);
-  if (!readable && (settings.verify || !scenario->expectations.empty()))
-    return refuse(error(fmt::format("{} can't be read again, as {} needs it", trace,
-                                    settings.verify ? "--verify" : "what the scenario expects"),
-                        "write a file"));
+  if (readable || (!settings.verify && scenario.expectations.empty())) return {};
+  return error(fmt::format("{} can't be read again, as {} needs it", trace,
+                           settings.verify ? "--verify" : "what the scenario expects"),
+               "write a file");
+}
 
-  supervise_process();
-  end_runs_on_signals();
+/// The run, and what is reported of it.
+Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
   InterposerWatch watch;
   if (is_interposed()) settings.record.watch = &watch;
   const Stopwatch stopwatch;
-  Result<RunSummary> summary = [&] {
+  const Result<RunSummary> summary = [&] {
     Progress progress("recording");
     settings.record.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
-    return record(*scenario, trace, settings.record);
+    return record(scenario, trace, settings.record);
   }();
   if (!summary) return refuse(summary.errors());
-  tell_recording(*scenario, trace, *summary, stopwatch.seconds());
+  const double seconds = stopwatch.seconds();
   const bool failed = summary->failure || summary->controller_refused;
-  const auto judged = judge(*scenario, trace, failed);
+  const auto judged = judge(scenario, trace, failed);
   if (!judged) return refuse(judged.errors());
-  if (!judged->empty() && !first_violation(*judged)) fmt::print("{}\n", verdict(*judged));
+  if (!settings.json) {
+    tell_recording(scenario, trace, *summary, seconds);
+    if (!judged->empty() && !first_violation(*judged)) fmt::print("{}\n", verdict(*judged));
+  }
   Exit exit = failed ? Exit::controller_failed : Exit::done;
+  std::optional<Reproduction> verified;
   if (settings.verify && !failed) {
-    const auto verified = verify(settings, *scenario, trace);
-    if (!verified) return refuse(verified.errors());
-    fmt::print("{}\n", verified->verdict);
+    auto tried = verify(settings, scenario, trace);
+    if (!tried) return refuse(tried.errors());
+    verified = *std::move(tried);
+    if (!settings.json) fmt::print("{}\n", verified->verdict);
     if (!verified->reproduced()) exit = verified->failure ? Exit::controller_failed : Exit::differs;
   }
+  if (settings.json) print(json_of_run(scenario, trace, *summary, *judged, verified));
   std::fflush(stdout);  // before what stderr says of it
   tell_remarks(*summary);
   tell_violations(*judged);
   return exit;
 }
 
+Exit run_record(RecordSettings& settings, const CLI::App& options) {
+  if (!settings.branch.from.empty()) return run_branch(settings);
+  if (const auto whole = check_model_options(settings); !whole) return refuse(whole.errors());
+  if (is_about_a_branch(settings.branch))
+    return refuse(
+        error("--until, --set and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
+  if (const auto ready = prepare_model(settings); !ready) return refuse(ready.errors());
+  if (settings.checkpoints) settings.record.checkpoint_period = *settings.checkpoints;
+  const Result<Scenario> scenario = load(settings);
+  if (!scenario) return refuse(scenario.errors());
+  if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
+  tell_warnings(*scenario);
+  const std::string trace =
+      settings.trace.empty() ? std::filesystem::path(scenario->file).stem().string() + ".mcap" : settings.trace;
+  if (const auto allowed = check_trace(settings, *scenario, trace); !allowed) return refuse(allowed.errors());
+  supervise_process();
+  end_runs_on_signals();
+  return record_scenario(settings, *scenario, trace);
+}
+
 std::function<Exit()> declare_record(CLI::App& options) {
   const auto settings = std::make_shared<RecordSettings>();
   options.add_option("SCENARIO", settings->scenario, "a YAML file")->type_name("");
+  options.add_option("--model", settings->model.model, "instead of a scenario: this robot, standing on a floor")
+      ->type_name("URDF");
+  options
+      .add_option("--save-scenario", settings->save_scenario,
+                  "with --model: write the scenario that says the same to a new file, and run that")
+      ->type_name("FILE");
   options.add_option("-o,--output", settings->trace, "the trace to write (SCENARIO.mcap in this folder)")
       ->type_name("TRACE");
   add_integer(options, "--seed", "instead of the scenario's", 0, std::numeric_limits<std::uint32_t>::max(),
@@ -188,7 +260,8 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_flag("--verify", settings->verify,
                    "then run a sample of it again, from its checkpoints, and all its commands: does it repeat itself?");
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
-  add_host_options(options, settings->record);
+  add_host_options(options, settings->record, &settings->alone);
+  add_json_flag(options, settings->json);
   add_branch_options(options, settings->branch);
   add_debugger_options(options, settings->debugger);
   add_integer(options, "--tick", "with --gdb: where to stop (0)", 0, std::numeric_limits<std::uint32_t>::max(),
@@ -202,6 +275,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
 const Verb record_verb{
     "record",
     "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
+    "  rehearse record --model robot.urdf --controller build/MyWalker.so --save-scenario walk.yaml\n"
     "  rehearse record walk.yaml --duration 5 --controller Walker=build/MyWalker.so\n"
     "  rehearse record --from-checkpoint walk.mcap@3.2s --push 'Walker/TRUNK force=0,80,0 @3.2s..3.3s'\n",
     declare_record};

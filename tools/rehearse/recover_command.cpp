@@ -90,7 +90,7 @@ Exit run_recover(RecoverSettings& settings) {
   if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto recovery = [&] {
-    Progress progress("recovering");
+    StoppableProgress progress("recovering");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
     };

@@ -18,6 +18,7 @@
 
 #include "command.h"
 #include "mcap/replaceable.h"
+#include "model_scenario.h"
 #include "options.h"
 #include "output.h"
 #include "png/png.h"
@@ -59,16 +60,6 @@ struct Scene {
   std::vector<PlacedModel> models;
   Look look;
 };
-
-/// Each joint at 0, or where it can be nearest to it.
-std::vector<double> rest_posture(const Model& model) {
-  std::vector<double> q;
-  for (const int link : model.joints) {
-    const Joint& joint = model.links[link].joint;
-    q.push_back(std::clamp(0.0, joint.lower, joint.upper));
-  }
-  return q;
-}
 
 Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
   Scene scene;

@@ -15,6 +15,7 @@
 
 #include "command.h"
 #include "debugger.h"
+#include "host/interruption.h"
 #include "host/supervise.h"
 #include "host/virtualised.h"
 #include "mcap/replaceable.h"
@@ -155,6 +156,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (!settings.is_of_a_log())
     if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
   supervise_process();
+  end_runs_on_signals();
   if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;

@@ -50,7 +50,7 @@ Exit run_report(ReportSettings& settings) {
   std::optional<fs::path> golden;
   if (!settings.golden.empty()) golden = settings.golden;
   const auto written = [&] {
-    Progress progress("reporting");
+    StoppableProgress progress("reporting");
     settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
     return write_report(settings.trace, golden, file, settings.options);
   }();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/pinhole.h"
+#include "model/shape_bounds.h"
 
 namespace rehearse::tool {
 namespace {
@@ -17,28 +18,12 @@ const Vector3d viewing_direction = Vector3d(1.0, -0.75, 0.4).normalized();  // f
 constexpr double margin = 1.1;                                              // of the picture around what matters
 constexpr double nearest = 0.1;                                             // to the middle of it [m]
 
-/// Of a shape that is centred on its frame.
-Vector3d half_extents(const Geometry& geometry) {
-  if (const auto* box = std::get_if<Box>(&geometry)) return box->size / 2.0;
-  if (const auto* sphere = std::get_if<Sphere>(&geometry)) return Vector3d::Constant(sphere->radius);
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry))
-    return {cylinder->radius, cylinder->radius, cylinder->length / 2.0};
-  const auto& capsule = std::get<Capsule>(geometry);
-  return {capsule.radius, capsule.radius, capsule.length / 2.0 + capsule.radius};
-}
-
-/// The box around a shape, along its own axes.
-AlignedBox3d extent(const Geometry& geometry) {
-  if (const auto* mesh = std::get_if<Mesh>(&geometry)) return {mesh->data->lower, mesh->data->upper};
-  const Vector3d half = half_extents(geometry);
-  return {-half, half};
-}
-
 /// The corners of the boxes around a model's visible shapes, in the world.
 void add_corners(const PlacedModel& placed, std::vector<Vector3d>& corners) {
   for (std::size_t i = 0; i < placed.model->links.size(); ++i) {
     for (const Shape& shape : placed.model->links[i].visuals) {
-      const AlignedBox3d box = extent(shape.geometry);
+      const AlignedBox3d box = bounds(shape.geometry, Eigen::Isometry3d::Identity());
+      if (box.isEmpty()) continue;  // a mesh that was left out
       const Eigen::Isometry3d pose = placed.links[i] * shape.pose;
       for (int corner = 0; corner < 8; ++corner)
         corners.push_back(pose * box.corner(static_cast<AlignedBox3d::CornerType>(corner)));

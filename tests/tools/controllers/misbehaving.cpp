@@ -1,6 +1,6 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
 // initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance, slow (each
-// call takes 0.2 s); and what ends the process past the C library, see past_the_library().
+// call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdlib>
@@ -120,6 +120,10 @@ class Misbehaving : public cnoid::SimpleController {
     joint_ = io->body()->joint(0);
     joint_->setActuationMode(cnoid::Link::JointTorque);
     io->enableIO(joint_);
+    if (deed_.rfind("say-and-", 0) == 0) {
+      io->os() << "the robot has no joint KNEE" << std::endl;
+      deed_ = deed_.substr(std::strlen("say-and-"));
+    }
     if (when_ < 0) misbehave();
     return deed_ != "refuse";
   }

@@ -1,0 +1,86 @@
+// What `rehearse check` writes for continuous integration.
+#include <gmock/gmock.h>
+#include <tinyxml2.h>
+
+#include "command.h"
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// A project with a scenario that is as expected, and one that isn't, in line 9.
+class Ci : public Command {
+ protected:
+  Ci() {
+    fs::create_directories(folder() / "golden");
+    fs::create_directories(folder() / "scenarios");
+    const std::string box =
+        "rehearse: 1\nduration: 0.05\nbodies:\n  - name: Box\n    box: {size: [0.1, 0.1, 0.1]}\n"
+        "    mass: 1\n    position: [0, 0, 1]\nexpect:\n  - {channel: Box/Box/position/z, above: ";
+    write("scenarios/falls.yaml", box + "0.5, at: end}\n");
+    write("scenarios/stays.yaml", box + "0.999, at: end}\n");
+  }
+};
+
+TEST_F(Ci, JunitHasACaseForEachScenarioWithTheVerdictForAMessage) {
+  EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 1);
+  tinyxml2::XMLDocument xml;
+  ASSERT_EQ(xml.LoadFile((folder() / "check.xml").c_str()), tinyxml2::XML_SUCCESS);
+  const auto* suites = xml.RootElement();
+  ASSERT_STREQ(suites->Name(), "testsuites");
+  const auto* suite = suites->FirstChildElement("testsuite");
+  ASSERT_NE(suite, nullptr);
+  EXPECT_EQ(suite->IntAttribute("tests"), 2);
+  EXPECT_EQ(suite->IntAttribute("failures"), 1);
+  EXPECT_EQ(suite->IntAttribute("errors"), 0);
+  const auto* falls = suite->FirstChildElement("testcase");
+  EXPECT_STREQ(falls->Attribute("name"), "falls");
+  EXPECT_TRUE(falls->NoChildren());
+  const auto* stays = falls->NextSiblingElement("testcase");
+  EXPECT_STREQ(stays->Attribute("name"), "stays");
+  const auto* failure = stays->FirstChildElement("failure");
+  ASSERT_NE(failure, nullptr);
+  EXPECT_THAT(failure->Attribute("message"), HasSubstr("expected Box/Box/position/z above 0.999 m at the end"));
+  EXPECT_THAT(failure->GetText(), StartsWith("scenarios/stays.yaml:9\n"));
+}
+
+TEST_F(Ci, JunitOfACrashIsAnError) {
+  write("scenarios/crashes.yaml", read_file(pendulum(MISBEHAVING, "crash 3")) + "expect:\n  - {no_event: \"*never*\"}\n");
+  fs::remove(folder() / "pendulum.yaml");
+  EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 3);
+  EXPECT_THAT(read_file(folder() / "check.xml"), HasSubstr("<error message="));
+}
+
+TEST_F(Ci, AFileThatCantBeWrittenIsAnError) {
+  const Outcome outcome = rehearse({"check", "--junit", "nowhere/check.xml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("can't write nowhere/check.xml"));
+}
+
+TEST_F(Ci, GithubGetsAnErrorAtTheLineOfTheExpectation) {
+  const Outcome outcome = rehearse({"check"}, "GITHUB_ACTIONS=true GITHUB_STEP_SUMMARY=summary.md");
+  EXPECT_THAT(outcome.out, ContainsRegex("\n::error file=scenarios/stays.yaml,line=9::stays: .*above 0.999 m"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("::error file=scenarios/falls.yaml")));
+  EXPECT_THAT(read_file(folder() / "summary.md"),
+              AllOf(HasSubstr("| scenario |"), HasSubstr("| falls | passed |"), HasSubstr("| stays | differs |")));
+  EXPECT_THAT(rehearse({"check"}).out, Not(HasSubstr("::error")));
+}
+
+TEST_F(Ci, AdviceNamesNothingThatCiRefusesAndNoLinkToItsDisk) {
+  std::string text = read_file(folder() / "scenarios/falls.yaml");
+  write("scenarios/falls.yaml", "golden: Box.Falls\n" + text);
+  const Outcome outcome = rehearse({"check", "scenarios/falls.yaml"}, "CI=true");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("there is no golden golden/Box.Falls.mcap"));
+  EXPECT_THAT(outcome.out, HasSubstr("make this run on a machine of yours"));
+  EXPECT_THAT(outcome.out, AllOf(Not(HasSubstr("golden accept")), Not(HasSubstr("REHEARSE_GOLDEN")),
+                                 Not(HasSubstr("file://"))));
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,67 @@
+// A project's scenarios, goldens and controllers are found without an argument and without the environment.
+#include <gmock/gmock.h>
+
+#include "command.h"
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A project as `rehearse new` lays it out, whose controller is built, or is said to be.
+class Project : public Command {
+ protected:
+  Project() {
+    write("CMakeLists.txt", "");
+    fs::create_directories(folder() / "scenarios");
+    std::string text = read_file(pendulum("Swing"));
+    fs::remove(folder() / "pendulum.yaml");
+    write("scenarios/swing.yaml", "golden: Swing.Swings\n" + text);
+  }
+  void build(const std::string& name, const fs::path& controller) const {
+    const fs::path where = folder() / name / "lib/rehearse/controllers";
+    fs::create_directories(where);
+    fs::copy_file(controller, where / "Swing.so", fs::copy_options::overwrite_existing);
+  }
+};
+
+TEST_F(Project, CheckWithoutArgumentsMakesTheFirstGoldenAndThenPasses) {
+  build("build", MISBEHAVING);
+  EXPECT_EQ(rehearse({"check"}).status, 1);
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  EXPECT_TRUE(exists("golden/Swing.Swings.mcap"));
+  const Outcome again = rehearse({"check"});
+  EXPECT_EQ(again.status, 0) << again.out << again.err;
+  EXPECT_THAT(again.out, HasSubstr("swing: equal"));
+}
+
+TEST_F(Project, ItsFoldersAreFoundFromBelow) {
+  build("build", MISBEHAVING);
+  EXPECT_EQ(rehearse({"check"}, "cd scenarios &&").status, 1);
+  EXPECT_EQ(rehearse({"check"}, "cd scenarios && REHEARSE_GOLDEN=new").status, 0);
+  EXPECT_TRUE(exists("golden/Swing.Swings.mcap"));
+}
+
+TEST_F(Project, OfTwoBuildsTheNewerLibraryIsTaken) {
+  build("build", NOT_A_CONTROLLER);
+  build("build-debug", MISBEHAVING);
+  fs::last_write_time(folder() / "build/lib/rehearse/controllers/Swing.so", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).status, 0);
+}
+
+TEST_F(Project, AForgottenBuildIsAdvised) {
+  const Outcome outcome = rehearse({"record", "scenarios/swing.yaml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("controller library 'Swing' not found"));
+  EXPECT_THAT(outcome.err, HasSubstr("build it first: cmake -S "));
+}
+
+TEST_F(Project, OutsideOfOneCheckSaysTheRule) {
+  fs::remove(folder() / "CMakeLists.txt");
+  const Outcome outcome = rehearse({"check"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("no folder above it has a folder 'golden' or a CMakeLists.txt"));
+}
+
+}  // namespace
+}  // namespace rehearse::test
