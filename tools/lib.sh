@@ -30,8 +30,28 @@ build_folder() {
   esac
 }
 
-# configure_and_build PRESET [TARGET...]: everything, or only the targets; a few seconds if nothing changed. On a terminal
-# Ninja shows its progress.
+# progress NAME [UNIT]: reads lines "DONE TOTAL" and prints, every 15 seconds, how much is done and the time left.
+progress() {
+  local name=$1 unit=${2:-} begin=$SECONDS next=$((SECONDS + 15)) done total left amount
+  while read -r done total; do
+    ((SECONDS >= next && done > 0)) || continue
+    next=$((SECONDS + 15)) left=$(((SECONDS - begin) * (total - done) / done))
+    if [[ $unit ]]; then amount="$done of $total $unit"; else amount="$((100 * done / total)) %"; fi
+    printf '%s%s, about %d:%02d min left\n' "$name" "$amount" $((left / 60)) $((left % 60))
+  done
+}
+
+# with_progress FILTER NAME UNIT COMMAND...: runs the command, and shows on descriptor 3 how far it is: FILTER makes lines
+# for progress of what the command prints.
+with_progress() {
+  local filter=$1 name=$2 unit=$3
+  shift 3
+  "$@" 2>&1 | tee >("$filter" | progress "$name" "$unit" >&3)
+}
+
+ninja_progress() { sed --unbuffered -nE 's/^\[([0-9]+)\/([0-9]+)\].*/\1 \2/p'; }
+
+# configure_and_build PRESET [TARGET...]: everything, or only the targets; a few seconds if nothing changed.
 configure_and_build() {
   local preset=$1 folder launcher=() targets=()
   shift
@@ -43,9 +63,6 @@ configure_and_build() {
     if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
   fi
   quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}"
-  if [[ -t 1 ]]; then
-    cmake --build "$folder" --parallel "$(nproc)" "${targets[@]}"
-  else
-    quietly "$folder/build.log" cmake --build "$folder" --parallel "$(nproc)" "${targets[@]}"
-  fi
+  NINJA_STATUS="[%f/%t] " quietly "$folder/build.log" with_progress ninja_progress "build: " units \
+    cmake --build "$folder" --parallel "$(nproc)" "${targets[@]}" 3>&1
 }

@@ -2,30 +2,70 @@
 #
 # The libraries are shared and keep what they are made with (ODE, OSMesa, urdfdom, yaml-cpp, ...) to themselves: a user's
 # project needs Eigen, and GoogleTest for Rehearse::gtest, and no more.
+#
+# Components: `runtime`, the command and its libraries; `development`, for those who build and test controllers;
+# `samples`, as far as they are built. tools/package makes a Debian package of each of the first two.
 include(CMakePackageConfigHelpers)
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tests need not be built to install
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Rehearse)
 set(libraries cnoid model world png renderer mcap trace scenario harness report log audit simulation testing gtest)
 list(TRANSFORM libraries PREPEND rehearse_)
 
 install(TARGETS ${libraries} EXPORT RehearseTargets
-  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 # nobody links it: audit names it to the dynamic linker
 install(TARGETS rehearse_interposer LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS ${REHEARSE_SAMPLES} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers)
-install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion)
+install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  COMPONENT development)
+install(TARGETS ${REHEARSE_SAMPLES}
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers COMPONENT samples OPTIONAL)
+install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion COMPONENT samples)
 
-install(EXPORT RehearseTargets NAMESPACE Rehearse:: DESTINATION ${package_folder})
-configure_package_config_file(tools/cmake/RehearseConfig.cmake.in ${CMAKE_BINARY_DIR}/RehearseConfig.cmake
+# The build tree is a package as well: -D CMAKE_PREFIX_PATH=build finds it, where an installed one would lie.
+set(built_package_folder ${CMAKE_BINARY_DIR}/${package_folder})
+install(EXPORT RehearseTargets NAMESPACE Rehearse:: DESTINATION ${package_folder} COMPONENT development)
+export(EXPORT RehearseTargets NAMESPACE Rehearse:: FILE ${built_package_folder}/RehearseTargets.cmake)
+configure_package_config_file(tools/cmake/RehearseConfig.cmake.in ${built_package_folder}/RehearseConfig.cmake
   INSTALL_DESTINATION ${package_folder})
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/RehearseConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${built_package_folder}/RehearseConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+foreach(file RehearseBits.cmake RehearseControllers.cmake)
+  configure_file(tools/cmake/${file} ${built_package_folder}/${file} COPYONLY)
+endforeach()
 install(FILES
-  ${CMAKE_BINARY_DIR}/RehearseConfig.cmake
-  ${CMAKE_BINARY_DIR}/RehearseConfigVersion.cmake
+  ${built_package_folder}/RehearseConfig.cmake
+  ${built_package_folder}/RehearseConfigVersion.cmake
   tools/cmake/RehearseBits.cmake
   tools/cmake/RehearseControllers.cmake
-  DESTINATION ${package_folder})
+  DESTINATION ${package_folder} COMPONENT development)
+
+# Man pages, and completions of shells, from what the command prints with --help.
+find_program(REHEARSE_HELP2MAN help2man)
+mark_as_advanced(REHEARSE_HELP2MAN)
+if(REHEARSE_HELP2MAN)
+  set(pages ${CMAKE_BINARY_DIR}/share/man/man1/rehearse.1.gz)
+  add_custom_command(OUTPUT ${pages}
+    COMMAND ${PROJECT_SOURCE_DIR}/tools/pages $<TARGET_FILE:rehearse> ${CMAKE_BINARY_DIR}/share
+    DEPENDS tools/pages rehearse rehearse-simulate rehearse-audit
+    COMMENT "Writing man pages and completions" VERBATIM)
+  add_custom_target(rehearse_pages ALL DEPENDS ${pages})
+  foreach(folder man bash-completion zsh fish)
+    install(DIRECTORY ${CMAKE_BINARY_DIR}/share/${folder} DESTINATION ${CMAKE_INSTALL_DATADIR})
+  endforeach()
+else()
+  message(STATUS "Man pages and completions are left out: help2man isn't installed")
+endif()
+
+# All that is installed, but for the samples: tools/demo builds no more.
+add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_interposer rehearse rehearse-simulate rehearse-audit)
+if(TARGET rehearse_pages)
+  add_dependencies(rehearse_installed rehearse_pages)
+endif()
+
+if(PROJECT_IS_TOP_LEVEL)
+  include(RehearsePackage)
+endif()

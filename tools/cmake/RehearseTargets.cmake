@@ -24,6 +24,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 add_library(rehearse_flags INTERFACE)
 target_compile_options(rehearse_flags INTERFACE
   -ffp-contract=off  # a fused multiply-add rounds once where two instructions round twice: other bits on other CPUs
+  -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=  # messages name files from the checkout on, wherever it lies
   # what a source declares shadows what its neighbours of a unity build keep to themselves
   $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
   -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
@@ -92,7 +93,8 @@ function(rehearse_add_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ROOMS")
   add_library(rehearse_${name} SHARED ${arg_UNPARSED_ARGUMENTS})
   add_library(Rehearse::${name} ALIAS rehearse_${name})
-  set_target_properties(rehearse_${name} PROPERTIES EXPORT_NAME ${name})
+  set_target_properties(rehearse_${name} PROPERTIES EXPORT_NAME ${name}
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(rehearse_${name} PUBLIC cxx_std_20)
   target_link_libraries(rehearse_${name} PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
   foreach(room IN LISTS arg_ROOMS)

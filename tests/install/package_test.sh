@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# package_test.sh PACKAGES WORK: installs the Debian packages into a bare Debian 12, where no checkout and no build tree
+# are, and goes the way of a new user there: rehearse new, a first golden, tests that pass, a gain changed, a red test.
+# Then removes the packages and looks for what they left. Exit status 77: no bare Debian can be made here.
+set -euo pipefail
+
+packages=$1 work=$2
+root=$work/root
+skip() { echo "skipped: $*"; exit 77; }
+
+((EUID == 0)) || skip "only root can make a bare Debian"
+command -v mmdebstrap > /dev/null || skip "mmdebstrap isn't installed"
+mkdir -p "$work"
+if [[ ! -f $work/bare.tar ]]; then
+  mmdebstrap --variant=apt bookworm "$work/bare.tar.new" > "$work/mmdebstrap.log" 2>&1 \
+    || skip "mmdebstrap made no Debian (no network?): $(tail -n 1 "$work/mmdebstrap.log")"
+  mv "$work/bare.tar.new" "$work/bare.tar"
+fi
+rm -rf "$root"
+mkdir "$root"
+tar --extract --file "$work/bare.tar" --directory "$root" --exclude './dev/*'
+# the machine's own way to Debian's packages, and names of hosts
+cp -r /etc/apt/apt.conf.d/. "$root/etc/apt/apt.conf.d/"
+cp /etc/resolv.conf "$root/etc/"
+mkdir "$root/packages"
+cp "$packages"/*.deb "$root/packages/"
+
+cat > "$root/inside" << 'EOF'
+set -euo pipefail
+mount -t proc proc /proc
+mknod -m 666 /dev/null c 1 3
+mknod -m 666 /dev/urandom c 1 9
+export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+began=$SECONDS
+apt-get update > /log 2>&1
+find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /before
+apt-get install --yes --no-install-recommends /packages/*.deb > /log 2>&1 || { tail -n 30 /log; exit 1; }
+echo "installed in $((SECONDS - began)) s"
+dpkg-query --show --showformat='${Package} ${Installed-Size} kB\n' rehearse rehearse-dev
+rehearse --version
+
+mkdir /home/new && cd /home/new
+rehearse new my_arm | tee /steps
+cd my_arm
+# its own commands, as it prints them
+sed -n '/^  cd /,$p' /steps | sed 1d > /commands
+grep -q ctest /commands
+bash -e /commands > /log 2>&1 || { tail -n 40 /log; exit 1; }
+grep "100% tests passed" /log
+rehearse check
+sed -i 's/stiffness = 60.0/stiffness = 59.0/' hold.cpp
+cmake --build build > /log 2>&1
+if ctest --test-dir build > /log 2>&1; then echo "a weaker controller passes"; exit 1; fi
+if rehearse check > /verdict; then echo "a weaker controller passes check"; exit 1; fi
+cat /verdict
+grep -q "the controller changed" /verdict
+test -f build/traces/Hold.ComesBackAfterAPush.html
+rehearse golden accept --all
+ctest --test-dir build > /log 2>&1 || { tail -n 40 /log; exit 1; }
+man -w rehearse-record > /dev/null 2>&1 || test -f /usr/share/man/man1/rehearse-record.1.gz
+echo "from the packages to an accepted change in $((SECONDS - began)) s"
+
+apt-get purge --yes rehearse rehearse-dev > /log 2>&1
+apt-get autoremove --purge --yes > /log 2>&1
+find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /after
+if comm -13 /before /after | grep -i rehearse; then echo "the packages left these behind"; exit 1; fi
+EOF
+unshare --mount --pid --fork chroot "$root" bash -e /inside

@@ -1,0 +1,52 @@
+# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, and their debug symbols apart. tools/package calls it.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME rehearse)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "The Rehearse authors <rehearse@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME rehearse)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "gdb, valgrind, ffmpeg")
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "record, replay and judge robot controllers
+ Rehearse runs a robot controller, written for Choreonoid's SimpleController
+ API, in a deterministic simulation, records what it reads and commands,
+ compares the recording with a golden one, and replays it without physics.")
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME rehearse-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "rehearse (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), cmake (>= 3.25), g++, make | ninja-build, libeigen3-dev (>= 3.4), libgtest-dev (>= 1.12)")
+set(CPACK_DEBIAN_DEVELOPMENT_DEBUGINFO_PACKAGE OFF)
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "build and test robot controllers with Rehearse
+ Headers of Choreonoid's SimpleController API, GoogleTest assertions on
+ recorded runs, and what CMake needs to find both.")
+
+# Debian's own documents; its changelog names the project's.
+set(documents ${CMAKE_BINARY_DIR}/doc)
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(WRITE ${documents}/changelog.Debian
+  "rehearse (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"
+  "  * changelog.gz has the changes of this version.\n\n"
+  " -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")
+configure_file(CHANGELOG.md ${documents}/changelog COPYONLY)
+execute_process(COMMAND gzip --no-name --best --force ${documents}/changelog ${documents}/changelog.Debian
+  COMMAND_ERROR_IS_FATAL ANY)
+foreach(component runtime development)
+  string(TOUPPER ${component} upper)
+  set(destination ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
+  install(FILES LICENSE RENAME copyright DESTINATION ${destination} COMPONENT ${component})
+  install(FILES ${documents}/changelog.gz ${documents}/changelog.Debian.gz
+    DESTINATION ${destination} COMPONENT ${component})
+endforeach()
+include(CPack)
