@@ -1,0 +1,130 @@
+// docs_test.mjs SOURCE BUILD PAGE: runs the sessions of a README and compares what they print.
+//
+// A session is a fenced block with lines that begin with "$ ". It runs in a folder with the fixtures and the goldens of
+// the checkout and its build; what a session leaves is there for the next. Numbers are masked, white space counts as one
+// space, "..." stands for any text, lines that begin with "(step) " are typed. Comments before a block, which no reader sees:
+//   <!-- docs: COMMAND -->         runs first
+//   <!-- docs skip: REASON -->     the block isn't run
+// A block marked sh, without "$ ", is run line by line and has to succeed.
+import { spawnSync } from 'node:child_process';
+import { cpSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const [source, build, page] = process.argv.slice(2);
+
+/** The blocks of a page: {line, language, text, setup, skip}. */
+function blocksOf(markdown) {
+  const blocks = [];
+  let setup = [];
+  let skip = '';
+  let open = null;
+  markdown.split('\n').forEach((line, index) => {
+    const fence = line.match(/^```(\w*)/);
+    const comment = line.match(/^<!-- docs( skip)?: (.*) -->$/);
+    if (open && fence) {
+      blocks.push(open);
+      open = null;
+    } else if (open) {
+      open.text.push(line);
+    } else if (fence) {
+      open = { line: index + 1, language: fence[1], text: [], setup, skip };
+      setup = [];
+      skip = '';
+    } else if (comment) {
+      if (comment[1]) skip = comment[2];
+      else setup.push(comment[2]);
+    }
+  });
+  return blocks;
+}
+
+/** The commands of a block, each with what it prints. */
+function commandsOf(block) {
+  const isSession = block.text.some((line) => line.startsWith('$ '));
+  if (!isSession && block.language !== 'sh') return [];
+  const commands = [];
+  let continued = false;
+  for (const line of block.text) {
+    if (continued) commands.at(-1).command += '\n' + line;
+    else if (isSession && line.startsWith('$ ')) commands.push({ command: line.slice(2), output: [] });
+    else if (!isSession && line.trim()) commands.push({ command: line, output: null });
+    else if (isSession && commands.length) commands.at(-1).output.push(line);
+    continued = line.endsWith('\\') && (continued || line.startsWith('$ ') || !isSession);
+  }
+  return commands;
+}
+
+const masked = (text) =>
+  text
+    .replace(/\x1b\[[0-9;]*m/g, '')
+    .replace(/(?<![A-Za-z_])[-+]?\d+(\.\d+)?(e[-+]?\d+)?/g, '#')
+    .replace(/\s+/g, ' ')
+    .trim();
+
+/** Where `printed` first isn't as `expected`: null if it is. */
+function mismatch(expected, printed) {
+  const rest = masked(printed);
+  const parts = masked(expected).split('...').map((part) => part.trim());
+  let at = 0;
+  for (const [index, part] of parts.entries()) {
+    const isLast = index === parts.length - 1;
+    const found = index === 0 ? rest.startsWith(part) ? 0 : -1 : isLast && part ? rest.lastIndexOf(part) : rest.indexOf(part, at);
+    if (found < at) return part;
+    at = found + part.length;
+    if (isLast && part && at !== rest.length) return rest.slice(at);
+  }
+  return parts.length === 1 && at !== rest.length ? rest.slice(at) : null;
+}
+
+const folder = mkdtempSync(join(tmpdir(), 'rehearse_docs_'));
+for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, name), join(folder, name), { recursive: true });
+symlinkSync(build, join(folder, 'build'));
+const environment = { ...process.env, PATH: `${build}/bin:${process.env.PATH}`, SOURCE: source, CMAKE_PREFIX_PATH: build };
+for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
+let place = folder; // a session's working directory
+const run = (command, input = '') => {
+  const script = `exec 2>&1; ${command}\nstatus=$?; pwd > ${folder}/.place; exit $status`;
+  const outcome = spawnSync('bash', ['-c', script], {
+    cwd: place,
+    env: environment,
+    encoding: 'utf8',
+    input,
+    timeout: 120000,
+  });
+  place = readFileSync(join(folder, '.place'), 'utf8').trim();
+  return outcome;
+};
+
+let failures = 0;
+let done = 0;
+const fail = (block, text) => {
+  ++failures;
+  console.log(`${page}:${block.line}: ${text}`);
+};
+for (const block of blocksOf(readFileSync(join(source, page), 'utf8'))) {
+  const commands = commandsOf(block);
+  if (!commands.length) continue;
+  if (block.skip) {
+    console.log(`${page}:${block.line}: not run: ${block.skip}`);
+    continue;
+  }
+  place = folder;
+  for (const command of block.setup) {
+    const outcome = run(command);
+    if (outcome.status !== 0) fail(block, `the set-up '${command}' ended in ${outcome.status}:\n${outcome.stdout}`);
+  }
+  for (const { command, output } of commands) {
+    const typed = (output ?? []).filter((line) => line.startsWith('(step) ')).map((line) => line.slice(7) + '\n');
+    const outcome = run(command, typed.join(''));
+    ++done;
+    const shown = output?.filter((line) => !line.startsWith('(step) '));
+    if (output === null && outcome.status !== 0)
+      fail(block, `'${command}' ended in ${outcome.status}:\n${outcome.stdout}`);
+    const missing = output === null ? null : mismatch(shown.join('\n'), outcome.stdout);
+    if (missing !== null) fail(block, `'${command}' doesn't print '${missing}'; it printed:\n${outcome.stdout}`);
+  }
+}
+rmSync(folder, { recursive: true });
+console.log(`${page}: ${done} commands, ${failures} failures`);
+process.exit(failures ? 1 : 0);
