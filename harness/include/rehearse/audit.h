@@ -1,10 +1,10 @@
 // Audit: is a controller a function of its inputs?
 //
-// A recording's inputs are fed to the controllers again and again, without physics, in a fresh process each time, and
-// what they command is compared bit for bit. The processes differ in one thing at a time (what fresh memory holds, the
-// addresses, the environment, the date, the random numbers, the threads' schedules), so that what a controller depends
-// on can be named. What it asked of the system meanwhile is observed (harness/interposer), and its library is looked
-// at.
+// An audit feeds the inputs of a recording to the controllers many times. It needs no physics, and uses a fresh process
+// each time. The commands are compared bit for bit. The processes differ in one factor at a time: the contents of fresh
+// memory, the addresses, the environment, the date, the random numbers, the schedule of the threads. So the report can
+// name the factor that a controller depends on. During the replays the controller's calls to the system are logged
+// (harness/interposer), and its library is scanned.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -21,35 +21,35 @@
 namespace rehearse {
 
 struct AuditOptions : HostOptions {
-  std::optional<double> until;  // the replays end there [s]
-  int repeat = 1;               // so many replays under each change
-  bool valgrind = false;        // one more under memcheck
+  std::optional<double> until;  // end of the replays [s]
+  int repeat = 1;               // number of replays under each factor
+  bool valgrind = false;        // one more replay under memcheck
   /// The controllers get simulated time and seeded random numbers in all runs, instead of the system's.
   bool virtualise = false;
   std::uint64_t seed = 1;          // of the random numbers that replace the system's
-  std::filesystem::path auditor;   // the program with the verb `audit`, which the replays run in
-  std::filesystem::path recorder;  // the program with the verb `record`; only for a scenario
-  std::filesystem::path scratch;   // a folder for what the processes write; it is made, and left to the caller
-  /// True: end now; the processes are killed, and audit() fails. Asked again and again; null: never.
+  std::filesystem::path auditor;   // program with the verb `audit`, which runs the replays
+  std::filesystem::path recorder;  // program with the verb `record`; needed only for a scenario
+  std::filesystem::path scratch;   // folder for the files of the processes; audit() creates it, the caller removes it
+  /// True: audit() kills the processes and fails. It is called repeatedly; null: never.
   std::function<bool()> should_stop;
-  /// What is done now, and how many processes of how many have ended; null: not.
+  /// Called with the current step, the number of processes that have ended, and the number of all; null: not.
   std::function<void(const std::string& what, int done, int all)> progress;
 };
 
-/// What was different in a replay.
+/// The one condition that is different in a replay.
 enum class Factor {
-  nothing,      // twice as it is: the real clock, the system's random numbers
-  memory,       // what fresh and freed memory and the stack hold
-  addresses,    // where things are in memory
-  environment,  // the process's variables
+  nothing,      // the replay repeated without change: the real clock, the system's random numbers
+  memory,       // contents of fresh and freed memory and of the stack
+  addresses,    // addresses of code and data
+  environment,  // environment variables of the process
   machine,      // processors, host name, load, memory, terminal, user
   folder,       // the working folder
-  locale,       // a decimal comma
-  clock,        // the date, and how fast time runs
+  locale,       // a locale with a decimal comma
+  clock,        // the date, and the rate of time
   random,       // the random numbers
-  threads,      // which thread comes first
+  threads,      // the order in which threads run
   again,        // a second run in one process
-  recording,    // the closed loop, in which the inputs were recorded
+  recording,    // the closed loop in which the inputs were recorded
 };
 
 /// "memory", "addresses", ...
@@ -58,16 +58,16 @@ std::string_view to_string(Factor factor);
 struct FactorResult {
   Factor factor = Factor::nothing;
   int replays = 0;
-  std::string not_varied;           // why there were none; empty: there were
-  std::optional<Divergence> first;  // the earliest difference; none: the same bits
+  std::string not_varied;           // why the factor was not varied; empty: it was varied
+  std::optional<Divergence> first;  // the earliest difference; none: all bits are equal
 };
 
-/// Something that a controller asked of the system.
+/// A call by which a controller asked the system for something.
 struct AuditedCall {
   enum class Reached {
-    yes,      // what it was answered changed a command
-    no,       // it was answered otherwise, and the commands were the same
-    unknown,  // nothing could give it another answer, or nothing did
+    yes,      // a different answer changed a command
+    no,       // the answer was different, and the commands were equal
+    unknown,  // no factor could change the answer, or no factor did
   };
   std::string source;    // "clock", "random", "thread", "file", "network", "environment", "locale", "process"
   std::string function;  // with its argument: "clock_gettime(CLOCK_MONOTONIC)"
@@ -82,7 +82,7 @@ struct AuditedCall {
 /// "yes", "no" or "unknown".
 std::string_view to_string(AuditedCall::Reached reached);
 
-/// Something that its library holds.
+/// A finding in the file of a controller's library: an instruction or a function that it can call.
 struct AuditedCode {
   std::string kind;
   std::int64_t count = 0;
@@ -93,14 +93,15 @@ struct ControllerAudit {
   std::string controller;  // "SR1/SR1Minimum"
   std::filesystem::path library;
   bool deterministic = true;
-  std::string reason;                 // why not, without the name; empty: it is
-  std::optional<Factor> depends_on;   // that found it; none if it is deterministic, or if its library was enough
-  std::optional<Divergence> first;    // of depends_on
+  std::string reason;  // why it is not deterministic, without its name; empty: it is deterministic
+  /// the factor that showed it; none: deterministic, or the library alone is the reason
+  std::optional<Factor> depends_on;
+  std::optional<Divergence> first;    // the first difference under depends_on
   std::vector<FactorResult> factors;  // in the order of Factor
   std::vector<AuditedCall> calls;     // in order of their first occurrence
   std::vector<AuditedCode> code;
-  /// What was the same in all replays, and may have reached a command: "fopen(gains.txt) called in Walker::begin()
-  /// ...".
+  /// Calls whose answer was equal in all replays and may have reached a command: "fopen(gains.txt) called in
+  /// Walker::begin() ...".
   std::vector<std::string> rests_on;
 };
 
@@ -109,40 +110,40 @@ struct AuditReport {
   bool deterministic = true;
   std::optional<Diagnostic> failure;  // a controller threw, crashed, hung or ended its process
   bool controller_refused = false;
-  std::int64_t ticks = 0;     // of a replay
-  std::int64_t commands = 0;  // numbers of a replay
+  std::int64_t ticks = 0;     // number of ticks of a replay
+  std::int64_t commands = 0;  // number of commanded numbers of a replay
   int replays = 0;
-  double time = 0.0;  // [s] of simulation
+  double time = 0.0;  // simulated time of a replay [s]
   std::vector<ControllerAudit> controllers;
-  std::vector<std::string> memory_errors;  // of valgrind; sentences
-  Diagnostics remarks;                     // what controllers did to the process, and the like
+  std::vector<std::string> memory_errors;  // errors that valgrind reported; sentences
+  Diagnostics remarks;                     // changes that controllers made to the process, and similar remarks
 };
 
-/// Of a trace, or of a scenario, which is recorded first, in a process of its own. Fails if neither can be had, if a
-/// controller doesn't load or if a process can't be started.
+/// Audits a trace, or a scenario, which is recorded first in a separate process. Fails if the trace or scenario cannot
+/// be read, if a controller doesn't load or if a process can't be started.
 Result<AuditReport> audit(const std::filesystem::path& scenario_or_trace, const AuditOptions& options);
 
-/// The recording that audit() made of a scenario, in its scratch folder.
+/// The path of the recording that audit() makes of a scenario, in the folder `scratch`.
 std::filesystem::path recording_of_audit(const std::filesystem::path& scratch);
 
-/// An object with verdict, deterministic, first, factors, calls and library of the first controller that isn't a
-/// function of its inputs (else of the first), controllers (each with all of that), failure, memory_errors, replays,
-/// remarks.
+/// A JSON object. Its members verdict, deterministic, first, factors, calls and library describe the first controller
+/// that isn't a function of its inputs (else the first controller). Its other members are controllers (each with all of
+/// these members), failure, memory_errors, replays, remarks.
 std::string to_json(const AuditReport& report);
 
-/// One of the replays, which audit() gives to a process of its own.
+/// One of the replays of an audit. audit() runs each in a separate process.
 struct AuditedReplay {
   std::filesystem::path trace;
-  std::filesystem::path folder;   // for what comes of it: 1.outputs and 1.json, 2.outputs and 2.json, ...
-  int passes = 1;                 // so many in this one process; libraries stay loaded between them
-  std::uint32_t padding = 0;      // seed of what is allocated before, and kept; 0: nothing
-  std::optional<int> stack_fill;  // a byte that the stack is painted with before each call
+  std::filesystem::path folder;   // folder for its results: 1.outputs and 1.json, 2.outputs and 2.json, ...
+  int passes = 1;                 // number of runs in this process; libraries stay loaded between them
+  std::uint32_t padding = 0;      // seed of the memory blocks that are allocated first and kept; 0: none
+  std::optional<int> stack_fill;  // byte that fills the stack before each call
   std::optional<double> until;    // [s]
   HostOptions host;
 };
 
-/// Does the work, in this process. What the controllers came to stands in the folder; fails only if that can't be
-/// written.
+/// Makes the replay in this process, and writes the results of the controllers into the folder. Fails only if they
+/// can't be written.
 Result<void> make_audited_replay(const AuditedReplay& replay);
 
 }  // namespace rehearse

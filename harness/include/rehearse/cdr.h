@@ -1,9 +1,10 @@
-// CDR: how a ROS 2 message becomes bytes, and back. Classic CDR (XCDR version 1): DDS-XTypes 1.3, section 7.4.3.
+// CDR: the encoding of ROS 2 messages as bytes. Classic CDR (XCDR version 1): DDS-XTypes 1.3, section 7.4.3.
 //
-// A payload begins with four bytes that say which byte order follows; values then stand at multiples of their own size,
-// counted from behind those four bytes. Strings carry their length with a final zero; sequences carry their count.
-// The writer writes little-endian; the reader takes both byte orders, and the plain form of XCDR version 2, in which
-// values of eight bytes stand at multiples of four. Both reuse their memory from message to message.
+// A payload begins with four bytes that state the byte order. Each value is aligned to a multiple of its size; offsets
+// are counted from the end of these four bytes. A string begins with its length, which includes the final zero. A
+// sequence begins with its count. The writer writes little-endian. The reader reads both byte orders, and the plain
+// form of XCDR version 2, in which values of eight bytes are aligned to multiples of four. Writer and reader reuse
+// their memory for all messages.
 #pragma once
 
 #include <bit>
@@ -18,7 +19,7 @@
 
 namespace rehearse {
 
-/// What a CDR value of a single number may be.
+/// The types of a single number in CDR.
 template <class T>
 concept CdrNumber = std::is_arithmetic_v<T> && sizeof(T) <= 8;
 
@@ -62,12 +63,12 @@ class CdrWriter {
     put_array(values);
   }
 
-  /// The message so far; valid until the next call of anything.
+  /// The message so far; valid until the next call of any member function.
   std::span<const std::byte> bytes() const { return {buffer_.data(), size_}; }
 
  private:
   void align(std::size_t alignment) {
-    const std::size_t padding = (4 - size_) & (alignment - 1);  // from behind the first four bytes
+    const std::size_t padding = (4 - size_) & (alignment - 1);  // counted from the end of the first four bytes
     if (padding != 0) std::memset(grow(padding), 0, padding);
   }
   std::byte* grow(std::size_t count) {
@@ -81,13 +82,13 @@ class CdrWriter {
   std::size_t size_ = 0;
 };
 
-/// Takes values from a payload in order. The first that isn't there makes ok() false for good; values are 0 or empty
-/// then. No length in the payload is believed before that many bytes are seen to be there.
+/// Reads values from a payload in order. After the first value that is missing, ok() is false for good, and values are
+/// 0 or empty. The reader checks that all bytes of a length are in the payload before it uses this length.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> payload) : bytes_(payload) {
     const int encapsulation = encapsulation_of(payload);
-    // As RTPS numbers them, and as XTypes did before: even ones are big-endian.
+    // The identifiers of RTPS, and older ones of XTypes: even ones are big-endian.
     const bool plain = encapsulation == 0x00 || encapsulation == 0x01;
     const bool plain2 =
         encapsulation == 0x06 || encapsulation == 0x07 || encapsulation == 0x10 || encapsulation == 0x11;
@@ -100,20 +101,21 @@ class CdrReader {
     position_ = 4;
   }
 
-  /// What the first two bytes say: 0 and 1 are plain CDR; -1 if there aren't four.
+  /// The number in the first two bytes: 0 and 1 are plain CDR; -1 if the payload has fewer than four bytes.
   static int encapsulation_of(std::span<const std::byte> payload) {
     if (payload.size() < 4) return -1;
     return std::to_integer<int>(payload[0]) << 8 | std::to_integer<int>(payload[1]);
   }
 
   bool ok() const { return ok_; }
-  /// Bytes from the payload's beginning to the next value (before its alignment); where it failed if it failed.
+  /// Offset of the next value in the payload, before its alignment [bytes]; after a failure the offset of the failure.
   std::size_t position() const { return position_; }
-  /// Bytes not read yet.
+  /// Number of bytes that were not read yet.
   std::size_t left() const { return ok_ ? bytes_.size() - position_ : 0; }
-  /// The payload is in the other byte order than this machine's.
+  /// The byte order of the payload differs from that of this machine.
   bool swapped() const { return swap_; }
-  /// The payload is of XCDR version 2, where arrays and sequences of anything but numbers carry their size [bytes].
+  /// The payload is of XCDR version 2, where arrays and sequences of other types than numbers begin with their size
+  /// [bytes].
   bool is_version_2() const { return largest_alignment_ == 4; }
 
   template <CdrNumber T>
@@ -127,11 +129,12 @@ class CdrReader {
   std::string_view get_string() {
     const auto length = get<std::uint32_t>();
     const std::byte* place = take(length);
-    if (place == nullptr || length == 0) return {};  // a length of 0 is what some writers make of an empty string
+    if (place == nullptr || length == 0) return {};  // some writers write a length of 0 for an empty string
     return {reinterpret_cast<const char*>(place), length - std::size_t{place[length - 1] == std::byte{0}}};
   }
 
-  /// The count of a sequence whose elements take at least `element_size` bytes each; 0 if so many can't be there.
+  /// The count of a sequence whose elements take at least `element_size` bytes each; 0 if the payload is too short for
+  /// them.
   std::uint32_t get_count(std::size_t element_size) {
     const auto count = get<std::uint32_t>();
     if (!ok_ || count > (bytes_.size() - position_) / (element_size == 0 ? 1 : element_size)) return fail(), 0;
@@ -160,7 +163,7 @@ class CdrReader {
     get_array(std::span<T>(values));
   }
 
-  /// `count` bytes as they stand; null if there aren't so many. For decoders that know what is in them.
+  /// `count` bytes without conversion; null if fewer are left. For decoders that know the type of these bytes.
   const std::byte* take(std::size_t count) {
     if (!ok_ || count > bytes_.size() - position_) return fail(), nullptr;
     const std::byte* place = bytes_.data() + position_;
@@ -168,7 +171,8 @@ class CdrReader {
     return place;
   }
 
-  /// Skips to a multiple of `alignment` (a power of two, at most 8), of 4 for 8 in version 2.
+  /// Skips to a multiple of `alignment` (a power of two, at most 8); in version 2 to a multiple of 4 if `alignment` is
+  /// 8.
   void align(std::size_t alignment) {
     const std::size_t padding =
         (4 - position_) & ((alignment < largest_alignment_ ? alignment : largest_alignment_) - 1);

@@ -1,4 +1,4 @@
-// Tests of controllers with GoogleTest. The one header that such a test includes; C++17.
+// Tests of controllers with GoogleTest. Such a test includes this header alone; C++17.
 //
 //   TEST(Walker, StopsBeforeTheEdge) {  // golden/Walker.StopsBeforeTheEdge.mcap
 //     const rehearse::Trace trace = rehearse::record("scenarios/walk_to_edge.yaml");
@@ -14,8 +14,8 @@
 //   }
 //
 // Link the target Rehearse::gtest: it has a main() that pins the process, so that every machine computes the same bits.
-// rehearse_add_controller_test(NAME SOURCES .. CONTROLLERS .. FIXTURES .. GOLDEN ..) does all of it. For values by
-// hand, without physics: controller_bench.h. How goldens are made and accepted: golden.h.
+// rehearse_add_controller_test(NAME SOURCES .. CONTROLLERS .. FIXTURES .. GOLDEN ..) does this. To set inputs by hand,
+// without physics: controller_bench.h. To make and accept goldens: golden.h.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@
 namespace rehearse {
 namespace internal {
 
-/// Suite.Test of the test that runs; the slashes of parameterised and typed tests become dashes.
+/// Suite.Test of the running test; the slashes of parameterised and typed tests become dashes.
 inline std::string current_test() {
   const ::testing::TestInfo* info = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name = info ? std::string(info->test_suite_name()) + "." + info->name() : "NoTest.Runs";
@@ -41,7 +41,7 @@ inline ::testing::AssertionResult assertion_of(const TestVerdict& verdict) {
   return verdict.passed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << verdict.message;
 }
 
-/// A recording, and how it is to be compared.
+/// A recording, and the options of its comparison.
 struct GoldenQuestion {
   const Trace& trace;
   MatchOptions options;
@@ -75,26 +75,27 @@ inline const bool folders_are_set =
 
 /// Runs a scenario (a path in the fixtures) in simulation and returns its recording, which is kept as
 /// traces/Suite.Test.mcap in the test's output folder. Throws std::runtime_error, which fails the test, if the run
-/// can't begin, or if a controller refused, threw, crashed or hung in it; the text is what `rehearse record` would say.
+/// can't begin, or if a controller refused, threw, crashed or hung in it. The text is the message of `rehearse record`.
 inline Trace record(const std::string& scenario) {
   return internal::record_for_test(scenario, internal::current_test());
 }
 
 }  // namespace rehearse
 
-/// The recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its horizon, and
-/// what the scenario expects of a run holds. More arguments say otherwise: Exact{}, Near{"SR1/*/q", 1e-6}, Until{2.0},
-/// Levels{Level::controller, ...} (test_support.h). By REHEARSE_GOLDEN=new and =accept the golden is written instead.
-/// If it doesn't agree, the failure says where first, by how much, and which part of the loop did it.
+/// Passes if the recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its
+/// horizon, and if the expectations of the scenario hold. More arguments change this: Exact{}, Near{"SR1/*/q", 1e-6},
+/// Until{2.0}, Levels{Level::controller, ...} (test_support.h). With REHEARSE_GOLDEN=new and =accept the golden is
+/// written instead. The failure message states the place and size of the first difference, and the responsible part of
+/// the loop.
 #define EXPECT_MATCHES_GOLDEN(...) \
   EXPECT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, ::rehearse::internal::golden_question(__VA_ARGS__))
 #define ASSERT_MATCHES_GOLDEN(...) \
   ASSERT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, ::rehearse::internal::golden_question(__VA_ARGS__))
 
-/// What the recording's scenario expects of a run (`expect:`) is true of it. Needs no golden.
+/// Passes if the expectations of the recording's scenario (`expect:`) hold. Needs no golden.
 #define EXPECT_HOLDS(trace) EXPECT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
 #define ASSERT_HOLDS(trace) ASSERT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
 
-/// The controllers, fed with the inputs recorded in golden/NAME.mcap and without physics, command the same bits.
+/// Passes if the controllers give the same commands, bit for bit, for the inputs in golden/NAME.mcap, without physics.
 #define EXPECT_REPLAYS(name) EXPECT_PRED_FORMAT1(::rehearse::internal::Replays, name)
 #define ASSERT_REPLAYS(name) ASSERT_PRED_FORMAT1(::rehearse::internal::Replays, name)

@@ -1,4 +1,4 @@
-// HostOptions: how a run treats its controllers, whatever the scenario says.
+// HostOptions: options for the controllers of a run, independent of the scenario.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@ namespace rehearse {
 
 class ControllerWatch;
 
-/// A controller as another scenario has it.
+/// A controller from a different scenario.
 struct GivenController {
   std::string library;    // a name or an absolute path
   std::string options;    // its own option string
@@ -20,15 +20,15 @@ struct GivenController {
 struct HostOptions {
   /// Library (a name or a path) to load instead of any other, by controller: NAME or BODY/NAME.
   std::map<std::string, std::string> libraries;
-  /// Instead of the scenario's, by BODY/NAME.
+  /// Controllers that replace those of the scenario, by BODY/NAME.
   std::map<std::string, GivenController> controllers;
-  /// The options of the whole run instead of the scenario's; none: those.
+  /// The options of the whole run instead of the scenario's; none: the scenario's.
   std::optional<std::string> run_options;
-  /// A call into a controller may take so much wall time [s]; then it counts as hung.
+  /// Limit of the wall time of a call into a controller [s]; a longer call counts as hung.
   double call_limit = 10.0;
-  /// Libraries stay loaded after the run, with what their static objects hold.
+  /// Libraries and the contents of their static objects stay loaded after the run.
   bool keep_libraries = false;
-  /// Is told of each call; null: nobody is. Must outlive the run.
+  /// Is notified of each call; null: not. Must outlive the run.
   ControllerWatch* watch = nullptr;
 };
 

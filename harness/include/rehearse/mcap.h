@@ -1,15 +1,15 @@
-// MCAP: the container in which a recording stands. Writer and Reader of the public format, version 0.
+// MCAP: the container format of recordings. Writer and Reader of the public format, version 0.
 //
-// A file is a sequence of records: schemas and channels (what can be said), messages packed into chunks (what was said,
-// compressed and with a CRC), attachments and metadata, then a summary that makes all of it findable. Nothing here
-// knows what is in a message; that is cdr.h and messages.h. What Rehearse puts into one: harness/TRACE_FORMAT.md.
+// A file is a sequence of records: schemas and channels (descriptions of messages), messages packed into compressed
+// chunks with a CRC, attachments and metadata, then a summary that indexes all of these. The content of messages is not
+// interpreted here; cdr.h and messages.h do that. The records of Rehearse: harness/TRACE_FORMAT.md.
 //
-// Writer: the caller's thread copies a message into the open chunk and returns; one thread of the Writer's own
-// composes what was put off, compresses, checksums and writes finished chunks. The bytes of the file depend on the
-// calls and their arguments, on nothing else.
+// Writer: the caller's thread copies a message into the open chunk and returns. The Writer's thread composes deferred
+// messages, compresses, checksums and writes finished chunks. The bytes of the file depend on the calls and their
+// arguments alone.
 //
-// Reader: maps the file, trusts no length in it, checks every CRC that it passes, and delivers what can be had of a
-// damaged file before it says where the damage is. What comes through a pipe it keeps in a temporary file first.
+// Reader: maps the file, trusts no length in it, and checks every CRC that it passes. It delivers all readable data of
+// a damaged file before it reports the place of the damage. Data from a pipe is first stored in a temporary file.
 // Neither class may be used from two threads at a time.
 #pragma once
 
@@ -32,11 +32,11 @@ namespace rehearse::mcap {
 
 using Bytes = std::span<const std::byte>;
 
-/// Says what the messages of a channel look like.
+/// Describes the structure of the messages of a channel.
 struct Schema {
   std::uint16_t id = 0;  // never 0
   std::string name;      // as sensor_msgs/msg/JointState
-  std::string encoding;  // "ros2msg" in what we write
+  std::string encoding;  // "ros2msg" in recordings
   std::string data;      // the schema itself
   bool operator==(const Schema&) const = default;
 };
@@ -46,7 +46,7 @@ struct Channel {
   std::uint16_t id = 0;
   std::uint16_t schema_id = 0;   // 0: none
   std::string topic;             // as /SR1/joints
-  std::string message_encoding;  // "cdr" in what we write
+  std::string message_encoding;  // "cdr" in recordings
   StringMap metadata;
   bool operator==(const Channel&) const = default;
 };
@@ -54,14 +54,14 @@ struct Channel {
 /// One message, as a Reader delivers it. The data is valid during the callback only.
 struct Message {
   const Channel* channel = nullptr;  // never null; lives as long as the Reader
-  std::uint32_t sequence = 0;        // counts from 0 on each channel, in what we write
+  std::uint32_t sequence = 0;        // counts from 0 on each channel in recordings
   std::uint64_t log_time = 0;        // [ns]
   std::uint64_t publish_time = 0;    // [ns]
   Bytes data;
   Location location;
 };
 
-/// A file within the file. Of a Reader: the data lives as long as it.
+/// A file within the file. The data of a Reader's attachment lives as long as the Reader.
 struct Attachment {
   std::uint64_t log_time = 0;     // [ns]
   std::uint64_t create_time = 0;  // [ns]
@@ -79,12 +79,12 @@ struct Metadata {
   std::uint64_t offset = 0;  // of its record in the file
 };
 
-/// A chunk: as its own head says it, or the summary's index of it.
+/// A chunk, as described by its own header or by the summary's index.
 struct Chunk {
   std::uint64_t offset = 0;       // of its record in the file
   std::uint64_t start_time = 0;   // [ns], of its earliest message
   std::uint64_t end_time = 0;     // [ns], of its latest
-  std::string compression;        // "", "lz4", "zstd", or whatever stands there
+  std::string compression;        // "", "lz4", "zstd", or any other text in the file
   std::uint64_t stored_size = 0;  // [bytes]
   std::uint64_t size = 0;         // decompressed [bytes]
 };
@@ -107,16 +107,16 @@ enum class Compression { none, lz4, zstd };
 /// "", "lz4" or "zstd": the format's own names.
 std::string_view to_string(Compression compression);
 
-/// What a file has besides what was put into it. The format demands none of it: what is left out is missed by readers
-/// who want to find something without reading everything, or to notice damage.
+/// The optional parts of a file. The format demands none of them. Without them, readers must read everything to find
+/// something, or cannot detect damage.
 struct FileForm {
-  bool chunks = true;                  // false: messages stand by themselves, uncompressed, in the order of the calls
+  bool chunks = true;  // false: messages are not in chunks, are uncompressed, and have the order of the calls
   bool definitions_in_chunks = false;  // schemas and channels before their first message in each chunk, nowhere else
-  bool message_indexes = true;         // behind each chunk
+  bool message_indexes = true;         // after each chunk
   bool chunk_crcs = true;
   bool attachment_crcs = true;
   bool data_crc = true;
-  bool summary = true;  // false: nothing of what follows, but for the CRC
+  bool summary = true;  // false: none of the parts below, except the CRC
   bool repeated_schemas = true;
   bool repeated_channels = true;
   bool statistics = true;
@@ -130,23 +130,25 @@ struct FileForm {
 };
 
 struct WriterOptions {
-  /// The profile of the header. With "ros2" every channel gets the metadata key offered_qos_profiles that it demands.
+  /// The profile of the header. With "ros2" every channel gets the metadata key offered_qos_profiles, which this
+  /// profile demands.
   std::string profile = "ros2";
-  /// Who writes, as the header says it; nullopt: rehearse and its version.
+  /// The writing library in the header; nullopt: rehearse and its version.
   std::optional<std::string> library;
-  /// A chunk is finished when its records, and what is held for those put off, reach this size [bytes]; so it is at
-  /// most one message larger.
+  /// A chunk is finished when its records, and the memory held for its deferred messages, reach this size [bytes]. So
+  /// it is larger by at most one message.
   std::size_t chunk_size = 768 * 1024;
-  /// ... or when any message comes this much log time after the chunk's first [ns]. This bounds what a kill loses.
+  /// A chunk is also finished when any message comes this much log time after the chunk's first [ns]. So a kill loses
+  /// no more than this span.
   std::uint64_t chunk_span = 1'000'000'000;
-  /// For all channels; nullopt: as their groups say.
+  /// The compression of all channels; nullopt: that of their groups.
   std::optional<Compression> compression;
-  int lz4_level = 0;   // from 3 on it is slower, and smaller
+  int lz4_level = 0;   // from 3 on slower, with smaller files
   int zstd_level = 1;  // level 3 took three times as long on joint states and made them no smaller (measured)
-  /// Finished chunks that may wait for the writer thread; then write() waits too. Bounds the memory.
+  /// Number of finished chunks that may wait for the writer thread. With more, write() waits too. It bounds the memory.
   std::size_t queue_length = 4;
-  /// The index of the chunks is held in memory up to this size [bytes]; if it grows larger, it is made in the end from
-  /// what stands in the file. A pipe can't be read again: there all of it is held.
+  /// The index of the chunks is held in memory up to this size [bytes]. A larger index is made at the end from the
+  /// chunks in the file. A pipe can't be read again: for a pipe the whole index is held.
   std::size_t index_size = std::size_t{1} << 20;
   FileForm form;
 };
@@ -156,60 +158,61 @@ struct ChunkGroup {
   int id = 0;
   Compression compression = Compression::zstd;
 };
-/// Numbers: many, small, alike.
+/// For numbers: many small messages, similar to each other.
 inline constexpr ChunkGroup numbers{0, Compression::zstd};
-/// Pictures and other data that is already compressed.
+/// For pictures and other data that is already compressed.
 inline constexpr ChunkGroup pictures{1, Compression::none};
 
-/// Writes one file, front to back; it never seeks. Every call may return the error of an earlier one (a full disk shows
-/// late); after an error nothing more is written. Destroying a Writer without close() leaves a file without summary,
-/// readable up to the last finished chunk: as a kill does.
+/// Writes one file from front to back; it never seeks. Every call may return the error of an earlier one (a full disk
+/// is reported late). After an error nothing more is written. A Writer that is destroyed without close(), or a process
+/// that is killed, leaves a file without summary, readable up to the last finished chunk.
 class Writer {
  public:
-  /// Creates the file, or begins it anew: who has the old one open keeps it as it was, unless it has more than one name
-  /// or owner. Links, pipes and devices are written into. Fails if it can't be opened.
+  /// Creates the file, or replaces it: processes that have the old file open keep its contents, unless it has more than
+  /// one name or owner. Links, pipes and devices are written into. Fails if the file can't be opened.
   static Result<std::unique_ptr<Writer>> create(const std::filesystem::path& file, WriterOptions options = {});
-  /// Appends to bytes that outlive the Writer, and that nobody else touches before close() or flush() has returned.
+  /// Appends to bytes that outlive the Writer, and that the caller doesn't touch before close() or flush() has
+  /// returned.
   static std::unique_ptr<Writer> create_in_memory(std::vector<std::byte>& out, WriterOptions options = {});
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Adds a schema and returns its id (from 1); the same name, encoding and data again is the same id. A file holds
-  /// 65535: one more is 0 and an error of every later call.
+  /// Adds a schema and returns its id (from 1). The same name, encoding and data return the same id again. A file can
+  /// contain 65535 schemas; for one more it returns 0, and every later call returns an error.
   std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
 
-  /// Adds a channel and returns its id (from 1). `schema` is 0 or an id of add_schema. A file holds 65536, the last
-  /// with the id 0: one more is an error of every later call.
+  /// Adds a channel and returns its id (from 1). `schema` is 0 or an id of add_schema. A file can contain 65536
+  /// channels, the last with the id 0; after one more every later call returns an error.
   std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
                             StringMap metadata = {}, ChunkGroup group = numbers);
 
-  /// Copies the message into the open chunk of its channel's group. Tens of nanoseconds, unless the queue is full.
-  /// `sequence`: for messages that have a number already; else they are counted from 0 on each channel.
+  /// Copies the message into the open chunk of its channel's group. Takes tens of nanoseconds, unless the queue is
+  /// full. `sequence`: for messages that already have a number; else they are counted from 0 on each channel.
   Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data,
                      std::optional<std::uint32_t> sequence = {});
 
-  /// The same for a message that takes long to compose, as a picture to encode: the Writer's thread will call `compose`
-  /// once, when the chunk is finished. What it gives depends only on what it was made of, which nobody changes; it
-  /// throws nothing. `held`: the memory that waits with it [bytes].
+  /// Adds a message that takes long to compose, as a picture to encode. The Writer's thread calls `compose` once, when
+  /// the chunk is finished. Its result must depend only on data that doesn't change; it throws nothing. `held`: size of
+  /// the memory that it keeps until then [bytes].
   Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                            std::size_t held, std::function<std::vector<std::byte>()> compose);
 
-  /// Adds an attachment. Times are 0 where nothing better is known: never the wall clock's.
+  /// Adds an attachment. Unknown times are 0, never the wall clock's time.
   Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,
                               std::uint64_t log_time_ns = 0, std::uint64_t create_time_ns = 0);
 
   Result<void> add_metadata(std::string_view name, const StringMap& values);
 
-  /// Finishes the open chunks and waits until all of them are in the file. Changes the bytes of the file: the chunks
-  /// end here. For the moment before something may crash for good.
+  /// Finishes the open chunks and waits until all of them are in the file. It changes the bytes of the file, because
+  /// the chunks end here. For use before a step that may crash the process.
   Result<void> flush();
 
-  /// Finishes the open chunks, writes the summary and closes the file. Only add nothing after it; a second close()
-  /// returns what the first did.
+  /// Finishes the open chunks, writes the summary and closes the file. No data may be added afterwards; a second
+  /// close() returns the result of the first.
   Result<void> close();
 
-  /// The number under which the file is open, until close(); -1 in memory.
+  /// The file descriptor until close(); -1 in memory.
   int descriptor() const;
 
  private:
@@ -218,39 +221,39 @@ class Writer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// How a Reader learns what is in a file.
+/// The way in which a Reader finds the contents of a file.
 enum class Opening {
-  walk,        // by every outermost record: finds all damage of the frame, and reads no message
-  by_summary,  // by what the end of the file says, if that is whole and fits together; else by the walk
+  walk,        // reads every outermost record: finds all damage of the frame, and reads no message
+  by_summary,  // reads the summary if it is whole and consistent; else as `walk`
 };
 
 struct ReaderOptions {
   bool check_crcs = true;
   Opening opening = Opening::walk;
-  /// A chunk that says it is larger decompressed is refused as damaged [bytes].
+  /// A chunk whose stated decompressed size is larger is refused as damaged [bytes].
   std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
 };
 
-/// A record as it stands in the file.
+/// A record of the file.
 struct Record {
   std::uint8_t opcode = 0;
   Bytes body;                          // without opcode and length; valid during the callback only
-  std::uint64_t offset = 0;            // of its opcode: in the file, or in the chunk's decompressed records
-  std::optional<std::uint64_t> chunk;  // offset of its chunk in the file, if it is in one
+  std::uint64_t offset = 0;            // of its opcode: in the file, or in the decompressed records of the chunk
+  std::optional<std::uint64_t> chunk;  // offset in the file of the chunk that contains it, if any
 };
 
-/// Reads one file. open() fails only if there is nothing to be had: no such file, not MCAP, not a file (a directory, a
-/// device). A pipe is one, and so is standard input, named "-". A file that is cut or damaged opens; damage() says
-/// where, passes deliver what is whole and then return all the damage they met.
+/// Reads one file. open() fails only if nothing can be read: the file doesn't exist, is not MCAP or is not a file (a
+/// directory, a device). A pipe counts as a file; so does standard input, named "-". A file that is cut or damaged
+/// opens: damage() reports the place, passes deliver all undamaged messages and then return the damage that they met.
 class Reader {
  public:
   using OnMessage = std::function<bool(const Message&)>;  // false: stop
   using OnRecord = std::function<bool(const Record&)>;    // false: stop
 
-  /// Maps the file, as large as it is now, and walks its outermost records (not into chunks, except for channels if
-  /// there is no summary).
+  /// Maps the file in its present size, and reads its outermost records. It reads no chunks, except for channels if
+  /// there is no summary.
   static Result<std::unique_ptr<Reader>> open(const std::filesystem::path& file, ReaderOptions options = {});
-  /// The same over bytes that outlive the Reader; `name` is what messages call them.
+  /// Opens bytes that outlive the Reader; `name` is their name in diagnostics.
   static Result<std::unique_ptr<Reader>> open_bytes(Bytes bytes, std::string name, ReaderOptions options = {});
   ~Reader();
   Reader(const Reader&) = delete;
@@ -258,15 +261,14 @@ class Reader {
 
   const std::string& name() const;     // as the user named the file
   const std::string& profile() const;  // of the header
-  const std::string& library() const;  // of the header: who wrote it
+  const std::string& library() const;  // of the header: the library that wrote the file
   std::uint64_t size() const;          // [bytes]
 
-  /// Whether open() learned all from the summary. The walk is then made by the first pass that isn't of single
-  /// messages: until then damage() is empty, and an attachment's CRC isn't checked. What the walk finds comes with that
-  /// pass.
+  /// Whether open() read the summary alone. The first pass over all messages then makes the walk: until then damage()
+  /// is empty, and an attachment's CRC isn't checked. That pass reports the findings of the walk.
   bool opened_by_summary() const;
 
-  /// What the walk found: cut at byte N, summary damaged, ... Empty: the file's frame is whole.
+  /// The findings of the walk: cut at byte N, summary damaged, ... Empty: the file's frame is whole.
   const Diagnostics& damage() const;
 
   const std::map<std::uint16_t, Schema>& schemas() const;
@@ -276,16 +278,17 @@ class Reader {
   const std::vector<Attachment>& attachments() const;
   const std::vector<Metadata>& metadata() const;
   const std::vector<Chunk>& chunks() const;             // in file order
-  const std::optional<Statistics>& statistics() const;  // nullopt: the file has none
+  const std::optional<Statistics>& statistics() const;  // nullopt: the file has no statistics
 
-  /// Every message of the chosen channels (all if empty) in file order. A chunk whose CRC is wrong is left out whole.
-  /// Unless stopped, the pass also checks the data section's CRC. Its errors include damage().
+  /// Delivers every message of the chosen channels (all if empty) in file order. A chunk whose CRC is wrong is left out
+  /// whole. A pass that isn't stopped also checks the data section's CRC. Its errors include damage().
   Result<void> for_each_message(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
 
-  /// The same in order of (log time, position in the file), over chunks that overlap in time. Holds those chunks.
+  /// Delivers them in order of (log time, position in the file), also if chunks overlap in time. It holds those chunks
+  /// in memory.
   Result<void> for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
 
-  /// One message again. Its data is valid until the next call of any function of this Reader.
+  /// Reads one message again. Its data is valid until the next call of any function of this Reader.
   Result<Message> message_at(const Location& location);
 
   class Impl;

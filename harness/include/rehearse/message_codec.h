@@ -1,6 +1,6 @@
-// From a struct that lists its fields to bytes, back, and to the text of its schema.
+// Encodes a struct that lists its fields as bytes, decodes it, and makes the text of its schema.
 //
-// All three come from the one list, T::for_each_field(), so they can't disagree. The structs are in messages.h.
+// All three use one list, T::for_each_field(), so they always agree. The structs are in messages.h.
 #pragma once
 
 #include <rehearse/cdr.h>
@@ -15,7 +15,7 @@
 
 namespace rehearse::msg {
 
-/// A struct that lists its fields: any of messages.h.
+/// A struct that lists its fields: any struct of messages.h.
 template <class T>
 concept MessageStruct = requires {
   T::type_name;
@@ -85,7 +85,7 @@ void decode_value(CdrReader& reader, std::vector<T>& values) {
     reader.get_sequence(values);
   } else {
     const std::uint32_t count = reader.get_count(1);
-    std::size_t i = 0;  // grows with what is really there, whatever the count says
+    std::size_t i = 0;  // grows with the elements that were read, not with the count
     for (; i < count && reader.ok(); ++i) {
       if (i == values.size()) values.emplace_back();
       decode_value(reader, values[i]);
@@ -109,7 +109,7 @@ bool decode(CdrReader& reader, T& message) {
 
 namespace detail {
 
-/// Collects the text of a type and of those it uses, each once, in order of first use.
+/// Collects the text of a type and of the types that it uses, each once, in order of first use.
 class SchemaComposer {
  public:
   template <MessageStruct T>
@@ -172,7 +172,7 @@ class SchemaComposer {
     return type_text(T{}) + "[" + std::to_string(N) + "]";
   }
 
-  /// ros2msg text says std_msgs/Header where a channel's schema is named std_msgs/msg/Header.
+  /// In ros2msg text the type is std_msgs/Header; in the name of a channel's schema it is std_msgs/msg/Header.
   static std::string short_name(std::string_view type) {
     std::string text(type);
     return text.erase(text.find("/msg/"), 4);

@@ -1,8 +1,8 @@
-// The messages that a trace holds: plain structs with the names and fields of ROS 2, and how they are written and read.
+// The messages of a trace: plain structs with the names and fields of ROS 2.
 //
-// Each struct lists its fields once, in for_each_field(); encode(), decode() and the schema text all come from that
-// list, so they can't disagree. encode() and decode() don't allocate once strings and vectors have had their size.
-// The types of package rehearse_msgs are ours; what they are for stands in harness/TRACE_FORMAT.md.
+// Each struct lists its fields once, in for_each_field(). encode(), decode() and the schema text use this list, so they
+// always agree. encode() and decode() don't allocate once strings and vectors have reached their size. The package
+// rehearse_msgs belongs to this project; harness/TRACE_FORMAT.md describes its types.
 #pragma once
 
 #include <rehearse/message_codec.h>
@@ -37,7 +37,7 @@ struct Time {
 struct Header {
   static constexpr std::string_view type_name = "std_msgs/msg/Header";
   Time stamp;
-  std::string frame_id;  // the frame that the quantities are in
+  std::string frame_id;  // the frame of the quantities
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {
@@ -273,7 +273,7 @@ struct Image {
   std::uint32_t width = 0;   // [pixels]
   std::string encoding;      // as rgb8, 32FC1
   std::uint8_t is_bigendian = 0;
-  std::uint32_t step = 0;  // bytes a row
+  std::uint32_t step = 0;  // bytes per row
   std::vector<std::uint8_t> data;
 
   template <class Self, class Visit>
@@ -351,7 +351,7 @@ struct CameraInfo {
   }
 };
 
-/// What ROS calls a joystick: which axis and which button is which is its driver's matter.
+/// The state of a joystick. The joystick's driver defines the numbers of axes and buttons.
 struct Joy {
   static constexpr std::string_view type_name = "sensor_msgs/msg/Joy";
   Header header;
@@ -366,7 +366,7 @@ struct Joy {
   }
 };
 
-/// Distances in one plane; angles grow to the left, about the frame's +z from its +x.
+/// Distances in one plane; angles increase to the left, about the frame's +z from its +x.
 struct LaserScan {
   static constexpr std::string_view type_name = "sensor_msgs/msg/LaserScan";
   Header header;                 // stamped with the time of the scan
@@ -377,7 +377,7 @@ struct LaserScan {
   float scan_time = 0.0f;        // between scans [s]
   float range_min = 0.0f;        // [m]
   float range_max = 0.0f;        // [m]
-  std::vector<float> ranges;     // [m]; +inf: nothing there
+  std::vector<float> ranges;     // [m]; +inf: nothing was found
   std::vector<float> intensities;
 
   template <class Self, class Visit>
@@ -401,7 +401,7 @@ struct PointField {
   static constexpr std::uint8_t float32 = 7;
   std::string name;
   std::uint32_t offset = 0;   // in the point [bytes]
-  std::uint8_t datatype = 0;  // float32 is what we write
+  std::uint8_t datatype = 0;  // float32 in recordings
   std::uint32_t count = 0;
 
   template <class Self, class Visit>
@@ -417,13 +417,13 @@ struct PointCloud2 {
   static constexpr std::string_view type_name = "sensor_msgs/msg/PointCloud2";
   Header header;
   std::uint32_t height = 0;  // rows
-  std::uint32_t width = 0;   // points a row
+  std::uint32_t width = 0;   // points per row
   std::vector<PointField> fields;
   bool is_bigendian = false;
-  std::uint32_t point_step = 0;  // bytes a point
-  std::uint32_t row_step = 0;    // bytes a row
+  std::uint32_t point_step = 0;  // bytes per point
+  std::uint32_t row_step = 0;    // bytes per row
   std::vector<std::uint8_t> data;
-  bool is_dense = false;  // every point is one
+  bool is_dense = false;  // every point is valid
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {
@@ -439,15 +439,15 @@ struct PointCloud2 {
   }
 };
 
-/// One per tick: what makes two runs comparable at a glance.
+/// One per tick: hashes by which two runs are compared quickly.
 struct Tick {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";
   Time stamp;
   std::int64_t tick = 0;
   std::uint64_t state_hash = 0;          // of the complete simulation state at the beginning of the tick
-  std::uint64_t input_hash = 0;          // of all that went to controllers
-  std::uint64_t output_hash = 0;         // of all that they commanded
-  std::vector<bool> controller_results;  // what control() returned, in scenario order
+  std::uint64_t input_hash = 0;          // of all inputs of controllers
+  std::uint64_t output_hash = 0;         // of all their commands
+  std::vector<bool> controller_results;  // the results of control(), in scenario order
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {
@@ -460,7 +460,7 @@ struct Tick {
   }
 };
 
-/// A device's numbers, where ROS has no type for it.
+/// The numbers of a device for which ROS has no message type.
 struct DeviceState {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/DeviceState";
   Header header;
@@ -473,14 +473,14 @@ struct DeviceState {
   }
 };
 
-/// A point where a link touches something. In the frame of the message it is part of.
+/// A point where a link touches an object, in the frame of the message that contains it.
 struct Contact {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Contact";
   Point position;
-  Vector3 normal;    // from the other one into the link, unit length
-  Vector3 force;     // of the other one on the link [N]
-  Vector3 velocity;  // of the link's point relative to the other's [m/s]
-  double depth = 0;  // how far they overlap [m]
+  Vector3 normal;    // from the other object into the link, unit length
+  Vector3 force;     // exerted by the other object on the link [N]
+  Vector3 velocity;  // of the link's point relative to the other object's point [m/s]
+  double depth = 0;  // depth of the overlap [m]
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {
@@ -492,7 +492,7 @@ struct Contact {
   }
 };
 
-/// All that touches a link; as many as there are.
+/// All contacts of a link.
 struct Contacts {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Contacts";
   Header header;
@@ -505,12 +505,12 @@ struct Contacts {
   }
 };
 
-/// What a contact sensor feels.
+/// The measurement of a contact sensor.
 struct ContactForce {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/ContactForce";
   Header header;
-  std::uint32_t count = 0;  // of points
-  Vector3 force;            // on the link, at all of them [N]
+  std::uint32_t count = 0;  // number of contact points
+  Vector3 force;            // on the link, sum over all points [N]
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {
@@ -520,7 +520,7 @@ struct ContactForce {
   }
 };
 
-/// As long as each other. NaN: not given for this joint.
+/// Both arrays have the same length. NaN: the joint has no value.
 struct JointAccelerations {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/JointAccelerations";
   Header header;
@@ -535,7 +535,7 @@ struct JointAccelerations {
   }
 };
 
-/// Something that happened once: a controller failed, a push began.
+/// A single event: a controller failed, a push began.
 struct Event {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Event";
   Time stamp;
@@ -554,14 +554,14 @@ struct Event {
   }
 };
 
-/// Two links begin or cease to touch.
+/// Two links begin or end to touch.
 struct ContactChange {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/ContactChange";
   Time stamp;
-  std::int64_t tick = 0;  // after the step in which it happened
+  std::int64_t tick = 0;  // tick after the step in which it happened
   std::string link;       // as SR1/RLEG_ANKLE_R
   std::string other;
-  bool begins = false;  // else it ends
+  bool begins = false;  // true: the contact begins; false: it ends
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {
@@ -573,12 +573,12 @@ struct ContactChange {
   }
 };
 
-/// The complete state of the simulation, to go on from.
+/// The complete state of the simulation, from which a run can continue.
 struct Checkpoint {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Checkpoint";
   Time stamp;
   std::int64_t tick = 0;
-  std::string format;  // names and versions the layout of data
+  std::string format;  // name and version of the layout of data
   std::vector<std::uint8_t> data;
 
   template <class Self, class Visit>

@@ -1,8 +1,9 @@
 // Pinning: a process whose arithmetic doesn't depend on the processor it runs on.
 //
-// The C library chooses its sin, exp and so on by what the processor can do, and the renderer compiles its shaders for
-// it; both then round differently from machine to machine. Both take their orders from the environment, before a
-// program starts. So a program that wants the same bits everywhere starts itself once more with that environment.
+// The C library chooses its implementation of sin, exp and so on by the features of the processor, and the renderer
+// compiles its shaders for it. So both round differently on different machines. Both read settings from the
+// environment, before a program starts. A program that needs the same bits everywhere therefore starts itself once more
+// with these settings.
 #pragma once
 
 #include <filesystem>
@@ -16,28 +17,29 @@ namespace rehearse {
 /// GALLIUM_OVERRIDE_CPU_CAPS and LP_NUM_THREADS for the renderer.
 std::vector<std::pair<std::string, std::string>> pinned_environment();
 
-/// True if this process was started with them; what it has set for itself since then has no effect.
+/// True if this process was started with them; later changes of its environment have no effect.
 bool is_pinned();
 
-/// "yes", or "no" and why: what recordings say of this process as the fact `pinned`.
+/// "yes", or "no" and the reason: the fact `pinned` in recordings of this process.
 std::string pinned_fact();
 
-/// Sets them for the programs that this one starts (exec) from now on; it does nothing to this one.
+/// Sets them for the programs that this process starts (exec) from now on; it has no effect on this process.
 void set_pinned_environment();
 
-/// REHEARSE_PIN=off is set: this process and those that it starts shall not pin themselves.
+/// True if REHEARSE_PIN=off is set: this process and its children must not pin themselves.
 bool is_pinning_off();
 
-/// The file of this program; where there is no /proc, the name by which it was started.
+/// The file of this program; without /proc, the name by which it was started.
 std::filesystem::path own_program();
 
-/// Valgrind runs this program: it can't start itself again and stay under valgrind, unless that follows children.
+/// True under valgrind: this program can't start itself again and stay under valgrind, unless valgrind follows
+/// children.
 bool runs_under_valgrind();
 
-/// To be called first in main(), before anything computes: unless pinned already, executes this program once more, with
-/// the same arguments and the pinned environment. Comes back if it was pinned, if REHEARSE_PIN=off says so, or if it
-/// can't be done (then is_pinned() is false, and recordings say so). Another value of REHEARSE_PIN than `on` and `off`
-/// ends the program with a message and exit status 2.
+/// Must be called first in main(), before any computation. Unless the process is already pinned, it executes this
+/// program once more, with the same arguments and the pinned environment. Returns if the process was pinned, if
+/// REHEARSE_PIN=off is set, or if the second start fails (then is_pinned() is false, and recordings state this). A
+/// value of REHEARSE_PIN other than `on` and `off` ends the program with a message and exit status 2.
 void pin_process(char** argv);
 
 }  // namespace rehearse

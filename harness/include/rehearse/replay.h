@@ -1,9 +1,9 @@
-// Replay: recorded inputs into the controllers, without physics and without a renderer; their commands compared with
-// the recorded ones, bit for bit. That they are fed with what was recorded is checked by the hash of all inputs in each
-// tick, as long as they read the same things as then.
+// Replay: feeds recorded inputs to the controllers, without physics and without a renderer, and compares their commands
+// with the recorded ones, bit for bit. The hash of all inputs in each tick verifies that the inputs are equal to the
+// recorded ones, as long as the controllers read the same quantities as in the recording.
 //
-// The controllers run from the beginning of the recording: their own memory is part of what is replayed. The libraries
-// may be others than those recorded. Links neither ODE nor OSMesa.
+// The controllers run from the beginning of the recording, because their memory is part of the replay. The libraries
+// may differ from the recorded ones. Links neither ODE nor OSMesa.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -24,78 +24,81 @@ namespace msg {
 struct Event;
 }
 
-/// One word of what the controllers give in a tick.
+/// One word (64 bits) of the outputs of the controllers in a tick.
 struct OutputField {
   enum class Kind {
     number,  // the bits of a double
-    flag,    // 0 or 1: whether it takes part, what control() returned, whether a device was told anything
+    flag,    // 0 or 1: whether the controller takes part, the result of control(), whether a device was commanded
   };
   std::string controller;  // "SR1/SR1Minimum"
   std::string channel;     // topic, as in a recording
-  std::string element;     // within it: RLEG_KNEE/u
+  std::string element;     // within the channel: RLEG_KNEE/u
   std::string unit;        // may be empty
   Kind kind = Kind::number;
 };
 
 struct ReplayOptions : HostOptions {
-  double from = 0.0;            // commands before it are not compared [s]
-  std::optional<double> until;  // the replay ends there [s]
+  double from = 0.0;            // commands before this time are not compared [s]
+  std::optional<double> until;  // end of the replay [s]
   /// Inputs that are altered before the controllers see them, each as SERIES=VALUE@SPAN:
-  /// Walker/KNEE/q=0.3@tick:1200..1300 (src/replay/altered_inputs.h has the forms). What differs then is what they do
-  /// of it.
+  /// Walker/KNEE/q=0.3@tick:1200..1300 (src/replay/altered_inputs.h describes the forms). Differences then show the
+  /// reaction of the controllers.
   std::vector<std::string> set;
-  /// How far a command may be from the recorded one and still count as within; empty: not asked, no command may.
+  /// The allowed difference of a command from the recorded one, for ReplayReport::within(); none: no difference is
+  /// allowed.
   std::optional<std::vector<ToleranceRule>> tolerances;
   /// Called with each difference, in the order of ticks; null: not.
   std::function<void(const Divergence&)> on_difference;
-  /// Called once, when the controllers have started, with what on_outputs will be given; null: not.
+  /// Called once, when the controllers have started, with the fields that on_outputs will report; null: not.
   std::function<void(const std::vector<OutputField>&)> on_started;
-  /// Called after each tick with a word for each of those fields; null: not.
+  /// Called after each tick with one word for each of those fields; null: not.
   std::function<void(std::int64_t tick, const std::vector<std::uint64_t>&)> on_outputs;
   /// Called with each variable that a controller set in a tick (rehearse_variable.h), after on_outputs; null: not.
   /// `series` as in a recording: SR1/Walker/variable/phase.
   std::function<void(std::int64_t tick, const std::string& series, double value)> on_variable;
-  /// Called with each event of the replay as it happens, the controllers' lines among them (severity note, the source
-  /// is the controller); null: not. Those of initialize() and start() have tick 0.
+  /// Called with each event of the replay when it happens, and with each line of a controller (severity note, the
+  /// controller is the source); null: not. Events of initialize() and start() have tick 0.
   std::function<void(const msg::Event&)> on_event;
-  /// Called about every hundredth of the recording with the ticks done and all; null: not.
+  /// Called about every hundredth of the recording with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// What the controllers said beside their commands: lines to os(), and variables. It makes no verdict, but for
-/// variables that a tolerance rule of the recording's scenario asks for: these are compared like commands.
+/// Outputs of the controllers beside their commands: lines to os(), and variables. They do not influence the verdict,
+/// except variables that a tolerance rule of the recording's scenario names: these are compared like commands.
 struct ReplayedWords {
-  std::int64_t lines = 0;      // compared
-  std::int64_t variables = 0;  // numbers compared
-  std::int64_t different = 0;  // ticks with another line, and variables that aren't the same bits
+  std::int64_t lines = 0;      // number of compared lines
+  std::int64_t variables = 0;  // number of compared numbers of variables
+  std::int64_t different = 0;  // ticks with different lines, and variables with different bits
   std::optional<Divergence> first;
 };
 
-/// Differences of commands, in the order of ticks, controllers, links; without ReplayOptions::tolerances none is
-/// allowed.
+/// Differences of commands, in the order of ticks, controllers, links; without ReplayOptions::tolerances no difference
+/// is allowed.
 struct ReplayReport : Differences {
-  std::int64_t ticks = 0;             // replayed
-  std::int64_t ticks_different = 0;   // in which any command differed
+  std::int64_t ticks = 0;             // number of replayed ticks
+  std::int64_t ticks_different = 0;   // number of ticks with a different command
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   ReplayedWords words;
   bool controller_refused = false;
-  std::vector<std::string> other_controllers;  // BODY/NAME of those whose library isn't, byte by byte, the recorded one
-  /// Files beside the recording that the controllers read now, or read when it was made, with other content: a sentence
-  /// each.
+  /// BODY/NAME of the controllers whose library isn't, byte by byte, the recorded one
+  std::vector<std::string> other_controllers;
+  /// Files beside the recording that a controller reads now, or read during the recording, and whose content has
+  /// changed: a sentence each.
   std::vector<std::string> changed_files;
-  bool same_controllers = false;  // every controller's file is, byte by byte, the one that was recorded; so are options
+  bool same_controllers = false;  // every controller's file is, byte by byte, the recorded one; options are equal, too
   Diagnostics remarks;
 
   bool equal() const { return !first && !failure; }
   bool within() const { return !beyond && !failure; }
 };
 
-/// Fails if the trace can't be read or holds no recording of ours, if a library doesn't load, or if a controller reads
-/// something that was not recorded.
+/// Fails if the trace can't be read or isn't a recording of Rehearse, if a library doesn't load, or if a controller
+/// reads a quantity that was not recorded.
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options = {});
 
-/// The replay of a recording as a recording: what was to be seen as it was, the controllers' inputs with what
-/// ReplayOptions::set alters of them, and what they did of them. Whole, whatever `from` and `until` say.
+/// Writes the replay of a recording as a new recording. It contains the recorded observations, the controllers' inputs
+/// with the alterations of ReplayOptions::set, and their new outputs. It covers the whole recording, independent of
+/// `from` and `until`.
 Result<void> write_replay(const std::filesystem::path& recording, const std::filesystem::path& trace,
                           const ReplayOptions& options);
 

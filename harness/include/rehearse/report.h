@@ -1,8 +1,8 @@
-// Report: a run to look at in a browser, beside its golden if there is one, as one HTML file that needs nothing else.
+// Report: an HTML file that shows a run in a browser, beside its golden if there is one. It needs no other file.
 //
-// It has the verdict, a time line, the robots in motion, plots of all series, the pictures, what controllers said, and
-// what both runs were made with. Its page is built by npm from tools/report and stands in share/rehearse; its data is
-// described in tools/report/FORMAT.md. Nothing is simulated and no controller is run.
+// A report contains the verdict, a time line, the robots in motion, plots of all series, the pictures, the messages of
+// controllers, and the provenance of both runs. npm builds the page from tools/report; it is installed in
+// share/rehearse. tools/report/FORMAT.md describes its data. No simulation and no controller is run.
 #pragma once
 
 #include <rehearse/check.h>
@@ -20,76 +20,76 @@
 
 namespace rehearse {
 
-/// What somebody who judged the run has found: a check, which knows more than a comparison.
+/// The verdict of a check, which contains more than that of a comparison.
 struct ReportVerdict {
   std::string sentence;                            // without a full stop
   std::string state;                               // "equal", "within", "beyond" or "failed"
   std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
-  std::optional<Divergence> first = std::nullopt;  // the place to look at first; none: the comparison's
+  std::optional<Divergence> first = std::nullopt;  // the place of the first difference to show; none: the comparison's
 };
 
 struct ReportOptions {
   std::optional<double> from;       // [s], inclusive; none: the run's beginning
   std::optional<double> until;      // [s], exclusive; none: the run's end
-  std::vector<std::string> topics;  // globs: whose series and pictures are in it; empty: all
-  /// Of the comparison; none: those of the golden's scenario.
+  std::vector<std::string> topics;  // globs of the topics whose series and pictures are included; empty: all
+  /// Tolerances of the comparison; none: those of the golden's scenario.
   std::optional<std::vector<ToleranceRule>> tolerances;
-  std::optional<double> horizon;         // values are judged up to then [s]; none: all
+  std::optional<double> horizon;         // values are judged up to this time [s]; none: all
   std::optional<ReportVerdict> verdict;  // none: that of the comparison
-  /// The file that the run's scenario was read from, beside which models and their meshes stand; empty: they are looked
-  /// for in the repository that the recording or the working directory is in.
+  /// The file of the run's scenario, beside which models and meshes are; empty: they are searched in the repository
+  /// that contains the recording or the working directory.
   std::filesystem::path scenario;
-  /// The page that gets the data; empty: the one that belongs to this library.
+  /// The page into which the data is written; empty: the page of this library.
   std::filesystem::path page;
-  /// Of the file; more than that no browser opens with pleasure [bytes].
+  /// Limit of the size of the file; browsers open larger files slowly [bytes].
   std::uintmax_t max_size = std::uintmax_t{400} << 20;
-  /// Told how many of how many parts are done; null: nobody wants to know.
+  /// Called with the number of finished parts and of all parts; null: not.
   std::function<void(std::int64_t, std::int64_t)> progress;
 };
 
-/// What was written.
+/// The result of write_report().
 struct ReportSummary {
   std::string verdict;                     // a sentence, without a full stop
   std::string state;                       // as in ReportVerdict, or "alone"
-  std::optional<std::int64_t> first_tick;  // where it differs first; none: it doesn't
+  std::optional<std::int64_t> first_tick;  // tick of the first difference; none: no difference
   std::int64_t begin = 0, end = 0;         // ticks: the first, and one past the last
   std::uintmax_t bytes = 0;                // of the file
-  std::uintmax_t data_bytes = 0;           // of it: all but the page
-  std::vector<std::string> omitted;        // what it leaves out, and why: sentences
+  std::uintmax_t data_bytes = 0;           // size of the data: the file without the page
+  std::vector<std::string> omitted;        // omitted parts with reasons: sentences
 };
 
-/// Where the page stands that reports are made of: REHEARSE_REPORT_PAGE in the environment says it, for whoever works
-/// on the page, else it belongs to this library. Fails, and says what to install, if it was not built.
+/// The page from which reports are made: REHEARSE_REPORT_PAGE in the environment, for developers of the page, else the
+/// page of this library. If the page was not built, it fails with a message that names the packages to install.
 Result<std::filesystem::path> report_page();
 
-/// What opens a report, at that tick if there is one: "file:///home/me/a%20run.html#tick=123". Terminals make a link of
-/// it.
+/// A link that opens a report, at that tick if given: "file:///home/me/a%20run.html#tick=123". Terminals make it
+/// clickable.
 std::string report_link(const std::filesystem::path& report, std::optional<std::int64_t> tick = std::nullopt);
 
-/// How large the report of a recording would be, about, by the index of its file [bytes].
+/// The approximate size of the report of a recording, by the index of its file [bytes].
 Result<std::uintmax_t> estimated_report_size(const std::filesystem::path& trace, const ReportOptions& options = {});
 
-/// Writes the report of `trace`, beside `golden` if there is one, under another name until it is whole. A recording
-/// that is cut or damaged is reported as far as it is whole. Fails, with nothing written, if `trace` or `golden` is no
-/// recording of ours, if the page was not built, if the report would be larger than `max_size`, or if `report` exists
-/// and isn't a report.
+/// Writes the report of `trace`, beside `golden` if there is one, under a temporary name until it is complete. A
+/// recording that is cut or damaged is reported up to the damage. Fails, and writes nothing, in these cases: `trace` or
+/// `golden` is no recording of Rehearse, the page was not built, the report would be larger than `max_size`, or
+/// `report` exists and isn't a report.
 Result<ReportSummary> write_report(const std::filesystem::path& trace,
                                    const std::optional<std::filesystem::path>& golden,
                                    const std::filesystem::path& report, const ReportOptions& options = {});
 
-/// The report of a check that failed, which `rehearse check` and the assertions of tests leave behind.
+/// The report of a failed check, written by `rehearse check` and the assertions of tests.
 struct FailureReport {
   std::filesystem::path file;
   ReportSummary summary;
 };
 
-/// What a check has found, for the head of a report.
+/// The verdict of a check, for the head of a report.
 ReportVerdict report_verdict(const CheckReport& checked);
 
-/// Writes the report of a check that isn't within, of the fresh trace that it left (check_scenario: `actual`, or else
-/// that of the plant level) beside the golden, beside that trace and under its name with .html. None if nothing failed,
-/// or if there is no such trace, as of a check of the controller level alone. The report of a trace that is no longer
-/// there is removed. The scenario's tolerances decide.
+/// Writes the report of a check that isn't within tolerance. It shows the fresh trace of the check (check_scenario:
+/// `actual`, or else that of the plant level) beside the golden. The report has the trace's name with .html, in the
+/// same folder. None if nothing failed, or if there is no such trace, as for a check of the controller level alone. The
+/// report of a trace that no longer exists is removed. The scenario's tolerances decide.
 Result<std::optional<FailureReport>> write_failure_report(const CheckReport& checked, const Scenario& scenario,
                                                           const std::filesystem::path& golden,
                                                           const std::filesystem::path& actual,

@@ -1,9 +1,9 @@
-// Session: one closed-loop run of a scenario: sense, control, actuate, step, and all of it recorded.
+// Session: one closed-loop run of a scenario (sense, control, actuate, step), which is recorded completely.
 //
 // A plant run (run_plant) is the run of a world under the commands of a recording, without its controllers: the plant
-// level of a check. At each checkpoint of the recording the world is set back to the recorded state, so that a
-// difference never grows for longer than from one checkpoint to the next: what is left is what the simulation does
-// otherwise, not what became of it. The state at a checkpoint itself is recorded before it is restored.
+// level of a check. At each checkpoint of the recording the world is set back to the recorded state. So a difference
+// never grows for longer than from one checkpoint to the next. It shows the change of the simulation itself, not its
+// consequences. The state at a checkpoint is recorded before the recorded state is restored.
 //
 // Needs the simulation (ODE, and OSMesa if a camera runs). For recorded inputs without simulation: replay.h.
 #pragma once
@@ -23,13 +23,12 @@
 
 namespace rehearse {
 
-/// Runs the scenario and writes the trace. Fails, with nothing written, if it can't begin: a library that doesn't load,
-/// a body that can't be simulated, a file that can't be created. A controller that fails later ends the run, not the
-/// trace.
+/// Runs the scenario and writes the trace. Fails, and writes nothing, if the run can't begin: a library doesn't load, a
+/// body can't be simulated, a file can't be created. A controller that fails later ends the run; the trace stays valid.
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace,
                           const RecordOptions& options = {});
 
-/// One run, a tick at a time.
+/// One run, stepped tick by tick.
 class Session {
  public:
   static Result<std::unique_ptr<Session>> create(const Scenario& scenario, const std::filesystem::path& trace,
@@ -38,10 +37,10 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// One tick. False: the run is over, by its duration or by a failure.
+  /// Makes one tick. Returns false if the run is over, by its duration or by a failure.
   Result<bool> step();
   std::int64_t tick() const;
-  /// stop() of the controllers, the last state, the trace's end.
+  /// Calls stop() of the controllers, records the last state and closes the trace.
   Result<RunSummary> finish();
 
  private:
@@ -50,59 +49,60 @@ class Session {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Runs the scenario's world under the recorded commands and writes what it did into a trace: state, sensors, frames
-/// and the hash of the state. If the recording has no checkpoints, or says that they aren't exact, or they are of a
-/// kind that this version can't restore, it runs from the start without them and says so. Fails if the recording
-/// commands something that the scenario hasn't, if the scenario has another time step or parts that the checkpoints
-/// have no state of, or if the run can't begin.
+/// Runs the scenario's world under the recorded commands and writes the results into a trace: state, sensors, frames
+/// and the hash of the state. It runs from the start without checkpoints, and reports this, in three cases: the
+/// recording has no checkpoints, it states that they aren't exact, or this version can't restore their format. Fails if
+/// the recording commands something that the scenario doesn't have, if the scenario has a different time step or parts
+/// whose state the checkpoints lack, or if the run can't begin.
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options = {});
 
-// Branch: a recording that begins as another one and goes its own way from a moment on.
+// Branch: a recording that begins as a copy of a source recording and differs from it from a given moment on.
 //
-// Until the moment its states, sensors and frames are the source's, as they are; the controllers, the recorded ones or
-// others, are fed with the source's inputs from tick 0 on, so that their memory is right, and what they do is recorded.
-// At the moment the world is the source's, and the loop is closed. A branch is a whole recording: it is replayed,
-// compared and branched from like any other. Its metadata record `rehearse.branch` says where it came from. Without any
-// change it is the source, bit for bit. Needs the simulation, like session.h.
+// Until the moment it contains the source's states, sensors and frames without change. The controllers, the recorded
+// ones or others, get the source's inputs from tick 0 on, so that their memory is right; their outputs are recorded. At
+// the moment the world has the source's state, and the loop is closed. A branch is a whole recording: it can be
+// replayed, compared and branched from. Its metadata record `rehearse.branch` states its source. Without any change it
+// equals the source, bit for bit. Needs the simulation, like session.h.
 
 /// "TRACE@3.2s" or "TRACE@tick:640".
 struct BranchPoint {
   std::filesystem::path trace;
-  std::optional<double> time;  // [s]; else:
+  std::optional<double> time;  // [s]; none: `tick` is set
   std::optional<std::int64_t> tick;
 
-  /// Fails with a caret under what can't be read.
+  /// Fails with a caret under the part that can't be read.
   static Result<BranchPoint> parse(const std::string& text);
 };
 
 struct BranchOptions : HostOptions {
-  /// The scenario file that was recorded: the models' meshes, which no recording holds, are those that it names. It has
-  /// to be what it was, and so have its models and meshes. Empty: the recording is enough, if there are no meshes.
+  /// The recorded scenario file; it names the models' meshes, which no recording contains. The file, its models and
+  /// meshes must be unchanged. Empty: the recording is sufficient, if there are no meshes.
   std::filesystem::path scenario;
-  /// The end, as time of the run [s], or so long after the moment [s]; none: the source's.
+  /// The end, as time of the run [s], or as duration after the moment [s]; none: the source's end.
   std::optional<double> until, duration;
-  /// Inputs that are altered before controllers see them, as ReplayOptions::set; those before the moment, too.
+  /// Inputs that are altered before controllers see them, as ReplayOptions::set; inputs before the moment are altered,
+  /// too.
   std::vector<std::string> set;
-  /// "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN": beside those of the scenario. None may begin before the
-  /// moment.
+  /// Pushes in addition to those of the scenario: "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN". None may begin
+  /// before the moment.
   std::vector<std::string> push;
-  /// Called about every hundredth of what is simulated, with the ticks done and all; null: not.
+  /// Called about every hundredth of the simulated span with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
 struct BranchSummary {
   RunSummary run;
-  std::int64_t tick = 0;  // where it branches
-  double time = 0.0;      // of it [s]
-  std::string world;      // how the world came to be there: a sentence
-  /// What the controllers did before the moment that they did not when the source was recorded.
+  std::int64_t tick = 0;  // of the moment
+  double time = 0.0;      // of this tick [s]
+  std::string world;      // a sentence: how the state of the world was restored
+  /// Differences of the controllers' outputs before the moment from the source's.
   ReplayReport before;
 };
 
-/// Writes the branch into `trace`. Fails, with nothing written, if the source is no recording of a simulation, hasn't
-/// that moment, or lacks what the controllers read; if something of the options makes no sense; or if a controller
-/// fails before the moment.
+/// Writes the branch into `trace`. Fails, and writes nothing, if the source is no recording of a simulation, doesn't
+/// contain that moment, or lacks inputs of the controllers; if an option is invalid; or if a controller fails before
+/// the moment.
 Result<BranchSummary> record_branch(const BranchPoint& from, const std::filesystem::path& trace,
                                     const BranchOptions& options = {});
 

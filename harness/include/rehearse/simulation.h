@@ -1,7 +1,7 @@
 // Simulation: the options and results of runs with physics, and the functions that make such runs.
 //
 // session.h declares the functions themselves. They need ODE, and OSMesa for cameras. A library that neither simulates
-// nor draws (a check, a partial acceptance) is given a Simulation by its caller.
+// nor renders (a check, a partial acceptance) gets a Simulation from its caller.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -18,47 +18,51 @@
 namespace rehearse {
 
 struct RecordOptions : HostOptions {
-  /// Simulated time from one checkpoint to the next [s]; at least a tick; 0: there are none, and the plant level of a
-  /// check runs from the start.
+  /// Simulated time from one checkpoint to the next [s]; at least a tick. 0: no checkpoints are recorded, and the plant
+  /// level of a check runs from the start.
   double checkpoint_period = 0.1;
-  /// Moves each body by a last bit before the first tick, to see how far that carries. See World::nudge().
+  /// Moves each body by a last bit before the first tick, to measure how this perturbation grows. See World::nudge().
   std::optional<std::uint32_t> nudge;
-  /// Called about every hundredth of the run with the ticks done and all; null: not.
+  /// Called about every hundredth of the run with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// What a run came to.
+/// The result of a run.
 struct RunSummary {
   std::int64_t ticks = 0;
   int channels = 0;
-  std::int64_t frames = 0;            // colour pictures
-  std::uintmax_t bytes = 0;           // of the trace file
-  std::optional<Diagnostic> failure;  // a controller threw, crashed or hung, or the simulation exploded: it ended there
-  bool controller_refused = false;    // a controller returned false from configure, initialize or start
-  Diagnostics remarks;  // what controllers did that they should not have, and World::remarks(); warnings and errors
+  std::int64_t frames = 0;   // colour pictures
+  std::uintmax_t bytes = 0;  // of the trace file
+  /// a controller threw, crashed or hung, or the simulation exploded: the run ended there
+  std::optional<Diagnostic> failure;
+  bool controller_refused = false;  // a controller returned false from configure, initialize or start
+  /// Misbehaviour of controllers, and World::remarks(); warnings and errors.
+  Diagnostics remarks;
 };
 
 struct PlantOptions {
-  /// Where to begin; there must be a checkpoint, or it is 0. Cameras and range sensors say nothing of what they had
-  /// captured before.
-  std::int64_t from = 0;              // tick
-  std::optional<std::int64_t> until;  // the state at this tick is the last that is recorded; none: the recording's last
-  /// Set back at each checkpoint; else at the one it begins at only.
+  /// The tick at which to begin: a tick with a checkpoint, or 0. Cameras and range sensors deliver nothing that they
+  /// captured before it.
+  std::int64_t from = 0;  // tick
+  /// the state at this tick is the last recorded one; none: the recording's last tick
+  std::optional<std::int64_t> until;
+  /// The state is set back at each checkpoint; false: only at the first one.
   bool resync = true;
-  /// The noise of sensors is that of this scenario; null: of the scenario that runs.
+  /// The scenario whose sensor noise is used; null: the scenario that runs.
   const Scenario* noise_of = nullptr;
-  /// Moves each body by a last bit wherever the state is set back, and at the beginning: what that does to a run is
-  /// noise, and no fault. See World::nudge().
+  /// Moves each body by a last bit wherever the state is set back, and at the beginning. The resulting differences are
+  /// noise, not faults. See World::nudge().
   std::optional<std::uint32_t> nudge;
-  /// Called about every hundredth of the run with the ticks done and all; null: not.
+  /// Called about every hundredth of the run with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
 struct PlantSummary {
   std::int64_t ticks = 0;
-  std::int64_t restored = 0;          // checkpoints that the world was set back to
-  std::string from_the_start;         // why none was: a sentence; empty: they were, or nobody wanted it
-  std::optional<Diagnostic> failure;  // the simulation exploded; it ended there
+  std::int64_t restored = 0;  // number of checkpoints at which the world was set back
+  /// a sentence: why no checkpoint was restored; empty: checkpoints were restored, or not requested
+  std::string from_the_start;
+  std::optional<Diagnostic> failure;  // the simulation exploded; the run ended there
 };
 
 /// Moves a scenario's world by the commands of a recording (session.h: run_plant).

@@ -1,5 +1,5 @@
-// What <rehearse/gtest.h> stands on, without GoogleTest: where a test finds its files, and what its assertions do.
-// C++17.
+// The part of <rehearse/gtest.h> that needs no GoogleTest: the folders of a test's files, and the implementation of its
+// assertions. C++17.
 #pragma once
 
 #include <rehearse/trace.h>
@@ -12,49 +12,50 @@
 namespace rehearse {
 
 struct TestFolders {
-  std::string fixtures;     // scenarios and models; REHEARSE_FIXTURES in the environment wins
-  std::string golden;       // goldens; REHEARSE_GOLDEN_DIR wins
-  std::string output;       // gets traces/, with reports, and goldens/pending/; REHEARSE_PENDING wins over the latter
+  std::string fixtures;  // scenarios and models; REHEARSE_FIXTURES in the environment overrides it
+  std::string golden;    // goldens; REHEARSE_GOLDEN_DIR overrides it
+  /// parent of traces/, which has the reports, and of goldens/pending/; REHEARSE_PENDING overrides the latter
+  std::string output;
   std::string controllers;  // libraries of controllers; searched after REHEARSE_CONTROLLER_PATH
 };
 
-/// States the folders of this program; rehearse_add_controller_test does it. Empty ones keep what they were: at first
-/// the working directory, and golden/ in it. True, so that it can initialise a variable.
+/// Sets the folders of this program; rehearse_add_controller_test calls it. An empty member leaves the folder
+/// unchanged: at first the working directory, and golden/ in it. Returns true, so that it can initialise a variable.
 bool set_test_folders(const TestFolders& folders);
 
-/// The folders in force, the environment included; controllers apart.
+/// The folders in use, including overrides by the environment, except for controllers.
 TestFolders test_folders();
 
-/// A path of the fixtures; absolute paths stay.
+/// A path in the fixtures folder; absolute paths are returned unchanged.
 std::string fixture_path(const std::string& path);
 
-// What EXPECT_MATCHES_GOLDEN may be told beside the recording, in any order.
+// Further arguments of EXPECT_MATCHES_GOLDEN after the recording, in any order.
 
-/// The same bits, everywhere, whatever the scenario tolerates. A Near after it or before it makes an exception.
+/// All bits must be equal, independent of the scenario's tolerances. A Near before or after it makes an exception.
 struct Exact {};
 
-/// How far the series that match may be from the golden: |x - g| <= max(atol, rtol * scale). It comes behind the rules
-/// of the scenario, and the last rule that matches a series decides alone.
+/// The allowed difference of matching series from the golden: |x - g| <= max(atol, rtol * scale). It comes after the
+/// rules of the scenario; the last rule that matches a series decides alone.
 struct Near {
   std::string channel;  // a pattern, as SR1/*/q
   double atol = 0.0;    // in the unit of the series
   double rtol = 0.0;    // of the largest magnitude of the series in the golden
 };
 
-/// Values are compared up to then; instead of the scenario's horizon.
+/// Values are compared up to this time, instead of the scenario's horizon.
 struct Until {
   double time = 0.0;  // [s]
 };
 
-/// What of the loop is compared with the golden.
+/// The part of the loop that is compared with the golden.
 enum class Level {
-  controller,  // the golden's inputs into the controllers, without physics: the same commands, bit for bit
-  plant,       // the golden's commands into the world, from checkpoint to checkpoint
-  closed,      // the recording
+  controller,  // the golden's inputs are fed to the controllers, without physics: their commands have equal bits
+  plant,       // the golden's commands move the world, from checkpoint to checkpoint
+  closed,      // the whole recording is compared
 };
 
-/// These levels; closed alone if not said. Where closed differs, the others are run all the same, to name the guilty
-/// part.
+/// The levels to compare; without it closed alone. If closed differs, the other levels are run as well, to find the
+/// faulty part.
 struct Levels {
   Levels(std::initializer_list<Level> wanted) : levels(wanted) {}
   std::vector<Level> levels;
@@ -64,10 +65,10 @@ namespace internal {
 
 struct TestVerdict {
   bool passed = false;
-  std::string message;  // why not
+  std::string message;  // why it did not pass
 };
 
-/// All that EXPECT_MATCHES_GOLDEN was told.
+/// All options of EXPECT_MATCHES_GOLDEN.
 struct MatchOptions {
   bool exact = false;
   std::vector<Near> near;

@@ -1,8 +1,8 @@
 // Trace: a whole recording in memory, for tests and comparisons.
 //
-// Every number in it is an element of a series, and a series has a name: the topic of its channel without the leading
-// slash and without the last segment (the last segment says the kind of message, what is before it whose it is), then
-// the element. By the type of the message:
+// Every number in a trace is an element of a series. The name of a series is the topic of its channel, without the
+// leading slash and without the last segment, followed by the element. (The last segment states the kind of message,
+// the part before it the owner.) By the type of the message:
 //
 //   topic                     type                series
 //   /SR1/joints               JointState          SR1/RLEG_KNEE/q, .../dq, .../u
@@ -17,11 +17,11 @@
 //   /tick                     Tick                tick, state_hash, input_hash, output_hash, controller_results/0
 //   any other with a ros2msg schema               the path of each numeric field, but for header and stamp
 //
-// If that would name two series alike, the later channel's have its whole topic before the element.
-// Pictures, checkpoints, events and changes of contact have no series; their bytes are at hand by number, and events()
-// and contact_changes() are decoded.
+// If two series would get the same name, those of the later channel have its whole topic before the element. Pictures,
+// checkpoints, events and changes of contact have no series. Their bytes can be read by message index, and events() and
+// contact_changes() are decoded.
 //
-// C++17, because tests of controllers include it. Whoever looks into attachments, metadata or events includes mcap.h or
+// C++17, because tests of controllers include it. Code that uses attachments, metadata or events includes mcap.h or
 // messages.h too (C++20).
 #pragma once
 
@@ -52,19 +52,19 @@ struct ContactChange;
 struct Event;
 }  // namespace msg
 
-/// Which part of the loop produced the value that differs.
+/// The part of the loop that produced the differing value.
 enum class Stage {
-  inputs,      // what was fed to a controller isn't what was recorded
-  controller,  // the same inputs, other commands
+  inputs,      // the inputs of a controller differ from the recorded ones
+  controller,  // equal inputs, different commands
   physics,     // the state of the simulated bodies
-  sensors,     // what a sensor measured of it
+  sensors,     // the measurements of sensors
   renderer,    // pixels
 };
 
 /// "inputs", "controller", "physics", "sensors" or "renderer".
 std::string_view to_string(Stage stage);
 
-/// What the 64 bits of a cell are.
+/// The type of the 64 bits of a cell.
 enum class CellKind { floating, signed_integer, unsigned_integer, boolean };
 
 /// One column of a channel's table: one series.
@@ -74,16 +74,16 @@ struct TraceColumn {
   CellKind kind = CellKind::floating;
 };
 
-/// From which message on a channel's messages have the same rest: the same bytes, but for the numbers that have a
-/// column and for a stamp that is the log time.
+/// The rest of a channel's messages from one message on. The rest is all bytes of a message, except numbers that have a
+/// column and a stamp that equals the log time.
 struct TraceRest {
-  std::size_t first = 0;    // message
+  std::size_t first = 0;    // index of the first message with this rest
   std::uint64_t hash = 0;   // of the rest
   mcap::Location location;  // of that message
 };
 
-/// A channel and its numbers as a table: a row per message, a column per series, 8 bytes a cell, rows one after the
-/// other. A cell that a message has no value for holds NaN, or 0 in an integer column.
+/// A channel and its numbers as a table: a row per message, a column per series, 8 bytes per cell, row after row. If a
+/// message has no value for a cell, the cell is NaN, or 0 in an integer column.
 struct TraceChannel {
   std::string topic;
   std::string type;      // sensor_msgs/msg/JointState; empty without schema
@@ -104,13 +104,13 @@ struct TraceChannel {
   std::uint64_t bits(std::size_t row_index, std::size_t column) const {
     return cells[row_index * columns.size() + column];
   }
-  /// The rest of a message; null if none is known.
+  /// The rest of a message; null if it is unknown.
   const TraceRest* rest_of(std::size_t message) const;
-  /// As a double; integers beyond 2^53 are rounded.
+  /// The value as a double; integers beyond 2^53 are rounded.
   double number(std::size_t row_index, std::size_t column) const;
 };
 
-/// Where a series is.
+/// The place of a series in the trace.
 struct SeriesPlace {
   std::size_t channel = 0;  // index into Trace::channels()
   std::size_t column = 0;
@@ -119,19 +119,19 @@ struct SeriesPlace {
 class Trace {
  public:
   enum class Damage {
-    refuse,    // a trace that isn't whole is an error
-    tolerate,  // load what is whole; damage() says what isn't
+    refuse,    // a trace that is incomplete is an error
+    tolerate,  // load all undamaged parts; damage() reports the others
   };
-  /// Reads the whole file, in one pass, CRCs checked. Pictures stay in the file. The messages of a channel are in the
-  /// order of their log times, those of one time as in the file.
+  /// Reads the whole file, in one pass, and checks its CRCs. Pictures stay in the file. The messages of a channel are
+  /// sorted by their log times; messages of the same time keep their order in the file.
   static Result<Trace> load(const std::filesystem::path& file, Damage damage = Damage::refuse);
 
   using OnPiece = std::function<void(const Trace& piece)>;
   static constexpr std::size_t usual_piece_size = std::size_t{4} << 20;  // [bytes]
-  /// The same for a file that is too long for the memory: `on_piece` is called with some ticks at a time, in their
-  /// order in the file, as soon as their numbers take about `piece_size` bytes. A piece has all attachments and
-  /// metadata, and the channels and series that were met so far. Returns the trace without its tables' rows: all of its
-  /// channels, series, events and changes of contact. Damage is told at the end, after the pieces.
+  /// Loads a file that is larger than the memory. `on_piece` is called with some ticks at a time, in file order, as
+  /// soon as their numbers take about `piece_size` bytes. A piece has all attachments and metadata, and the channels
+  /// and series that were met so far. Returns the trace without its tables' rows: all of its channels, series, events
+  /// and changes of contact. Damage is reported at the end, after the pieces.
   static Result<Trace> load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                       std::size_t piece_size = usual_piece_size);
 
@@ -158,11 +158,13 @@ class Trace {
   /// All series, sorted by name.
   const std::map<std::string, SeriesPlace, std::less<>>& series() const { return series_; }
   std::optional<SeriesPlace> find_series(std::string_view name) const;
-  /// The three names that are most like that name or pattern, for messages: "a, b, c"; fewer if there are no more.
+  /// The three names that are most similar to that name or pattern, for messages: "a, b, c"; fewer if there are no
+  /// more.
   std::string nearest_series(std::string_view name) const;
 
-  // For tests. An unknown series, or one without a sample where one is needed, throws std::out_of_range and says which
-  // names are near. NaN among the samples makes min, max and mean NaN, so that no comparison holds by oversight.
+  // For tests. If a series is unknown, or has no sample where one is needed, they throw std::out_of_range; the message
+  // lists similar names. If one of the samples is NaN, so are min, max and mean, so that no comparison passes by
+  // accident.
   double first(std::string_view series) const;
   double last(std::string_view series) const;
   double min(std::string_view series) const;
@@ -173,10 +175,11 @@ class Trace {
   double at(std::string_view series, double time_s) const;
   std::vector<double> values(std::string_view series) const;
   std::vector<double> times(std::string_view series) const;  // [s]
-  /// The exact values of an integer series, signed ones in two's complement; std::invalid_argument if it is floating.
+  /// The exact values of an integer series, signed ones in two's complement; std::invalid_argument for a floating
+  /// series.
   std::vector<std::uint64_t> integers(std::string_view series) const;
 
-  /// The bytes (CDR) of a message of a channel that has locations, read from the file again.
+  /// The bytes (CDR) of a message of a channel that has locations, read again from the file.
   Result<std::vector<std::byte>> payload(const TraceChannel& channel, std::size_t index) const;
   /// The bytes of a message of a channel that has rests, with 0 in place of each number that has a column.
   Result<std::vector<std::byte>> rest(const TraceChannel& channel, std::size_t index) const;
@@ -186,8 +189,8 @@ class Trace {
  private:
   friend class TraceLoader;
   friend class TraceWindows;
-  struct Samples;  // the series that a name means
-  struct Rests;    // what finds rests, by channel; made when it is asked for
+  struct Samples;  // the samples of the named series
+  struct Rests;    // index of the rests of each channel; made at the first request
   Samples samples(std::string_view name) const;
 
   std::string file_;
@@ -195,7 +198,7 @@ class Trace {
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;
-  std::shared_ptr<std::vector<msg::Event>> events_;  // these are never null in a loaded trace
+  std::shared_ptr<std::vector<msg::Event>> events_;  // both are never null in a loaded trace
   std::shared_ptr<std::vector<msg::ContactChange>> contact_changes_;
   mutable std::shared_ptr<Rests> rests_;
 };
