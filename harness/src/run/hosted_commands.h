@@ -8,11 +8,11 @@ namespace rehearse {
 
 class HostedCommands final : public Commander {
  public:
-  /// When the commands are written into the run's command. What isn't finite is reported then.
+  /// When the commands are written into the run's command. Numbers that aren't finite are reported at that time.
   enum class Written {
-    in_time,  // each controller's before or after the step: a world moves, or moved
-    at_once,  // all before the step, which moves nothing: the robot of a log
-    never,    // somebody reads the controllers' outputs instead
+    in_time,  // the commands of each controller before or after the step: a world moves, or has moved
+    at_once,  // all commands before the step, which moves nothing: the robot of a log
+    never,    // the controllers' outputs are read from the host instead
   };
 
   /// The host must outlive this.

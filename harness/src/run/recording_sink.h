@@ -1,4 +1,4 @@
-// RecordingSink: a run's ticks go into a trace.
+// RecordingSink: writes a run's ticks into a trace.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -14,19 +14,19 @@ namespace rehearse {
 
 class RecordingSink : public Sink {
  public:
-  /// `remarks` gets what is more than a controller's own line in the events, but for those of a log; null: nobody does.
-  /// Both must outlive this.
+  /// `remarks` gets all events except a controller's own lines and events of a log; null: no remarks are collected.
+  /// Recorder and remarks must outlive this.
   explicit RecordingSink(Recorder& recorder, Diagnostics* remarks = nullptr) : recorder_(recorder), remarks_(remarks) {}
 
-  /// What touches in the ticks before this one touched before the run. What touches is known after a step: of a run
-  /// that begins in the middle, the first that is known begins nothing.
+  /// Contacts in the ticks before `before` count as contacts from before the run. Contacts are known after a step. So
+  /// in a run that begins in the middle, the first known contacts are recorded as no change.
   void take_contacts_for_known(std::int64_t before) { known_before_ = before; }
 
   Result<void> emit(const Moment& now) override;
   Result<void> record_events(const std::vector<msg::Event>& events);
 
  protected:
-  /// What was commanded, the hashes and the events.
+  /// Records the commands, the hashes and the events.
   Result<void> close_tick(const Moment& now);
 
   Recorder& recorder_;

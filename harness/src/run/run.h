@@ -1,6 +1,6 @@
-// Run: the loop that all runs are. In each tick it observes, commands, emits and advances.
+// Run: the loop of all runs. In each tick it observes, commands, emits and advances.
 //
-// Two parts and a sink are chosen for it:
+// A run is composed of a source of observations, a commander and a sink:
 //
 //   run               observations            commands               sink
 //   recording         WorldSource             HostedCommands         RecordingSink
@@ -27,48 +27,50 @@ namespace rehearse {
 
 class ControllerHost;
 
-/// One tick on its way through the loop. Pointers are valid until the source advances.
+/// The data of one tick in the loop. Pointers are valid until the source advances.
 struct Moment {
   std::int64_t tick = 0;
-  Command& command;         // the run's
-  bool is_closing = false;  // the state after the last step: nobody commands, nothing advances
+  Command& command;         // the command of the run
+  bool is_closing = false;  // the state after the last step: no commands, no further step
 
-  // by the source of observations
-  const Observation* seen = nullptr;  // to be recorded
-  const Observation* read = nullptr;  // by the controllers: differs where joints have noise or are altered
-  std::uint64_t state_hash = 0;       // of the world; 0: there is no world
-  const std::vector<LinkPair>* touching = nullptr;  // in the last step; null: not known
+  // set by the source of observations
+  const Observation* seen = nullptr;  // the observation to record
+  /// the observation for the controllers: differs where joints have noise or are altered
+  const Observation* read = nullptr;
+  std::uint64_t state_hash = 0;                     // of the world; 0: there is no world
+  const std::vector<LinkPair>* touching = nullptr;  // link pairs in contact in the last step; null: unknown
   std::vector<std::byte> checkpoint{};              // the world's state, in ticks that have a checkpoint; else empty
-  std::vector<msg::Event> events{};                 // of the source itself
+  std::vector<msg::Event> events{};                 // of the source
 
-  // by the commander
-  ControllerHost* host = nullptr;  // whose controllers were called; null: none were
+  // set by the commander
+  ControllerHost* host = nullptr;  // host of the called controllers; null: none were called
   bool alive = true;               // false: a controller failed in this tick, which is the run's last
 };
 
-/// Where a run's commands come from.
+/// The source of a run's commands.
 class Commander {
  public:
   virtual ~Commander() = default;
-  /// A controller has failed: there is no further tick.
+  /// True if a controller has failed: there is no further tick.
   virtual bool failed() const { return false; }
-  /// Finds out what is commanded in this tick, and writes what acts in its own step into the command.
+  /// Determines the commands of this tick, and writes those that act in the tick's own step into the command.
   virtual void act(Moment& now) = 0;
-  /// Writes what acts one tick late into the command. To be called after the step.
+  /// Writes the commands that act one tick late into the command. Must be called after the step.
   virtual void act_late(Moment& now) = 0;
 };
 
-/// Where a run's observations come from.
+/// The source of a run's observations.
 class ObservationSource {
  public:
   virtual ~ObservationSource() = default;
-  /// What is to be seen at the beginning of the tick. False: there is no such tick, and the run ends.
+  /// Gets the observation at the beginning of the tick. False: there is no such tick, and the run ends.
   virtual Result<bool> observe(Moment& now) = 0;
-  /// One step under the command; then `commands` act_late(). False: there is no state to go on from.
+  /// Makes one step under the command, then calls act_late() of `commands`. False: there is no state from which to
+  /// continue.
   virtual Result<bool> advance(Moment& now, Commander& commands) = 0;
 };
 
-/// Where a run's ticks go: into a file, or beside those of another run.
+/// The destination of a run's ticks: a file, or a comparison with a different run.
 class Sink {
  public:
   virtual ~Sink() = default;
@@ -91,32 +93,32 @@ class Run {
         end_(end),
         tick_(begin) {}
 
-  /// From now on, up to another end, what is observed comes from there and goes there.
+  /// From now on, up to the new end, observations come from `source`, and ticks go to `sink`.
   void change(ObservationSource& source, Sink& sink, std::int64_t end);
-  /// `report` is called about every hundredth of `all` ticks with those done since now; null: it isn't.
+  /// `report` is called about every hundredth of `all` ticks with the number of ticks done since this call; null: not.
   void report_progress(Progress report, std::int64_t all);
 
-  /// One tick. False: the run was over already, or ends in this tick. Fails if the source or the sink does.
+  /// Makes one tick. False: the run was already over, or ends in this tick. Fails if the source or the sink fails.
   Result<bool> step();
-  /// All ticks up to the end.
+  /// Makes all ticks up to the end.
   Result<void> go();
   /// Emits the state after the last tick.
   Result<void> close();
 
-  std::int64_t tick() const { return tick_; }  // the next one
+  std::int64_t tick() const { return tick_; }  // the next tick
   /// A signal ended the run before tick().
   const std::optional<Diagnostic>& interruption() const { return interruption_; }
-  /// The source could not go on after tick() - 1.
+  /// The source could not continue after tick() - 1.
   bool broke_down() const { return broke_down_; }
 
-  Command command;  // what moves the world
+  Command command;  // moves the world
 
  private:
   const double time_step_;  // [s]
   ObservationSource* source_;
   Commander* commands_;
   Sink* sink_;
-  std::int64_t begin_;  // of what is reported as progress
+  std::int64_t begin_;  // first tick of the reported progress
   std::int64_t end_;
   std::int64_t tick_;
   bool broke_down_ = false;

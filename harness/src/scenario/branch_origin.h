@@ -1,4 +1,4 @@
-// What a branch states of its origin (BranchOrigin): its source by name and content, and the pushes added to it.
+// The origin of a branch (BranchOrigin): its source by name and content, and the pushes added to it.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -15,7 +15,7 @@ namespace rehearse {
 Result<std::string> name_and_hash(const std::filesystem::path& file);
 
 /// "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN"; force or torque or both, world frame [N], [N·m]; `at` in the
-/// link frame [m]. The span as parse_span() has it.
+/// link frame [m]. The span has the form of parse_span().
 Result<Push> parse_push(const std::string& text, const Scenario& scenario);
 
 }  // namespace rehearse

@@ -1,9 +1,9 @@
-// A project: the folder that scenarios, their goldens and their controllers belong to.
+// A project: the folder of scenarios, their goldens and their controllers.
 //
-// The rule, which the command, the tests and RehearseControllers.cmake share: the project of a file is the nearest folder
+// The command, the tests and RehearseControllers.cmake share this rule: the project of a file is the nearest folder
 // above it that has a folder `golden`, else the nearest that has a CMakeLists.txt. Its scenarios are the *.yaml below
-// `scenarios` and `fixtures/scenarios`, its goldens are in `golden`, its controllers in `lib/rehearse/controllers` of
-// its builds, which are the folders `build*`.
+// `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. Its controllers are in `lib/rehearse/controllers`
+// of its builds, which are the folders `build*`.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace rehearse {
 
-/// The project of a file, or of a folder: of "walk/" as of "walk/run.yaml" that is `walk` or a folder above it. None: no
-/// folder above has a golden or a CMakeLists.txt.
+/// The project of a file, or of a folder: for "walk/" and for "walk/run.yaml" it is `walk` or a folder above it. None:
+/// no folder above has a folder `golden` or a CMakeLists.txt.
 std::optional<std::filesystem::path> find_project(const std::filesystem::path& inside);
 
 /// All files that may be scenarios of a project, by path.

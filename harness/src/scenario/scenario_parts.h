@@ -1,4 +1,4 @@
-// The parts of a scenario file, each read by a function of its own into the Scenario.
+// The parts of a scenario file. A separate function reads each of them into the Scenario.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -8,16 +8,16 @@
 
 namespace rehearse {
 
-/// The `bodies` list, models included, each asked for once. A body that has a mistake is there nevertheless, so that
-/// indices and names hold for those who refer to it; its model is null if that is what's wrong.
+/// The `bodies` list with its models, each requested once. A body with a mistake is added nevertheless, so that indices
+/// and names of references stay valid; its model is null if the model is the mistake.
 void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models, Scenario& scenario);
 
 /// The `controllers` list of a body.
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);
 
-/// Initial displacements: a map by name or a list by joint id; null: none is given. One that isn't given is 0 or, with
-/// a warning, the limit that is nearest to it. Sets body.joints, and warns of those that are outside their limits.
-/// `body_node` is the whole body's; body.model must not be null.
+/// Initial displacements: a map by name or a list by joint id; null: none is given. A displacement that isn't given is
+/// 0; if 0 is outside of the limits, it is the nearest limit, with a warning. Sets body.joints, and warns of
+/// displacements outside of their limits. `body_node` is the node of the whole body; body.model must not be null.
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body);
 
 /// The `pushes` list. After the bodies.
@@ -31,8 +31,8 @@ void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario);
 
 /// The `noise` list. After the bodies.
 void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario);
-/// Warns of cameras and range sensors that are to measure more often than there are steps. `bodies` is the list of a
-/// scenario without errors.
+/// Warns of cameras and range sensors whose rate is higher than that of the steps. `bodies` is the list of a scenario
+/// without errors.
 void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& scenario);
 
 /// The `tolerances` list.

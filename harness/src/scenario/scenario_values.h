@@ -1,8 +1,7 @@
-// Typed values out of YAML nodes. Every reader either gives a value or tells Findings what is there and what would be
-// right.
+// Typed values from YAML nodes. Every reader either returns a value or reports to Findings the present value and the
+// expected ones.
 //
-// Numbers are read by std::from_chars: no locale, no octal, nothing that isn't finite. Text in quotes is never a
-// number.
+// Numbers are read by std::from_chars: no locale, no octal, no infinities or NaN. Text in quotes is never a number.
 #pragma once
 
 #include "scenario_findings.h"
@@ -18,20 +17,21 @@
 
 namespace rehearse {
 
-/// Which numbers are right.
+/// The range of valid numbers.
 struct Range {
   double low;
   double high;
   std::string_view unit = "";  // "[m]"; empty: none
-  bool open_low = false;       // low itself is wrong
-  bool open_high = false;      // high itself is wrong
+  bool open_low = false;       // low itself is invalid
+  bool open_high = false;      // high itself is invalid
 
   bool contains(double value) const;
   /// "above 0 and at most 86400 [s]"
   std::string text() const;
 };
 
-// Beyond these no double-precision simulation means anything; they also keep every product in it finite.
+// Outside of these ranges no double-precision simulation is meaningful; the ranges also keep every product in it
+// finite.
 inline constexpr Range any_position{-1e6, 1e6, "[m]"};
 inline constexpr Range any_length{1e-6, 1e6, "[m]"};
 inline constexpr Range any_mass{1e-9, 1e9, "[kg]"};
@@ -40,13 +40,13 @@ inline constexpr Range any_torque{-1e9, 1e9, "[N·m]"};
 inline constexpr Range any_acceleration{-1e6, 1e6, "[m/s²]"};
 inline constexpr Range any_angle{-1e6, 1e6, "[rad]"};
 
-/// The user's text for a message: on one line, of `longest` bytes or little more, never cut inside a UTF-8 sequence.
+/// The user's text for a message: on one line, of about `longest` bytes at most, never cut inside a UTF-8 sequence.
 std::string shortened(std::string_view text, std::size_t longest = 60);
 
-/// What stands there, for a message: "a list", "empty", "'ten'", "-1".
+/// A description of the node for a message: "a list", "empty", "'ten'", "-1".
 std::string describe(const YamlNode& node);
 
-/// Says that `label` is what it is, and what was expected. The common form of all our messages on values.
+/// Reports the present value of `label` and the expected one. All messages on values have this form.
 void expected(Findings& findings, const YamlNode& node, std::string_view label, std::string_view what);
 
 std::optional<double> read_number(Findings& findings, const YamlNode& node, std::string_view label, const Range& range);
@@ -55,7 +55,7 @@ std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& nod
 /// Any scalar, as written; empty text only in quotes.
 std::optional<std::string> read_text(Findings& findings, const YamlNode& node, std::string_view label,
                                      std::string_view what = "text");
-/// A name that can stand in a channel's: no '/', blanks, control characters or the globs' * ? [ ]; at most 100 bytes.
+/// A name that is valid in a channel name: no '/', blanks, control characters or the globs' * ? [ ]; at most 100 bytes.
 std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label);
 std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::string_view label);
 /// [rad]
@@ -63,8 +63,8 @@ std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::
 /// A number whose unit is known only later, or an angle with its unit as 10 deg or 0.1 rad.
 struct Measure {
   double value = 0.0;    // angles in [rad]
-  bool angle = false;    // it has the unit of one
-  bool degrees = false;  // which is deg
+  bool angle = false;    // it has a unit of an angle
+  bool degrees = false;  // this unit is deg
 };
 std::optional<Measure> read_measure(Findings& findings, const YamlNode& node, std::string_view label);
 /// A list of `least` to `most` numbers.
@@ -89,22 +89,23 @@ std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map);
 /// The value of the first such key of a map, or null.
 const YamlNode* find_key(const YamlNode& map, std::string_view key);
 
-/// A map whose keys are known beforehand. Making one reports what isn't a map, unknown keys and duplicate keys.
+/// A map with a fixed set of keys. The constructor reports nodes that are no map, unknown keys and duplicate keys.
 class Keys {
  public:
-  /// `owner` is what the map describes, with its article: "a body".
+  /// `owner` is the described object, with its article: "a body".
   Keys(Findings& findings, const YamlNode& node, std::string_view owner, std::initializer_list<std::string_view> known);
 
   bool is_map() const { return node_.kind == YamlNode::Kind::map; }
-  /// The value, or null if the key isn't there.
+  /// The value, or null if the key is missing.
   const YamlNode* find(std::string_view key) const { return find_key(node_, key); }
-  /// The same; reports if the key isn't there, unless an unknown key was taken for it. `what` says what belongs there.
+  /// The value, or null if the key is missing. Reports a missing key, unless an unknown key was taken for it. `what`
+  /// describes the expected value.
   const YamlNode* require(std::string_view key, std::string_view what) const;
 
-  /// All of them in document order, each key once, unknown ones included.
+  /// All entries in document order, each key once, unknown ones included.
   const std::vector<NamedEntry>& entries() const { return entries_; }
 
-  // Each reads a key into `out`, and leaves `out` as it is if the key isn't there or its value is wrong.
+  // Each reads a key into `out`, and leaves `out` unchanged if the key is missing or its value is wrong.
   void number(std::string_view key, const Range& range, double& out) const;
   void number(std::string_view key, const Range& range, std::optional<double>& out) const;
   void integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const;

@@ -1,7 +1,7 @@
-// The YAML file as a tree of our own, in document order, every node with its place. The only door to yaml-cpp.
+// The YAML file as a tree in document order, every node with its place. Only this file uses yaml-cpp.
 //
-// Our own tree, because YAML::Node forgets duplicate keys and throws wherever it is touched. Anchors and aliases work:
-// an alias stands for the same node, at the place of its anchor.
+// A separate tree is needed because YAML::Node drops duplicate keys and throws in any of its functions. Anchors and
+// aliases work: an alias is the same node as its anchor, with the place of the anchor.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -26,14 +26,15 @@ struct YamlNode {
   std::vector<YamlNodePtr> items;  // of a list; of a map: the values, parallel to keys
   int line = 1;                    // 1-based; an empty value has the place of its key
   int column = 1;                  // 1-based
-  std::size_t weight = 1;          // nodes below and including this one, aliases counted in full
+  std::size_t weight = 1;          // number of nodes below and including this one, aliases counted in full
 };
 
-/// The bytes of a file of at most 1 MiB; `what` is what it should be: "a scenario". A diagnostic has the file's name.
+/// The bytes of a file of at most 1 MiB; `what` is its expected content: "a scenario". A diagnostic has the file's
+/// name.
 Result<std::string> read_yaml_file(const std::filesystem::path& path, const std::string& what);
 
-/// Parses one YAML document; never null. `file` stands in messages. Text without a document is an empty node.
-/// Fails if it isn't YAML, holds a second document, nests too deep, or if its aliases unfold to over a million nodes.
+/// Parses one YAML document; never null. `file` is used in messages. Text without a document is an empty node. Fails if
+/// the text isn't YAML, contains a second document, nests too deep, or if its aliases unfold to over a million nodes.
 Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file);
 
 }  // namespace rehearse

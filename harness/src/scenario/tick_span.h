@@ -1,4 +1,4 @@
-// Spans of ticks as a command line writes them, and how its mistakes are shown.
+// Spans of ticks as written on a command line, and the form of messages on their mistakes.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -16,7 +16,7 @@ struct TickSpan {
   bool has(std::int64_t tick) const { return first <= tick && tick <= last; }
 };
 
-/// A command line's words, and a place in them.
+/// The words of a command line, and a place in them.
 struct WordPlace {
   std::string_view text;
   std::size_t begin = 0;
@@ -26,11 +26,11 @@ struct WordPlace {
 /// The message, then the words with a caret under the place.
 Diagnostic error_at(const WordPlace& place, const std::string& message);
 
-/// "tick:1200..1300" (both are in it), "tick:1200", "3.2s..3.4s" (3.4 s isn't in it), "3.2s" (one tick). `text` is all
-/// of the words, `begin` where the span begins in it.
+/// "tick:1200..1300" (both included), "tick:1200", "3.2s..3.4s" (3.4 s not included), "3.2s" (one tick). `text` is all
+/// of the words, `begin` the offset of the span in it.
 Result<TickSpan> parse_span(std::string_view text, std::size_t begin, double time_step);
 
-/// All of `text` as a number; false: it isn't one.
+/// Parses all of `text` as a number; false: it is no number.
 bool parse_double(std::string_view text, double& number);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// A number as a message: std_msgs/msg/Float64. A controller's variables are recorded so.
+// A number as a message: std_msgs/msg/Float64, the message type of a controller's variables.
 #pragma once
 
 #include <rehearse/message_codec.h>

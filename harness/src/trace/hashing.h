@@ -1,4 +1,4 @@
-// hash_bytes: the one hash of a run (XXH3, 64 bits): the same bytes, the same number, on every machine.
+// hash_bytes: the hash function of all hashes of a run (XXH3, 64 bits). Equal bytes have equal hashes on every machine.
 #pragma once
 
 #include <cstddef>

@@ -1,11 +1,11 @@
-// A message as text: JSON for programs, a line for people. For whatever a ros2msg schema describes.
+// A message as text: JSON for programs, a line for people. For all messages that a ros2msg schema describes.
 //
-// An object has the fields of the schema, in its order; a message within is an object, an array or a sequence an array.
-// Integers of 64 bits are written in full. A float is written with as many digits as a reader of doubles needs to get
-// the same bits, a float32 as the double that it is; it always has a point or an exponent, so -0.0 keeps its sign. JSON
-// has no NaN and no infinities: they are the strings "NaN", "Infinity" and "-Infinity", and a NaN's own bits are lost.
-// uint8 arrays and sequences, of whatever length (byte[] and char[] are others of their names), are strings in base64.
-// Bytes of a string that aren't UTF-8 become U+FFFD.
+// An object has the fields of the schema, in its order; a nested message is an object, an array or a sequence an array.
+// Integers of 64 bits are written in full. A float is written with enough digits for a reader of doubles to get the
+// same bits, a float32 as its double. It always has a point or an exponent, so -0.0 keeps its sign. JSON has no NaN and
+// no infinities: they are the strings "NaN", "Infinity" and "-Infinity", and the payload of a NaN is lost. uint8 arrays
+// and sequences of any length (also under their names byte[] and char[]) are strings in base64. Bytes of a string that
+// aren't UTF-8 become U+FFFD.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ namespace rehearse::ros2msg {
 Result<std::string> to_json(Decoder& decoder, std::span<const std::byte> payload,
                             std::size_t max_size = std::size_t{1} << 30);
 
-/// The fields for people to read, in one line: of arrays the first few elements and how many there are, of bytes their
+/// The fields for people to read, in one line: for arrays the first few elements and the length, for bytes their
 /// number. Fails as to_json().
 Result<std::string> to_line(Decoder& decoder, std::span<const std::byte> payload);
 

@@ -1,4 +1,4 @@
-// The numbers of messages that always have the same, in the order of elements_of() of their kind.
+// The numbers of messages with a fixed set of numbers, in the order of elements_of() of their kind.
 #pragma once
 
 #include <rehearse/messages.h>
@@ -7,7 +7,7 @@
 
 namespace rehearse {
 
-/// Of a pose or a transform.
+/// The numbers of a pose or a transform.
 template <class Position>
 std::array<double, 7> numbers_of(const Position& p, const msg::Quaternion& q) {
   return {p.x, p.y, p.z, q.x, q.y, q.z, q.w};

@@ -1,10 +1,11 @@
-// Messages of any MCAP file as text, one line each: what `rehearse cat` prints.
+// Messages of any MCAP file as text, one line each: the output of `rehearse cat`.
 //
-// JSON: an object with topic, log_time, publish_time (both [ns]) and sequence, and either `message`: what was decoded
-// (ros2msg schemas with cdr, as message_json.h has it; json as it is, without blanks), or `data`: the bytes in base64,
-// with `encoding` and `schema` (its name, or null). If it should have been decoded and couldn't be, `error` says why.
+// JSON: an object with topic, log_time, publish_time (both [ns]) and sequence, and either `message` or `data`.
+// `message` is the decoded message (ros2msg schemas with cdr in the form of message_json.h; json as it is, without
+// blanks). `data` is the bytes in base64, with `encoding` and `schema` (its name, or null). If a message should be
+// decoded and can't be, `error` states the reason.
 //
-// For people: log time [s], topic, fields. Pictures and other bytes show their number.
+// For people: log time [s], topic, fields. Of pictures and other bytes only the number is shown.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -29,11 +30,11 @@ class MessagePrinter {
   std::string_view print(const mcap::Message& message, const mcap::Schema* schema);
 
  private:
-  /// How messages of a channel are decoded.
+  /// The decoding of the messages of a channel.
   struct Decoding {
     std::optional<ros2msg::Decoder> decoder;
     bool is_json = false;
-    std::string problem;  // why they aren't, if they should
+    std::string problem;  // why messages that should be decoded can't be
   };
   Decoding& decoding_of(const mcap::Channel& channel, const mcap::Schema* schema);
   void print_json(const mcap::Message& message, const mcap::Schema* schema);

@@ -1,5 +1,5 @@
-// The rest of a message: all that no column of its channel's table holds. Strings, covariances, a stamp that isn't the
-// log time. Internal.
+// The rest of a message: all values without a column in its channel's table. These are strings, covariances, and a
+// stamp that differs from the log time. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -15,8 +15,8 @@
 
 namespace rehearse {
 
-/// Which values of a message type have a column in its channel's table, or name one. TRACE_FORMAT.md lists the columns
-/// of each type.
+/// The values of a message type that have a column in its channel's table, or name one. TRACE_FORMAT.md lists the
+/// columns of each type.
 class HeldValues {
  public:
   explicit HeldValues(std::string_view type);
@@ -24,30 +24,30 @@ class HeldValues {
 
  private:
   std::vector<std::string_view> patterns_;  // of paths
-  bool any_number_ = false;                 // a type without columns of its own: all but header and stamp
+  bool any_number_ = false;                 // for a type without specific columns: all numbers except header and stamp
 };
 
-/// Finds the rest of each message of a channel. Nearly always it is that of the message before, which is found by
-/// comparing bytes; only another one is decoded.
+/// Finds the rest of each message of a channel. It is nearly always equal to the rest of the message before, which is
+/// detected by a comparison of bytes; only a different rest is decoded.
 class MessageRest {
  public:
   /// Null if the schema isn't ros2msg or can't be parsed.
   static std::unique_ptr<MessageRest> make(const std::string& type, const mcap::Schema* schema);
 
-  /// Takes a message in; true if its rest differs from that of the message before, or there was none.
+  /// Reads a message; true if its rest differs from that of the message before, or if there was none.
   bool take(mcap::Bytes payload, std::uint64_t log_time);
-  /// The next message has none before it.
+  /// Treats the next message as the first.
   void forget() { bytes_.clear(); }
 
-  /// Of the message taken last.
+  /// The hash of the rest of the last message.
   std::uint64_t hash() const;
-  /// A payload of the same schema with that rest, and with 0 in place of each value that has a column. Stamps that are
-  /// the log time are `log_time`.
+  /// A payload of the same schema with that rest, and with 0 in place of each value that has a column. Stamps that
+  /// equal the log time are set to `log_time`.
   std::vector<std::byte> bytes_at(std::uint64_t log_time) const;
 
  private:
   struct Stamp {
-    std::size_t seconds = 0, nanoseconds = 0;  // where they stand in the payload
+    std::size_t seconds = 0, nanoseconds = 0;  // offsets in the payload
     bool is_log_time = false;
   };
 
@@ -58,8 +58,8 @@ class MessageRest {
 
   HeldValues held_;
   ros2msg::Decoder decoder_;
-  std::vector<std::byte> bytes_;  // the payload, with other bytes for what isn't part of the rest
-  std::vector<std::pair<std::size_t, std::size_t>> kept_;  // bytes [first, second) that are the rest
+  std::vector<std::byte> bytes_;  // the payload, with different bytes in place of values that don't belong to the rest
+  std::vector<std::pair<std::size_t, std::size_t>> kept_;  // byte spans [first, second) of the rest
   std::vector<Stamp> stamps_;
 };
 

@@ -1,13 +1,12 @@
-// ros2msg: the schema language of ROS 2 messages, and a decoder that reads any payload which such a schema describes.
+// ros2msg: the schema language of ROS 2 messages, and a decoder for any payload that such a schema describes.
 //
-// A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line
-// "MSG: package/Name" and its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`;
-// TYPE is a primitive or another message, with `[]`, `[n]` or `[<=n]` behind it for a sequence, an array or a bounded
-// sequence; `string<=n` is a bounded string. Defaults and constants have to be values of their type.
+// A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line "MSG:
+// package/Name" and its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`. TYPE
+// is a primitive or a message type, followed by `[]`, `[n]` or `[<=n]` for a sequence, an array or a bounded sequence;
+// `string<=n` is a bounded string. Defaults and constants must be values of their type.
 //
-// Some writers leave out types that everybody knows: builtin_interfaces/Time and Duration and std_msgs/Header need no
-// definition. wstring is refused: how it is put into a payload differs from middleware to middleware, and nothing in
-// the payload says which it was.
+// Some writers leave out well-known types: builtin_interfaces/Time and Duration and std_msgs/Header need no definition.
+// wstring is refused: middlewares encode it differently, and the payload doesn't state the encoding.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -56,12 +55,12 @@ struct Definition {
 struct Schema {
   std::vector<Definition> definitions;
 
-  /// `type` is the schema's name (sensor_msgs/msg/JointState); `file` is what messages call the text. Errors carry the
-  /// line: unknown and cyclic types, malformed lines, names that come twice.
+  /// `type` is the schema's name (sensor_msgs/msg/JointState); `file` is the name of the text in messages. Errors have
+  /// the line: unknown and cyclic types, malformed lines, duplicate names.
   static Result<Schema> parse(std::string_view type, std::string_view text, std::string file = {});
 };
 
-/// One value out of a payload. Elements of arrays come one by one, but those of uint8, which come as one blob.
+/// One value of a payload. Elements of arrays are delivered one by one, except those of uint8, which are one blob.
 struct Value {
   enum class Kind { signed_integer, unsigned_integer, floating, boolean, text, blob };
   std::string_view path;  // names and element numbers with / between them: transforms/0/header/frame_id
@@ -71,13 +70,13 @@ struct Value {
   double number = 0.0;                 // floating: exact, a float32 widened
   std::string_view text;               // text, in the payload
   std::span<const std::byte> blob;     // blob, in the payload
-  std::span<const std::byte> bytes;    // a number as it stands in the payload
+  std::span<const std::byte> bytes;    // the bytes of a number in the payload
 
   bool is_number() const { return kind != Kind::text && kind != Kind::blob; }
 };
 
-/// Hears of a payload in its order. Between begin_message() and end_message() each field is announced by field(), and
-/// is a value, a message, or an array of either.
+/// Receives the contents of a payload in its order. Between begin_message() and end_message() each field is announced
+/// by field(); it is followed by a value, a message, or an array of either.
 class Visitor {
  public:
   virtual ~Visitor() = default;
@@ -89,7 +88,7 @@ class Visitor {
   virtual void value(const Value& value) = 0;
 };
 
-/// Walks payloads of one schema. Not for two threads at a time.
+/// Decodes payloads of one schema. Not for two threads at a time.
 class Decoder {
  public:
   explicit Decoder(Schema schema) : schema_(std::move(schema)) {}
@@ -97,18 +96,19 @@ class Decoder {
   const Schema& schema() const { return schema_; }
 
   /// Calls `callback` for every value in the order of the payload. False if the payload (CDR) ends too early, isn't
-  /// CDR, or breaks a bound; what came before was delivered. Bytes left over at the end are ignored.
+  /// CDR, or violates a bound; the values before were delivered. Bytes left over at the end are ignored.
   bool decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback);
 
-  /// The same with the message's structure. What was begun when it gives up is not ended.
+  /// Calls `visitor` for every value and for the structure of the message. After an error, open messages and arrays are
+  /// not ended.
   bool decode(std::span<const std::byte> payload, Visitor& visitor);
 
-  /// Why the last decode() gave up, as "ends at byte 12, within position/3"; empty if it didn't.
+  /// The reason why the last decode() failed, as "ends at byte 12, within position/3"; empty if it didn't.
   const std::string& problem() const { return problem_; }
 
  private:
   Schema schema_;
-  std::string path_;  // of the value at hand; kept for its memory
+  std::string path_;  // of the present value; kept for its memory
   std::string problem_;
 };
 

@@ -1,4 +1,4 @@
-// Values as schemas write them: constants and defaults. Internal.
+// Values of constants and defaults in schemas. Internal.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace rehearse::ros2msg {
 
-/// Why the text is no value of that type, as "'300' is no uint8"; empty if it is one. `type` is no message.
+/// The reason why the text is no value of that type, as "'300' is no uint8"; empty if it is one. `type` is no message.
 std::string literal_problem(const FieldType& type, std::string_view text);
 
-/// The text, of a quoted string what is within the quotes.
+/// The text; for a quoted string the text between the quotes.
 std::string_view without_quotes(const FieldType& type, std::string_view text);
 
 /// The text without blanks, tabs and carriage returns at its ends.

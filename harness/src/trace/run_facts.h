@@ -1,5 +1,5 @@
-// RunFacts: what the metadata of a recording states of its run. The names of the metadata records and of their keys are
-// here, for whoever writes them and whoever reads them, and nowhere else.
+// RunFacts: the facts of a run in the metadata of its recording. Only this file has the names of the metadata records
+// and of their keys, for writers and readers.
 #pragma once
 
 #include <rehearse/mcap_types.h>
@@ -24,15 +24,15 @@ namespace records {
 inline constexpr const char* provenance = "rehearse";
 inline constexpr const char* outcome = "rehearse.outcome";
 inline constexpr const char* branch = "rehearse.branch";
-inline constexpr const char* files = "rehearse.files";     // that controllers read: ControllerHost::files_read
-inline constexpr const char* log_topic = "rehearse.log ";  // and the topic
+inline constexpr const char* files = "rehearse.files";     // files that controllers read: ControllerHost::files_read
+inline constexpr const char* log_topic = "rehearse.log ";  // followed by the topic
 }  // namespace records
 
 /// Keys of the provenance.
 namespace facts {
 inline constexpr const char* trace_version = "trace_version";
 inline constexpr const char* trace_revision = "trace_revision";
-inline constexpr const char* rehearse = "rehearse";  // version of the program
+inline constexpr const char* rehearse = "rehearse";  // version of Rehearse
 inline constexpr const char* scenario = "scenario";
 inline constexpr const char* seed = "seed";
 inline constexpr const char* time_step = "time_step";
@@ -45,43 +45,43 @@ inline constexpr const char* compiler = "compiler";
 inline constexpr const char* processor = "processor";
 inline constexpr const char* build = "build";
 inline constexpr const char* pinned = "pinned";
-inline constexpr const char* pinned_prefix = "pinned.";  // and the environment's variable
+inline constexpr const char* pinned_prefix = "pinned.";  // followed by the name of the environment variable
 inline constexpr const char* pinned_mathematics = "pinned.GLIBC_TUNABLES";
 inline constexpr const char* pinned_renderer = "pinned.GALLIUM_OVERRIDE_CPU_CAPS";
-/// One value for the very same build of Rehearse and of what it computes with.
+/// One value that identifies the build of Rehearse and of the libraries that it computes with.
 inline constexpr const char* programs = "programs";
 inline constexpr const char* virtualised = "virtualised";
-inline constexpr const char* source = "source";  // "log"; a simulation's recording doesn't state it
+inline constexpr const char* source = "source";  // "log"; missing in recordings of simulations
 inline constexpr const char* log = "log";
 inline constexpr const char* log_start = "log.start";
 inline constexpr const char* map = "map";
-inline constexpr const char* controller_prefix = "controller.";  // and BODY/NAME: the library's file and hash
-/// The versions of the programs that a recording was made with.
+inline constexpr const char* controller_prefix = "controller.";  // followed by BODY/NAME: the library's file and hash
+/// The versions of the programs that made a recording.
 inline constexpr const char* versions[] = {rehearse, physics, renderer, libc};
 }  // namespace facts
 
-/// How a run ended.
+/// The end of a run.
 struct RunOutcome {
   std::optional<std::int64_t> ticks = {};   // none: not stated
   bool complete = false;                    // the state after the last tick is recorded as one more message on /tick
-  std::optional<std::string> failure = {};  // none: the run came to its end
+  std::optional<std::string> failure = {};  // none: the run reached its end
   std::optional<std::string> checkpoints = {};  // "none", "exact", or why they aren't; none: not stated
 
   mcap::StringMap metadata() const;
   static RunOutcome of(const mcap::StringMap& metadata);
 };
 
-/// Where a branch of a recording came from.
+/// The origin of a branch of a recording.
 struct BranchOrigin {
-  std::string source;                               // name of the file and hash of its bytes
-  bool simulated = true;                            // from `tick` on; false: a replay, which is recorded all through
-  std::int64_t tick = 0;                            // from here on it isn't the source's
-  double time = 0.0;                                // of that tick [s]
-  std::string checkpoint;                           // of which tick, or why none; of a replay empty
-  std::vector<std::string> set, push, controllers;  // what was changed, as it was said
-  /// Before this tick the world was moved by what the source's controllers commanded, which stands on topics with
-  /// `acted` in the place of `output`, and not by what stands there: that is what the controllers of the branch would
-  /// have commanded. None: it is the same.
+  std::string source;      // name of the file and hash of its bytes
+  bool simulated = true;   // a simulation from `tick` on; false: a replay, which is recorded throughout
+  std::int64_t tick = 0;   // first tick that isn't a copy of the source's
+  double time = 0.0;       // of that tick [s]
+  std::string checkpoint;  // its tick, or why there is none; empty for a replay
+  std::vector<std::string> set, push, controllers;  // the changes, as the user stated them
+  /// Before this tick the commands of the source's controllers moved the world. They are on topics with `acted` in the
+  /// place of `output`. The commands on `output` are those that the controllers of the branch would have given. None:
+  /// both are equal.
   std::optional<std::int64_t> acted_until;
 
   mcap::StringMap metadata() const;
@@ -89,24 +89,24 @@ struct BranchOrigin {
 };
 
 struct RunFacts {
-  std::optional<mcap::StringMap> provenance = {};  // all of it; none: no recording of ours
-  int provenances = 0;                             // records; more than one: several recordings, merged
+  std::optional<mcap::StringMap> provenance = {};  // all facts; none: no recording of Rehearse
+  int provenances = 0;                             // number of records; more than one: several recordings, merged
   std::optional<int> trace_version = {};
   int trace_revision = 1;
   std::optional<std::uint32_t> seed = {};
   std::optional<double> time_step = {}, duration = {};  // [s]
-  bool is_of_log = false;                               // of a real robot; else of a simulation
+  bool is_of_log = false;                               // recorded from the log of a real robot; else from a simulation
   std::map<std::string, std::string> controllers = {};  // by BODY/NAME: the library's file and its hash
-  std::optional<RunOutcome> outcome = {};               // none: the recording was cut off
+  std::optional<RunOutcome> outcome = {};               // none: the recording is incomplete
   std::optional<BranchOrigin> branch = {};
-  std::optional<mcap::StringMap> files = {};  // that controllers read, and their hashes
+  std::optional<mcap::StringMap> files = {};  // files that controllers read, and their hashes
 
   /// A fact of the provenance; empty: not stated.
   std::string stated(const std::string& fact) const;
-  /// Whether that controller's library had that hash.
+  /// True if that controller's library had that hash.
   bool had_library(const std::string& controller_label, const std::string& content_hash) const;
 
-  /// If a record is there more than once, the first counts.
+  /// If a record occurs more than once, the first counts.
   static RunFacts of(const std::vector<mcap::Metadata>& metadata);
   static RunFacts of(const mcap::Reader& recording);
   static RunFacts of(const Trace& recording);

@@ -1,9 +1,9 @@
-// Selection: which messages of a file are meant, by topic, by time and by tick. One rule for all verbs that have
-// --topics, --from, --until and --ticks.
+// Selection: the messages of a file to use, by topic, by time and by tick. All verbs with --topics, --from, --until and
+// --ticks share this rule.
 //
-// Times are on the file's own clock, log time, as `info` shows it: "3.5" is 3.5 s there, in a recording of ours since
-// its start, in a bag since 1970. "+3.5" is 3.5 s after the file's first message. A span includes where it begins and
-// not where it ends, so that pieces that follow each other have every message once. Ticks include both.
+// Times are on the file's own clock, log time, as `info` shows it: "3.5" is 3.5 s on this clock, in a recording of
+// Rehearse since its start, in a bag since 1970. "+3.5" is 3.5 s after the file's first message. A span includes its
+// beginning and excludes its end, so that consecutive pieces contain every message once. A span of ticks includes both.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -16,7 +16,7 @@
 
 namespace rehearse::mcap {
 
-/// A moment as it is written on a command line.
+/// A time as written on a command line.
 struct Moment {
   std::uint64_t ns = 0;      // [ns]
   bool after_first = false;  // counted from the file's first message, else from the clock's 0
@@ -24,7 +24,7 @@ struct Moment {
   bool operator==(const Moment&) const = default;
 };
 
-/// From "3.5" or "+3.5" [s]: exact, with at most nine digits behind the point.
+/// From "3.5" or "+3.5" [s]: exact, with at most nine digits after the point.
 Result<Moment> parse_moment(std::string_view text);
 
 /// Numbers of ticks, both included; none: no bound.
@@ -38,26 +38,26 @@ struct TickSpan {
 /// From "10..20", "10..", "..20" or "10".
 Result<TickSpan> parse_tick_span(std::string_view text);
 
-/// What isn't said lets everything through.
+/// A member without a value selects everything.
 struct Selection {
-  std::vector<std::string> topics = {};          // globs (glob.h); a message is meant if any matches
+  std::vector<std::string> topics = {};          // globs (glob.h); a message is selected if any matches
   std::optional<Moment> from = std::nullopt;     // inclusive
   std::optional<Moment> until = std::nullopt;    // exclusive
-  std::optional<TickSpan> ticks = std::nullopt;  // all that was recorded in these ticks; needs a recording of ours
+  std::optional<TickSpan> ticks = std::nullopt;  // all data recorded in these ticks; needs a recording of Rehearse
 
   bool takes_topic(std::string_view topic) const;
-  /// Only topics are chosen.
+  /// True if only topics are selected.
   bool takes_all_times() const { return !from && !until && !ticks; }
 };
 
-/// A Selection that knows its file.
+/// A Selection applied to a file.
 class Selector {
  public:
-  /// Looks up where ticks and moments are; passes over messages if the file's summary doesn't tell. Fails if a pattern
+  /// Finds the times of ticks and moments; reads all messages if the file's summary lacks them. Fails if a pattern
   /// matches no topic, or if there are no such ticks.
   static Result<Selector> of(Selection selection, Reader& reader);
-  /// For messages that come from a pipe: the first that takes() sees is the file's first. Fails if ticks are asked for:
-  /// a tick is known when its last message has come.
+  /// For messages from a pipe: the first message that takes() gets is the file's first. Fails if ticks are selected: a
+  /// tick is known only when its last message has arrived.
   static Result<Selector> of_stream(Selection selection);
 
   bool takes(const Message& message) { return takes_time(message.log_time) && takes_topic(message.channel->topic); }
@@ -67,9 +67,9 @@ class Selector {
     return begin_ <= log_time && (!end_ || log_time < *end_);
   }
 
-  /// The first log time that is meant [ns].
+  /// The first selected log time [ns].
   std::uint64_t begin() const { return begin_; }
-  /// The first log time that isn't any more [ns]; none: all that follow are.
+  /// The first log time after the selection [ns]; none: all later messages are selected.
   std::optional<std::uint64_t> end() const { return end_; }
   const Selection& selection() const { return selection_; }
 
@@ -85,7 +85,8 @@ class Selector {
   std::optional<std::uint64_t> end_;
 };
 
-/// The log time of the file's earliest message [ns]; nullopt: it has none. From the summary, else in a pass.
+/// The log time of the file's earliest message [ns]; nullopt: there are no messages. From the summary, else by a pass
+/// over all messages.
 std::optional<std::uint64_t> first_log_time(Reader& reader);
 
 }  // namespace rehearse::mcap

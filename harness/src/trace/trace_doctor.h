@@ -1,5 +1,5 @@
-// What the doctor looks for in the messages of a file: schemas that can't be parsed, payloads that aren't what their
-// schema says, and in recordings of ours what a recording has to have (harness/TRACE_FORMAT.md).
+// The doctor's checks of the messages of a file: schemas that can't be parsed, payloads that don't fit their schema,
+// and in recordings of Rehearse their required parts (harness/TRACE_FORMAT.md).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace rehearse {
 
-/// To be given to mcap::examine() as DoctorOptions::content; for one file.
+/// Passed to mcap::examine() as DoctorOptions::content; for one file.
 class TraceCheck : public mcap::ContentCheck {
  public:
   void schema(const mcap::Schema& schema, mcap::Place place, mcap::Findings& findings) override;
@@ -25,7 +25,7 @@ class TraceCheck : public mcap::ContentCheck {
 
  private:
   struct ChannelState {
-    std::unique_ptr<ros2msg::Decoder> decoder;  // null: the payloads aren't looked into
+    std::unique_ptr<ros2msg::Decoder> decoder;  // null: the payloads aren't examined
     bool is_tick = false;
     std::uint64_t broken = 0;  // payloads that can't be decoded
     mcap::Place broken_at;     // the first of them
@@ -39,7 +39,7 @@ class TraceCheck : public mcap::ContentCheck {
 
   std::map<std::uint16_t, ChannelState> channels_;  // by id
   std::vector<std::string> attachments_;            // names
-  std::map<std::string, mcap::Metadata> metadata_;  // by name, the last of each
+  std::map<std::string, mcap::Metadata> metadata_;  // by name, the last one of each name
   int provenances_ = 0;
 
   std::int64_t ticks_ = 0;  // messages on /tick, and their numbers

@@ -1,4 +1,4 @@
-// From messages to rows of numbers. Internal.
+// Converts messages to rows of numbers. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// Appends rows to a channel's table; columns are found by name, and added when a name is new.
+/// Appends rows to a channel's table. Columns are found by name, and added for new names.
 class RowWriter {
  public:
   /// The channel may have columns already.
@@ -20,9 +20,9 @@ class RowWriter {
   void put(std::string_view element, double value) {
     put(element, CellKind::floating, std::bit_cast<std::uint64_t>(value));
   }
-  /// The columns `name`/0, `name`/1, ... of the row, its last ones; rows may have more or fewer of them.
+  /// The columns `name`/0, `name`/1, ... of the row, its last ones; rows may have different numbers of them.
   void put_array(std::string_view name, std::span<const float> values);
-  /// The next cells of the row, for a caller who knows that the columns are what they were in the row before.
+  /// The next cells of the row, for a caller that knows that the columns are equal to those of the row before.
   std::span<std::uint64_t> next_cells(std::size_t count);
 
  private:
@@ -32,25 +32,25 @@ class RowWriter {
   TraceChannel& channel_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<std::uint64_t> empty_row_;
-  std::size_t cursor_ = 0;                        // the column after the last that was put: nearly always the next
-  std::size_t array_begin_ = 0, array_size_ = 0;  // of put_array's columns
+  std::size_t cursor_ = 0;  // the column after the last one written: nearly always the next to write
+  std::size_t array_begin_ = 0, array_size_ = 0;  // the columns of put_array
 };
 
 /// Reads the messages of one channel into its table.
 class RowReader {
  public:
   virtual ~RowReader() = default;
-  /// Appends one row; false if the payload isn't what the schema says.
+  /// Appends one row; false if the payload doesn't fit the schema.
   virtual bool read(std::span<const std::byte> payload) = 0;
 };
 
-/// Types that TRACE_FORMAT.md gives a table of their own; null for all others.
+/// A reader for the types with a specific table in TRACE_FORMAT.md; null for all others.
 std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel);
 
 /// A channel's table without messages.
 TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* schema);
 
-/// A channel's table, and what reads messages into it: all rows one after the other, or the row of one message.
+/// A channel's table and its reader: all rows one after the other, or the row of one message.
 class ChannelRows {
  public:
   /// `schema` may be null. `columns`: those that the rows are known to have, as an earlier pass found them.
@@ -58,16 +58,16 @@ class ChannelRows {
   ChannelRows(const ChannelRows&) = delete;
   ChannelRows& operator=(const ChannelRows&) = delete;
 
-  /// Adds the time of a message, and its row if the channel has rows. False: the payload isn't what the schema says,
-  /// and the table is as before.
+  /// Adds the time of a message, and its row if the channel has rows. False: the payload doesn't fit the schema, and
+  /// the table is unchanged.
   bool add(std::uint64_t time, std::span<const std::byte> payload);
-  /// The same with the row of this message only.
+  /// Replaces all rows by the row of this message.
   bool replace(std::uint64_t time, std::span<const std::byte> payload);
 
   bool has_rows() const { return reader_ != nullptr; }
-  /// Its type is one that TRACE_FORMAT.md gives a table of its own.
+  /// True if TRACE_FORMAT.md has a specific table for its type.
   bool is_typed() const { return typed_; }
-  /// Why it has no rows, if its schema is wrong.
+  /// The errors of its schema, if it therefore has no rows.
   const Diagnostics& problems() const { return problems_; }
 
   TraceChannel table;
@@ -78,7 +78,7 @@ class ChannelRows {
   Diagnostics problems_;
 };
 
-/// Gives every column the name of its series, as trace.h has them, and lists them. Columns have to be complete.
+/// Gives every column the name of its series (trace.h), and lists the series. All columns must be complete.
 void name_series(std::span<TraceChannel* const> channels, std::map<std::string, SeriesPlace, std::less<>>& series);
 
 /// Types without series: pictures, checkpoints, events, changes of contact.

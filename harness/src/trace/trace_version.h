@@ -1,4 +1,4 @@
-// Which form a recording has. Internal; harness/TRACE_FORMAT.md tells what the numbers mean to a reader.
+// The version of the trace format. Internal; harness/TRACE_FORMAT.md describes its meaning for a reader.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,16 +9,15 @@
 
 namespace rehearse {
 
-/// Changes when what is recorded means something else: a reader of another version refuses.
+/// Changes when recorded data changes its meaning: a reader of a different version refuses the recording.
 inline constexpr int trace_version = 1;
 
-/// Within a version, grows when more is recorded; absent from a recording: 1.
+/// Within a version, grows when more data is recorded; 1 if a recording doesn't state it.
 ///   2  /contacts; `limits:` of joints
 inline constexpr int trace_revision = 2;
 inline constexpr int revision_of_contacts = 2;
 
-/// Fails if the metadata of a recording says that it is of a version of the trace format that isn't known here. `file`:
-/// what the error calls it.
+/// Fails if the metadata of a recording states an unknown version of the trace format. `file`: its name in the error.
 Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file);
 
 }  // namespace rehearse
