@@ -1,4 +1,4 @@
-// Little-endian values in and out of byte ranges: the alphabet of MCAP records. Internal.
+// Reads and writes little-endian values in byte ranges: the basic encoding of MCAP records. Internal.
 #pragma once
 
 #include <bit>
@@ -35,7 +35,7 @@ class ByteWriter {
   void begin_record(std::uint8_t opcode);
   void end_record();
 
-  /// Overwrites a value that was put at this place before.
+  /// Overwrites a value that was written at this position before.
   template <class T>
   void patch(std::size_t position, T value) {
     std::memcpy(out_.data() + position, &value, sizeof(T));
@@ -47,8 +47,8 @@ class ByteWriter {
   std::size_t record_ = 0;
 };
 
-/// Takes values from the front of a range. After the first that doesn't fit ok() is false and all values are 0 or
-/// empty.
+/// Reads values from the front of a range. After the first value that doesn't fit, ok() is false and all values are 0
+/// or empty.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}

@@ -1,4 +1,4 @@
-// From a chunk to the records in it, and which channels share chunks. Internal.
+// Reads the records of a chunk, and finds the channels that share chunks. Internal.
 #pragma once
 
 #include "codec.h"
@@ -6,13 +6,13 @@
 
 namespace rehearse::mcap {
 
-/// A chunk's records, or why they can't be had.
+/// The records of a chunk, or the reason why they can't be read.
 struct OpenedChunk {
   enum class Fault { none, too_short, too_large, not_decompressed, wrong_crc } fault = Fault::none;
   std::uint64_t offset = 0;  // of the chunk in the file
   ChunkHead head;            // unless it is too short
-  Bytes records;             // decompressed; in the buffer, or where the chunk itself is
-  std::string reason;        // for which it can't be decompressed
+  Bytes records;             // decompressed; in the buffer, or in the chunk itself
+  std::string reason;        // why the records can't be decompressed
 
   bool ok() const { return fault == Fault::none; }
 };
@@ -21,11 +21,11 @@ class ChunkOpener {
  public:
   explicit ChunkOpener(const ReaderOptions& options) : options_(options) {}
 
-  /// Opens the chunk of a record, its size limited and its CRC checked as the options say.
+  /// Opens the chunk of a record; limits its size and checks its CRC as the options state.
   OpenedChunk open(const Record& chunk, RawBuffer& buffer);
   /// The records at the front of a damaged or cut chunk, as far as they can be decompressed.
   Bytes open_front(const ChunkHead& head, RawBuffer& buffer);
-  /// What a reader says of a chunk that isn't ok.
+  /// The damage of a chunk that isn't ok, as text.
   std::string describe(const OpenedChunk& chunk) const;
 
  private:
@@ -33,24 +33,24 @@ class ChunkOpener {
   Decompressor decompressor_;
 };
 
-/// Which channels share chunks in a file, so that a copy keeps pictures apart from numbers as the file did.
+/// The channels that share chunks in a file, so that a copy separates pictures from numbers as the file did.
 class ChannelGroups {
  public:
   /// A chunk with messages of these channels.
   void add_chunk(std::string_view compression, std::span<const std::uint16_t> channels);
-  /// A chunk with messages of nobody knows which channels: how those are compressed that no other chunk is added for.
+  /// Adds a chunk with messages of unknown channels. Its compression is used for all channels without another chunk.
   void add_chunk(std::string_view compression);
   ChunkGroup of(std::uint16_t channel) const;
 
  private:
   std::uint16_t root_of(std::uint16_t channel) const;
-  std::map<std::uint16_t, std::uint16_t> parent_;     // of each channel; a root's is itself
+  std::map<std::uint16_t, std::uint16_t> parent_;     // of each channel; a root is its own parent
   std::map<std::uint16_t, Compression> compression_;  // by root
   Compression otherwise_ = Compression::zstd;
 };
 
-/// Of a file, from its message indexes; nothing is decompressed. A chunk without an index tells only how it is
-/// compressed: that goes for all channels without one.
+/// The groups of a file, from its message indexes; nothing is decompressed. A chunk without an index only determines
+/// the compression of all channels without one.
 ChannelGroups groups_of(Bytes file);
 
 }  // namespace rehearse::mcap

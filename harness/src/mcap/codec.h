@@ -1,4 +1,4 @@
-// CRC32 and the two compressions of MCAP chunks. Internal; the only file that knows zstd, lz4 and libdeflate.
+// CRC32 and the two compressions of MCAP chunks. Internal; only this file uses zstd, lz4 and libdeflate.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -10,7 +10,7 @@ namespace rehearse::mcap {
 /// CRC32 as in zlib; `seed` continues an earlier one.
 std::uint32_t crc32(Bytes bytes, std::uint32_t seed = 0);
 
-/// Compresses chunks, one after the other, with state that is reused.
+/// Compresses chunks one after the other; the state is reused.
 class Compressor {
  public:
   Compressor(int zstd_level, int lz4_level);
@@ -26,7 +26,7 @@ class Compressor {
   std::unique_ptr<State> state_;
 };
 
-/// A buffer whose memory isn't touched until it is written to: what a hostile length costs is address space.
+/// A buffer whose memory isn't touched before it is written: a false length in a hostile file costs only address space.
 class RawBuffer {
  public:
   std::byte* reserve(std::size_t size) {
@@ -51,11 +51,11 @@ class Decompressor {
   Decompressor(const Decompressor&) = delete;
   Decompressor& operator=(const Decompressor&) = delete;
 
-  /// Decompresses into `out`, which must come to exactly `size` bytes. `compression` is the chunk's own word for it;
-  /// the empty word gives back `compressed` itself. The diagnostic says what is wrong, not where.
+  /// Decompresses into `out`; the result must have exactly `size` bytes. `compression` is the name in the chunk; for an
+  /// empty name it returns `compressed` itself. The diagnostic states the problem, not the place.
   Result<Bytes> decompress(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
 
-  /// Of damaged bytes: as far as it goes, at most `size` bytes of it; nothing of a compression that it doesn't know.
+  /// Decompresses damaged bytes as far as possible, at most `size` bytes; returns nothing for an unknown compression.
   Bytes decompress_front(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
 
  private:

@@ -1,4 +1,4 @@
-// Copying a recording and adding to what is said about it. The messages stay as they are, byte for byte.
+// Copies a recording and changes its metadata records. The messages are copied byte for byte.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -9,10 +9,10 @@
 
 namespace rehearse::mcap {
 
-/// Writes `target` as a copy of the file `source` whose data section ends with these metadata records. The records that
-/// end it already and whose names begin with `replaced` are left out; all others keep their bytes and their places.
-/// DataEnd, summary and Footer are composed anew, with their CRCs. Fails if the source isn't whole or has no summary;
-/// a target that was begun stays.
+/// Writes `target` as a copy of the file `source` whose data section ends with the metadata records `added`. Metadata
+/// records at its present end whose names begin with `replaced` are left out. All other records keep their bytes and
+/// their offsets. DataEnd, summary and Footer are composed again, with their CRCs. Fails if the source isn't whole or
+/// has no summary; an incomplete target stays.
 Result<void> copy_with_metadata(const std::filesystem::path& source, const std::filesystem::path& target,
                                 std::string_view replaced, const std::vector<Metadata>& added);
 

@@ -1,10 +1,9 @@
-// The doctor: everything about a file that isn't as the MCAP specification has it, each with its place, in one pass.
+// The doctor: reports every violation of the MCAP specification in a file with its place, in one pass.
 //
-// It believes nothing: every CRC is computed, every index and count is compared with what is there. Behind damage it
-// looks for where records go on, and examines those too. What is in the messages is somebody else's matter, who may
-// look over its shoulder: ContentCheck.
+// It computes every CRC, and compares every index and count with the records. After damage it searches for the next
+// record, and examines the following ones too. The contents of messages are examined by a ContentCheck of the caller.
 //
-// Memory: what the summary's indexes take (some hundred bytes a chunk), and one chunk.
+// Memory: the size of the summary's indexes (some hundred bytes per chunk), and one chunk.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -19,19 +18,20 @@
 
 namespace rehearse::mcap {
 
-/// Where something is.
+/// A place in the file.
 struct Place {
   std::uint64_t offset = 0;             // of a record, in the file
   std::optional<std::uint64_t> inside;  // in the decompressed records of the chunk that is at `offset`
 };
 
 struct Finding {
-  Severity severity = Severity::error;  // error: against the specification. warning: against its advice. note: unusual
+  /// error: violates the specification. warning: violates its advice. note: unusual.
+  Severity severity = Severity::error;
   Place place;
   std::string message;
 };
 
-/// What was found of one severity: the first ones, and how many there are.
+/// The findings of each severity: the first ones, and the number of all.
 class Findings {
  public:
   Findings() = default;
@@ -39,9 +39,9 @@ class Findings {
 
   void add(Severity severity, Place place, std::string message);
 
-  /// In the order in which they were found; of each severity up to the limit.
+  /// In the order of discovery; of each severity up to the limit.
   const std::vector<Finding>& list() const { return list_; }
-  /// Listed or not.
+  /// The number of all findings of a severity, listed or not.
   std::uint64_t count(Severity severity) const { return counts_[static_cast<std::size_t>(severity)]; }
   bool has_error() const { return count(Severity::error) > 0; }
 
@@ -51,30 +51,31 @@ class Findings {
   std::uint64_t counts_[4] = {};
 };
 
-/// Looks at what the file holds while the doctor passes over it.
+/// Examines the contents of the file while the doctor passes over it.
 class ContentCheck {
  public:
   virtual ~ContentCheck() = default;
-  /// Every schema, when it is met first.
+  /// Called with every schema at its first occurrence.
   virtual void schema(const Schema& schema, Place place, Findings& findings) = 0;
-  /// Every message of a known channel out of whole chunks, in file order. `schema`: null if the channel has none.
+  /// Called with every message of a known channel in whole chunks, in file order. `schema`: null if the channel has
+  /// none.
   virtual void message(const Message& message, const Schema* schema, Place place, Findings& findings) = 0;
-  /// Attachments come without their data.
+  /// Called with attachments without their data.
   virtual void attachment(const Attachment& attachment, Findings& findings) = 0;
   virtual void metadata(const Metadata& metadata, Findings& findings) = 0;
-  /// After the last record. `size` of the file [bytes].
+  /// Called after the last record. `size` of the file [bytes].
   virtual void end(std::uint64_t size, Findings& findings) = 0;
 };
 
 struct DoctorOptions {
-  /// A chunk that says it is larger decompressed isn't looked into [bytes].
+  /// A chunk whose stated decompressed size is larger isn't examined [bytes].
   std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
-  ContentCheck* content = nullptr;  // null: nobody looks
-  /// Called now and then with the bytes passed and all; null: not.
+  ContentCheck* content = nullptr;  // null: contents aren't examined
+  /// Called now and then with the number of bytes passed and of all; null: not.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 };
 
-/// What an examination came to.
+/// The result of an examination.
 struct Examination {
   Findings findings;
   std::string profile;
@@ -84,9 +85,9 @@ struct Examination {
   std::uint64_t messages = 0;
 };
 
-/// Fails if the file can't be read, or if it doesn't begin as an MCAP file: then there is nothing to examine.
+/// Fails if the file can't be read, or if its start isn't that of an MCAP file: then nothing can be examined.
 Result<Examination> examine(const std::filesystem::path& file, const DoctorOptions& options = {});
-/// The same of bytes; `name` is what the failure calls them.
+/// Examines bytes; `name` is their name in a failure.
 Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const DoctorOptions& options = {});
 
 }  // namespace rehearse::mcap

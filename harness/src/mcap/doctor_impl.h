@@ -1,5 +1,5 @@
-// What an examination consists of. Internal; doctor.cpp passes over the file, doctor_chunks.cpp looks into chunks and
-// at their indexes, doctor_summary.cpp compares what the summary says with what was there.
+// The parts of an examination. Internal; doctor.cpp passes over the file, doctor_chunks.cpp examines chunks and their
+// indexes, doctor_summary.cpp compares the summary with the file's contents.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace rehearse::mcap {
 
-/// A chunk, as its index should say it, and the channels and offsets of its message indexes.
+/// A chunk, with the expected contents of its index, and the channels and offsets of its message indexes.
 struct ExaminedChunk {
   ChunkIndex index;
   std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;
@@ -18,25 +18,25 @@ struct ExaminedChunk {
   std::uint64_t offset() const { return index.chunk.offset; }
 };
 
-/// A channel, and what its messages were so far.
+/// A channel, and a summary of its messages so far.
 struct ExaminedChannel {
   Channel channel;
-  std::uint64_t offset = 0;  // where it was defined
+  std::uint64_t offset = 0;  // offset of its definition
   std::uint64_t messages = 0;
-  bool in_chunks = false;  // some of them
+  bool in_chunks = false;  // some of its messages are in chunks
   std::uint64_t last_time = 0;
   std::uint32_t last_sequence = 0;
   std::uint64_t back_in_time = 0;  // messages that are earlier than the one before
   Place back_at;                   // the first of them
-  std::uint64_t back_by = 0;       // the most [ns]
-  std::uint64_t jumps = 0;         // of its sequence numbers
+  std::uint64_t back_by = 0;       // largest step back [ns]
+  std::uint64_t jumps = 0;         // jumps of its sequence numbers
   Place jump_at;
 };
 
 /// An attachment or metadata record.
 struct ExaminedRecord {
-  std::uint64_t length = 0;  // its head included
-  Attachment attachment;     // without data; of metadata the name and the offset only
+  std::uint64_t length = 0;  // length of the record with its header
+  Attachment attachment;     // without data; for metadata the name and the offset only
   std::uint64_t data_size = 0;
 
   std::uint64_t offset() const { return attachment.offset; }
@@ -44,7 +44,7 @@ struct ExaminedRecord {
 
 class Doctor {
  public:
-  /// `view`: where the file's bytes come from; an empty one if they were given.
+  /// `view`: the view of the file's bytes; an empty one if the bytes were passed directly.
   Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into);
   void examine();
 
@@ -63,7 +63,7 @@ class Doctor {
   void examine_profile();
   void examine_channel_profile(const Channel& channel, Place place);
   void tell_channels();
-  /// False if the fields of the record aren't all there. Tells that, and what is wrong with its texts.
+  /// False if the record lacks fields. Reports missing fields and errors in its texts.
   bool check_fields(const Record& record, Place place);
   void add(Severity severity, Place place, std::string message) { findings_.add(severity, place, std::move(message)); }
   void fail(Place place, std::string message) { add(Severity::error, place, std::move(message)); }
@@ -96,9 +96,9 @@ class Doctor {
   ChunkOpener opener_;
   RawBuffer buffer_;
 
-  // What was met so far.
+  // The state of the pass so far.
   bool headed_ = false;
-  bool damaged_ = false;  // some record couldn't be looked into: counts can't be compared
+  bool damaged_ = false;  // some record couldn't be examined: counts can't be compared
   std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with their offsets
   std::map<std::uint16_t, ExaminedChannel> channels_;
   std::vector<ExaminedChunk> chunks_;  // in file order
@@ -109,17 +109,17 @@ class Doctor {
   std::uint64_t messages_ = 0;
   std::uint64_t first_time_ = ~std::uint64_t{0};
   std::uint64_t last_time_ = 0;
-  std::optional<std::uint64_t> summary_begin_;  // behind DataEnd
+  std::optional<std::uint64_t> summary_begin_;  // after DataEnd
 
-  // Of the chunk that message indexes belong to now; at_chunk_ false: there is none.
+  // The chunk of the following message indexes; at_chunk_ false: there is none.
   bool at_chunk_ = false;
   bool chunk_is_open_ = false;             // its messages are known
   std::vector<IndexEntry> chunk_entries_;  // by channel, then offset
 
-  // Of the summary.
+  // The state of the summary's examination.
   std::vector<std::pair<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>>> groups_;  // opcode, begin, end
   std::map<std::uint16_t, std::uint64_t> repeated_schemas_, repeated_channels_;           // with their offsets
-  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;             // like chunks_ and so on
+  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;  // parallel to chunks_ and so on
   std::optional<std::uint64_t> statistics_at_;
   bool offsets_begun_ = false;
 };

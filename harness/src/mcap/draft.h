@@ -1,4 +1,4 @@
-// A file that is made of others, and that gets its name only when it is whole. Internal.
+// A file made from other files, which gets its name only when it is complete. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -10,21 +10,21 @@ namespace rehearse::mcap {
 
 class Draft {
  public:
-  /// For `target`, written beside it under another name. Fails if that is a directory, a pipe or a device, or one of
-  /// the `sources` that it is made from.
+  /// Begins a draft for `target`, written beside it under a temporary name. Fails if `target` is a directory, a pipe or
+  /// a device, or one of the `sources`.
   static Result<Draft> begin(const std::filesystem::path& target, std::span<const std::filesystem::path> sources);
-  /// Removes what wasn't finished.
+  /// Removes an unfinished file.
   ~Draft();
   Draft(Draft&& other) noexcept;
   Draft& operator=(Draft&&) = delete;
 
-  /// Where to write.
+  /// The file to write.
   const std::filesystem::path& file() const { return file_; }
-  /// Writes it. Its chunks are finished by their size only: nothing waits to be killed here.
+  /// Opens a Writer for it. Its chunks are finished by their size only, because no data must survive a kill here.
   Result<std::unique_ptr<Writer>> open_writer(WriterOptions form) const;
-  /// [bytes] that are written.
+  /// Number of written bytes.
   std::uint64_t size() const;
-  /// Gives it its name; what had that name is replaced.
+  /// Renames the file to its target, which is replaced.
   Result<void> finish();
 
  private:

@@ -1,4 +1,4 @@
-// Opening what a user names: a file, a pipe, standard input; and a file's bytes, mapped. Internal.
+// Opens files, pipes and standard input by name; maps the bytes of a file. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -8,7 +8,7 @@
 
 namespace rehearse::mcap {
 
-/// An open descriptor that bytes can be read of.
+/// An open descriptor for reading.
 class Input {
  public:
   /// "-" is standard input. A directory, a device and a socket's file are refused.
@@ -21,16 +21,17 @@ class Input {
         only_once_(other.only_once_) {}
   Input& operator=(Input&&) = delete;
 
-  const std::string& name() const { return name_; }  // as messages call it
+  const std::string& name() const { return name_; }  // its name in messages
   int descriptor() const { return descriptor_; }
 
-  /// [bytes] of a file that can be mapped from its beginning; 0 for all else: pipes, sockets, empty and made-up files.
+  /// Size of a file that can be mapped from its beginning [bytes]; 0 for all others: pipes, sockets, empty files and
+  /// files without real size.
   std::uint64_t mappable_size() const { return size_; }
 
-  /// The number of a pipe that has no name in a folder: what it gave can't be had again. nullopt for all else.
+  /// The number of a pipe that has no name in a folder: its data can't be read again. nullopt for all others.
   const std::optional<std::uint64_t>& only_once() const { return only_once_; }
 
-  /// Fills the front of `target`, waiting for the first byte at most, and says how much came; 0 is the end.
+  /// Fills the front of `target`; waits at most for the first byte. Returns the number of bytes; 0 is the end.
   Result<std::size_t> read(std::span<std::byte> target);
 
  private:
@@ -46,10 +47,10 @@ class Input {
 
 class FileView {
  public:
-  /// Maps a file for reading, as large as it is now: what is written behind that meanwhile isn't seen. What can't be
-  /// mapped (a pipe, standard input by the name "-") is kept in a nameless temporary file first, to its end; of a
-  /// pipe without a name for the life of the process, so that it can be opened again.
-  /// Of a file that another program cuts while it is mapped, zeros are read where its bytes are gone.
+  /// Maps a file for reading, in its present size: data that is appended later isn't seen. Input that can't be mapped
+  /// (a pipe, standard input by the name "-") is first stored to its end in a nameless temporary file. For a pipe
+  /// without a name this file is kept for the life of the process, so that it can be opened again. If a different
+  /// program truncates a mapped file, the missing bytes are read as zeros.
   static Result<FileView> open(const std::filesystem::path& file);
   FileView() = default;
   ~FileView();
@@ -57,10 +58,9 @@ class FileView {
   FileView& operator=(FileView&& other) noexcept;
 
   Bytes bytes() const { return bytes_; }
-  /// Lets go of the memory that these bytes take here; they come back when they are looked at. Nothing for bytes that
-  /// aren't of this file.
+  /// Releases the memory of these bytes; they are loaded again when they are read. No effect on bytes of other files.
   void forget(Bytes part) const;
-  const std::string& name() const { return name_; }  // of the file, as messages call it
+  const std::string& name() const { return name_; }  // name of the file in messages
 
  private:
   static Result<FileView> map(int descriptor, std::uint64_t size, const std::string& name);
@@ -69,25 +69,25 @@ class FileView {
   std::string name_;
 };
 
-/// Whether bytes of a mapped file were read that another program had cut off: reading these raises SIGBUS, which would
-/// end the process. Of more than 256 files at a time the others aren't watched.
+/// True if bytes of a mapped file were read that a different program had truncated. Such a read raises SIGBUS, which
+/// would end the process. If more than 256 files are open, the others aren't watched.
 bool was_cut(Bytes mapped);
 
-/// Called now and then with the bytes passed and all; null: not.
+/// Called now and then with the number of bytes passed and of all; null: not.
 using Progress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
-/// Tells the progress of a pass from front to back, and lets go of what it has left behind, so that a large file takes
-/// no more memory than a small one.
+/// Reports the progress of a pass from front to back, and releases the memory of passed bytes, so that a large file
+/// takes no more memory than a small one.
 class PassedBytes {
  public:
-  /// Of the view's own bytes; of others nothing is let go.
+  /// For the view's own bytes; the memory of other bytes isn't released.
   PassedBytes(const FileView& view, Bytes bytes, Progress progress = {})
       : view_(view), bytes_(bytes), progress_(std::move(progress)) {}
   ~PassedBytes() { let_go(passed_); }
   PassedBytes(const PassedBytes&) = delete;
   PassedBytes& operator=(const PassedBytes&) = delete;
 
-  /// All before that offset is passed.
+  /// Reports that all bytes before that offset are passed.
   void pass(std::uint64_t offset) {
     constexpr std::uint64_t step = std::uint64_t{16} << 20;
     passed_ = offset;

@@ -1,4 +1,4 @@
-// Patterns over names of topics and series.
+// Patterns for names of topics and series.
 #pragma once
 
 #include <cstddef>
@@ -6,10 +6,11 @@
 
 namespace rehearse {
 
-/// True if the pattern matches the whole name. `*` stands for any text, slashes and nothing included; there is no other
+/// True if the pattern matches the whole name. `*` matches any text, also slashes and the empty text; there is no other
 /// special character.
 constexpr bool matches(std::string_view pattern, std::string_view name) {
-  // Where the last star was seen, and how much of the name it has swallowed: on a mismatch it swallows one more.
+  // Position of the last star, and the end of the text that it matches: after a mismatch the star matches one character
+  // more.
   std::size_t p = 0, n = 0;
   std::size_t star = std::string_view::npos, swallowed = 0;
   while (n < name.size()) {

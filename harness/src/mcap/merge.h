@@ -1,4 +1,4 @@
-// Several files in one, in the order of time.
+// Merges several files into one, in the order of time.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -13,30 +13,31 @@ namespace rehearse::mcap {
 
 struct MergeSource {
   std::filesystem::path file;
-  std::string prefix;  // put before each of its topics, as "/left"
+  std::string prefix;  // prefix of each of its topics, as "/left"
 };
 
 struct MergeOptions {
-  /// Every source keeps channels of its own. Else channels that are defined alike become one.
+  /// Every source keeps separate channels. Otherwise channels with equal definitions become one.
   bool keep_apart = false;
-  /// Called now and then with the messages written and all, where the sources' statistics tell how many; null: not.
+  /// Called now and then with the number of messages written and of all, if the sources' statistics state it; null:
+  /// not.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 };
 
-/// What was written.
+/// The result of merge().
 struct Merged {
   std::uint64_t messages = 0;
   std::uint64_t channels = 0, attachments = 0, metadata = 0;
   std::uint64_t bytes = 0;
-  std::vector<std::string> remarks;  // sentences: topics that are defined otherwise, names that come twice
+  std::vector<std::string> remarks;  // sentences: topics with different definitions, names that occur twice
 };
 
-/// Writes `target`, under another name until it is whole: all messages by log time, then in the order of the sources,
-/// then as in their files, with their bytes, numbers and both times; attachments and metadata of all. Channels with the
-/// same topic, encoding, schema and metadata become one; others of one topic stay apart, and are told of. The profile
-/// is what all sources have, else empty. A metadata record `rehearse.merge` names the sources. Private records aren't
-/// kept. Holds the chunks that overlap in time. Fails, with nothing written, if a source is damaged, or if `target`
-/// can't be written.
+/// Writes `target`, under a temporary name until it is complete. It contains all messages by log time, then in the
+/// order of the sources, then as in their files, with their bytes, numbers and both times; and the attachments and
+/// metadata of all. Channels with equal topic, encoding, schema and metadata become one. Other channels with equal
+/// topics stay separate, and are reported. The profile is that of all sources if they agree, else empty. A metadata
+/// record `rehearse.merge` names the sources. Private records aren't kept. Chunks that overlap in time are held in
+/// memory. Fails, and writes nothing, if a source is damaged, or if `target` can't be written.
 Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
                      const MergeOptions& options = {});
 

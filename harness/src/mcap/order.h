@@ -1,4 +1,4 @@
-// Messages by log time, out of chunks that overlap. Internal.
+// Orders messages of overlapping chunks by log time. Internal.
 #pragma once
 
 #include "reader_impl.h"
@@ -9,13 +9,13 @@
 
 namespace rehearse::mcap {
 
-/// A message that waits for its turn.
+/// A message that is not delivered yet.
 struct Waiting {
   std::uint64_t log_time = 0;
   std::uint64_t offset = 0;  // of its record, in the file or in the decompressed chunk
 };
 
-/// A run of messages sorted by time: a decompressed chunk, or all messages that are in no chunk.
+/// A sequence of messages sorted by time: a decompressed chunk, or all messages outside of chunks.
 struct Run {
   std::optional<std::uint64_t> chunk;
   Bytes compressed;  // the chunk's record, where the file is mapped
@@ -29,16 +29,16 @@ struct Run {
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
 };
 
-/// The messages of a file, one after the other, by (log time, position in the file). Chunks are opened when the time
-/// comes to their first message and let go after their last.
+/// The messages of a file, one after the other, by (log time, position in the file). A chunk is opened at the time of
+/// its first message and released after its last.
 class MessageOrder {
  public:
-  /// All three outlive it.
+  /// All three must outlive it.
   MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage);
 
-  /// The next message's record; false when there is none left, or no memory for them.
+  /// The record of the next message; false if there is none left, or not enough memory.
   bool next(Record& record);
-  /// Done with that message.
+  /// Removes that message.
   void advance();
 
  private:
@@ -54,11 +54,11 @@ class MessageOrder {
   Reader::Impl& reader_;
   const ChannelSet& channels_;
   DamageLog& damage_;
-  PassedBytes passed_;         // what stands between chunks, too
-  std::vector<Chunk> chunks_;  // by start time, then place
+  PassedBytes passed_;         // includes the bytes between chunks
+  std::vector<Chunk> chunks_;  // by start time, then offset
   std::size_t next_chunk_ = 0;
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
-  std::vector<std::unique_ptr<Run>> spare_;  // for their memory
+  std::vector<std::unique_ptr<Run>> spare_;  // kept for their memory
   std::uint64_t held_ = 0;                   // bytes of open chunks
 };
 

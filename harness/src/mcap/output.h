@@ -1,4 +1,4 @@
-// The thread of a Writer: takes finished chunks and other records, composes, compresses, checksums, writes. Internal.
+// The thread of a Writer: composes, compresses, checksums and writes finished chunks and other records. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -18,19 +18,19 @@
 
 namespace rehearse::mcap {
 
-/// A message of a chunk whose record has no data so far.
+/// A deferred message of a chunk: its record has no data so far.
 struct PutOff {
   std::size_t entry = 0;  // of the chunk's index
   std::function<std::vector<std::byte>()> compose;
 };
 
-/// A chunk while it is being filled, and until it is written; or messages that will stand in none.
+/// A chunk while it is filled, and until it is written; or messages that will be in no chunk.
 struct ChunkData {
   std::vector<std::byte> records;
   std::vector<IndexEntry> index;
   std::vector<PutOff> put_off;   // in the order of their entries
-  std::size_t held = 0;          // by these [bytes]
-  std::uint64_t first_time = 0;  // of the first message in file order: decides when the chunk is old enough
+  std::size_t held = 0;          // memory held by these [bytes]
+  std::uint64_t first_time = 0;  // of the first message in file order: determines when the chunk is finished by age
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   Compression compression = Compression::none;
@@ -47,7 +47,7 @@ struct ChunkData {
   }
 };
 
-/// A record outside of chunks, composed already, and what the summary says of it.
+/// A composed record outside of chunks, and its data for the summary.
 struct RawJob {
   enum class Kind { plain, attachment, metadata };
   Kind kind = Kind::plain;
@@ -61,29 +61,29 @@ using Job = std::variant<RawJob, ChunkData>;
 
 class Output {
  public:
-  /// Starts the thread. `name` is what messages call the file.
+  /// Starts the thread. `name` is the file's name in messages.
   Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options);
-  /// Writes what is queued and closes the file.
+  /// Writes the queued jobs and closes the file.
   ~Output();
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  /// Hands a job over; waits while the queue is full. After a failure jobs are dropped.
+  /// Adds a job to the queue; waits while the queue is full. After a failure jobs are dropped.
   void push(Job job);
-  /// An empty chunk, with the memory of one that was written.
+  /// An empty chunk that reuses the memory of a written one.
   ChunkData take_chunk();
 
-  /// Of the open file.
+  /// Descriptor of the open file.
   int descriptor() const { return sink_->descriptor(); }
   bool failed() const { return failed_.load(std::memory_order_acquire); }
   /// Success, or the failure.
   Result<void> status();
-  /// Nothing is written from now on.
+  /// Reports a failure; nothing is written from now on.
   void fail(Diagnostic diagnostic);
-  /// Waits until everything queued is written.
+  /// Waits until all queued jobs are written.
   Result<void> drain();
   /// Ends the thread, writes the end of the data section, the summary and the footer, and closes the file. `statistics`
-  /// need not know the counts of attachments, metadata and chunks.
+  /// doesn't need the counts of attachments, metadata and chunks.
   Result<void> finish(const std::vector<Schema>& schemas, const std::vector<Channel>& channels, Statistics statistics);
 
  private:
@@ -94,7 +94,7 @@ class Output {
   void compose(ChunkData& chunk);
   void process_chunk(const ChunkData& chunk);
   void put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const;
-  void write_data(Bytes bytes);  // of the data section: counted into its CRC
+  void write_data(Bytes bytes);  // bytes of the data section: included in its CRC
   void write_file(Bytes bytes);
   void close_file();
 
@@ -107,24 +107,24 @@ class Output {
   std::mutex mutex_;
   std::condition_variable to_thread_;
   std::condition_variable from_thread_;
-  std::deque<Job> queue_;  // guarded by mutex_, as all down to error_
+  std::deque<Job> queue_;  // guarded by mutex_, like all members down to error_
   std::vector<ChunkData> free_;
   bool busy_ = false;
   bool stopping_ = false;
   Diagnostics error_;
   std::atomic<bool> failed_{false};
 
-  // Of the thread while it runs, of finish() after it.
+  // Used by the thread while it runs, then by finish().
   std::uint64_t offset_ = 0;
   std::uint32_t data_crc_ = 0;
   Statistics counts_;
   ChunkIndexes chunk_indexes_;
-  std::vector<std::byte> attachment_indexes_;  // whole records of the summary, as are the next
+  std::vector<std::byte> attachment_indexes_;  // whole records of the summary, like the next member
   std::vector<std::byte> metadata_indexes_;
   std::vector<std::byte> scratch_;
   std::vector<std::byte> composed_;
 
-  std::thread thread_;  // last: starts when all else is there
+  std::thread thread_;  // last member: it starts after all others are initialised
 };
 
 }  // namespace rehearse::mcap

@@ -1,5 +1,5 @@
-// What a Reader consists of. Internal; reader.cpp opens and passes over, by_summary.cpp opens by the end of the file,
-// order.cpp sorts by time.
+// The implementation of Reader. Internal; reader.cpp opens a file and passes over it, by_summary.cpp opens it by its
+// summary, order.cpp sorts by time.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -20,9 +20,9 @@ class Reader::Impl {
         damage_(name_),
         chunk_opener_(options) {}
 
-  /// As the options say.
+  /// Opens the file as the options state.
   Result<void> open();
-  /// Before a pass over everything.
+  /// Makes the walk if it is missing; called before a pass over everything.
   void walk_if_not_yet();
 
   // reader.cpp
@@ -41,18 +41,18 @@ class Reader::Impl {
 
   /// Adds to `damage` if the data section's CRC doesn't match; computed once.
   void check_data_crc(DamageLog& damage);
-  /// All damage: that of opening and that of a pass.
+  /// All damage found by opening and by a pass.
   Result<void> verdict(const DamageLog& pass) const;
   Diagnostic damaged(std::string message) const;
 
-  // Of the walk, if it was made; the rest of it.
+  // The results of the walk, if it was made.
   bool walked_ = false;
   Frame frame_;
   std::vector<Chunk> chunks_;  // in file order
-  /// What the message indexes behind a chunk say of its channels.
+  /// The channels that the message indexes of a chunk state.
   enum class ChunkChannels : std::uint8_t { not_said, known, unknown };
-  std::vector<ChunkChannels> chunk_channels_;  // like chunks_
-  std::set<std::uint16_t> unknown_channels_;   // when their message indexes were met
+  std::vector<ChunkChannels> chunk_channels_;  // parallel to chunks_
+  std::set<std::uint16_t> unknown_channels_;   // unknown at the time of their message indexes
   bool loose_messages_ = false;                // some messages are in no chunk
 
  private:
@@ -69,7 +69,7 @@ class Reader::Impl {
   void learn_from_chunk(const Chunk& place);
 
   RawBuffer pass_buffer_;
-  RawBuffer at_buffer_;  // of message_at: the chunk that it read last
+  RawBuffer at_buffer_;  // for message_at(): the chunk that was read last
   Bytes at_records_;
   Bytes at_body_;               // of that chunk's record
   std::uint64_t at_chunk_ = 0;  // 0: none

@@ -1,4 +1,4 @@
-// The fields of each kind of record, as the specification has them. Internal.
+// The fields of each kind of record, as in the specification. Internal.
 #pragma once
 
 #include "records.h"
@@ -11,26 +11,26 @@ namespace rehearse::mcap {
 
 /// True for the kinds of version 0.
 constexpr bool is_known(std::uint8_t opcode) { return op::header <= opcode && opcode <= op::data_end; }
-/// True for those that the specification leaves to everybody.
+/// True for the kinds that the specification reserves for private use.
 constexpr bool is_private(std::uint8_t opcode) { return opcode >= 0x80; }
 
-/// "Schema", "Message Index"; of an unknown one "record of opcode 0x42".
+/// "Schema", "Message Index"; for an unknown kind "record of opcode 0x42".
 std::string name_of(std::uint8_t opcode);
 
-/// How a body fits the fields of its kind.
+/// The result of comparing a body with the fields of its kind.
 struct LayoutCheck {
-  bool whole = false;                 // every field is there, and every length in it fits
-  std::size_t extra = 0;              // behind the last field [bytes]
-  std::vector<std::string> problems;  // of what is there: "its topic is not UTF-8"; none unless it is whole
+  bool whole = false;                 // every field is complete, and every length in it fits
+  std::size_t extra = 0;              // after the last field [bytes]
+  std::vector<std::string> problems;  // of the fields: "its topic is not UTF-8"; empty unless the body is whole
 
-  /// Nothing is missing, wrong or left over.
+  /// True if nothing is missing, wrong or left over.
   bool exact() const { return whole && extra == 0 && problems.empty(); }
 };
 
-/// Of a known kind. Looks at no number's meaning, only at lengths, texts and the keys of maps.
+/// Checks a body of a known kind: only lengths, texts and the keys of maps, not the meaning of numbers.
 LayoutCheck check_layout(std::uint8_t opcode, Bytes body);
 
-/// True if the bytes come to whole records, and all of known kinds pass.
+/// True if the bytes are whole records, and all records of known kinds pass.
 template <class Passes>
 bool has_layout(Bytes records, const Passes& passes) {
   RecordWalker walker(records);

@@ -1,6 +1,6 @@
-// The pass over the outermost records of a file, from front to back. Every tool makes it: a pass over a mapped file can
-// go on behind damage (resync.h says where), a pass over a stream never goes back. What is in a chunk: chunks.h.
-// Internal.
+// The pass over the outermost records of a file, from front to back, which every tool makes. A pass over a mapped file
+// can continue after damage (resync.h finds the place); a pass over a stream never goes back. chunks.h reads the
+// records in a chunk. Internal.
 #pragma once
 
 #include <functional>
@@ -17,31 +17,31 @@ class RecordPass {
   RecordPass(const RecordPass&) = delete;
   RecordPass& operator=(const RecordPass&) = delete;
 
-  /// The next record, valid until the next call. False: what begins at offset() is no whole record.
+  /// The next record, valid until the next call. False: the bytes at offset() are no whole record.
   bool next(Record& record);
-  /// Where the next record begins.
+  /// Offset of the next record.
   std::uint64_t offset() const { return offset_ + last_.size(); }
-  /// Where the latest record begins; behind the end of the pass: offset().
+  /// Offset of the latest record; after the end of the pass: offset().
   std::uint64_t passed() const { return offset_; }
 
-  /// The CRC of the section that is passed, up to the latest record; 0 while nothing is counted.
+  /// The CRC of the present section, up to the latest record; 0 if it isn't computed.
   std::uint32_t crc() const { return crc_; }
   bool counts() const { return counts_; }
-  /// A section begins behind the latest record. `counts`: its CRC is computed.
+  /// Begins a section after the latest record. `counts`: its CRC is computed.
   void begin_section(bool counts);
 
-  /// After next() was false: what the bytes from offset() on look like.
+  /// Describes the bytes from offset() on, after next() has returned false.
   virtual CutPlace look_at_cut() = 0;
-  /// Passes the latest record and looks at what follows it: up to the magic's size and one byte more.
+  /// Passes the latest record and reads the bytes after it: up to the magic's size and one byte more.
   Bytes look_at_tail();
 
  protected:
   RecordPass(std::uint64_t begin, bool counts) : offset_(begin), counts_(counts) {}
   virtual bool find(Record& record) = 0;
-  /// Bytes of the file from passed() on: as many as asked for, or as there are.
+  /// Bytes of the file from passed() on: `count` bytes, or fewer at the end.
   virtual Bytes look(std::uint64_t count) = 0;
   virtual void move_on(std::uint64_t /*count*/) {}
-  /// Passes the bytes, which begin at passed(), where the latest record does.
+  /// Passes the bytes, which begin at passed(), the offset of the latest record.
   void pass(Bytes bytes);
 
  private:
@@ -51,13 +51,13 @@ class RecordPass {
   std::uint32_t crc_ = 0;
 };
 
-/// Over a mapped file, from behind its magic bytes on. Lets go of the memory that was passed.
+/// The pass over a mapped file, from the end of its magic bytes on. Releases the memory of passed bytes.
 class MappedPass final : public RecordPass {
  public:
-  /// `counts`: the CRC of the data section is computed, in which `begin` is where records begin.
+  /// `counts`: the CRC of the data section is computed; `begin`: the offset of its first record.
   MappedPass(const FileView& view, Bytes file, bool counts = false, Progress progress = {},
              std::uint64_t begin = magic.size());
-  /// Goes on at that byte. What is left out counts for the CRC.
+  /// Continues at that offset. Skipped bytes are included in the CRC.
   void go_on_at(std::uint64_t offset);
   CutPlace look_at_cut() override;
 
@@ -69,17 +69,18 @@ class MappedPass final : public RecordPass {
   PassedBytes memory_;
 };
 
-/// Fills the front of the bytes given, and says how many came: at least one; 0 is the end.
+/// Fills the front of the given bytes, and returns the number of bytes: at least one; 0 is the end.
 using ReadBytes = std::function<Result<std::size_t>(std::span<std::byte>)>;
 
-/// Over bytes as they come. Holds one record; one that is larger than `most_held` is left out, and `damage` gets that.
+/// The pass over a stream. It holds one record in memory. A record larger than `most_held` is left out and reported to
+/// `damage`.
 class StreamPass final : public RecordPass {
  public:
   StreamPass(ReadBytes source, std::uint64_t most_held, bool counts, DamageLog& damage);
-  /// The first bytes, up to the magic's size; behind them records begin.
+  /// The first bytes, up to the magic's size; records begin after them.
   Bytes begin();
   CutPlace look_at_cut() override;
-  /// Why no more bytes came, if that was an error.
+  /// The error that ended the stream, if any.
   const Diagnostics& failure() const { return failure_; }
 
  private:
@@ -93,28 +94,28 @@ class StreamPass final : public RecordPass {
   ReadBytes source_;
   const std::uint64_t most_held_;
   DamageLog& damage_;
-  RawBuffer buffer_;  // what came and isn't passed is from begin_ to end_
+  RawBuffer buffer_;  // received bytes that aren't passed are from begin_ to end_
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool ended_ = false;
   Diagnostics failure_;
-  std::vector<std::byte> last_bytes_;        // of what was left out
-  std::optional<std::uint64_t> cut_record_;  // offset of a record that was being left out when the bytes ended
+  std::vector<std::byte> last_bytes_;        // of the omitted record
+  std::optional<std::uint64_t> cut_record_;  // offset of a record that was omitted when the stream ended
 };
 
-/// What stands around the messages of a file.
+/// The parts of a file around its messages.
 struct Frame {
-  std::uint64_t data_end = 0;             // offset of DataEnd, of a Footer without one, or of what is no whole record
-  std::optional<std::uint32_t> data_crc;  // as DataEnd states it
+  std::uint64_t data_end = 0;  // offset of DataEnd, of a Footer without one, or of the first incomplete record
+  std::optional<std::uint32_t> data_crc;  // as stated in DataEnd
   bool summary_has_channels = false;
 };
 
-/// Passes over a whole file. `take` gets the records of the data section, `seen` (may be null) all of them before;
-/// either may end the pass by false. What the summary says is learned if its CRC matches.
+/// Passes over a whole file. `take` gets the records of the data section; `seen` (may be null) gets all records, before
+/// `take`. Either may end the pass by false. The contents of the summary are added to `contents` if its CRC matches.
 Frame read_frame(RecordPass& pass, bool check_crcs, Contents& contents, DamageLog& damage,
                  const std::function<bool(const Record&)>& take, const Reader::OnRecord& seen = {});
 
-/// Which channels a pass delivers.
+/// The channels that a pass delivers.
 class ChannelSet {
  public:
   explicit ChannelSet(std::span<const std::uint16_t> channels) : all_(channels.empty()), chosen_(all_ ? 0 : 0x10000) {
@@ -127,18 +128,18 @@ class ChannelSet {
   std::vector<bool> chosen_;
 };
 
-/// Delivers messages, by themselves and out of chunks. False from a callback ends it.
+/// Delivers messages, inside and outside of chunks. False from a callback ends the pass.
 struct Delivery {
-  Contents& contents;  // learns what chunks define
+  Contents& contents;  // gets the definitions in chunks
   DamageLog& damage;
   ChunkOpener& opener;
   RawBuffer& buffer;  // for the records of a chunk
   const ChannelSet& channels;
   const Reader::OnMessage& message;  // may be null
-  const Reader::OnRecord& record;    // of the records in chunks; may be null
+  const Reader::OnRecord& record;    // called with the records in chunks; may be null
 
   bool deliver(const Record& message);
-  /// A chunk that is too short was told of when its head was read.
+  /// Delivers the messages of a chunk. A chunk that is too short was reported when its header was read.
   bool deliver_chunk(const Record& chunk);
 };
 

@@ -25,7 +25,7 @@ inline constexpr std::uint8_t header = 0x01, footer = 0x02, schema = 0x03, chann
                               data_end = 0x0f;
 }  // namespace op
 
-/// The head of a Chunk record and its still compressed records.
+/// The header of a Chunk record and its still compressed records.
 struct ChunkHead {
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
@@ -45,24 +45,24 @@ struct Footer {
 struct ChunkIndex {
   Chunk chunk;
   std::uint64_t length = 0;          // of the chunk's record [bytes]
-  std::uint64_t indexes_length = 0;  // of the message indexes behind it [bytes]
+  std::uint64_t indexes_length = 0;  // of the message indexes after it [bytes]
   Bytes places;                      // channel (2 bytes) and offset in the file (8) of each message index
 };
 
-/// What an AttachmentIndex or a MetadataIndex says of where the record is.
+/// The place of a record, as an AttachmentIndex or a MetadataIndex states it.
 struct RecordPlace {
   std::uint64_t offset = 0;
-  std::uint64_t length = 0;  // with its head [bytes]
+  std::uint64_t length = 0;  // with its header [bytes]
 };
 
-/// An attachment as parsed, with what its CRC covers.
+/// A parsed attachment, and the bytes that its CRC covers.
 struct AttachmentRecord {
   Attachment attachment;
   Bytes covered;
   std::uint32_t crc = 0;  // 0: none
 };
 
-/// What stands before the data of a message.
+/// The fields before the data of a message.
 struct MessageHead {
   std::uint16_t channel = 0;
   std::uint32_t sequence = 0;
@@ -70,20 +70,20 @@ struct MessageHead {
   std::uint64_t publish_time = 0;
 };
 
-/// Where a message's record stands in its chunk.
+/// The offset of a message's record in its chunk.
 struct IndexEntry {
   std::uint64_t log_time = 0;
   std::uint64_t offset = 0;
   std::uint16_t channel = 0;
 };
 
-/// Steps over records. Stops at the end of the range, or before the first that isn't whole.
+/// Iterates over records. Stops at the end of the range, or before the first incomplete record.
 class RecordWalker {
  public:
   explicit RecordWalker(Bytes range, std::uint64_t start = 0) : range_(range), offset_(start) {}
 
   bool next(Record& record);
-  /// Of the next record; after the last whole one: where the walk ended.
+  /// Offset of the next record; after the last whole one: the end of the walk.
   std::uint64_t offset() const { return offset_; }
   bool at_end() const { return offset_ == range_.size(); }
 
@@ -92,19 +92,19 @@ class RecordWalker {
   std::uint64_t offset_;
 };
 
-/// The whole record, its head included. `record` has to be one that a walk delivered.
+/// The whole record with its header. `record` must come from a walk.
 inline Bytes bytes_of(const Record& record) {
   return {record.body.data() - record_head, record_head + record.body.size()};
 }
-/// Offset behind the record.
+/// Offset after the record.
 inline std::uint64_t end_of(const Record& record) { return record.offset + record_head + record.body.size(); }
 
-// Each takes the body of a record and is nullopt if the body is too short for what it says.
+// Each parses the body of a record; nullopt if the body is shorter than its fields state.
 std::optional<Schema> parse_schema(Bytes body);
 std::optional<Channel> parse_channel(Bytes body);
 std::optional<MessageHead> parse_message_head(Bytes body);
 std::optional<ChunkHead> parse_chunk(Bytes body);
-std::optional<ChunkHead> parse_cut_chunk(Bytes body);  // its records end with the body, whatever it says
+std::optional<ChunkHead> parse_cut_chunk(Bytes body);  // its records end with the body, independent of the stated size
 /// The fields before the records. `size`: of the records, as the chunk states it [bytes].
 std::optional<ChunkHead> parse_chunk_front(Bytes body, std::uint64_t& size);
 std::optional<AttachmentRecord> parse_attachment(Bytes body);
@@ -122,7 +122,7 @@ void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc
 void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values);
 void put_statistics(ByteWriter& out, const Statistics& statistics);
 void put_chunk_index(ByteWriter& out, const ChunkIndex& index);
-/// `length` of the record at `offset`, its head included [bytes].
+/// `length` of the record at `offset`, with its header [bytes].
 void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name);
 
 }  // namespace rehearse::mcap

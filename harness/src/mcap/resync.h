@@ -1,11 +1,11 @@
-// Where records go on behind damage. Internal.
+// Finds the next record after damage. Internal.
 //
-// Records have no marks to be found by, so a place is believed for what stands there:
-// - a chunk or attachment with a CRC: if it matches. Nothing else has one.
-// - any other record: if its fields come to exactly its length, its texts are UTF-8, and the same is true of the two
-//   records behind it, or of those up to the file's end.
-// - a message: only where the file has had messages outside of chunks before. Those inside of a chunk whose head is
-//   lost look alike, and nothing says that they are right.
+// Records have no marks to search for, so a place is accepted by its content:
+// - a chunk or attachment with a CRC: if the CRC matches. No other record has one.
+// - any other record: if its fields have exactly its length, its texts are UTF-8, and the same is true of the next two
+//   records, or of those up to the file's end.
+// - a message: only if the file had messages outside of chunks before. Messages of a chunk whose header is lost look
+//   equal, and nothing confirms that they are right.
 #pragma once
 
 #include "chunks.h"
@@ -16,13 +16,13 @@ class Resync {
  public:
   Resync(Bytes file, std::uint64_t max_chunk_size);
 
-  /// From now on messages outside of chunks are believed.
+  /// From now on messages outside of chunks are accepted.
   void expect_loose_messages() { loose_messages_ = true; }
 
-  /// The first record from `begin` on that is believed; nullopt: there is none.
+  /// Offset of the first accepted record from `begin` on; nullopt: there is none.
   std::optional<std::uint64_t> find(std::uint64_t begin);
 
-  /// True if a record, or the file's end, can be there: whatever stands before it has the length that it says.
+  /// True if a record, or the file's end, can be at this offset: then the record before it has the right length.
   bool is_plausible(std::uint64_t offset);
 
  private:
@@ -35,7 +35,7 @@ class Resync {
   Bytes file_;
   std::uint64_t max_chunk_size_;
   bool loose_messages_ = false;
-  std::uint64_t budget_;  // for places that turn out to be none [bytes]: hostile files don't make this quadratic
+  std::uint64_t budget_;  // for rejected places [bytes]: it prevents quadratic time in hostile files
   ChunkOpener opener_;
   RawBuffer buffer_;
 };

@@ -1,4 +1,4 @@
-// What stands behind the data section of a file that is written: DataEnd, the summary, the Footer. Internal.
+// The end of a written file: DataEnd, the summary, the Footer. Internal.
 #pragma once
 
 #include <functional>
@@ -8,19 +8,19 @@
 
 namespace rehearse::mcap {
 
-/// Composes it front to back: groups of the summary's records in the order in which they are added.
+/// Composes this end from front to back: groups of the summary's records in the order in which they are added.
 class SummaryComposer {
  public:
   using Write = std::function<void(Bytes)>;
 
-  /// `data_size`: of everything before DataEnd [bytes]; `data_crc`: of the same, or 0. `form` says whether there are
-  /// offsets and a CRC. `write` gets the bytes as they come.
+  /// `data_size`: number of bytes before DataEnd; `data_crc`: their CRC, or 0. `form` states whether there are offsets
+  /// and a CRC. `write` gets the bytes in order.
   SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form, Write write);
-  /// Whole records of one opcode; nothing if there are none.
+  /// Adds whole records of one opcode; no effect if there are none.
   void add_group(std::uint8_t opcode, Bytes records);
-  /// The same piece by piece: `put_all` hands them to what it is given.
+  /// Adds a group piece by piece: `put_all` passes the pieces to its argument.
   void add_group(std::uint8_t opcode, const std::function<void(const Write&)>& put_all);
-  /// Ends the summary. Nothing is added after it.
+  /// Ends the summary. Nothing may be added after it.
   void finish();
 
  private:
@@ -29,23 +29,23 @@ class SummaryComposer {
   const FileForm form_;
   const Write write_;
   std::uint64_t start_ = 0;         // of the summary in the file
-  std::uint64_t offset_;            // of what comes next
+  std::uint64_t offset_;            // of the next byte
   std::uint32_t crc_ = 0;           // of the summary so far
   std::vector<std::byte> offsets_;  // whole records
 };
 
-/// Collects the ChunkIndex records of a file until the summary wants them. An hour with cameras has half a million: so
-/// from a certain size on they are forgotten, and in the end made again from the file, whose chunks and message indexes
-/// say the same.
+/// Collects the ChunkIndex records of a file for the summary. An hour with cameras has half a million. So above a
+/// certain size they are dropped, and at the end made again from the file's chunks and message indexes, which contain
+/// the same data.
 class ChunkIndexes {
  public:
-  /// `most`: what is held in memory [bytes].
+  /// `most`: limit of the memory [bytes].
   ChunkIndexes(const Sink& file, std::size_t most) : can_forget_(file.readable()), most_(most) {}
 
   void add(const ChunkIndex& index);
 
-  /// All records in their order, piece by piece. `data_size`: of everything before DataEnd [bytes]. Fails if the file
-  /// has to be read and can't be.
+  /// All records in their order, piece by piece. `data_size`: number of bytes before DataEnd. Fails if the file must be
+  /// read and can't be.
   Result<void> write(Sink& file, std::uint64_t data_size, const std::function<void(Bytes)>& out);
 
  private:

@@ -1,4 +1,4 @@
-// What can be saved of a file: a first pass over it, for recover(). Internal.
+// The first pass of recover() over a file: finds the data that can be saved. Internal.
 #pragma once
 
 #include "record_pass.h"
@@ -7,11 +7,11 @@
 
 namespace rehearse::mcap {
 
-/// A stretch of the file whose records are believed.
+/// A span of the file whose records are accepted.
 struct SavedRun {
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  bool trusted = true;  // false: one damaged or cut chunk, out of which comes what seems whole
+  bool trusted = true;  // false: a damaged or cut chunk, of which only the messages that seem whole are saved
 };
 
 class Survey {
@@ -19,12 +19,12 @@ class Survey {
   /// `recovery` gets the losses.
   Survey(const FileView& file, const RecoverOptions& options, Recovery& recovery);
 
-  Contents contents;  // statistics: of a summary whose CRC matches
+  Contents contents;  // statistics: from a summary whose CRC matches
   ChannelGroups groups;
   std::vector<SavedRun> runs;  // in file order
 
  private:
-  /// Why a record isn't saved; empty: it is.
+  /// Why a record isn't saved; empty: it is saved.
   using Fault = std::string;
 
   void read_summary();
@@ -50,8 +50,8 @@ class Survey {
   ChunkOpener opener_;
   RawBuffer buffer_;
   bool summary_decides_ = false;  // definitions of a summary whose CRC matches were read
-  bool in_summary_ = false;       // behind DataEnd
-  bool chunk_was_lost_ = false;   // the message indexes that follow are its own
+  bool in_summary_ = false;       // after DataEnd
+  bool chunk_was_lost_ = false;   // the following message indexes belong to it
   std::uint64_t private_records_ = 0;
 };
 
