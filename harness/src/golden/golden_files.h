@@ -1,4 +1,4 @@
-// Files of goldens on disk: read whole, replaced safely. Internal.
+// Files of goldens on disk: read completely, replaced safely. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -12,19 +12,19 @@ namespace rehearse {
 
 Result<std::string> read_text(const std::filesystem::path& file);
 
-/// XXH3 of the bytes.
+/// XXH3 of the bytes of a file.
 Result<std::uint64_t> hash_of_file(const std::filesystem::path& file);
 
-/// Writes new versions of two files and puts them in the places of the old ones. `write_trace` writes the first to the
-/// path it is given, `make_digest` makes the text of the second of what stands there. Both are complete on disk, under
-/// other names, before either name changes hands; if anything fails before that, neither file is touched and nothing is
-/// left behind. What an earlier attempt left behind is overwritten.
+/// Writes new versions of two files and replaces the old ones. `write_trace` writes the first to the given path;
+/// `make_digest` makes the text of the second from the written trace. Both are complete on disk, under temporary names,
+/// before either is renamed. If anything fails before that, neither file is changed and no temporary file is left.
+/// Temporary files of an earlier attempt are overwritten.
 Result<void> replace_together(const std::filesystem::path& trace,
                               const std::function<Result<void>(const std::filesystem::path&)>& write_trace,
                               const std::filesystem::path& digest,
                               const std::function<Result<std::string>(const std::filesystem::path&)>& make_digest);
 
-/// The same of one file.
+/// Replaces one text file in the same way.
 Result<void> replace_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// The candidate of a partial acceptance: the messages of a golden and of a run, mixed. Internal.
+// The candidate of a partial acceptance: a mixture of the messages of a golden and of a run. Internal.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -17,25 +17,27 @@
 
 namespace rehearse {
 
-/// Of each channel and moment it takes the golden's or the run's message, and keeps account of what moves, and of what
-/// is kept although it moved. All messages are in memory.
+/// For each channel and time it takes the golden's or the run's message. It records the selected differences, and the
+/// differences that are not selected. All messages are in memory.
 class PartialCandidate {
  public:
-  /// Fails if the two can't be mixed (other ticks, other channels), or if a pattern matches nothing.
+  /// Fails if the two can't be mixed (different ticks, different channels), or if a pattern matches nothing.
   static Result<PartialCandidate> make(const Trace& golden, const Trace& run, const Selection& selection);
 
-  /// Something that is selected differs from the golden.
+  /// True if a selected message differs from the golden.
   bool anything_moves() const { return anything_moves_; }
-  /// All that is kept is in the run as it is in the golden.
+  /// True if all kept messages are equal in the run and in the golden.
   bool is_the_run() const { return moved_but_kept_.empty(); }
-  /// Topics of which something is kept that is different in the run, by their first difference.
+  /// Topics with kept messages that differ in the run, by their first difference.
   const std::vector<std::string>& moved_but_kept() const { return moved_but_kept_; }
-  /// Why it doesn't begin as a run of its scenario does; none if it does.
+  /// The reason why it doesn't begin as a run of its scenario; none if it does.
   const std::optional<std::string>& other_start() const { return other_start_; }
-  /// Where messages that are made of each other are the golden's and the run's; none if nowhere.
+  /// The place where messages that depend on each other come from both the golden and the run; none if there is no such
+  /// place.
   const std::optional<std::string>& mixed() const { return mixed_; }
 
-  /// Writes it, with the run's attachments, outcome and provenance, of which `controllers` replaces what it states.
+  /// Writes the candidate, with the run's attachments, outcome and provenance; the entries of `controllers` replace
+  /// those of the provenance.
   Result<void> write(const Trace& run, const mcap::StringMap& controllers, const std::filesystem::path& file) const;
 
  private:
@@ -44,14 +46,14 @@ class PartialCandidate {
     std::uint64_t time = 0;  // [ns]
     std::vector<std::byte> data;
   };
-  /// What is selected of a channel.
+  /// The selected part of a channel.
   struct Part {
     bool whole = false;
     std::set<std::string> elements;  // of a JointState, if not whole
   };
-  /// Which of the two gave what differs, of one stage in one tick.
+  /// The sources of differing messages, of one stage in one tick.
   struct Sources {
-    std::string_view run, golden;  // a topic; empty: it gave nothing that differs
+    std::string_view run, golden;  // a topic; empty: no differing message came from it
   };
   struct TickSources {
     std::array<Sources, 5> stages;  // by Stage
@@ -73,7 +75,7 @@ class PartialCandidate {
   std::map<std::string, Part, std::less<>> parts_;  // by topic
   std::uint64_t from_ = 0, until_ = 0;              // [ns]
   std::vector<Message> messages_;
-  std::set<std::string, std::less<>> topics_;  // what messages point to
+  std::set<std::string, std::less<>> topics_;  // messages refer to these
   std::vector<std::string> moved_but_kept_;
   bool anything_moves_ = false;
   bool first_tick_ = true;

@@ -1,5 +1,5 @@
-// The verdict on a run that waits to be accepted, kept beside its trace: what a person reads when he decides, and what
-// is written into the golden, is what the check said.
+// The verdict of the check on a pending run, stored beside its trace. A person reads it to decide, and it is written
+// into the golden.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -12,7 +12,7 @@ namespace rehearse {
 /// Writes it beside the trace, as NAME.verdict. Fails if it can't be written, or the trace can't be read.
 Result<void> keep_verdict(const std::filesystem::path& trace, const std::string& verdict);
 
-/// Empty: no check has judged this trace, byte by byte.
+/// The stored verdict. Empty: no check has judged this trace, byte by byte.
 std::string kept_verdict(const std::filesystem::path& trace);
 
 void remove_verdict(const std::filesystem::path& trace);

@@ -1,4 +1,4 @@
-// Where runs beside each other write, so that none finds what another writes. Internal.
+// Separate folders for parallel runs, so that none finds the files of another. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,8 +9,8 @@
 
 namespace rehearse {
 
-/// Holds a folder for one process at a time, for as long as it lives. Waits for the others. A folder that doesn't exist
-/// is made.
+/// Locks a folder for one process at a time, during its lifetime. Waits for the others. Creates the folder if it
+/// doesn't exist.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
@@ -22,8 +22,8 @@ class FolderLock {
   int descriptor_;
 };
 
-/// A folder inside another that no other run uses, removed with all that is in it. One that a killed process left is
-/// removed by the next run there.
+/// A folder inside another that no other run uses; it is removed with its contents. A folder left by a killed process
+/// is removed by the next run there.
 class RunFolder {
  public:
   static Result<RunFolder> make(const std::filesystem::path& parent);
@@ -40,22 +40,22 @@ class RunFolder {
   int descriptor_;  // locked while the run goes on
 };
 
-/// A run that is compared with a golden, in a folder of its own. What it leaves there (its trace, pictures, a report)
-/// moves to where runs wait for a decision when the run is over, whole.
+/// A run that is compared with a golden, in a separate folder. When the run is over, its complete results (its trace,
+/// pictures, a report) are moved to the pending folder.
 class WaitingRun {
  public:
-  /// `pending`: where runs wait. `name`: of the golden.
+  /// `pending`: the pending folder. `name`: of the golden.
   static Result<WaitingRun> begin(const std::filesystem::path& pending, const std::string& name);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
 
-  /// Moves what is left in the folder. If there is no trace, the one that waited before the run began goes: it is no
-  /// longer what the program does. Paths in `text` follow. Returns what to say if another run of this golden wrote
-  /// there meanwhile; else empty.
+  /// Moves the files in the folder. If there is no trace, the pending one from before the run is removed, because it is
+  /// out of date. Paths in `text` are adapted. Returns a message if another run of this golden wrote there meanwhile;
+  /// else empty.
   Result<std::string> publish(std::string& text);
 
  private:
-  /// Which file waits; all 0: none.
+  /// The identity of a pending file; all 0: none.
   struct Identity {
     unsigned long device = 0, inode = 0;
     long seconds = 0, nanoseconds = 0;
@@ -71,8 +71,8 @@ class WaitingRun {
 
   RunFolder folder_;
   std::filesystem::path pending_;
-  std::filesystem::path trace_;  // where it will wait
-  Identity before_;              // what waited when the run began
+  std::filesystem::path trace_;  // its future pending path
+  Identity before_;              // the pending file when the run began
 };
 
 }  // namespace rehearse

@@ -1,4 +1,5 @@
-// The report beside a trace goes when the trace does. Internal; on its own, because whoever keeps goldens writes none.
+// Removes the report beside a trace together with the trace. Internal; a separate file, because code that stores
+// goldens writes no reports.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +9,10 @@
 
 namespace rehearse {
 
-/// How a report begins; nothing else does.
+/// The beginning of a report, and of no other file.
 inline constexpr std::string_view report_magic = "<!doctype html><!-- a report of Rehearse -->";
 
-/// Removes the report that has the trace's name with .html. What is no report of ours stays.
+/// Removes the report that has the trace's name with .html. A file that is no report of Rehearse stays.
 inline void remove_report(const std::filesystem::path& trace) {
   const std::filesystem::path file = std::filesystem::path(trace).replace_extension(".html");
   std::error_code ignored;

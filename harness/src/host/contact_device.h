@@ -1,5 +1,5 @@
-// ContactDevice: a model's ContactSensor as controllers find it. Choreonoid has no such device, so a controller reads
-// it as any Device: writeState() gives the number of contact points and the force x, y, z [N] on the link.
+// ContactDevice: a model's ContactSensor as a device for controllers. Choreonoid has no such device, so a controller
+// reads it as any Device: writeState() gives the number of contact points and the force x, y, z [N] on the link.
 #pragma once
 
 #include <algorithm>

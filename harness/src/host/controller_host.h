@@ -1,7 +1,8 @@
-// ControllerHost: the controllers of a scenario, loaded, initialised and called in Choreonoid's order.
+// ControllerHost: loads, initialises and calls the controllers of a scenario, in Choreonoid's order.
 //
-// It knows nothing of physics: an Observation goes in at each tick, a Command comes out. Recording and replaying drive
-// it alike. Whatever a controller does (it throws, crashes, never returns, refuses) ends up in failure() or an event.
+// It is independent of physics: in each tick it reads an Observation and returns a Command. Recording and replaying use
+// it in the same way. Every failure of a controller (it throws, crashes, never returns, refuses) is reported in
+// failure() or in an event.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -36,83 +37,86 @@ struct HostedController {
   std::string label;      // "SR1/SR1Minimum"
   int body = 0;           // index into Scenario::bodies
   int parent = -1;        // index of the controller whose body it shares; -1: none
-  bool optional = false;  // the run goes on if it refuses
+  bool optional = false;  // the run continues if it refuses
 
   std::shared_ptr<ControllerLibrary> library;
-  std::unique_ptr<HostJoystick> joystick;  // null: the run has none; holds slots whose code is in the library
+  /// Null: the run has no joystick. It holds slots whose code is in the library.
+  std::unique_ptr<HostJoystick> joystick;
   std::unique_ptr<cnoid::SimpleController> controller;
   std::unique_ptr<ControllerIo> io;
   std::unique_ptr<cnoid::SimpleControllerConfig> config;
   std::shared_ptr<IoBody> io_body;
 
   bool configured = false;
-  bool running = false;                      // takes part: it initialised and started
+  bool running = false;                      // it takes part: it was initialised and started
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
-  std::map<std::string, std::string> files;  // that it opened to read: content by name (opened_files.h)
-  ControllerVariables variables;             // as it set them in the current tick
-  std::deque<std::string> last_lines;        // that it wrote, a few
+  std::map<std::string, std::string> files;  // files that it opened to read: content by name (opened_files.h)
+  ControllerVariables variables;             // set in the current tick
+  std::deque<std::string> last_lines;        // the last lines that it wrote
 
-  /// What it read and gave in the current tick.
+  /// Its inputs and outputs in the current tick.
   struct Tick {
-    bool has_input = false;                    // its inputs were handed over
-    bool has_output = false;                   // control() returned, and its outputs were taken
-    bool result = false;                       // what control() returned
-    std::vector<DeviceOutput> device_outputs;  // of its body; a child's are its parent's
+    bool has_input = false;                    // its inputs were passed to it
+    bool has_output = false;                   // control() returned, and its outputs were read
+    bool result = false;                       // the result of control()
+    std::vector<DeviceOutput> device_outputs;  // of its body; for a child those of its parent
   } tick;
 
-  /// What is reported of it once.
+  /// Reports that are made once per controller.
   struct Reported {
     std::set<Trespass::Kind> trespasses;
     bool enabled_too_late = false;
-    std::vector<bool> odd_outputs;  // by output number: it wasn't finite
+    std::vector<bool> odd_outputs;  // by output number: it was not finite
   } reported;
 };
 
 class ControllerHost {
  public:
-  /// Finds and loads the libraries and makes the controllers. Fails with the place in the scenario.
+  /// Finds and loads the libraries and creates the controllers. Fails with the place in the scenario.
   static Result<std::unique_ptr<ControllerHost>> create(const Scenario& scenario, const HostOptions& options);
   ~ControllerHost();
   ControllerHost(const ControllerHost&) = delete;
   ControllerHost& operator=(const ControllerHost&) = delete;
 
-  /// configure() and initialize() of all, bodies in scenario order, parents before their children; then the tables of
-  /// inputs and outputs are fixed. Returns the command at rest: drives set, targets at the initial posture, no effort
-  /// (Choreonoid's ODE item resets what initialize() wrote).
+  /// Calls configure() and initialize() of all, bodies in scenario order, parents before their children; then the
+  /// tables of inputs and outputs are fixed. Returns the command at rest: drives set, targets at the initial posture,
+  /// no effort (Choreonoid's ODE item resets the values that initialize() wrote).
   Command initialize(const Observation& initial);
-  /// start() of all that initialised.
+  /// Calls start() of all initialised controllers.
   void start();
-  /// Inputs, control(), outputs of all. False if one failed: the run ends here.
+  /// Copies the inputs, calls control() and reads the outputs of all. False if one failed: the run ends here.
   bool control(std::int64_t tick, const Observation& seen);
-  /// What it commands acts one tick late: it asked for nothing else, nor did its parent.
+  /// True if its commands act one tick late: neither it nor its parent requested no-delay mode.
   bool is_delayed(const HostedController& hosted) const;
-  /// Writes the outputs of the controllers without (or with) delay into the command, in order; the last one wins,
-  /// external wrenches add up. A number that isn't finite is reported once and never passed on: what was commanded
-  /// before stays.
+  /// Writes the outputs of the controllers without (or with) delay into the command, in order. The last controller
+  /// overrides earlier ones, external wrenches are summed. A number that isn't finite is reported once and never passed
+  /// on: the earlier command stays.
   void output(Timing timing, Command& command);
-  /// stop() of all, children first, and unconfigure(). `end`: the tick behind the last step, whose time they see.
+  /// Calls stop() of all, children first, and unconfigure(). `end`: the tick after the last step; its time is the time
+  /// that they see.
   void stop(std::int64_t end);
 
   const std::vector<HostedController>& controllers() const { return controllers_; }
-  /// Files that the controllers have opened to read, as "BODY/NAME: file" and what was in them.
+  /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
   std::map<std::string, std::string> files_read() const;
-  /// Hash of all that the controllers read (or wrote) in this tick.
+  /// Hashes of all inputs and of all outputs of the controllers in this tick.
   std::uint64_t input_hash(const Observation& seen) const;
   std::uint64_t output_hash() const;
 
   /// The first failure that ends the run: a controller threw, crashed, hung or refused.
   const std::optional<Diagnostic>& failure() const { return failure_; }
-  /// A controller that isn't optional refused to configure, initialise or start; that is the failure().
+  /// True if a controller that isn't optional refused to configure, initialise or start; failure() then reports this.
   bool any_refused() const { return refused_; }
-  /// Some controller was given other options than the scenario's.
+  /// True if a controller was given options different from the scenario's.
   bool has_other_options() const { return other_options_; }
-  /// What happened since the last call, in order; includes the controllers' messages (severity note).
+  /// The events since the last call, in order; includes the controllers' messages (severity note).
   std::vector<msg::Event> take_events();
 
  private:
   ControllerHost() = default;
   Result<void> add(const ScenarioController& specification, int body, int parent);
-  enum class HowOften { once, in_ticks };  // what may be looked at around it: all of the process, or what costs nothing
+  /// Extent of the checks around a call: the whole process, or only those without cost.
+  enum class HowOften { once, in_ticks };
   bool call(HostedController& hosted, const char* function, const std::function<void()>& code,
             HowOften how_often = HowOften::once);
   void tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome);
@@ -135,25 +139,25 @@ class ControllerHost {
 
   const Scenario* scenario_ = nullptr;
   HostOptions options_;
-  // Declared before what may hold objects whose code is in them, so closed after it.
+  // Declared before the members that may contain objects with code in these libraries, so closed after them.
   std::vector<std::shared_ptr<ControllerLibrary>> libraries_;
-  std::vector<cnoid::BodyPtr> bodies_before_;  // by scenario body: what configure() sees
+  std::vector<cnoid::BodyPtr> bodies_before_;  // by scenario body: the bodies for configure()
   std::vector<HostedController> controllers_;  // in order of their calls
   std::vector<msg::Event> events_;
   std::optional<Diagnostic> failure_;
-  const void* thread_failed_of_ = nullptr;  // the count of threads of the library whose thread failed
+  const void* thread_failed_of_ = nullptr;  // thread count of the library whose thread failed
   bool refused_ = false;
   bool other_options_ = false;
   bool stopped_ = false;
-  long run_ = 0;  // counted in this process, for debuggers
-  bool controlled_ = false;  // there was a tick
+  long run_ = 0;             // number of the run in this process, for debuggers
+  bool controlled_ = false;  // at least one tick was made
   std::int64_t tick_ = 0;
 };
 
-/// Events that are more than a controller's own messages, as diagnostics.
+/// Appends events as diagnostics, except the controllers' own messages.
 void append_remarks(const std::vector<msg::Event>& events, Diagnostics& remarks);
 
-/// The state a scenario starts from: joints as given, links by forward kinematics, all at rest.
+/// The initial state of a scenario: joints as given, links by forward kinematics, all at rest.
 Observation initial_observation(const Scenario& scenario);
 
 }  // namespace rehearse

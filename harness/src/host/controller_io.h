@@ -1,8 +1,8 @@
-// ControllerIo: the IO object of one controller. It keeps which quantities were enabled and moves their values between
-// the observation, the controller's body and the flat arrays of io_layout.h.
+// ControllerIo: the IO object of one controller. It stores which quantities were enabled, and copies their values
+// between the observation, the controller's body and the flat arrays of io_layout.h.
 //
-// Copying follows Choreonoid's SimpleControllerItem: only enabled quantities move, everything else in the controller's
-// body keeps the value that was last written to it, and nothing runs forward kinematics on it.
+// Copying follows Choreonoid's SimpleControllerItem: only enabled quantities are copied. All other quantities in the
+// controller's body keep the last value written to them, and no forward kinematics is computed.
 #pragma once
 
 #include <rehearse/io.h>
@@ -23,10 +23,10 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
  public:
   ControllerIo(std::string name, std::string run_options, std::string own_options, double time_step);
 
-  // What the controller sees.
+  // The interface for the controller.
   std::string controllerName() const override { return name_; }
   cnoid::Body* body() override { return body_; }
-  /// In configure() the controller's own; from initialize() on those of the run come first.
+  /// In configure() the controller's own options; from initialize() on the options of the run precede them.
   std::string optionString() const override {
     return configuring_ ? own_options_ : getIntegratedOptionString(run_options_, own_options_);
   }
@@ -48,28 +48,29 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   void setLinkInput(cnoid::Link* link, int flags) override { enableInput(link, flags); }
   void setLinkOutput(cnoid::Link* link, int flags) override { enableOutput(link, flags); }
 
-  // What the host does.
-  /// The body that configure() sees; ended by attach().
+  // The interface for the host.
+  /// Sets the body for configure(); ended by attach().
   void show_body(cnoid::Body& body) {
     body_ = &body;
     configuring_ = true;
   }
-  /// The body for the run; initialize() comes next.
+  /// Sets the body for the run; called before initialize().
   void attach(IoBody& body);
-  /// After initialize(): the tables are fixed. Returns what was asked for and can't be had, a sentence each.
+  /// Called after initialize(): the tables are fixed. Returns a sentence for each requested quantity that doesn't
+  /// exist.
   std::vector<std::string> freeze();
   void set_time(double seconds) { time_ = seconds; }
   bool frozen() const { return frozen_; }
   /// The lines written to os() since the last call.
   std::vector<std::string> take_messages();
-  /// True if it asked for an input or output after initialize() since the last call: that has no effect.
+  /// True if it requested an input or output after initialize() since the last call: such a request has no effect.
   bool take_enabled_too_late() { return std::exchange(enabled_too_late_, false); }
 
   const IoLayout& inputs() const { return inputs_; }
   const IoLayout& outputs() const { return outputs_; }
   /// The link's actuation mode at the end of initialize(), StateFlags, for a field of outputs().
   int mode_of(int link) const { return output_modes_[link]; }
-  /// Whether outputs() has a field of that joint.
+  /// True if outputs() has a field of that joint.
   bool commands_joint(int joint) const;
   const std::vector<int>& input_devices() const { return input_devices_; }
   /// The links whose contact points are input, ascending.
@@ -80,7 +81,7 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   /// The controller's body -> output_values().
   void output();
   const std::vector<double>& input_values() const { return input_values_; }
-  /// What was handed over of the contact_links(), in their order.
+  /// The contacts passed for the contact_links(), in their order.
   const std::vector<std::vector<ContactReading>>& input_contacts() const { return input_contacts_; }
   const std::vector<double>& output_values() const { return output_values_; }
 

@@ -1,4 +1,4 @@
-// ControllerLibrary: a controller's shared library, found, loaded and asked for its factory.
+// ControllerLibrary: finds and loads the shared library of a controller, and returns its factory.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -17,38 +17,38 @@ class SimpleController;
 namespace rehearse {
 
 /// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
-/// working directory. Any other name is looked for as NAME.so and libNAME.so in the folders of REHEARSE_CONTROLLER_PATH
-/// (separated by colons), then in the builds of the project that `directory` or the working directory is of (the newest
-/// first; not by a program that was built there: then in its own build alone), then in lib/rehearse/controllers beside
-/// this library. Fails saying where it looked.
+/// working directory. Any other name is searched as NAME.so and libNAME.so in three places: the folders of
+/// REHEARSE_CONTROLLER_PATH (separated by colons), the builds of the project that contains `directory` or the working
+/// directory (the newest first), and lib/rehearse/controllers beside this library. A program that was built in the
+/// project searches its own build alone. Fails with the list of searched places.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
-/// What provenance says of a library's file: 16 hexadecimal digits (XXH3) of its bytes.
+/// The hash of a library's file in the provenance: 16 hexadecimal digits (XXH3) of its bytes.
 std::string content_hash_of(const std::filesystem::path& file);
 
-/// The folder that holds our own shared libraries; empty if it can't be told.
+/// The folder of the shared libraries of Rehearse; empty if it is unknown.
 std::filesystem::path own_library_folder();
 
 class ControllerLibrary {
  public:
-  /// Loads the file. Fails if it can't be loaded (naming an undefined symbol as its author wrote it) or is no
-  /// controller. The code that runs while it loads may take `call_limit` seconds.
+  /// Loads the file. Fails if it can't be loaded (the message has the C++ name of an undefined symbol) or is no
+  /// controller. `call_limit` limits the time of the code that runs while it loads [s].
   static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, double call_limit);
   ~ControllerLibrary();
   ControllerLibrary(const ControllerLibrary&) = delete;
   ControllerLibrary& operator=(const ControllerLibrary&) = delete;
 
-  /// A new controller. Runs the library's code: to be called under guard.
+  /// Creates a new controller. Runs the library's code: must be called in a guarded call.
   cnoid::SimpleController* create() const { return factory_(); }
 
   const std::filesystem::path& file() const { return file_; }
-  /// content_hash_of() its file.
+  /// content_hash_of() the library's file.
   const std::string& content_hash() const { return content_hash_; }
-  /// What it did to the process while it was loaded, and what was done about that.
+  /// Changes that the library made to the process while it was loaded, and their repair.
   const std::vector<std::string>& remarks() const { return remarks_; }
-  /// How many threads its code has started that still run.
+  /// The number of running threads that its code has started.
   const ThreadCount& threads() const { return threads_; }
-  /// Leaves the library in memory for good: its code crashed or never returned, and may not be unloaded.
+  /// Leaves the library in memory for good: its code crashed or never returned, so it must not be unloaded.
   void keep_loaded();
 
  private:

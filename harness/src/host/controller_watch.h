@@ -1,4 +1,4 @@
-// ControllerWatch: is told when somebody else's code begins to run, and when it has ended.
+// ControllerWatch: is notified when code of a controller begins to run, and when it has ended.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct ControllerCall {
   double time = 0.0;                     // [s] of simulation
 };
 
-/// On the thread that makes the calls. Calls don't nest, and each enter() is followed by a leave(), however the call
-/// ended.
+/// Called on the thread that makes the calls. Calls don't nest, and each enter() is followed by a leave(), independent
+/// of the result of the call.
 class ControllerWatch {
  public:
   virtual ~ControllerWatch() = default;
@@ -25,7 +25,7 @@ class ControllerWatch {
   virtual void leave() = 0;
 };
 
-/// Tells the watch of one call while it lives. Without a watch it does nothing.
+/// Notifies the watch of one call during its lifetime. Without a watch it has no effect.
 class Watched {
  public:
   Watched(ControllerWatch* watch, const ControllerCall& call) : watch_(watch) {

@@ -1,9 +1,9 @@
-// Where a debugger stops, and what it reads to know where it is: rehearse_at_tick() is called right before each
-// control().
+// The hook for debuggers, and the variables that show the present place in a run: rehearse_at_tick() is called right
+// before each control().
 //
-// In gdb `break rehearse_at_tick` stops there; with rehearse_stop_tick set nothing is called before that tick, and the
-// run goes on at full speed until then. tools/gdb/ makes commands of it. The names are C's, so that they can be typed.
-// Nothing here changes what a run computes or records.
+// In gdb `break rehearse_at_tick` stops there. With rehearse_stop_tick set, the function isn't called before that tick,
+// and the run has full speed until then. tools/gdb/ makes commands of it. The names are C names, so that a user can
+// type them. This file changes nothing in the computed or recorded data of a run.
 #pragma once
 
 namespace cnoid {
@@ -15,16 +15,16 @@ namespace rehearse {
 
 class ControllerIo;
 
-/// Where the process is. tools/gdb reads it at these offsets, also where there is no debug information.
+/// The present place of the process. tools/gdb reads it at these offsets, also without debug information.
 struct DebugPlace {
-  long run = 0;                               // the process's runs are counted from 1; 0: none has begun
+  long run = 0;                               // number of the run in the process, from 1; 0: none has begun
   long tick = 0;                              // 0 until the first control()
   double time = 0.0;                          // [s] of simulation
   const char* controller = nullptr;           // "SR1/SR1Minimum"; null: no controller is being called
   const char* function = nullptr;             // "initialize", "control", ...
-  cnoid::SimpleController* object = nullptr;  // null until it is made
-  ControllerIo* io = nullptr;                 // what it reads and writes
-  cnoid::Body* body = nullptr;                // its own; null until initialize()
+  cnoid::SimpleController* object = nullptr;  // null until it is created
+  ControllerIo* io = nullptr;                 // its inputs and outputs
+  cnoid::Body* body = nullptr;                // its body; null until initialize()
 };
 
 }  // namespace rehearse
@@ -33,21 +33,21 @@ extern "C" {
 
 extern rehearse::DebugPlace rehearse_now;
 
-/// For a debugger to set: rehearse_at_tick() is called from that tick on, in that run and those after it.
+/// Set by a debugger: rehearse_at_tick() is called from that tick on, in that run and those after it.
 extern volatile long rehearse_stop_run;
 extern volatile long rehearse_stop_tick;
 
-/// To break on. Does nothing.
+/// A place for breakpoints. Has no effect.
 void rehearse_at_tick(long tick, const char* controller, cnoid::SimpleController* object);
 
 }  // extern "C"
 
 namespace rehearse {
 
-/// A new run of this process; returns its number.
+/// Begins a new run of this process; returns its number.
 long begin_debugged_run();
 
-/// Says where the process is while a call lasts.
+/// Sets the place of the process during a call.
 class DebuggedCall {
  public:
   explicit DebuggedCall(const DebugPlace& place) { rehearse_now = place; }
@@ -61,7 +61,7 @@ class DebuggedCall {
   DebuggedCall& operator=(const DebuggedCall&) = delete;
 };
 
-/// To be called right before control().
+/// Must be called right before control().
 inline void stop_for_debugger() {
   if (rehearse_now.tick >= rehearse_stop_tick && rehearse_now.run >= rehearse_stop_run)
     rehearse_at_tick(rehearse_now.tick, rehearse_now.controller, rehearse_now.object);

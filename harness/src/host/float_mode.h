@@ -1,7 +1,7 @@
-// The floating-point mode of a thread: what the processor does with rounding, denormal numbers and invalid operations.
+// The floating-point mode of a thread: the processor's handling of rounding, denormal numbers and invalid operations.
 //
-// Every thread has its own, and a new thread starts with that of its parent. A library linked with -ffast-math changes
-// that of the thread that loads it. All of a run is computed in the standard mode, that of IEEE 754.
+// Every thread has its own mode; a new thread starts with the mode of its parent. A library linked with -ffast-math
+// changes the mode of the thread that loads it. A whole run is computed in the standard mode of IEEE 754.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -15,23 +15,23 @@ struct FloatMode {
   unsigned short x87 = 0x037f;  // the control word of the x87, which computes long double
 };
 
-/// Of this thread.
+/// The mode of this thread.
 FloatMode float_mode();
 void set_float_mode(const FloatMode& mode);
 bool operator==(const FloatMode& a, const FloatMode& b);
 
-/// What `mode` does that the standard one doesn't: "flush-to-zero and denormals-are-zero", "rounding towards zero",
+/// The differences of `mode` from the standard mode: "flush-to-zero and denormals-are-zero", "rounding towards zero",
 /// "traps on division by zero". Empty for the standard mode.
 std::string describe(const FloatMode& mode);
-/// It flushes denormal numbers, which is what start-up code of -ffast-math sets.
+/// True if it flushes denormal numbers, as start-up code of -ffast-math does.
 bool is_fast_math(const FloatMode& mode);
 
-/// The standard mode as long as it lives; then the thread has again what it had. The program around a run may have
-/// another one of its own.
+/// Sets the standard mode during its lifetime, then restores the thread's previous mode. The program around a run may
+/// use a different mode.
 class [[nodiscard]] StandardFloatMode {
  public:
   StandardFloatMode() : before_(float_mode()) {
-    if (!(before_ == FloatMode())) set_float_mode({});  // to set it costs more than to look
+    if (!(before_ == FloatMode())) set_float_mode({});  // setting it is slower than reading it
   }
   ~StandardFloatMode() {
     if (!(before_ == FloatMode())) set_float_mode(before_);
@@ -39,7 +39,7 @@ class [[nodiscard]] StandardFloatMode {
   StandardFloatMode(const StandardFloatMode&) = delete;
   StandardFloatMode& operator=(const StandardFloatMode&) = delete;
 
-  /// A remark for the run, if the program had another mode.
+  /// A remark for the run, if the program had a different mode.
   Diagnostics remarks() const;
 
  private:

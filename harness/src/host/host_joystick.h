@@ -1,8 +1,9 @@
-// HostJoystick: the joystick that a controller finds, without knowing where it comes from.
+// HostJoystick: the joystick of a controller, independent of its source.
 //
-// Each controller has one of its own, so that what one reads, or connects to its signals, is no other's matter. All of
-// a run's show the same. A cnoid::Joystick keeps what it finds when it is made, or in makeReady(): a controller's is in
-// the register while the controller is called, and only then. So no other run in this process can find it.
+// Each controller has a separate object, so that reads and signal connections of one controller don't affect others.
+// All objects of a run show the same reading. A cnoid::Joystick keeps the joystick that it finds when it is created, or
+// in makeReady(). So a controller's joystick is registered only while the controller is called, and no other run in
+// this process can find it.
 #pragma once
 
 #include <rehearse/io.h>
@@ -13,16 +14,16 @@ namespace rehearse {
 
 class HostJoystick final : public cnoid::ExtJoystick {
  public:
-  /// What readCurrentState() gives from now on.
+  /// Sets the reading that readCurrentState() gives from now on.
   void show(const JoystickReading& reading) { shown_ = reading; }
 
   int numAxes() const override { return static_cast<int>(read_.axes.size()); }
   int numButtons() const override { return static_cast<int>(read_.buttons.size()); }
-  /// Takes over what is shown. Emits sigAxis, then sigButton, for each that isn't what it was at the last call.
+  /// Reads the shown state. Emits sigAxis, then sigButton, for each value that has changed since the last call.
   bool readCurrentState() override;
   double getPosition(int axis) const override { return read_.axes.at(static_cast<std::size_t>(axis)); }
   bool getButtonState(int button) const override { return read_.buttons.at(static_cast<std::size_t>(button)); }
-  /// Whether anything is moved or pressed.
+  /// True if any axis is moved or any button is pressed.
   bool isActive() const override { return read_ != JoystickReading(); }
   cnoid::SignalProxy<void(int, double)> sigAxis() override { return axis_moved_; }
   cnoid::SignalProxy<void(int, bool)> sigButton() override { return button_changed_; }
@@ -34,7 +35,7 @@ class HostJoystick final : public cnoid::ExtJoystick {
   cnoid::Signal<void(int, bool)> button_changed_;
 };
 
-/// Has the joystick in the register as long as this lives; null: none.
+/// Registers the joystick during its lifetime; null: none.
 class PluggedIn {
  public:
   explicit PluggedIn(HostJoystick* joystick);

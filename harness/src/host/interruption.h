@@ -1,5 +1,4 @@
-// Interruption: runs that end at a tick, with all they write closed, when somebody ends the process by SIGINT or
-// SIGTERM.
+// Interruption: runs that end at a tick, with complete files, when the process gets SIGINT or SIGTERM.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,13 +8,14 @@
 
 namespace rehearse {
 
-/// From now on runs of this process end so. The same signal again, a second later, ends the process at once.
+/// From now on these signals end runs of this process at a tick. The same signal again, a second later, ends the
+/// process at once.
 void end_runs_on_signals();
 
-/// The signal that came; 0: none.
+/// The received signal; 0: none.
 int interruption();
 
-/// "interrupted by SIGINT before tick 12 (0.012 s)"; none: it wasn't.
+/// "interrupted by SIGINT before tick 12 (0.012 s)"; none: no signal was received.
 std::optional<Diagnostic> interrupted_at(std::int64_t tick, double time_step);
 
 }  // namespace rehearse

@@ -1,7 +1,7 @@
-// IoLayout: what one controller reads or writes in a tick, as a flat array of numbers whose layout is known.
+// IoLayout: the inputs or outputs of one controller in a tick, as a flat array of numbers with a known layout.
 //
-// The layout is fixed once the controller's initialize() has run. Everything that handles inputs and outputs in bulk
-// (hashing, recording, comparing, replaying) works on the arrays; the layout says what each number is.
+// The layout is fixed once the controller's initialize() has run. All code that handles inputs and outputs in bulk
+// (hashing, recording, comparing, replaying) uses the arrays; the layout describes each number.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace rehearse {
 
 enum class Quantity : std::uint8_t {
-  q,             // joint displacement; as output the wanted one [rad] or [m]
+  q,             // joint displacement; as output the target [rad] or [m]
   dq,            // [rad/s] or [m/s]
   ddq,           // [rad/s²] or [m/s²]
   u,             // effort [N·m] or [N]
@@ -32,7 +32,7 @@ constexpr int width_of(Quantity quantity) {
   }
 }
 
-/// As the API names it: the state variable of a link.
+/// The name in the API: the state variable of a link.
 constexpr const char* name_of(Quantity quantity) {
   switch (quantity) {
     case Quantity::q: return "q";
@@ -47,7 +47,7 @@ constexpr const char* name_of(Quantity quantity) {
   return "";
 }
 
-/// The kind of the channels that a quantity is recorded in.
+/// The kind of the channels that record a quantity.
 constexpr ChannelKind channel_kind_of(Quantity quantity) {
   switch (quantity) {
     case Quantity::ddq: return ChannelKind::joint_accelerations;
@@ -68,7 +68,7 @@ struct IoField {
 
 struct IoLayout {
   std::vector<IoField> fields;  // by link, then by quantity
-  int size = 0;                 // numbers in all
+  int size = 0;                 // number of all elements
 
   void add(int link, int joint, Quantity quantity) {
     fields.push_back({link, joint, quantity, size});

@@ -1,7 +1,7 @@
 // JointArrays: the numbers of a stream of sensor_msgs/JointState messages, read fast.
 //
-// The names in such messages are the same from tick to tick. They are decoded once; a later message whose bytes agree
-// up to the numbers is read without looking at them again.
+// The names in such messages are the same in all ticks. They are decoded once. If a later message has equal bytes up to
+// the numbers, only the numbers are read.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -23,7 +23,7 @@ class JointArrays {
   const std::vector<double>& position() const { return arrays_[0]; }
   const std::vector<double>& velocity() const { return arrays_[1]; }
   const std::vector<double>& effort() const { return arrays_[2]; }
-  /// True if the last read() found other names than the one before it, or was the first.
+  /// True if the last read() found different names than the one before it, or was the first.
   bool names_changed() const { return names_changed_; }
 
  private:
@@ -31,8 +31,8 @@ class JointArrays {
 
   std::vector<std::string> names_;
   std::array<std::vector<double>, 3> arrays_;
-  std::array<std::size_t, 3> offsets_{};  // of each array's first number
-  std::vector<std::byte> frame_;          // all bytes of the last message that was read in full
+  std::array<std::size_t, 3> offsets_{};  // offset of each array's first number
+  std::vector<std::byte> frame_;          // all bytes of the last message that was decoded completely
   bool names_changed_ = false;
 };
 

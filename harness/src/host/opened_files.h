@@ -1,7 +1,9 @@
-// Files that controllers open to read: inputs that no recording holds, so it holds what they were.
+// Files that controllers open to read. These are inputs that a recording doesn't contain, so it contains their names
+// and hashes.
 //
-// The C library's functions that open files lead through ours (file_tripwires.cpp), which note the name in a fixed
-// table, without a lock or the heap: a call may be ended at any instruction. What is in the file is looked at after it.
+// The C library's functions that open files lead through replacements (file_tripwires.cpp). They note the name in a
+// fixed table, without a lock or the heap, because a call may be ended at any instruction. The content of the file is
+// read after the call.
 #pragma once
 
 #include <string>
@@ -10,16 +12,16 @@
 namespace rehearse {
 
 struct OpenedFile {
-  std::string name;     // without its folders, which are the machine's
+  std::string name;     // without its folders, which differ between machines
   std::string content;  // size and hash: "1234 bytes, 0123456789abcdef"; or missing_file
 };
 
 inline constexpr const char* missing_file = "missing";
 
-/// A file that guarded code opened or wanted to open, to read. May be called anywhere.
+/// Notes a file that guarded code opened or tried to open, to read. May be called anywhere.
 void note_opened_file(const char* path) noexcept;
 
-/// Those since the last call, in order. Neither devices nor what the kernel makes up.
+/// The files since the last call, in order; without devices and files that the kernel generates.
 std::vector<OpenedFile> take_files_opened();
 
 }  // namespace rehearse

@@ -1,12 +1,12 @@
-// ProcessGuard: the process is not the controller's. What guarded code does to it is found, put right and told.
+// ProcessGuard: finds changes that guarded code makes to the process, undoes them and reports them.
 //
-// A controller runs in our process and may change what belongs to all of it: the working directory, signal handlers,
-// the locale, file descriptors. To compare all of that around each call of control() would cost more than the call. So
-// the functions that change it lead through ours (process_tripwires.cpp): the first of them in a guarded call remembers
-// the process as it is, and put_right() compares after the call. Calls that aren't made in every tick are looked at in
-// any case, which finds also what went past those functions.
+// A controller runs in the host's process and may change its state: the working directory, signal handlers, the locale,
+// file descriptors. Comparing all of this around each call of control() would cost more than the call. So functions
+// that change it lead through replacements (process_tripwires.cpp). The first of them in a guarded call stores the
+// state of the process, and put_right() compares after the call. Calls that aren't made in every tick are always
+// checked; this also finds changes made past those functions.
 //
-// What a run stands on is not given away in the first place: signals that end a call, and protected file descriptors.
+// Two resources of a run are protected in advance: signals that end a call, and protected file descriptors.
 #pragma once
 
 #include <atomic>
@@ -18,10 +18,10 @@
 
 namespace rehearse {
 
-/// How many threads that a library started are still running.
+/// The number of running threads that a library started.
 using ThreadCount = std::shared_ptr<std::atomic<int>>;
 
-/// Something that guarded code did to the process.
+/// A change that guarded code made to the process.
 struct Trespass {
   enum class Kind {
     float_mode,
@@ -43,37 +43,38 @@ struct Trespass {
 
 class ProcessGuard {
  public:
-  /// A process has one.
+  /// The only guard of the process.
   static ProcessGuard& instance();
 
   /// Guarded code can't close this descriptor from now on. `name`: "the recording".
   void protect(int descriptor, std::string name);
-  /// It is closed by its owner.
+  /// The owner has closed the descriptor.
   void release(int descriptor);
 
-  /// Before a guarded call into a library whose threads are counted by `threads`. `closely`: remember the process now
-  /// and not when it is first changed.
+  /// Called before a guarded call into a library whose threads are counted by `threads`. `closely`: store the state of
+  /// the process now, not at the first change.
   void begin(ThreadCount threads, bool closely);
-  /// After the call: what the code did. All but the environment is as it was before.
+  /// Called after the call: returns the changes that the code made. All but the environment is restored.
   std::vector<Trespass> put_right();
 
-  // What the functions in the place of the C library's ask and tell.
+  // Called by the functions that replace those of the C library.
 
-  /// Guarded code is about to change something of the process.
+  /// Guarded code will change a state of the process.
   void before_change();
-  /// Guarded code wants to close this. True: it may not.
+  /// Guarded code tries to close this descriptor. True: it may not.
   bool keeps(int descriptor);
-  /// The same for all from `first` to `last`: those that it may not close, ascending.
+  /// The descriptors from `first` to `last` that guarded code may not close, ascending.
   std::vector<unsigned int> kept_in(unsigned int first, unsigned int last);
-  /// Guarded code wants to handle, ignore or block a signal that ends calls. True: it may not.
+  /// Guarded code tries to handle, ignore or block a signal that ends calls. True: it may not.
   bool keeps_signal(int signal_number);
-  /// Of the code that runs in this thread; null: none of a controller's.
+  /// The count of the library whose code runs in this thread; null: no controller's code.
   ThreadCount threads_here() const;
-  /// A thread of a controller's own wanted to end the process; it stands still instead. `deed`: "called exit(0)".
+  /// A controller's own thread tried to end the process; the thread is suspended instead. `deed`: "called exit(0)".
   void note_thread_exit(const char* deed);
-  /// Guarded code, or a thread of a controller's own, has made a child process.
+  /// Guarded code, or a controller's own thread, has created a child process.
   void note_fork();
-  /// It wants another resource limit: that isn't set, since threads of ours may write or allocate meanwhile.
+  /// Guarded code tried to set a resource limit. It isn't set, because threads of the host may write or allocate
+  /// meanwhile.
   void note_limit();
 
  private:
@@ -82,16 +83,16 @@ class ProcessGuard {
   ~ProcessGuard();
   void note(Trespass trespass);
 
-  std::mutex mutex_;  // of the next two
+  std::mutex mutex_;  // guards the next two
   std::vector<std::pair<int, std::string>> protected_;
-  std::vector<Trespass> noted_;  // in this call
+  std::vector<Trespass> noted_;  // in the present call
   std::atomic<bool> has_noted_{false};
-  ThreadCount threads_;            // of the library that is called
-  std::unique_ptr<State> before_;  // null: nothing was about to change
+  ThreadCount threads_;            // of the called library
+  std::unique_ptr<State> before_;  // null: no change was announced
   bool looking_ = false;
 };
 
-/// A descriptor that guarded code can't close as long as this lives.
+/// A descriptor that guarded code can't close during its lifetime.
 class ProtectedDescriptor {
  public:
   ProtectedDescriptor(int descriptor, std::string name) : descriptor_(descriptor) {
@@ -105,7 +106,7 @@ class ProtectedDescriptor {
   int descriptor_;
 };
 
-/// In a thread that a controller started: its library's count. Null in all others.
+/// The count of the library that started this thread. Null in threads that no controller started.
 extern thread_local constinit const ThreadCount* own_threads;
 
 }  // namespace rehearse

@@ -1,19 +1,20 @@
-// Supervision: a process that runs controllers never ends without a verdict, whatever they do to it.
+// Supervision: a process that runs controllers never ends without a verdict, even if a controller ends it.
 #pragma once
 
 namespace rehearse {
 
-/// To be called in main() behind pin_process(), before there are threads. The program goes on in a child process; this
-/// one waits for it, passes signals on and ends with its exit status. If a controller ends the child past the C library
-/// (a system call, a resource limit, damaged memory), it reports which one and at which tick, saves what was recorded
-/// and ends with exit status 3. Does nothing under a debugger or valgrind, which would lose sight of the program.
+/// Must be called in main() after pin_process(), before there are threads. The program continues in a child process.
+/// This process waits for it, passes signals on and ends with its exit status. If a controller ends the child past the
+/// C library (a system call, a resource limit, damaged memory), this process reports the controller and the tick, saves
+/// the recorded data and ends with exit status 3. It has no effect under a debugger or valgrind, which would not follow
+/// the program.
 void supervise_process();
 
-/// What the program does now, for that report, as "test Walk.IsAsBefore"; and how much of it is left to be done.
+/// Sets the present task of the program for that report, as "test Walk.IsAsBefore", and the number of remaining tasks.
 void note_task(const char* name, int left);
 
-/// A debugger, or another tracer as strace, looks at the process. Allocates nothing and takes no lock: the code that
-/// hangs may hold any, that of the dynamic linker included.
+/// True if a debugger, or another tracer as strace, traces the process. Allocates nothing and takes no lock, because
+/// the code that hangs may hold any, including that of the dynamic linker.
 bool is_traced(const char* status_file = "/proc/self/status");
 
 }  // namespace rehearse

@@ -1,11 +1,11 @@
-// Timing: in which step of the world a controller's commands act.
+// Timing: the step of the world in which a controller's commands act.
 #pragma once
 
 namespace rehearse {
 
 enum class Timing {
-  same_step,  // of the tick in which they were given: no-delay mode
-  next_step,  // one tick later: all others
+  same_step,  // the step of the tick of the commands: no-delay mode
+  next_step,  // one tick later: all other controllers
 };
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// What a robot can do of what its controllers want to command.
+// The commands of controllers that a robot can execute.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -8,10 +8,10 @@
 
 namespace rehearse {
 
-/// A sentence for each way in which the actuation mode (cnoid::Link's state flags) drives nothing on that link.
+/// A sentence for each part of the actuation mode (cnoid::Link's state flags) that drives nothing on that link.
 std::vector<std::string> useless_outputs(const ScenarioBody& body, int link, int mode);
 
-/// "JointEffort", or "JointDisplacement and JointEffort"; "no mode" if none of them drives a joint.
+/// "JointEffort", or "JointDisplacement and JointEffort"; "no mode" if no part of it drives a joint.
 std::string joint_mode_names(int mode);
 
 }  // namespace rehearse

@@ -1,9 +1,9 @@
 // ControllerVariables: the numbers that a controller sets by rehearse_variable()
 // (controllers/include/rehearse_variable.h) while it is called.
 //
-// The function behind that name is defined here, for all libraries that are loaded after this one. It knows which
-// controller speaks because a call into one opens its ControllerVariables, in the thread that makes the call. What
-// comes where none is open is a stray, and isn't kept.
+// This file defines that function for all libraries that are loaded after this one. A call into a controller opens the
+// controller's ControllerVariables in the thread that makes the call, so values are stored for the right controller. A
+// value that is set while none is open is a stray and isn't stored.
 #pragma once
 
 #include <cstddef>
@@ -21,22 +21,23 @@ class ControllerVariables {
 
   struct Variable {
     std::string name;
-    double value = 0.0;   // the last one that was set
+    double value = 0.0;   // the last value that was set
     bool is_set = false;  // in this tick
   };
 
   /// In the order in which they were first set.
   const std::vector<Variable>& all() const { return all_; }
-  /// Null: it was never set.
+  /// Null if it was never set.
   const Variable* find(std::string_view name) const;
-  /// Nothing is set in the tick that begins.
+  /// Begins a tick in which no variable is set so far.
   void begin_tick();
-  /// Keeps the value; if it may not be, a finding.
+  /// Stores the value; an invalid one becomes a finding.
   void set(const char* name, double value);
-  /// What was refused since the last call, each kind once: what the controller did, without its name.
+  /// Findings since the last call, each kind once: a description of the controller's mistake, without its name.
   std::vector<std::string> take_findings();
 
-  /// While it lives, what is set in this thread goes into `variables`; null: nowhere. They don't nest.
+  /// Values that this thread sets during its lifetime are stored in `variables`; null: they are dropped. They don't
+  /// nest.
   class Open {
    public:
     explicit Open(ControllerVariables* variables);
@@ -44,7 +45,7 @@ class ControllerVariables {
     Open(const Open&) = delete;
     Open& operator=(const Open&) = delete;
   };
-  /// Whether anything was set, since this was last asked, where none was open.
+  /// True if a variable was set while none was open, since the last call.
   static bool take_strays();
 
  private:
@@ -54,7 +55,7 @@ class ControllerVariables {
 
   std::vector<Variable> all_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
-  std::size_t next_ = 0;  // nearly always the one that is set next
+  std::size_t next_ = 0;  // the variable that is probably set next
   std::vector<std::string> findings_;
   std::vector<Mistake> told_;
 };

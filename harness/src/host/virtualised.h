@@ -14,21 +14,21 @@
 
 namespace rehearse {
 
-/// Simulated time, and random numbers from a seed.
+/// A substitution with simulated time, and random numbers from a seed.
 Substitution virtualised(std::uint64_t seed);
 
-/// What changes in the environment of a process whose recordings are to say that they were made so.
+/// The changes to the environment of a process whose recordings must state that they are virtualised.
 std::map<std::string, std::optional<std::string>> virtualised_environment(std::uint64_t seed);
 
-/// "clock, random; seed 7", if this process's controllers are given that; else empty. Stands in a recording's
-/// provenance as `virtualised`.
+/// "clock, random; seed 7" if this process's controllers get simulated time and random numbers; else empty. It is the
+/// fact `virtualised` in a recording's provenance.
 std::string virtualisation();
 
-/// The seed of a recording that was made so; none: it wasn't.
+/// The seed of a virtualised recording; none: it isn't virtualised.
 std::optional<std::uint64_t> virtualised_seed(const mcap::Reader& trace);
 
-/// If the recording was made so, starts this program once more, with the same arguments, under the interposer, and does
-/// not come back. Comes back if that isn't needed, or done already; fails if it can't be done.
+/// If the recording is virtualised, starts this program once more, with the same arguments, under the interposer, and
+/// does not return. Returns if that isn't needed, or done already; fails if it can't be done.
 Result<void> virtualise_process_like(const std::filesystem::path& trace);
 
 }  // namespace rehearse

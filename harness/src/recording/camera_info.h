@@ -1,4 +1,4 @@
-// What ROS wants to know of a camera.
+// Makes the CameraInfo message of a camera.
 #pragma once
 
 #include <rehearse/messages.h>
@@ -6,7 +6,8 @@
 
 namespace rehearse {
 
-/// Size and matrices of a pinhole camera without distortion, as sensor_msgs/CameraInfo defines them; the header is empty.
+/// Size and matrices of a pinhole camera without distortion, as sensor_msgs/CameraInfo defines them; the header is
+/// empty.
 msg::CameraInfo camera_info(const Camera& camera);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// What touches a link, as messages and back.
+// Converts the contacts of a link to messages and back.
 #pragma once
 
 #include <rehearse/io.h>
@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// The header stays as it is.
+/// The header is not changed.
 inline void put_contacts(const std::vector<ContactReading>& contacts, msg::Contacts& message) {
   message.contacts.resize(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -1,4 +1,4 @@
-// ContactRecorder: which links begin and cease to touch, as messages of a trace.
+// ContactRecorder: records begin and end of contacts between links as messages of a trace.
 #pragma once
 
 #include <rehearse/io.h>
@@ -14,11 +14,11 @@ namespace rehearse {
 
 class ContactRecorder {
  public:
-  /// Makes the channel.
+  /// Adds the channel.
   ContactRecorder(TraceOutput& output, const Scenario& scenario);
-  /// What has changed since the last call; before the first nothing touches. `touching` is ascending.
+  /// Records the changes since the last call; before the first call there are no contacts. `touching` is ascending.
   Result<void> write(TraceOutput& output, std::int64_t tick, const std::vector<LinkPair>& touching);
-  /// The same of a run that begins in the middle: this touched before already.
+  /// Sets the existing contacts of a run that begins in the middle; they are not recorded.
   void begin_with(const std::vector<LinkPair>& touching) { touching_ = touching; }
 
  private:

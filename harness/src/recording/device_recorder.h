@@ -1,4 +1,4 @@
-// DeviceRecorder: what one device measures, as messages of a trace.
+// DeviceRecorder: records the measurements of one device as messages of a trace.
 #pragma once
 
 #include <rehearse/io.h>
@@ -13,14 +13,15 @@
 
 namespace rehearse {
 
-/// The frame of a range sensor's messages. It lies where the device frame does, with the axes of ROS.
+/// The frame of a range sensor's messages: the origin of the device frame, with the axes of ROS.
 std::string scan_frame(const std::string& body, const Device& device);
 
 class DeviceRecorder {
  public:
-  /// Makes the device's channels; a light tells its state when a controller has changed it. Scenario and device must outlive this.
+  /// Adds the device's channels; the state of a light is recorded when a controller has changed it. Scenario and device
+  /// must outlive this.
   DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body, const Device& device);
-  /// A reading that is fresh at this tick.
+  /// Records a reading that is fresh at this tick.
   Result<void> write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const;
 
  private:

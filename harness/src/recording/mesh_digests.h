@@ -1,4 +1,4 @@
-// Which meshes a model had, for the record.
+// Digests of a model's meshes, for the recording.
 #pragma once
 
 #include <rehearse/model.h>
@@ -7,8 +7,8 @@
 
 namespace rehearse {
 
-/// A line for each mesh of the model, in the order of their first use: the digest of its bytes, two blanks, the file as
-/// the model names it. Empty if it has none. Its meshes have to be loaded.
+/// A line for each mesh of the model, in the order of first use: the digest of its bytes, two blanks, the file as the
+/// model names it. Empty if the model has no meshes. The meshes must be loaded.
 std::string mesh_digests(const Model& model);
 
 }  // namespace rehearse

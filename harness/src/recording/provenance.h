@@ -1,4 +1,4 @@
-// Provenance: what a recording was made with, as far as its bits may depend on it.
+// Provenance: the versions and settings of a recording that its bits may depend on.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -10,16 +10,16 @@
 
 namespace rehearse {
 
-/// Versions of Rehearse, C library and compiler, processor, what is pinned, seed and solver, and the controllers' files
-/// by name and content; no controllers if `host` is null. `physics` and `renderer` describe themselves; empty: not used.
+/// Versions of Rehearse, C library and compiler, processor, the pinning, seed and solver, and the controllers' files by
+/// name and content; no controllers if `host` is null. `physics` and `renderer` describe themselves; empty: not used.
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer);
 
-/// Why the same program may give other last bits here (`here`: provenance() of this process) than where a recording
-/// with the facts `recorded` was made: "libc was "glibc 2.36" and is ...". Empty: it gives the same.
+/// The reason why the last bits of this process (`here`: its provenance()) may differ from those of a recording with
+/// the facts `recorded`: "libc was "glibc 2.36" and is ...". Empty: the bits are equal.
 std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here);
 
-/// Of these, the controllers' files.
+/// The controllers' files alone.
 mcap::StringMap controller_facts(const ControllerHost& host);
 
 }  // namespace rehearse

@@ -1,8 +1,8 @@
-// Recorder: writes a run into a trace, tick by tick. harness/TRACE_FORMAT.md says what stands where.
+// Recorder: writes a run into a trace, tick by tick. harness/TRACE_FORMAT.md describes the contents.
 //
-// A tick's messages carry the state at its beginning, what the controllers read of it and what they commanded; the
-// message on /tick comes last and so closes the tick. Nothing here depends on the machine, the process or the time of
-// day.
+// A tick's messages contain the state at its beginning, the controllers' inputs and their commands; the message on /tick
+// comes last and so closes the tick. The Recorder itself uses nothing that depends on the machine, the process or the
+// time of day.
 #pragma once
 
 #include <rehearse/io.h>
@@ -24,7 +24,7 @@
 
 namespace rehearse {
 
-/// The hashes that stand in /tick.
+/// The hashes in /tick.
 struct TickHashes {
   std::uint64_t state = 0;
   std::uint64_t input = 0;
@@ -33,7 +33,7 @@ struct TickHashes {
 
 class Recorder {
  public:
-  /// Creates the file and writes what is known before the run: attachments (scenario, models, load reports) and the
+  /// Creates the file and writes the data known before the run: attachments (scenario, models, load reports) and the
   /// provenance.
   static Result<std::unique_ptr<Recorder>> create(const std::filesystem::path& file, const Scenario& scenario,
                                                   const mcap::StringMap& provenance);
@@ -41,40 +41,41 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// More of what the run was made of, before the channels are made.
+  /// Attaches further inputs of the run, before the channels are added.
   Result<void> attach(const std::string& name, const std::string& media_type, const std::string& text);
   Result<void> add_metadata(const std::string& name, const mcap::StringMap& values);
-  /// The controllers read this body's joints otherwise than they are, though the scenario gives them no noise. Before
-  /// declare().
+  /// States that the controllers' readings of this body's joints differ from the truth, although the scenario gives
+  /// them no noise. Must be called before declare().
   void measure_joints(int body);
-  /// Makes the channels; the controllers' tables are fixed by now. Null: there are none.
+  /// Adds the channels; the controllers' tables must be fixed. Null: there are no controllers.
   void declare(const ControllerHost* host);
-  /// The state at the beginning of a tick. Of cameras and range sensors: what arrived at this tick. `read`: the same as
-  /// controllers read it, which differs where joints have noise.
+  /// Records the state at the beginning of a tick; for cameras and range sensors the captures that arrived at this
+  /// tick. `read`: the observation for controllers, which differs where joints have noise.
   Result<void> record_state(std::int64_t tick, const Observation& seen, const Observation& read);
-  /// Which links touch after the last step, as World::touching() tells; what has changed since the last call is
-  /// written.
+  /// Records the changes of contacts since the last call. `touching`: the contacts after the last step, from
+  /// World::touching().
   Result<void> record_contacts(std::int64_t tick, const std::vector<LinkPair>& touching);
-  /// A run that begins in the middle: these touched before already.
+  /// Sets the existing contacts of a run that begins in the middle.
   void begin_with_contacts(const std::vector<LinkPair>& touching);
-  /// What the controllers read and wrote in the tick; closes it. `host` null: the state after the last tick.
+  /// Records the inputs and outputs of the controllers in the tick, and closes it. `host` null: the state after the
+  /// last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
-  // What another recording says, for a run that begins with it.
+  // Copies parts of a different recording, for a run that begins with it.
 
-  /// The bytes of a message, on a topic that is made like the other's if it isn't there yet.
+  /// Copies the bytes of a message, to a topic that is added like the other's if it is missing.
   Result<void> copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic);
-  /// Instead of the copies of such messages: readings that are other ones here.
+  /// Records readings that differ here, instead of copies of such messages.
   Result<void> record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints);
   Result<void> record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading);
   Result<void> record_joystick(std::int64_t tick, const JoystickReading& reading);
 
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
   Result<void> record_events(const std::vector<msg::Event>& events);
-  /// `outcome` tells how the run ended; the trace is complete after it.
+  /// `outcome` states how the run ended; the trace is complete afterwards.
   Result<void> close(const RunOutcome& outcome);
 
   const RecordingSize& size() const;
-  /// Of the open file.
+  /// Descriptor of the open file.
   int descriptor() const;
 
  private:
@@ -83,7 +84,7 @@ class Recorder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Names the layout of a checkpoint's bytes: changes with every change of World::save().
+/// The name of the layout of a checkpoint's bytes: it changes with every change of World::save().
 inline constexpr const char* checkpoint_format = "rehearse-ode-state-1";
 
 }  // namespace rehearse

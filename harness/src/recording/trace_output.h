@@ -1,4 +1,4 @@
-// TraceOutput: the channels and messages of a run on their way into its trace. What Recorder and its parts write with.
+// TraceOutput: writes the channels and messages of a run into its trace. Used by Recorder and its parts.
 #pragma once
 
 #include <rehearse/cdr.h>
@@ -19,10 +19,10 @@
 
 namespace rehearse {
 
-/// Chunks of their own for depth pictures: large, and not compressed by themselves.
+/// Separate chunks for depth pictures: large, and not compressed by themselves.
 inline constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};
 
-/// What a recording has come to.
+/// The size of a recording.
 struct RecordingSize {
   std::int64_t ticks = 0;
   int channels = 0;
@@ -38,7 +38,7 @@ struct TraceOutput {
   RecordingSize size;
   std::map<std::string, std::uint16_t> by_topic;  // channels
 
-  /// Adds a channel for messages of type T, which is that of the name's kind; returns its id, which is never 0. Its
+  /// Adds a channel for messages of type T, which is the type of the name's kind. Returns its id, which is never 0. Its
   /// metadata is the units of that kind, and `metadata`.
   template <class T>
   std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {},
@@ -61,8 +61,8 @@ struct TraceOutput {
     return writer->write(to, now, now, cdr_.bytes());
   }
 
-  /// The same for a message that takes long to make: on the writer's thread, of what nobody changes any more. `held`:
-  /// the memory that waits for it [bytes].
+  /// Writes a message that takes long to make: it is made on the writer's thread, from data that doesn't change any
+  /// more. `held`: size of the memory that is held until then [bytes].
   template <class T>
   Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::function<T()> make) {
     ++size.messages;

@@ -1,4 +1,4 @@
-// VariableRecorder: what controllers set by rehearse_variable(), as messages of a trace.
+// VariableRecorder: records the variables that controllers set by rehearse_variable() as messages of a trace.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace rehearse {
 
-/// Of one controller.
+/// The recorder of one controller's variables.
 class VariableRecorder {
  public:
-  /// A message for each that was set in this tick. Its channel appears with the first.
+  /// Writes a message for each variable that was set in this tick. Its channel is added with the first message.
   Result<void> write(TraceOutput& output, std::int64_t tick, const std::string& controller_label,
                      const ControllerVariables& variables);
 

@@ -1,4 +1,4 @@
-// BranchSource: the recording that a branch begins with, and what is known of it.
+// BranchSource: the recording from which a branch starts, and its facts.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -21,17 +21,17 @@ struct BranchSource {
   Trace recording;
   Scenario scenario;                   // with the models' meshes
   std::optional<BranchOrigin> origin;  // none: it is no branch itself
-  std::int64_t whole_ticks = 0;        // that the recording has, at least one
-  /// Of the state at the beginning of each of them and of the one after the last, if the recording has that.
+  std::int64_t whole_ticks = 0;        // number of complete ticks in the recording, at least one
+  /// The hash of the state at the beginning of each of these ticks, and after the last if it is recorded.
   std::vector<std::uint64_t> state_hashes;
 
-  /// `scenario_file`: the scenario that was recorded, for its meshes; empty: the recording is enough if there are none.
-  /// Fails if that is another scenario, if meshes are missing, or if no simulation can go on from the recording.
+  /// `scenario_file`: the recorded scenario, for its meshes; empty: the recording is sufficient if there are no meshes.
+  /// Fails if that is a different scenario, if meshes are missing, or if no simulation can continue from the recording.
   static Result<BranchSource> open(const std::filesystem::path& file, const std::filesystem::path& scenario_file);
 
   std::int64_t checkpoint_interval() const;  // [ticks]; 0: none are saved
-  /// The latest checkpoint from which the world can be led to the moment so that all of it is known there; 0: the
-  /// start. `objection`: why none can be used; empty: they can.
+  /// The latest checkpoint from which the world can be moved to the moment with its complete state; 0: the start.
+  /// `objection`: the reason why no checkpoint can be used; empty: they can be used.
   std::int64_t latest_checkpoint(std::int64_t moment, const std::string& objection) const;
 };
 

@@ -1,8 +1,8 @@
-// CheckpointTrial: tells whether the checkpoints of a run are exact.
+// CheckpointTrial: tests whether the checkpoints of a run are exact.
 //
 // Some of them are restored into a second world, which then makes the same step as the run's own: the states after it
-// must be the same bits. Tried are the first checkpoint and those whose number is a power of two, so that a long run
-// pays for a dozen steps, not for a second run.
+// must have equal bits. It tests the first checkpoint and those whose number is a power of two, so that a long run
+// costs a dozen additional steps, not a second run.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -21,14 +21,14 @@ class CheckpointTrial {
   /// The scenario must outlive this.
   explicit CheckpointTrial(const Scenario& scenario) : scenario_(scenario) {}
 
-  /// The run has saved its checkpoint of that number, counted from 0.
+  /// Called when the run has saved its checkpoint of that number, counted from 0.
   void begin(std::int64_t number, std::span<const std::byte> state);
-  /// The run is about to step under this command.
+  /// Called before the run makes a step under this command.
   void step(const Command& command);
-  /// The run has stepped.
+  /// Called after the step of the run.
   void compare(const World& world);
 
-  /// "exact", or "inexact: ..." with the first that wasn't.
+  /// "exact", or "inexact: ..." with the first inexact checkpoint.
   std::string verdict() const { return finding_.empty() ? exact : "inexact: " + finding_; }
   static constexpr const char* exact = "exact";
 

@@ -1,5 +1,5 @@
-// ClosedLoop: world and controllers, each of which moves the other, and a recording of both. What a session runs, and
-// what a branch of a recording runs from its moment on.
+// ClosedLoop: world and controllers in a loop, and a recording of both. It is used by a session, and by a branch of a
+// recording from its moment on.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -39,15 +39,16 @@ struct ClosedLoop {
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
-  /// Plant and controllers, and the file with what is known before the run. `trace` is that file.
+  /// Creates plant and controllers, and the file with the data known before the run. `trace` is that file.
   Result<void> create(const std::filesystem::path& trace, const HostOptions& options);
-  /// initialize() of the controllers: what they want to know of the world is watched. The run's command is at rest.
+  /// Calls initialize() of the controllers. Afterwards the quantities that they read are enabled, and the run's command
+  /// is at rest.
   void initialize();
-  /// The channels of the recording; start() of the controllers.
+  /// Adds the channels of the recording and calls start() of the controllers.
   void start();
-  /// One tick. False: the run is over, by its duration or by a failure.
+  /// Makes one tick. False: the run is over, by its duration or by a failure.
   Result<bool> step();
-  /// stop() of the controllers, the last state, the trace's end.
+  /// Calls stop() of the controllers, records the last state and closes the trace.
   Result<RunSummary> finish();
 
  private:

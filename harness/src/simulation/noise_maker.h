@@ -1,4 +1,4 @@
-// NoiseMaker: turns what is true into what is read, as a scenario's noise has it.
+// NoiseMaker: adds a scenario's noise to true values.
 #pragma once
 
 #include <rehearse/io.h>
@@ -15,13 +15,13 @@ class NoiseMaker {
   /// The scenario must outlive this.
   explicit NoiseMaker(const Scenario& scenario);
 
-  /// Of the devices, in the readings of this tick. To be called once for each tick, in order, with readings that are
-  /// true: cameras and range sensors keep their last capture as it was read.
+  /// Adds noise to the readings of devices in this tick. Must be called once for each tick, in order, with true
+  /// readings: cameras and range sensors keep their last capture with its noise.
   void disturb_devices(std::int64_t tick, Observation& observation);
 
-  /// True if the noise of any joint does anything.
+  /// True if the noise of any joint is not zero.
   bool has_joints() const { return !joints_.empty(); }
-  /// Of the joints.
+  /// Adds noise to the readings of joints.
   void disturb_joints(std::int64_t tick, Observation& observation) const;
 
  private:

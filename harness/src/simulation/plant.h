@@ -1,5 +1,5 @@
-// Plant: the simulated side of the loop. Bodies, cameras, range sensors, noise, joystick: commands go in, observations
-// come out. What commands it, controllers or a recording, it does not know.
+// Plant: the simulated side of the loop (bodies, cameras, range sensors, noise, joystick). It reads commands and
+// returns observations. It is independent of the source of the commands: controllers or a recording.
 #pragma once
 
 #include <rehearse/io.h>
@@ -23,28 +23,29 @@ class Plant {
  public:
   /// The scenario must outlive this.
   static Result<std::unique_ptr<Plant>> create(const Scenario& scenario);
-  /// The same with the noise of another scenario.
+  /// A plant with the noise of a different scenario.
   static Result<std::unique_ptr<Plant>> create(const Scenario& scenario, const Scenario& noise_of);
 
   World& world() { return *world_; }
   std::int64_t tick() const { return world_->tick(); }
   std::string renderer_description() const { return vision_ ? vision_->renderer_description() : ""; }
 
-  /// What is to be seen at the beginning of a tick. To be called once for each tick, in order.
+  /// Makes the observation at the beginning of a tick. Must be called once for each tick, in order.
   void sense();
-  /// The joints as they are, devices as they are read.
+  /// True joint values, readings of devices.
   const Observation& seen() const { return seen_; }
-  /// What goes to controllers: the joints as they are read too.
+  /// The observation for controllers, with readings of joints too.
   const Observation& read() const { return noise_.has_joints() ? read_ : seen_; }
 
-  /// One step under a command, and the scenario's pushes. The command's wrenches are used up. False: it exploded.
+  /// Makes one step under a command and the scenario's pushes. The command's wrenches are set to zero. False: the world
+  /// exploded.
   bool step(Command& command);
   /// Devices do what controllers said to them in a tick (-1: before the run), from the next one on; a light's new state
   /// is what it reads there, to those who listen. The words are used up.
   void obey(std::int64_t tick, Command& command);
 
   /// The world has been set to the state at the beginning of this tick. Cameras and range sensors capture from there on
-  /// as if they had never stopped, but what they had captured before is lost.
+  /// as if they had never stopped, but earlier captures are lost.
   void begin_at(std::int64_t tick);
 
  private:
@@ -60,13 +61,14 @@ class Plant {
   std::vector<std::vector<std::optional<DeviceReading>>> told_;  // by body and device: a light's new state
 };
 
-/// One step of a scenario's world, at its own tick, under a command and the scenario's pushes. False: it exploded.
+/// Makes one step of a scenario's world, at its present tick, under a command and the scenario's pushes. False: it
+/// exploded.
 bool step_world(World& world, const Scenario& scenario, const Command& command);
 
-/// External wrenches act in one step only.
+/// Sets external wrenches to zero: they act in one step only.
 void use_up_wrenches(Command& command);
 
-/// What a scenario makes a world of.
+/// The bodies of the world of a scenario.
 std::vector<WorldBody> world_bodies(const Scenario& scenario);
 WorldSettings world_settings(const Scenario& scenario);
 

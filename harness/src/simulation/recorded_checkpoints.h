@@ -1,4 +1,4 @@
-// RecordedCheckpoints: the states of the world that a recording has.
+// RecordedCheckpoints: the states of the world in a recording.
 #pragma once
 
 #include <rehearse/messages.h>
@@ -19,16 +19,16 @@ namespace rehearse {
 
 class RecordedCheckpoints {
  public:
-  /// The states are for worlds of `scenario`, which need not be the recording's own. Both must outlive this.
+  /// The states are for worlds of `scenario`, which may differ from the recording's scenario. Both must outlive this.
   RecordedCheckpoints(const Trace& recording, const Scenario& scenario);
 
-  /// Why none of them can be used: a sentence; empty: they can.
+  /// A sentence: why none of them can be used; empty: they can be used.
   Result<std::string> objection() const;
   /// Sets the world to the state at the beginning of that tick. False: there is no checkpoint there. If the recording's
-  /// bodies or models aren't those of the scenario, parts are matched by their names. Fails, naming them, if the state
-  /// lacks parts of the world.
+  /// bodies or models differ from those of the scenario, parts are matched by their names. Fails with the names of
+  /// parts of the world that the state lacks.
   Result<bool> restore(std::int64_t tick, World& world);
-  /// The ticks that have one, ascending.
+  /// The ticks with a checkpoint, ascending.
   std::vector<std::int64_t> ticks() const;
 
  private:
@@ -40,7 +40,8 @@ class RecordedCheckpoints {
   const Scenario& scenario_;
   std::unique_ptr<TraceWindows> messages_;  // of the checkpoints; null: the recording holds its messages
   const TraceChannel* channel_;
-  std::unique_ptr<World> recorded_world_;  // that the states are of, without shapes; null: they are of the scenario's
+  /// The world of these states, without shapes; null: it is the scenario's world.
+  std::unique_ptr<World> recorded_world_;
   bool prepared_ = false;
 };
 

@@ -1,5 +1,5 @@
-// RecordedCommands: what the controllers of a recording commanded, tick by tick, as commands to the world. What moves a
-// simulation without its controllers.
+// RecordedCommands: the commands of the controllers of a recording, tick by tick. They move a simulation without its
+// controllers.
 #pragma once
 
 #include <rehearse/io.h>
@@ -20,16 +20,17 @@ namespace rehearse {
 
 class RecordedCommands final : public Commander {
  public:
-  /// Finds the controllers' outputs, which are read from the trace's file as the run goes on if the trace is without
-  /// messages. Fails if the trace has commands to something that the scenario hasn't: a body, a
-  /// controller, a joint, a device; all of them in one go. Scenario and trace must outlive this.
+  /// Finds the controllers' outputs. If the trace is without messages, they are read from its file during the run.
+  /// Fails if the trace has commands for something that the scenario lacks: a body, a controller, a joint, a device;
+  /// all of these are reported together. Scenario and trace must outlive this.
   static Result<RecordedCommands> find(const Scenario& scenario, const Trace& trace);
 
-  /// Before the first tick: joints are driven as the controllers drive them, and stay where they begin; devices hear
-  /// what was said to them in initialize().
+  /// The command before the first tick: joints have the drives of the controllers, and stay at their initial
+  /// displacement; devices get the settings of initialize().
   Command initial() const;
-  /// Writes what was commanded in a tick by the controllers without (or with) delay into the command; the last one wins,
-  /// external wrenches add up, numbers that aren't finite are left out. Ticks must come in ascending order.
+  /// Writes the commands of a tick by the controllers without (or with) delay into the command. The last controller
+  /// overrides earlier ones, external wrenches are summed, numbers that aren't finite are left out. Ticks must come in
+  /// ascending order.
   void put(std::int64_t tick, Timing timing, Command& command);
 
   void act(Moment& now) override { put(now.tick, Timing::same_step, now.command); }
@@ -50,8 +51,8 @@ class RecordedCommands final : public Commander {
     int body = 0;
     int target = 0;  // link or device index
     bool delayed = true;
-    bool is_acted = false;         // of a branch: what moved the world before acted_until_
-    bool before_the_run = false;   // its first message was said in initialize()
+    bool is_acted = false;         // for a branch: the commands that moved the world before acted_until_
+    bool before_the_run = false;   // its first message was sent in initialize()
     std::vector<JointCell> cells;  // of joints
     std::size_t next = 0;          // row, of all that the run has
   };
@@ -70,7 +71,7 @@ class RecordedCommands final : public Commander {
   const Trace& trace_;
   std::unique_ptr<TraceWindows> windows_;  // null: the trace holds its messages
   std::uint64_t window_end_ = 0;           // [ns]
-  std::vector<Source> sources_;  // in the order of the controllers
+  std::vector<Source> sources_;            // in the order of the controllers
   std::int64_t acted_until_ = 0;  // tick
 };
 

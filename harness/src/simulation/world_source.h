@@ -1,4 +1,4 @@
-// WorldSource: what is observed comes from a simulated world, which the commands move.
+// WorldSource: the source of observations from a simulated world, which the commands move.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -22,11 +22,11 @@ class WorldSource : public ObservationSource {
   WorldSource(const Scenario& scenario, Plant& plant, Diagnostics* remarks = nullptr)
       : scenario_(scenario), plant_(plant), remarks_(remarks), trial_(scenario) {}
 
-  /// A checkpoint every so many ticks; some are tried out. 0: none.
+  /// Saves a checkpoint every `interval` ticks; some are tested. 0: none.
   void save_checkpoints(std::int64_t interval) { checkpoint_interval_ = interval; }
-  /// What was found out about them, for the outcome of a recording.
+  /// The result of these tests, for the outcome of a recording.
   std::string checkpoint_verdict() const { return checkpoint_interval_ > 0 ? trial_.verdict() : "none"; }
-  /// What is seen is altered from now on.
+  /// Observations are altered from now on.
   void alter(AlteredInputs& altered) { altered_ = altered.empty() ? nullptr : &altered; }
 
   Result<bool> observe(Moment& now) override;
@@ -46,9 +46,9 @@ class WorldSource : public ObservationSource {
   bool reported_ode_ = false;
 };
 
-/// Sets the world to the recorded state at the beginning of that tick, and devices to what was said to them until then.
-/// `command` becomes what is in force there. At tick 0 the world stays as it is. False: there is no checkpoint at the
-/// tick.
+/// Sets the world to the recorded state at the beginning of that tick, and devices to their settings at that time.
+/// `command` becomes the command in force there. At tick 0 the world is not changed. False: there is no checkpoint at
+/// the tick.
 Result<bool> begin_at_checkpoint(std::int64_t tick, Plant& plant, RecordedCheckpoints& checkpoints,
                                  RecordedCommands& commands, Command& command);
 
