@@ -94,7 +94,7 @@ struct ControllerAudit {
   std::filesystem::path library;
   bool deterministic = true;
   std::string reason;  // why it is not deterministic, without its name; empty: it is deterministic
-  /// the factor that showed it; none: deterministic, or the library alone is the reason
+  /// The factor that showed it; none: deterministic, or the library alone is the reason.
   std::optional<Factor> depends_on;
   std::optional<Divergence> first;    // the first difference under depends_on
   std::vector<FactorResult> factors;  // in the order of Factor

@@ -41,7 +41,7 @@ namespace rehearse {
 struct ViolatingSample {
   std::int64_t tick = 0;
   double time = 0.0;  // of the sample [s]
-  /// the bounded number: the value of a series, its magnitude or its change; none: an event
+  /// The bounded number: the value of a series, its magnitude or its change; none: an event.
   std::optional<double> value;
 };
 
@@ -53,7 +53,7 @@ struct ExpectationResult {
   std::string sentence;                  // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
   std::string series;                    // the series of the first violating sample; empty: no series, or an event
   std::optional<ViolatingSample> first;  // none if no single sample violates it
-  /// worst sample of the same series; with `sometime` the sample nearest to the bounds
+  /// Worst sample of the same series; with `sometime` the sample nearest to the bounds.
   std::optional<ViolatingSample> worst;
 };
 

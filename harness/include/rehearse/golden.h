@@ -44,7 +44,7 @@ struct Acceptance {
   std::string kind;      // "first", "replaced" or "partial"
   std::string accepted;  // partial: the accepted channels and the span
   std::string verdict;   // of the comparison of the old golden with the new one; empty for the first
-  /// a line per channel that changed: the worst difference, its time, the number of differences
+  /// A line per channel that changed: the worst difference, its time, the number of differences.
   std::vector<std::string> moved;
 };
 
@@ -156,7 +156,7 @@ struct SettleOptions {
 struct Accepted {
   bool changed = true;  // false: the golden was equal to this run, and was not rewritten
   bool whole = true;    // false: a part of the run was accepted; the run stays in the pending folder
-  /// the comparison of the old golden with the new one; none if no old one could be read
+  /// The comparison of the old golden with the new one; none if no old one could be read.
   std::optional<Comparison> moved;
 };
 
@@ -240,7 +240,7 @@ struct GoldenEntry {
   int acceptances = 0;              // number of acceptances that the golden states
   bool pending = false;             // a run that differs is in the pending folder
   std::string problem;              // why it can't be used; empty: it can be used
-  /// differences of its versions from this program's, parts that can't be compared; sentences
+  /// Differences of its versions from this program's, parts that can't be compared; sentences.
   std::vector<std::string> notes;
 
   bool orphan() const { return owners.empty(); }
@@ -249,7 +249,7 @@ struct GoldenEntry {
 /// The scenarios and tests that use a golden.
 struct GoldenOwners {
   std::vector<std::string> scenarios;  // files with `golden: NAME`
-  /// tests that compared with it when they ran, as "Walker.Stops of build/bin/walk_test"
+  /// Tests that compared with it when they ran, as "Walker.Stops of build/bin/walk_test".
   std::vector<std::string> tests;
 
   /// The reason why the owners are in conflict: two scenarios name the golden. Empty if they are not. (A test may

@@ -33,7 +33,7 @@ struct RunSummary {
   int channels = 0;
   std::int64_t frames = 0;   // colour pictures
   std::uintmax_t bytes = 0;  // of the trace file
-  /// a controller threw, crashed or hung, or the simulation exploded: the run ended there
+  /// A controller threw, crashed or hung, or the simulation exploded: the run ended there.
   std::optional<Diagnostic> failure;
   bool controller_refused = false;  // a controller returned false from configure, initialize or start
   /// Misbehaviour of controllers, and World::remarks(); warnings and errors.
@@ -44,7 +44,7 @@ struct PlantOptions {
   /// The tick at which to begin: a tick with a checkpoint, or 0. Cameras and range sensors deliver nothing that they
   /// captured before it.
   std::int64_t from = 0;  // tick
-  /// the state at this tick is the last recorded one; none: the recording's last tick
+  /// The state at this tick is the last recorded one; none: the recording's last tick.
   std::optional<std::int64_t> until;
   /// The state is set back at each checkpoint; false: only at the first one.
   bool resync = true;
@@ -60,7 +60,7 @@ struct PlantOptions {
 struct PlantSummary {
   std::int64_t ticks = 0;
   std::int64_t restored = 0;  // number of checkpoints at which the world was set back
-  /// a sentence: why no checkpoint was restored; empty: checkpoints were restored, or not requested
+  /// A sentence: why no checkpoint was restored; empty: checkpoints were restored, or not requested.
   std::string from_the_start;
   std::optional<Diagnostic> failure;  // the simulation exploded; the run ended there
 };

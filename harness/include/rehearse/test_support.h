@@ -14,7 +14,7 @@ namespace rehearse {
 struct TestFolders {
   std::string fixtures;  // scenarios and models; REHEARSE_FIXTURES in the environment overrides it
   std::string golden;    // goldens; REHEARSE_GOLDEN_DIR overrides it
-  /// parent of traces/, which has the reports, and of goldens/pending/; REHEARSE_PENDING overrides the latter
+  /// Parent of traces/, which has the reports, and of goldens/pending/; REHEARSE_PENDING overrides the latter.
   std::string output;
   std::string controllers;  // libraries of controllers; searched after REHEARSE_CONTROLLER_PATH
 };

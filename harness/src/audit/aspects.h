@@ -1,4 +1,4 @@
-// What a call asks for, in words, and which change of an audit gives it another answer.
+// The information that a call asks for, as text, and the factor of an audit that changes its answer.
 #pragma once
 
 #include <rehearse/audit.h>
@@ -13,14 +13,14 @@ namespace rehearse {
 
 struct Aspect {
   std::string_view words;        // "the clock", "the number of processors"
-  std::optional<Factor> factor;  // that varies it; none: nothing does
-  bool has_answer = true;        // false: it only does something
+  std::optional<Factor> factor;  // the factor that varies it; none: no factor does
+  bool has_answer = true;        // false: it only has an effect
 };
 
 Aspect aspect_of(const ObservedCall& call);
 
-/// A file that the same controller made itself before this call: what is in it, it knows. `calls` in order of their
-/// first occurrence.
+/// True for a call on a file that the same controller wrote before this call: the controller knows its content. `calls`
+/// in order of their first occurrence.
 bool is_of_own_file(const std::vector<ObservedCall>& calls, const ObservedCall& call);
 
 }  // namespace rehearse

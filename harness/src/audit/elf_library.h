@@ -1,4 +1,4 @@
-// A shared library as a file: its code, what runs when it is loaded, what it imports.
+// A shared library as a file: its code, its start-up functions, its imports.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -17,11 +17,11 @@ struct CodeSection {
 
 struct ElfLibrary {
   std::vector<CodeSection> code;
-  std::vector<std::uint64_t> startup;  // addresses of the functions that loading it calls
+  std::vector<std::uint64_t> startup;  // addresses of the functions that run when it is loaded
   std::vector<std::string> imports;    // undefined symbols, as mangled
-  bool is_stripped = false;            // has no symbols but those that others link to
+  bool is_stripped = false;            // it has only the symbols that other libraries link to
 
-  /// Fails if it isn't a shared library for x86-64, or its parts lie outside of the file.
+  /// Fails if it isn't a shared library for x86-64, or if its parts are outside of the file.
   static Result<ElfLibrary> load(const std::filesystem::path& file);
 };
 

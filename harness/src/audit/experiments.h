@@ -1,4 +1,4 @@
-// The replays of an audit: what is varied in each, and against which other one it is compared.
+// The replays of an audit: the varied factor of each, and the replay that it is compared with.
 #pragma once
 
 #include <rehearse/audit.h>
@@ -10,28 +10,28 @@
 
 namespace rehearse {
 
-/// One change, and the replays under it.
+/// One varied factor, and the replays under it.
 struct Experiment {
   Factor factor = Factor::nothing;
   std::string not_varied;  // why there are no replays
   std::vector<ReplaySettings> settings;
 };
 
-/// As it is: the real clock, the system's random numbers, memory and addresses as they come. With virtualise: simulated
-/// time and seeded random numbers.
+/// The settings of a plain replay: the real clock, the system's random numbers, unchanged memory and addresses. With
+/// virtualise: simulated time and seeded random numbers.
 ReplaySettings plain_replay(const AuditOptions& options);
 
-/// All that can be held still is: simulated time, seeded random numbers, painted memory, the same addresses. What
-/// experiments are compared with.
+/// The settings of a still replay, in which all controllable conditions are constant: simulated time, seeded random
+/// numbers, filled memory, the same addresses. Experiments are compared with it.
 ReplaySettings still_replay(const AuditOptions& options);
 
-/// What is to be tried, after the calls that controllers made were seen. What can't matter, since nobody asked for it,
-/// is not varied; if `unseen` is true, controllers can ask without being seen, and all is.
+/// The experiments to make, given the observed calls of controllers. A factor that no call asked for is not varied. If
+/// `unseen` is true, controllers can make unobserved calls, and all factors are varied.
 std::vector<Experiment> plan_experiments(const AuditOptions& options, const std::vector<ObservedCall>& calls,
                                          bool unseen);
 
-/// The still replay but for one place, whose calls are answered otherwise. It goes by the clock, by random
-/// numbers or by the machine.
+/// The still replay with one place whose calls get different answers. The source of the call must be the clock, random
+/// numbers or the machine.
 ReplaySettings other_answer_at(const AuditOptions& options, const ObservedCall& call, int number);
 
 }  // namespace rehearse

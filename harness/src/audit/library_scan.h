@@ -1,5 +1,5 @@
-// What a controller's library says of itself, without running it: the flags it was linked with, the instructions in it,
-// the functions it can call.
+// The scan of a controller's library, without running it: the flags it was linked with, its instructions, the functions
+// it can call.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -19,18 +19,18 @@ struct LibraryFinding {
   enum class Kind {
     fast_math_startup,   // loading it switches the process to flush-to-zero
     float_mode_change,   // ldmxcsr, fldcw elsewhere: calling it may do so
-    fused_arithmetic,    // vfmadd and the like: round once where two instructions round twice
-    approximation,       // rcpps, rsqrtps, fsin and the like: whose last bits are the processor maker's choice
+    fused_arithmetic,    // vfmadd and similar: they round once where two instructions round twice
+    approximation,       // rcpps, rsqrtps, fsin and similar: their last bits differ between processor makers
     time_stamp_counter,  // rdtsc, rdtscp
     hardware_random,     // rdrand, rdseed
-    processor_query,     // cpuid, xgetbv: what it does may depend on the processor
-    direct_syscall,      // past the C library, so that no call is seen
+    processor_query,     // cpuid, xgetbv: the code's behaviour may depend on the processor
+    direct_syscall,      // past the C library, so that calls aren't observed
     imported_source,     // a function of the system whose answer isn't an input
   };
   Kind kind = Kind::fast_math_startup;
   std::optional<ObservedCall::Source> source;  // of imported_source
   std::int64_t count = 0;                      // instructions; 1 for a start-up function or an import
-  std::string function;  // the first that holds one, demangled; of imported_source: the imported function
+  std::string function;  // the first function that contains one, demangled; for imported_source the imported function
   std::string place;     // "filter.cpp:31" if there is debug information, else "BadFilter.so+0x1139"; of imports: empty
   std::string sentence;  // for a person, complete
 };

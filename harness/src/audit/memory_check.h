@@ -1,5 +1,5 @@
-// MemoryCheck: in a process that valgrind runs, the first number that a controller gave without ever having set it.
-// In any other process it does nothing.
+// MemoryCheck: finds the first output of a controller that was never set, in a process that runs under valgrind. In any
+// other process it has no effect.
 #pragma once
 
 #include <rehearse/replay.h>

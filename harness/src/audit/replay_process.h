@@ -1,4 +1,4 @@
-// The processes of an audit, as their parent sees them: started with one thing changed, waited for, their results read.
+// The child processes of an audit: starts them with one changed condition, waits for them, reads their results.
 #pragma once
 
 #include <rehearse/audit.h>
@@ -16,29 +16,29 @@
 
 namespace rehearse {
 
-/// What is special about one process.
+/// The settings of one process.
 struct ReplaySettings {
-  std::string name;  // of its folder
+  std::string name;  // name of its folder
   Substitution everywhere;
-  std::optional<CodePlace> only;  // then `there` holds at that place
+  std::optional<CodePlace> only;  // if set, `there` is valid at that place only
   Substitution there;
   int passes = 1;
-  unsigned char fill = 0;       // what fresh and freed memory and the stack are painted with; 0: nothing
+  unsigned char fill = 0;       // fills fresh and freed memory and the stack; 0: not filled
   std::uint32_t padding = 0;    // AuditedReplay::padding
-  bool other_addresses = true;  // chosen anew for each process, as usual; false: the same in all of them
-  std::map<std::string, std::optional<std::string>> environment;  // variables; none: taken away
-  bool other_environment = false;                                 // of all those that nothing here needs
-  bool other_folder = false;                                      // works in one of its own
+  bool other_addresses = true;  // random for each process, as usual; false: equal in all of them
+  std::map<std::string, std::optional<std::string>> environment;  // variables; none: removed
+  bool other_environment = false;                                 // replaces all variables that the audit doesn't need
+  bool other_folder = false;                                      // works in a separate folder
   bool valgrind = false;
 };
 
-/// What came of one pass.
+/// The result of one pass.
 struct ReplayPass {
   Outputs outputs;
   std::optional<std::string> failure;  // a controller threw, crashed or hung; or the process ended in it
-  bool hung = false;                   // no answer; the process was killed
+  bool hung = false;                   // it stopped responding; the process was killed
   bool refused = false;
-  std::optional<Divergence> differs_from_recording;  // the first of its commands that isn't the recorded one
+  std::optional<Divergence> differs_from_recording;  // the first command that differs from the recorded one
   std::string undefined;                             // under valgrind: the first number that was never set
   Diagnostics remarks;
 };
@@ -47,7 +47,7 @@ struct ReplayOutcome {
   std::vector<ReplayPass> passes;
   CallLog log;
   std::string valgrind_report;  // XML
-  double seconds = 0.0;         // of wall time
+  double seconds = 0.0;         // wall time [s]
 };
 
 /// Runs replays of one trace, two processes at a time.
@@ -55,8 +55,8 @@ class ReplayProcesses {
  public:
   ReplayProcesses(const AuditOptions& options, std::filesystem::path trace);
 
-  /// The outcomes in the order of the settings. Fails if a process can't be started, or if a controller can't be loaded
-  /// or is not fed by the trace.
+  /// The outcomes in the order of the settings. Fails if a process can't be started, if a controller can't be loaded,
+  /// or if the trace lacks its inputs.
   Result<std::vector<ReplayOutcome>> run(const std::vector<ReplaySettings>& settings);
   /// Called with the number of processes that have ended.
   std::function<void(int done)> on_progress;
@@ -76,15 +76,16 @@ class ReplayProcesses {
   int done_ = 0;
 };
 
-/// Runs a program to its end and waits; its stdout and stderr go to a file. What it exits with, 128 + n if signal n
-/// ended it. Fails if it can't be started, or if it had to be killed since `should_stop` (may be null) said so.
+/// Runs a program to its end and waits; its stdout and stderr are written to a file. Returns its exit status, 128 + n
+/// if signal n ended it. Fails if it can't be started, or if `should_stop` (may be null) returned true and it was
+/// killed.
 Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
                         const std::filesystem::path& output, const std::function<bool()>& should_stop);
 
-/// This process's variables with changes.
+/// The variables of this process with changes.
 std::vector<std::string> environment_with(const std::map<std::string, std::optional<std::string>>& changes);
 
-/// Whether a process may be started at addresses that aren't chosen by chance.
+/// True if a process can be started at addresses that aren't random.
 bool can_fix_addresses();
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// Which functions answer with something that isn't an input of the controller.
+// The system functions whose answers aren't inputs of a controller.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@ namespace rehearse {
 
 struct SymbolSource {
   ObservedCall::Source source;
-  std::string name;  // as a person calls it: "clock_gettime", "std::random_device"
+  std::string name;  // as people call it: "clock_gettime", "std::random_device"
 };
 
-/// What kind of source a symbol is, by the name under which a library imports it; none: not one that we know.
+/// The kind of source of a symbol, by the name under which a library imports it; none: not a known source.
 std::optional<SymbolSource> source_of_symbol(std::string_view symbol);
 
 }  // namespace rehearse

@@ -11,19 +11,19 @@ struct Dwfl_Module;
 
 namespace rehearse {
 
-/// Of one file. All that can't be found out is an empty text: a library may be stripped, and is somebody else's.
+/// The symbols of one file. Missing information is an empty text, because a library may be stripped.
 class Symbols {
  public:
   explicit Symbols(const std::filesystem::path& file);
 
-  /// The function at a virtual address, demangled: "Filter::update()". Of inlined functions the innermost that isn't in
-  /// a header of the system.
+  /// The function at a virtual address, demangled: "Filter::update()". For inlined functions the innermost that isn't
+  /// in a header of the system.
   std::string function_at(std::uint64_t address) const;
   /// "filter.cpp:31", of the same function.
   std::string line_at(std::uint64_t address) const;
-  /// "Filter::update() (filter.cpp:31)", or as much of it as there is, at least "BadFilter.so+0x1139".
+  /// "Filter::update() (filter.cpp:31)", or a part of it if information is missing, at least "BadFilter.so+0x1139".
   std::string describe(std::uint64_t address) const;
-  /// Its line is one of the compiler's or another package's header; false if it has no line.
+  /// True if its line is in a header of the compiler or of another package; false if it has no line.
   bool is_in_system_header(std::uint64_t address) const;
   /// "BadFilter.so+0x1139"
   std::string address_text(std::uint64_t address) const;
@@ -45,7 +45,7 @@ class Symbols {
   Dwfl_Module* module_ = nullptr;
 };
 
-/// A symbol as a person writes it; itself if it isn't mangled.
+/// The demangled form of a symbol; the symbol itself if it isn't mangled.
 std::string demangled(const char* symbol);
 
 }  // namespace rehearse

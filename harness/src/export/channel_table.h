@@ -24,22 +24,22 @@ class ChannelTable {
   };
 
   virtual ~ChannelTable() = default;
-  /// Fails if its messages have no table: pictures, encodings that aren't decoded, a schema that is wrong.
+  /// Fails if its messages have no table: pictures, encodings that aren't decoded, an invalid schema.
   static Result<std::unique_ptr<ChannelTable>> make(const mcap::Channel& channel, const mcap::Schema* schema);
 
-  /// Takes in a message; columns that it is the first to have are added. False if it doesn't fit its schema.
+  /// Reads a message; columns that occur first in it are added. False if it doesn't fit its schema.
   virtual bool read(mcap::Bytes payload) = 0;
-  /// Appends the cells of the message that was read last, each after a comma; empty ones for columns that came later.
+  /// Appends the cells of the last message, each after a comma; empty cells for columns that were added later.
   virtual void append_row(std::string& line) const = 0;
   virtual std::vector<Column> columns() const = 0;
-  /// Fields that have no column, with * for the number of an element: data, points/*/tag.
+  /// Fields without a column, with * for the number of an element: data, points/*/tag.
   virtual std::set<std::string> left_out() const = 0;
 };
 
-/// A channel whose numbers have names as in a Trace. Its one row is that of the message that was read last.
+/// A channel whose numbers have names as in a Trace. Its single row is that of the last message.
 class SeriesTable final : public ChannelTable {
  public:
-  /// Null if the messages have no series. `any_schema`: also types that trace.h gives no names of their own.
+  /// Null if the messages have no series. `any_schema`: also types without a specific table in trace.h.
   static Result<std::unique_ptr<SeriesTable>> make(const mcap::Channel& channel, const mcap::Schema* schema,
                                                    bool any_schema);
 
@@ -53,15 +53,15 @@ class SeriesTable final : public ChannelTable {
   SeriesTable(const mcap::Channel& channel, const mcap::Schema* schema) : rows_(channel, schema) {}
 
   ChannelRows rows_;
-  std::unique_ptr<ros2msg::Decoder> decoder_;  // null: the schema isn't known
+  std::unique_ptr<ros2msg::Decoder> decoder_;  // null: the schema is unknown
   std::unique_ptr<HeldValues> held_;
   std::set<std::string> left_out_;  // of the first message
   bool has_read_ = false;
 };
 
-/// Appends a cell of a row; quoted if need be.
+/// Appends a cell of a row; quoted if necessary.
 void append_cell(std::string& line, std::string_view text);
-/// Appends the time in seconds with nine digits behind the point.
+/// Appends the time in seconds with nine digits after the point.
 void append_seconds(std::string& line, std::uint64_t ns);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// Where exports go: names of files, and writing many of them. Internal.
+// The output files of exports: their names, and writing many of them. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -14,7 +14,7 @@
 
 namespace rehearse {
 
-/// Names for topics: "/SR1/WAIST/pose" is "SR1_WAIST_pose", and no two are alike.
+/// Unique file names for topics: "/SR1/WAIST/pose" is "SR1_WAIST_pose".
 class TopicNames {
  public:
   std::string name_for(std::string_view topic);
@@ -23,17 +23,17 @@ class TopicNames {
   std::set<std::string> taken_;
 };
 
-/// How a table of ours begins; nothing else does.
+/// The beginning of a table of Rehearse, and of no other file.
 inline constexpr std::string_view table_magic = "time [s]";
 
-/// Makes the folder if it isn't there.
+/// Makes the folder if it doesn't exist.
 Result<void> make_folder(const std::filesystem::path& folder);
 
-/// Replaces the file, once all of it is written: on a full disk the old one stays.
+/// Replaces the file after all bytes are written: on a full disk the old file stays.
 Result<void> write_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
-/// Appends lines to many files without keeping them open, and in large pieces. They take their places when all of them
-/// are whole; what was begun and not finished is removed.
+/// Appends lines to many files in large pieces, without keeping them open. The files are renamed to their targets when
+/// all of them are complete; unfinished files are removed.
 class LineFiles {
  public:
   LineFiles() = default;
@@ -41,10 +41,10 @@ class LineFiles {
   LineFiles(const LineFiles&) = delete;
   LineFiles& operator=(const LineFiles&) = delete;
 
-  /// Begins the file with that line.
+  /// Begins the file with this line.
   Result<void> begin(const std::filesystem::path& file, std::string_view line);
   Result<void> append(const std::filesystem::path& file, std::string_view line);
-  /// Writes what is left, and replaces the files.
+  /// Writes the remaining lines, and replaces the files.
   Result<void> finish();
 
  private:
@@ -52,7 +52,7 @@ class LineFiles {
   Result<void> flush();
 
   std::map<std::filesystem::path, std::string> held_;
-  std::size_t size_ = 0;  // of all that is held
+  std::size_t size_ = 0;  // of all held lines
 };
 
 }  // namespace rehearse

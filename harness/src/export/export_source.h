@@ -1,4 +1,4 @@
-// The messages that an export is made of, passed over as often as it takes. Internal.
+// The source messages of an export, which may be read several times. Internal.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@ class ExportSource {
  public:
   static Result<ExportSource> open(const std::filesystem::path& trace, const ExportOptions& options);
 
-  /// Chosen channels, in the order of their ids.
+  /// Selected channels, in the order of their ids.
   std::vector<const mcap::Channel*> channels() const;
   const mcap::Schema* schema_of(const mcap::Channel& channel) const { return reader_->schema_of(channel); }
 
-  /// The chosen messages in order of log time; ends early if the callback fails, with what it said. Damage of the file
-  /// ends nothing: it is kept.
+  /// Delivers the selected messages in order of log time. If the callback fails, the pass ends with its error. Damage
+  /// of the file doesn't end the pass: it is stored.
   Result<void> pass(const std::function<Result<void>(const mcap::Message&)>& callback);
-  /// How many passes there will be, for the progress; 2 if nobody says.
+  /// Sets the number of passes, for the progress; the default is 2.
   void expect_passes(int passes) { passes_ = passes; }
 
   const Diagnostics& damage() const { return damage_; }
-  /// Keeps a problem of the data that only costs a message; the first fifty.
+  /// Stores a problem that concerns a single message; the first fifty.
   void note(const mcap::Channel& channel, std::string message);
 
  private:

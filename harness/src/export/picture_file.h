@@ -1,4 +1,4 @@
-// A recorded picture as a file that other programs open. Internal.
+// A recorded picture as a file for other programs. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -12,14 +12,15 @@
 namespace rehearse {
 
 struct PictureFile {
-  std::uint64_t stamp = 0;          // when it was captured [ns]
+  std::uint64_t stamp = 0;          // time of its capture [ns]
   std::string extension;            // "png", "jpg"; empty: the camera was off
   std::vector<std::uint8_t> bytes;  // of the file
 };
 
 bool is_picture_type(std::string_view message_type);
 
-/// From the payload of a CompressedImage or an Image. Fails if it is neither, or of an encoding that PNG can't say.
+/// From the payload of a CompressedImage or an Image. Fails for other types, or for an encoding that PNG can't
+/// represent.
 Result<PictureFile> picture_file(std::string_view message_type, std::span<const std::byte> payload);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// Pictures into a video, by a process of ffmpeg's. Internal.
+// Encodes pictures as a video, by a process of ffmpeg. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -14,20 +14,20 @@ namespace rehearse {
 
 class VideoEncoder {
  public:
-  /// That the file's name says a kind of video, and that nothing else would be replaced.
+  /// Fails if the file's name has no ending of a video, or if a file of a different kind would be replaced.
   static Result<void> check_output(const std::filesystem::path& file);
 
-  /// Starts ffmpeg. `extension`: what kind of files the pictures are, "png" or "jpg". `rate` [pictures a second].
+  /// Starts ffmpeg. `extension`: the kind of the picture files, "png" or "jpg". `rate` [pictures per second].
   static Result<std::unique_ptr<VideoEncoder>> begin(const std::filesystem::path& file, std::string_view extension,
                                                      double rate);
-  /// If end() was not reached, no file stays.
+  /// Removes the file if end() was not called.
   ~VideoEncoder();
   VideoEncoder(const VideoEncoder&) = delete;
   VideoEncoder& operator=(const VideoEncoder&) = delete;
 
-  /// The bytes of the next picture's file.
+  /// Adds the bytes of the next picture's file.
   Result<void> put(std::span<const std::uint8_t> picture);
-  /// Waits until the video is written. Fails if ffmpeg does; what it has to say is on stderr.
+  /// Waits until the video is written. Fails if ffmpeg fails; its messages are on stderr.
   Result<void> end();
 
  private:
@@ -36,7 +36,7 @@ class VideoEncoder {
 
   std::filesystem::path file_;
   pid_t process_ = -1;
-  int pipe_ = -1;  // its stdin
+  int pipe_ = -1;  // stdin of ffmpeg
 };
 
 }  // namespace rehearse

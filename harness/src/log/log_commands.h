@@ -1,4 +1,4 @@
-// LogCommands: what the robot's own controller commanded, to be compared with what the controller commands now.
+// LogCommands: the commands of the robot's own controller, for comparison with those of the present controller.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -18,7 +18,7 @@
 
 namespace rehearse {
 
-/// What a message commands of a joint.
+/// The command of a message for a joint.
 struct CommandedJoint {
   std::optional<double> q, dq, u;
 };
@@ -27,11 +27,11 @@ using CommandedJoints = std::vector<CommandedJoint>;  // by joint id
 /// Decodes the messages of a map's commands.
 class CommandReader {
  public:
-  /// All but the schema must outlive this.
+  /// All except the schema must outlive this.
   CommandReader(const LogMap& map, const Model& model, const ros2msg::Schema& schema);
   ~CommandReader();
 
-  /// nullopt: it isn't what its schema says.
+  /// Nullopt: the message doesn't fit its schema.
   std::optional<CommandedJoints> read(mcap::Bytes payload);
 
  private:
@@ -44,23 +44,23 @@ class CommandReader {
   std::unique_ptr<Readers> readers_;
 };
 
-/// The larger magnitudes of both; numbers that aren't finite don't count.
+/// Keeps the larger magnitudes of both; numbers that aren't finite are ignored.
 void keep_largest(CommandedJoints& largest, const CommandedJoints& joints);
 
 class LogCommands {
  public:
-  /// All but the schema must outlive this. `largest`: magnitudes in the whole log, to which relative tolerances refer;
-  /// empty if there are none.
+  /// All except the schema must outlive this. `largest`: magnitudes in the whole log, to which relative tolerances
+  /// refer; empty if there are none.
   LogCommands(const LogMap& map, const Model& model, const ros2msg::Schema& schema, const CommandedJoints& largest)
       : model_(model), largest_(largest), reader_(map, model, schema) {}
 
-  /// The next message; not earlier than the one before it. False: it isn't what its schema says.
+  /// Adds the next message; it must not be earlier than the one before it. False: it doesn't fit its schema.
   bool take(std::int64_t time, mcap::Bytes payload);
 
   using OnDifference = std::function<void(Divergence&&)>;
-  /// Compares what the controllers command in a tick with the latest message from `from` up to, and not including,
-  /// `until` [ns]; earlier messages are forgotten. Calls `differs` for each number that isn't the same bits; tick and
-  /// time are the caller's to fill in. Returns how many numbers were compared.
+  /// Compares the commands of the controllers in a tick with the latest message from `from` up to, and not including,
+  /// `until` [ns]; earlier messages are dropped. Calls `differs` for each number with different bits; the caller sets
+  /// tick and time. Returns the number of compared numbers.
   std::int64_t compare(std::int64_t from, std::int64_t until, const ControllerHost& host, const Scenario& scenario,
                        const OnDifference& differs);
 

@@ -1,4 +1,4 @@
-// LogFeed: the messages of one source of a map, turned into what a controller sees at each tick.
+// LogFeed: converts the messages of one source of a map to inputs of a controller at each tick.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -16,7 +16,7 @@
 
 namespace rehearse {
 
-/// A moment at which feeds are looked at.
+/// A time at which feeds are read.
 struct LogMoment {
   std::int64_t time = 0;  // of the log [ns]
   std::int64_t tick = 0;
@@ -27,40 +27,40 @@ class LogFeed {
  public:
   virtual ~LogFeed() = default;
 
-  /// The next message, which isn't earlier than the one before it. False: it isn't what its schema says, and is left
+  /// Adds the next message, which isn't earlier than the one before it. False: it doesn't fit its schema, and is left
   /// out.
   virtual bool take(std::int64_t time, mcap::Bytes payload) = 0;
-  /// What is known at that moment goes into the observation of the robot; what isn't stays as it is there. Fails if a
-  /// source isn't what the map says.
+  /// Writes the values at that time into the observation of the robot; unknown values stay unchanged. Fails if a source
+  /// isn't as the map states.
   virtual Result<void> look(const LogMoment& moment, Observation& seen) = 0;
-  /// Messages that turned out not to be readable when a tick was to see them.
+  /// Number of messages that a tick needed and that could not be read.
   virtual std::int64_t unreadable() const { return 0; }
-  /// What is odd about the messages, once.
+  /// Remarks on the messages, each once.
   virtual Diagnostics take_remarks() { return {}; }
 };
 
-/// `schema`: of the source's topic. All but the schema must outlive the feed.
+/// `schema`: of the source's topic. All except the schema must outlive the feed.
 std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
-/// What the times of a log are to those of a recording.
+/// Relates the times of a log to those of a recording.
 struct LogTimeline {
   std::int64_t start = 0;  // time of tick 0 [ns]
   double time_step = 0.0;  // [s]
   LogClock clock = LogClock::log_time;
 };
 
-/// Of a numeric device, a camera or a range sensor.
+/// The feed of a numeric device, a camera or a range sensor.
 std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTimeline& timeline,
                                           const LogTopic& topic, const ros2msg::Schema& schema);
 
-/// The joints that a JointState names, as ids of the model; -1: it isn't one of the model's.
+/// The joints of a JointState's names, as ids of the model; -1: the model has no such joint.
 class JointNames {
  public:
   JointNames(const std::map<std::string, JointRename>& renamed, const Model& model)
       : renamed_(renamed), model_(model) {}
 
-  /// Parallel to the names; the same names again cost a comparison.
+  /// Parallel to the names; for unchanged names only a comparison is needed.
   const std::vector<JointRename>& find(const std::vector<std::string>& names);
 
  private:

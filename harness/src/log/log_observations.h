@@ -1,4 +1,4 @@
-// LogObservations: what is observed comes from the messages of a log, by way of a feed for each source of its map.
+// LogObservations: observations from the messages of a log, by a feed for each source of its map.
 #pragma once
 
 #include <rehearse/model.h>
@@ -18,38 +18,38 @@ namespace rehearse {
 
 class LogObservations final : public ObservationSource {
  public:
-  /// `start`: the time of tick 0 [ns]. All must outlive this.
+  /// `start`: the time of tick 0 [ns]. All arguments must outlive this.
   LogObservations(const LogMap& map, const Model& model, const std::vector<MappedSource>& sources,
                   const LogSurvey& survey, std::int64_t start)
       : map_(map), model_(model), sources_(sources), survey_(survey), start_(start) {}
 
   Result<void> make_feeds(const std::vector<LogTopic>& topics);
-  /// A message behind a tick by less than this may still matter to it [ns].
+  /// A tick may need messages that are later than it by less than this [ns].
   std::int64_t lookahead() const { return lookahead_; }
   std::int64_t time_of_tick(std::int64_t tick) const;  // of the log [ns]
 
-  /// The next message in the order of the log, and its time [ns].
+  /// Adds the next message in the order of the log, with its time [ns].
   void take(std::int64_t time, const mcap::Message& message);
-  /// What the robot's own controller commanded; null: the map doesn't say.
+  /// The commands of the robot's own controller; null: the map states none.
   LogCommands* commands() { return commands_.get(); }
 
-  /// The robot at tick 0; NaN for joints that nothing gives.
+  /// The robot at tick 0; NaN for joints without a source.
   Result<const BodyObservation*> look_first();
-  /// Where those joints are [rad] or [m], by joint id.
+  /// Sets the displacements of those joints [rad] or [m], by joint id.
   void complete_posture(const std::vector<double>& joints);
   Diagnostics take_remarks();
 
   Result<bool> observe(Moment& now) override;
   Result<bool> advance(Moment& now, Commander& commands) override;
 
-  /// What became of the messages of each source so far: all but names and what the whole log has.
+  /// The use of the messages of each source so far: all members except names and facts of the whole log.
   std::vector<LogTopicReport> report() const;
 
  private:
-  /// A source while it is fed.
+  /// A source with its feed.
   struct Fed {
     const MappedSource& mapped;
-    std::unique_ptr<LogFeed> feed;  // null: of commands
+    std::unique_ptr<LogFeed> feed;  // null: a source of commands
     TopicWatch watch;
     std::int64_t unreadable = 0;
     std::int64_t gap_events = 0;

@@ -1,4 +1,4 @@
-// What a controller reads, against what a map gives.
+// Compares the inputs of a controller with the sources of a map.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -13,11 +13,12 @@
 
 namespace rehearse {
 
-/// Each quantity and device that a running controller reads and nothing in the map gives, with what would give it.
+/// An error for each quantity and device that a running controller reads and that has no source in the map, with the
+/// sources that would provide it.
 Diagnostics inputs_not_given(const ControllerHost& host, const Model& model, const LogMap& map,
                              const std::vector<MappedSource>& sources, const LogSurvey& survey);
 
-/// A report as text by name, as a recording keeps it.
+/// A report as text by name, as stored in a recording.
 mcap::StringMap metadata_of(const LogTopicReport& topic);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// The scenario of a replayed log: what a recording of it says was run.
+// The scenario of a replayed log, which its recording contains.
 #pragma once
 
 #include <rehearse/io.h>
@@ -12,18 +12,18 @@
 
 namespace rehearse {
 
-/// What a scenario of a log is made of.
+/// The parts of a log's scenario.
 struct LogScenarioParts {
   const LogMap& map;
   const Model& model;
   std::string model_file;  // its name, without folders
   std::string log;         // its name, without folders
-  std::string library;     // of the controller, as it was given
+  std::string library;     // of the controller, as the user named it
   std::int64_t ticks = 0;
-  const BodyObservation& seen;  // at the first tick; NaN for joints that nothing gives
+  const BodyObservation& seen;  // at the first tick; NaN for joints without a source
 };
 
-/// A scenario's text: one body, where and as the log has it at the first tick, under one controller.
+/// The text of the scenario: one body in the posture of the first tick in the log, with one controller.
 std::string log_scenario_text(const LogScenarioParts& parts);
 
 }  // namespace rehearse

@@ -1,5 +1,5 @@
-// LogSurvey: a first pass over a log: which messages the sources of a map have, and from when to when. The second pass,
-// which feeds them, then knows where the first tick is and how late a message may come.
+// LogSurvey: a first pass over a log. It finds the messages of a map's sources, and their first and last times. So the
+// second pass, which feeds the messages, has the time of the first tick and the largest delay of a message.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -20,7 +20,7 @@
 
 namespace rehearse {
 
-/// One source of a map, whatever it feeds. One of the pointers is set.
+/// One source of a map of any kind. One of the pointers is set.
 struct MappedSource {
   const LogSource* source = nullptr;  // never null
   std::string use;                    // "joints", the names of devices, "commands"
@@ -30,19 +30,20 @@ struct MappedSource {
   const RootSource* root = nullptr;
   const CommandSource* commands = nullptr;
 
-  /// The first tick waits for it: a joystick speaks when it is touched, and the others are no inputs.
+  /// True if the first tick waits for it: a joystick sends only when it is moved, and commands and camera infos are no
+  /// inputs.
   bool is_awaited() const { return joints || root || (devices && devices->kind != DeviceSource::Kind::camera_info); }
 };
 
-/// In the map's order; they point into it.
+/// The sources in the map's order; they point into it.
 std::vector<MappedSource> sources_of(const LogMap& map, const Model& model);
 
-/// When a message counts, by the map's clock.
+/// The time of a message on the map's clock.
 class LogTimes {
  public:
   LogTimes(const mcap::Reader& log, LogClock clock);
   ~LogTimes();
-  /// [ns]; nullopt if the message has no such time: its header can't be read, or its time is beyond all calendars.
+  /// [ns]; nullopt if the message has no such time: its header can't be read, or its time is out of range.
   std::optional<std::int64_t> of(const mcap::Message& message);
 
  private:
@@ -52,34 +53,34 @@ class LogTimes {
   std::map<std::uint16_t, std::unique_ptr<Stamps>> stamps_;  // by channel id
 };
 
-/// Which quantities of a joint a log gives.
+/// The quantities of a joint in a log.
 struct GivenJoint {
   bool q = false, dq = false, u = false;
 };
 
 struct SourceSurvey {
   std::int64_t messages = 0;
-  std::int64_t out_of_order = 0;         // in the file behind one of a later log time
-  std::int64_t without_time = 0;         // not counted among the messages that are used
+  std::int64_t out_of_order = 0;         // messages after one of a later log time in the file
+  std::int64_t without_time = 0;         // not counted as used messages
   std::optional<std::int64_t> first;     // [ns]
-  std::optional<std::int64_t> complete;  // of joints: when each had a message [ns]; else first
+  std::optional<std::int64_t> complete;  // for joints: the time when each had a message [ns]; else first
   std::int64_t last = 0;                 // [ns]
   std::map<int, GivenJoint> joints;      // by id
-  std::set<std::string> strangers;       // names of joints that aren't the model's
+  std::set<std::string> strangers;       // names of joints that the model doesn't have
 };
 
 struct LogSurvey {
   std::vector<SourceSurvey> sources;  // parallel to those of the map
-  std::int64_t latest = 0;            // how much later than its time a message may be logged [ns]
+  std::int64_t latest = 0;            // largest delay of a message's log time after its time [ns]
   CommandedJoints largest_commands;   // magnitudes, if a tolerance of the map is relative; else empty
-  Diagnostics damage;                 // what isn't whole of the log
+  Diagnostics damage;                 // damage of the log
 };
 
-/// Channels of the log by the topics of the sources.
+/// The channels of the log with the topics of the sources.
 std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vector<MappedSource>& sources);
 
-/// Messages of whatever topic in order of log time, those of `channels` only. A log that isn't whole is read as far as
-/// it goes; what isn't whole comes back.
+/// Delivers the messages of `channels`, of any topic, in order of log time. A damaged log is read as far as possible;
+/// the damage is returned.
 Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
                           const std::function<bool(const mcap::Message&)>& callback);
 

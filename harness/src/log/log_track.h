@@ -1,6 +1,6 @@
-// LogTrack: the values that a topic gave, as far as a tick may still ask for them.
+// LogTrack: the values of a topic that a later tick may still need.
 //
-// Times are nanoseconds of the log's clock. What is added later has a later time, or the same one; ticks go forward.
+// Times are nanoseconds of the log's clock. Samples are added in order of time, equal times allowed; ticks go forward.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class LogTrack {
   /// Between two samples, or at one of them.
   struct Span {
     const Sample* before = nullptr;  // at or before the tick; never null
-    const Sample* after = nullptr;   // behind it; null: hold
+    const Sample* after = nullptr;   // after the tick; null: hold
     double fraction = 0.0;           // of the way from before to after, 0 <= fraction < 1
   };
 
@@ -30,7 +30,7 @@ class LogTrack {
   /// The latest sample that was added; null: none.
   const Sample* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
 
-  /// Forgets what no later tick asks for. Nullopt: the first sample comes after the tick.
+  /// Drops samples that no later tick needs. Nullopt: the first sample comes after the tick.
   std::optional<Span> at(std::int64_t time, bool interpolate) {
     while (samples_.size() > 1 && samples_[1].time <= time) samples_.pop_front();
     if (samples_.empty() || samples_.front().time > time) return std::nullopt;
@@ -46,7 +46,7 @@ class LogTrack {
   std::deque<Sample> samples_;
 };
 
-/// A number on its way from one value to another. At 0 it is the first one's bits.
+/// Interpolates between two values. At 0 the result has the bits of the first one.
 inline double mix(double from, double to, double fraction) { return from + (to - from) * fraction; }
 
 }  // namespace rehearse

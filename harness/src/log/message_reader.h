@@ -1,7 +1,7 @@
-// MessageReader: payloads of whatever schema into a message struct, field by field, by their names.
+// MessageReader: reads payloads of any schema into a message struct, field by field, by name.
 //
-// A log's own schema says how its payloads are laid out; a type of another version or vendor may have more fields, in
-// another order. What our struct has and the schema hasn't stays as a new struct has it.
+// A log's own schema describes the layout of its payloads. A type of a different version or vendor may have more
+// fields, in a different order. Fields of the struct that the schema lacks keep their default values.
 #pragma once
 
 #include <rehearse/cdr.h>
@@ -26,7 +26,7 @@ template <class T>
 T number_of(const ros2msg::Value& value) {
   switch (value.kind) {
     case ros2msg::Value::Kind::floating: {
-      // what doesn't fit into an integer is none of ours
+      // a value that doesn't fit into an integer is ignored
       if constexpr (std::is_floating_point_v<T>) return static_cast<T>(value.number);
       return T{};
     }
@@ -35,7 +35,7 @@ T number_of(const ros2msg::Value& value) {
   }
 }
 
-/// The path's first segment; the path goes on behind it.
+/// Removes and returns the path's first segment.
 inline std::string_view take_segment(std::string_view& path) {
   const std::size_t slash = path.find('/');
   const std::string_view segment = path.substr(0, slash);
@@ -48,7 +48,7 @@ void put_value(T& into, std::string_view path, const ros2msg::Value& value);
 
 template <class T>
 T* element_at(std::vector<T>& sequence, std::size_t index) {
-  if (index == sequence.size()) sequence.emplace_back();  // they come in order
+  if (index == sequence.size()) sequence.emplace_back();  // elements come in order
   return index < sequence.size() ? &sequence[index] : nullptr;
 }
 template <class T, std::size_t N>
@@ -87,7 +87,7 @@ void put_value(T& into, std::string_view path, const ros2msg::Value& value) {
   }
 }
 
-/// Ready for the next message: no sequence has an element. The memory stays.
+/// Resets the message for the next one: no sequence has an element. The memory stays.
 template <class T>
 void clear_sequences(T& message) {
   T::for_each_field(message, [](std::string_view, auto& member) {
@@ -102,7 +102,7 @@ void clear_sequences(T& message) {
 
 }  // namespace detail
 
-/// Whether payloads of two definitions are laid out alike, their fields named alike. Bounds don't matter.
+/// True if payloads of two definitions have equal layouts and field names. Bounds don't matter.
 inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2msg::Schema& b, std::size_t of_b) {
   const auto& ours = a.definitions[of_a].fields;
   const auto& theirs = b.definitions[of_b].fields;
@@ -121,9 +121,9 @@ class MessageReader {
     is_own_ = own && same_layout(*own, 0, schema, 0);
   }
 
-  /// Null if the payload isn't what the schema says. Valid until the next call.
+  /// Null if the payload doesn't fit the schema. Valid until the next call.
   const T* read(mcap::Bytes payload) {
-    if (is_own_) {  // the usual case, at a tenth of the time
+    if (is_own_) {  // the usual case, ten times as fast
       CdrReader reader(payload);
       return msg::decode(reader, message_) ? &message_ : nullptr;
     }

@@ -1,4 +1,4 @@
-// Pictures as ROS sends them, as pictures of ours.
+// Converts pictures in ROS messages to Image and DepthImage.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -10,13 +10,14 @@
 
 namespace rehearse {
 
-/// Of encodings rgb8, bgr8, rgba8, bgra8 (alpha is dropped) and mono8. Fails on others, and on data that is too short.
+/// From encodings rgb8, bgr8, rgba8, bgra8 (alpha is dropped) and mono8. Fails on others, and on data that is too
+/// short.
 Result<Image> color_of(const msg::Image& message);
 
-/// JPEG or PNG, told by its first bytes. Fails on what is neither, or damaged.
+/// From JPEG or PNG, detected by its first bytes. Fails on other formats and on damaged data.
 Result<Image> color_of(const msg::CompressedImage& message);
 
-/// Of encodings 32FC1 [m] and 16UC1 [mm]; 0 and NaN are no distance and become +inf.
+/// From encodings 32FC1 [m] and 16UC1 [mm]; 0 and NaN are no distance and become +inf.
 Result<DepthImage> depth_of(const msg::Image& message);
 
 /// A complete JPEG of at most 8192 pixels a side as RGB; grey ones too.

@@ -1,4 +1,4 @@
-// TopicWatch: how well a topic of a log serves the ticks: what came late, out of order or not at all.
+// TopicWatch: measures how a topic of a log provides the ticks with messages: late, out of order or missing ones.
 #pragma once
 
 #include "log_replay.h"
@@ -12,18 +12,18 @@ namespace rehearse {
 
 class TopicWatch {
  public:
-  /// `max_age` [s]: older than this at a tick is a gap; nullopt: nothing is.
+  /// `max_age` [s]: an older message at a tick is a gap; nullopt: there are no gaps.
   explicit TopicWatch(std::optional<double> max_age);
 
-  /// A message of that time came next in the order of the log [ns]. False: it is before the one that came last, and
+  /// Adds the time of the next message in the order of the log [ns]. False: it is earlier than the last message, and
   /// isn't used.
   bool came(std::int64_t time);
-  /// A tick looks at the topic; `both_sides`: also at the message behind it.
+  /// A tick reads the topic; `both_sides`: it also reads the next message.
   enum class Age { none_yet, fresh, held, gap_begins, gap };
   Age look(std::int64_t time, double seconds, bool both_sides);
-  /// Fills in what it knows: all but names. `start`: the time of tick 0 [ns].
+  /// Sets all members except names. `start`: the time of tick 0 [ns].
   void report(LogTopicReport& report, std::int64_t start) const;
-  /// The message that is at hand at the last tick looked at [ns].
+  /// The time of the current message at the last tick that read the topic [ns].
   std::int64_t current() const { return current_ ? *current_ : 0; }
 
  private:
@@ -37,7 +37,7 @@ class TopicWatch {
   std::int64_t longest_gap_ = 0, longest_gap_at_ = 0;
   std::optional<std::int64_t> current_;
   bool current_used_ = false;
-  std::deque<Waiting> waiting_;  // behind the current one
+  std::deque<Waiting> waiting_;  // after the current one
   LogTopicReport counts_;
   bool in_gap_ = false;
 };

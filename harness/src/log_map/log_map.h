@@ -1,8 +1,8 @@
-// LogMap: which topic of a robot's log is which input of a controller, as a YAML file states it. fixtures/README.md
-// describes the file's form.
+// LogMap: assigns topics of a robot's log to inputs of a controller, from a YAML file. fixtures/README.md describes the
+// file format.
 //
-// A map is read against the model and the log's topics, so every mistake (a joint, a device or a topic that isn't
-// there, a type that doesn't fit) has its place in the file, and all of them are told in one go.
+// A map is checked against the model and the log's topics. So every mistake (a missing joint, device or topic, a type
+// that doesn't fit) has its place in the file, and all mistakes are reported together.
 #pragma once
 
 #include <rehearse/io.h>
@@ -20,39 +20,38 @@
 
 namespace rehearse {
 
-/// Which time of a message counts.
+/// The time of a message that is used.
 enum class LogClock {
-  log_time,      // when it was written into the log: what a controller on the robot knew by then
-  header_stamp,  // when it was measured, by the clock of whoever sent it
+  log_time,      // when it was written into the log: a controller on the robot could have it at this time
+  header_stamp,  // when it was measured, by the sender's clock
 };
 
-/// What a value is at a tick.
+/// The value of a source at a tick.
 enum class Sampling {
-  hold,         // the latest message at or before it
+  hold,         // the latest message up to the tick
   interpolate,  // between that and the next; angles of continuous joints the shorter way round, orientations by slerp
 };
 
-/// A topic, and how its messages become values at ticks.
+/// A topic, and the rule that converts its messages to values at ticks.
 struct LogSource {
   std::string topic;
   Sampling sampling = Sampling::hold;
-  std::optional<double> max_age;  // a message older than this at a tick is a gap [s]; nullopt: none is
+  std::optional<double> max_age;  // an older message at a tick is a gap [s]; nullopt: there are no gaps
   Place place;                    // of the topic's name
 };
 
-/// How the log's name for a joint and its numbers become the model's: q = scale * position + offset,
-/// dq = scale * velocity, u = effort / scale.
+/// Converts the log's name and numbers of a joint to the model's: q = scale * position + offset, dq = scale * velocity,
+/// u = effort / scale.
 struct JointRename {
   int joint = 0;  // id in the model
   double scale = 1.0;
   double offset = 0.0;  // [rad] or [m]
 };
 
-/// JointState: joints that aren't renamed stand for those of the same name; names that the model doesn't have are
-/// passed over.
+/// JointState: joints that aren't renamed are those of the same name; names that the model doesn't have are ignored.
 struct JointSource : LogSource {
   std::map<std::string, JointRename> names;  // by the log's name
-  bool differentiate = false;                // dq comes from the last two positions, not from the message
+  bool differentiate = false;                // dq is computed from the last two positions, not read from the message
 };
 
 struct DeviceSource : LogSource {
@@ -61,7 +60,7 @@ struct DeviceSource : LogSource {
   std::vector<int> devices;  // indices into the model's
 };
 
-/// An axis in a message; index -1: it rests.
+/// An axis in a message; index -1: it stays at rest.
 struct JoyAxis {
   int index = -1;
   bool invert = false;
@@ -72,36 +71,37 @@ struct JoySource : LogSource {
   std::array<int, joystick_buttons.size()> buttons{};  // by joystick_buttons; -1: never pressed
 };
 
-/// PoseStamped, or Odometry whose twist is in the root link's frame, as ROS has it.
+/// PoseStamped, or Odometry whose twist is in the root link's frame, as in ROS.
 struct RootSource : LogSource {
   bool has_covariance = false;  // as Odometry's pose has
   bool has_twist = false;
 };
 
-/// Commands that the robot's own controller gave. Those of tick k are what the log has from then on until the next
+/// Commands of the robot's own controller. The commands of tick k are those in the log from its time until the next
 /// tick.
 struct CommandSource : LogSource {
   enum class Quantity { position, velocity, effort };
   std::map<std::string, JointRename> names;  // JointState: by the log's name
-  std::vector<std::optional<int>> joints;    // an array of numbers: joint id by element; nullopt: of none
-  Quantity quantity = Quantity::effort;      // an array of numbers: what they are
+  std::vector<std::optional<int>> joints;    // for an array of numbers: joint id by element; nullopt: no joint
+  Quantity quantity = Quantity::effort;      // for an array of numbers: their quantity
   bool is_array = false;                     // the messages are arrays of numbers, not JointStates
-  int shift = 0;                             // those of tick k are what the log has at tick k + shift
+  int shift = 0;                             // the commands of tick k are those in the log at tick k + shift
 };
 
 struct MappedController {
   std::string name;     // empty: the library's
-  std::string options;  // its own option string
+  std::string options;  // its option string
   bool delay = true;
 };
 
 struct LogMap {
   std::string file;          // as the user named it
   std::string text;          // the file's bytes
-  std::string body;          // names the channels; the model's name if the map gives none
+  std::string body;          // the body in channel names; the model's name if the map states none
   double time_step = 0.001;  // of the controller [s]
   LogClock clock = LogClock::log_time;
-  bool start_with_first = false;  // the first tick is at the first message; else when all that is mapped has arrived
+  /// True: the first tick is at the first message. False: it is when all mapped sources have a message.
+  bool start_with_first = false;
   MappedController controller;
   std::vector<JointSource> joints;
   std::vector<DeviceSource> devices;
@@ -113,7 +113,7 @@ struct LogMap {
   /// Reads and checks a map against the model and the log's topics.
   static Result<LogMap> load(const std::filesystem::path& file, const Model& model,
                              const std::vector<LogTopic>& topics);
-  /// The same from text in memory; `file` stands in messages.
+  /// Reads a map from text in memory; `file` is used in messages.
   static Result<LogMap> parse(std::string text, const std::string& file, const Model& model,
                               const std::vector<LogTopic>& topics);
 };

@@ -1,4 +1,4 @@
-// What the parts of a map are read with, each against the model and the log's topics.
+// The reader of a map's parts, which checks each against the model and the log's topics.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@ class LogMapReader {
   void read(const YamlNode& root);
 
  private:
-  /// One of several sets of fields, all of which a topic has.
+  /// Alternative sets of fields. A topic must have all fields of one set.
   using Needs = std::vector<std::pair<std::string, FieldContent>>;
 
   // log_map.cpp
@@ -36,7 +36,7 @@ class LogMapReader {
   void check_something_is_mapped(const YamlNode& root);
 
   // log_map_sources.cpp
-  /// A single source or a list of them; `read` takes each.
+  /// A single source or a list of them; `read` is called with each.
   template <class Read>
   void each(const YamlNode& node, std::string_view label, Read&& read) {
     if (node.kind != YamlNode::Kind::list) return read(node);
@@ -45,7 +45,7 @@ class LogMapReader {
     if (const auto* list = read_list(findings_, node, label, "a list of sources"))
       for (const YamlNodePtr& item : *list) read(*item);
   }
-  /// The topic of that name that has one of the sets of fields; null, and told, if there is none.
+  /// The topic of that name that has one of the sets of fields; null, and an error is reported, if there is none.
   const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
                              std::string_view what, LogSource& source);
   void read_sampling(const Keys& keys, LogSource& source);
@@ -70,9 +70,9 @@ class LogMapReader {
   const Model& model_;
   const std::vector<LogTopic>& topics_;
   LogMap& map_;
-  std::optional<double> max_age_;                                   // as the map states it for all [s]
-  std::set<std::string> joint_topics_;                              // those read so far
-  std::map<std::pair<int, DeviceSource::Kind>, int> device_lines_;  // where a device was named before
+  std::optional<double> max_age_;                                   // stated in the map for all sources [s]
+  std::set<std::string> joint_topics_;                              // joint topics read so far
+  std::map<std::pair<int, DeviceSource::Kind>, int> device_lines_;  // lines that already named a device
 };
 
 }  // namespace rehearse

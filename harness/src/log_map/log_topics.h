@@ -1,4 +1,4 @@
-// LogTopic: what a log has on a topic, as far as it matters to whoever wants numbers out of it.
+// LogTopic: the contents of a log's topic that are needed to read numbers from it.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -10,13 +10,13 @@
 
 namespace rehearse {
 
-/// What a field of a message holds, whatever its width.
+/// The content of a message field, independent of its width.
 enum class FieldContent { number, text, bytes };
 
 struct LogTopic {
   std::string name;  // as /joint_states
   std::string type;  // as sensor_msgs/msg/JointState; empty if there is no schema
-  /// What its messages hold: paths with / between names, * for the elements of arrays and sequences: name/*, data,
+  /// The fields of its messages: paths with / between names, * for the elements of arrays and sequences: name/*, data,
   /// header/stamp/sec, transforms/*/child_frame_id.
   std::map<std::string, FieldContent> fields;
   std::string schema;   // its text
@@ -25,10 +25,10 @@ struct LogTopic {
   bool has(std::string_view path, FieldContent content = FieldContent::number) const;
 };
 
-/// A topic with messages of that type. A schema that can't be read becomes the topic's problem.
+/// A topic with messages of that type. A schema that can't be read is the topic's problem.
 LogTopic log_topic(std::string name, std::string message_encoding, const mcap::Schema* schema);
 
-/// The topics of a log, sorted by name. Channels of one topic are one; if their types differ, that is its problem.
+/// The topics of a log, sorted by name. Channels of one topic are merged; different types of them are its problem.
 std::vector<LogTopic> topics_of(const mcap::Reader& log);
 
 }  // namespace rehearse

@@ -25,7 +25,7 @@ struct Place {
 };
 
 struct Finding {
-  /// error: violates the specification. warning: violates its advice. note: unusual.
+  /// Error: violates the specification. warning: violates its advice. note: unusual.
   Severity severity = Severity::error;
   Place place;
   std::string message;

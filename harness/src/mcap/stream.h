@@ -4,7 +4,6 @@
 // record and one decompressed chunk are held in memory. It reports the same damage as a Reader, in file order, and
 // checks every CRC. There is one difference: a message before the definition of its channel is reported and left out.
 // Internal.
-// channel is defined behind it is told of and left out. Internal.
 #pragma once
 
 #include <filesystem>

@@ -1,8 +1,8 @@
 // Recorder: writes a run into a trace, tick by tick. harness/TRACE_FORMAT.md describes the contents.
 //
-// A tick's messages contain the state at its beginning, the controllers' inputs and their commands; the message on /tick
-// comes last and so closes the tick. The Recorder itself uses nothing that depends on the machine, the process or the
-// time of day.
+// A tick's messages contain the state at its beginning, the controllers' inputs and their commands; the message on
+// /tick comes last and so closes the tick. The Recorder itself uses nothing that depends on the machine, the process or
+// the time of day.
 #pragma once
 
 #include <rehearse/io.h>

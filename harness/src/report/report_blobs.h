@@ -1,4 +1,4 @@
-// Numbers and bytes as tools/report/FORMAT.md stores them. Internal.
+// Encodes numbers and bytes as described in tools/report/FORMAT.md. Internal.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ using ByteSpan = std::span<const std::uint8_t>;
 /// Appends bytes as base64 (RFC 4648), padded.
 void append_base64(std::string& text, ByteSpan bytes);
 
-/// An array of numbers, elements of `size` bytes one after the other, little-endian.
+/// An array of numbers: contiguous elements of `size` bytes, little-endian.
 struct NumberArray {
   std::string_view type;  // "f64", "f32", "i64", "u64", "u32", "u8"
   std::size_t size = 8;   // of an element [bytes]
@@ -35,7 +35,7 @@ struct NumberArray {
 NumberArray array_of(std::span<const float> numbers);
 NumberArray array_of(std::span<const std::uint32_t> numbers);
 
-/// Takes blobs, packs them, and hands them on one by one. The same bytes again get the same blob.
+/// Packs blobs, and passes them on one by one. Equal bytes get the same blob.
 class BlobWriter {
  public:
   using Put = std::function<void(const std::string& id, ByteSpan coded)>;
@@ -44,10 +44,10 @@ class BlobWriter {
   BlobWriter(const BlobWriter&) = delete;
   BlobWriter& operator=(const BlobWriter&) = delete;
 
-  /// Bytes that are compressed already.
+  /// Adds bytes that are compressed already.
   ReportJson bytes(ByteSpan bytes);
-  /// The filter that makes it smallest is found by trying. `base`: an array of as many elements of that size, which
-  /// the page knows when it decodes this one; null: none.
+  /// Adds an array with the filter that makes it smallest, found by trying. `base`: an array with equal number and size
+  /// of elements, which the page has decoded before this one; null: none.
   ReportJson array(const NumberArray& array, const NumberArray* base = nullptr);
 
  private:

@@ -14,15 +14,16 @@
 
 namespace rehearse {
 
-/// Writes a report from its head to its end, under another name until it is whole.
+/// Writes a report from its head to its end, under a temporary name until it is complete.
 class ReportFile {
  public:
-  /// `page`: the one to fill. `sources`: files that it may not be. Fails if `file` exists and isn't a report.
+  /// `page`: the page to fill. `sources`: files that must not be overwritten. Fails if `file` exists and isn't a
+  /// report.
   static Result<ReportFile> begin(const std::filesystem::path& file, const std::filesystem::path& page,
                                   std::span<const std::filesystem::path> sources);
 
   void put_blob(const std::string& id, ByteSpan coded);
-  /// The object; then the file gets its name.
+  /// Writes the object; then the file is renamed to its final name.
   Result<void> finish(const ReportJson& object);
 
   std::uintmax_t bytes() const { return bytes_; }
@@ -34,10 +35,10 @@ class ReportFile {
   void put_data(std::string_view text);
 
   mcap::Draft draft_;
-  std::filesystem::path file_;  // whose name it gets
+  std::filesystem::path file_;  // final name of the file
   std::ofstream stream_;
   std::string tail_;  // of the page
-  std::string line_;  // a blob's element
+  std::string line_;  // element of a blob
   std::uintmax_t bytes_ = 0, data_bytes_ = 0;
 };
 

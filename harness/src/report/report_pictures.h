@@ -1,4 +1,4 @@
-// What cameras saw, in both runs. Internal.
+// The pictures of cameras in both runs. Internal.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace rehearse {
 
 class PictureWriter {
  public:
-  /// `golden` and `judged` may be null: the run is alone. What can't be shown is said in `omitted`.
+  /// `golden` and `judged` may be null: the run is shown alone. Pictures that can't be shown are reported in `omitted`.
   PictureWriter(BlobWriter& blobs, const ReportedRun& actual, const ReportedRun* golden, const JudgedValues* judged,
                 std::vector<std::string>& omitted)
       : blobs_(blobs), actual_(actual), golden_(golden), judged_(judged), omitted_(omitted) {}
@@ -22,14 +22,14 @@ class PictureWriter {
   ReportJson take_cameras() { return std::move(cameras_); }
 
  private:
-  /// What is common to the pictures of a camera.
+  /// The common data of a camera's pictures.
   struct Album {
     bool is_depth = false;
     float near = 0.0f, far = 0.0f;    // [m]
-    int width = 0, height = 0;        // [pixels]; 0: not known yet
-    std::size_t lost = 0;             // that can't be shown
-    std::string why;                  // of the first of these
-    std::vector<float> drawn_depths;  // of the picture before: often nothing has moved
+    int width = 0, height = 0;        // [pixels]; 0: not yet known
+    std::size_t lost = 0;             // number of pictures that can't be shown
+    std::string why;                  // the reason for the first of these
+    std::vector<float> drawn_depths;  // of the picture before; depths are often unchanged
     ReportJson drawn;
   };
   Album survey(const TraceChannel* actual, const TraceChannel* golden);

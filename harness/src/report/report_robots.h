@@ -1,4 +1,4 @@
-// What a report draws: the bodies of the scenario, how their links hang together, and which series move them. Internal.
+// The robots of a report: the bodies of the scenario, the tree of their links, and the series that move them. Internal.
 #pragma once
 
 #include <rehearse/model.h>
@@ -20,14 +20,14 @@ namespace rehearse {
 
 class RobotWriter {
  public:
-  /// `scenario_file`: beside which meshes are looked for; empty: beside the recording and what is above it. What can't
-  /// be drawn is said in `omitted`.
+  /// `scenario_file`: meshes are searched beside it; empty: beside the recording and in the folders above it. Parts
+  /// that can't be drawn are reported in `omitted`.
   RobotWriter(BlobWriter& blobs, const ReportedRun& run, std::filesystem::path scenario_file,
               std::vector<std::string>& omitted)
       : blobs_(blobs), run_(run), scenario_file_(std::move(scenario_file)), omitted_(omitted) {}
 
   void write(const Scenario& scenario);
-  /// Whether a robot moves by series of that topic.
+  /// True if a robot moves by series of that topic.
   bool uses(std::string_view topic) const { return topics_.find(topic) != topics_.end(); }
 
   ReportJson take_robots() { return std::move(robots_); }
@@ -50,7 +50,7 @@ class RobotWriter {
   std::vector<std::string>& omitted_;
   std::set<std::string, std::less<>> topics_;
   std::map<std::tuple<std::string, std::vector<float>, std::vector<double>>, int> known_meshes_;
-  std::set<std::string> missing_, changed_;  // meshes of the body at hand
+  std::set<std::string> missing_, changed_;  // meshes of the present body
   ReportJson robots_ = ReportJson::array(), meshes_ = ReportJson::array();
 };
 

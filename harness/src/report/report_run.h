@@ -1,4 +1,4 @@
-// A recording as a report is made of it, and what a comparison says of its values. Internal.
+// A recording in a report, and the results of the comparison for its values. Internal.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -24,26 +24,26 @@ struct ReportedRun {
   explicit ReportedRun(const Trace& of) : trace(of), clock(of) {}
 };
 
-/// What a comparison found, value by value.
+/// The results of a comparison, value by value.
 class JudgedValues {
  public:
   struct Column {
     std::int64_t beyond = 0;
-    std::optional<double> tolerance;     // in force
+    std::optional<double> tolerance;     // the applied tolerance
     std::size_t last = ~std::size_t{0};  // the message that was counted last
   };
 
   explicit JudgedValues(const ReportedRun& golden)
       : clock_(golden.clock), channels_(golden.trace.channels()), columns_(channels_.size()) {}
-  /// Its channel, as all channels here, is of the golden.
+  /// Adds a difference. Its channel is a channel of the golden, as are all channels here.
   void take(const DifferingValue& value);
-  /// Tolerances in force, and what is beyond and no value: events.
+  /// Sets the applied tolerances, and the events beyond tolerance, which are no values.
   void conclude(const Comparison& comparison);
 
   const Column& of(const TraceChannel& channel, std::size_t column) const;
-  /// Pixels that differ by more than is allowed to each; 0: none does.
+  /// Number of pixels that differ by more than the tolerance of a pixel; 0: none.
   std::int64_t pixels(const TraceChannel& channel, std::size_t message) const;
-  /// Ticks in which something is beyond tolerance, as [begin, end), at most so many; the nearest are joined.
+  /// Ticks with a difference beyond tolerance, as [begin, end); at most `most` spans, so the nearest are joined.
   std::vector<std::pair<std::int64_t, std::int64_t>> spans(std::size_t most) const;
 
  private:
@@ -54,7 +54,7 @@ class JudgedValues {
 
   const TickClock& clock_;
   const std::vector<TraceChannel>& channels_;
-  std::vector<std::vector<Column>> columns_;                            // by channel; empty: nothing is known of it
+  std::vector<std::vector<Column>> columns_;                            // by channel; empty: no results for it
   std::map<std::pair<std::size_t, std::size_t>, std::int64_t> pixels_;  // by channel and message
   std::vector<bool> beyond_;                                            // by tick, from that of the clock's first
 };

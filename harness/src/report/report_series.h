@@ -1,4 +1,4 @@
-// The columns of both runs, beside each other. Internal.
+// The columns of both runs, side by side. Internal.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace rehearse {
 
 class SeriesWriter {
  public:
-  /// `golden` and `judged` may be null: the run is alone.
+  /// `golden` and `judged` may be null: the run is shown alone.
   SeriesWriter(BlobWriter& blobs, const ReportedRun& actual, const ReportedRun* golden, const JudgedValues* judged)
       : blobs_(blobs), actual_(actual), golden_(golden), judged_(judged) {}
 
@@ -24,7 +24,7 @@ class SeriesWriter {
   std::size_t size() const { return series_.size(); }
 
  private:
-  /// Both columns of a series; null: this run hasn't it.
+  /// Both columns of a series; null: this run doesn't have it.
   struct Column {
     const TraceChannel* channel = nullptr;
     std::size_t index = 0;
@@ -44,7 +44,7 @@ class SeriesWriter {
   ReportJson series_ = ReportJson::array();
 };
 
-/// The words in which the page sorts series: "state", "sensor", "input", "output", "variable", "other".
+/// The group of a channel's series on the page: "state", "sensor", "input", "output", "variable", "other".
 std::string_view series_group(const TraceChannel& channel);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// How large a report would be, known before the work is done. Internal.
+// Estimates the size of a report before it is made. Internal.
 #pragma once
 
 #include <rehearse/report.h>
@@ -8,7 +8,8 @@
 
 namespace rehearse {
 
-/// Fails if the report of these recordings would be larger than `max_size`, and says which part of them would not be.
+/// Fails if the report of these recordings would be larger than `max_size`, and names a part of them that would be
+/// small enough.
 Result<void> check_report_size(std::span<const std::filesystem::path> traces, const std::filesystem::path& report,
                                const ReportOptions& options);
 

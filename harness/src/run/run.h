@@ -35,7 +35,7 @@ struct Moment {
 
   // set by the source of observations
   const Observation* seen = nullptr;  // the observation to record
-  /// the observation for the controllers: differs where joints have noise or are altered
+  /// The observation for the controllers: differs where joints have noise or are altered.
   const Observation* read = nullptr;
   std::uint64_t state_hash = 0;                     // of the world; 0: there is no world
   const std::vector<LinkPair>* touching = nullptr;  // link pairs in contact in the last step; null: unknown

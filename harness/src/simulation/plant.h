@@ -40,8 +40,9 @@ class Plant {
   /// Makes one step under a command and the scenario's pushes. The command's wrenches are set to zero. False: the world
   /// exploded.
   bool step(Command& command);
-  /// Devices do what controllers said to them in a tick (-1: before the run), from the next one on; a light's new state
-  /// is what it reads there, to those who listen. The words are used up.
+  /// Applies the commands of controllers to devices, given in a tick (-1: before the run); they act from the next tick
+  /// on. A light's new state is its reading there, for controllers that enabled it. The commands are removed from
+  /// `command`.
   void obey(std::int64_t tick, Command& command);
 
   /// The world has been set to the state at the beginning of this tick. Cameras and range sensors capture from there on

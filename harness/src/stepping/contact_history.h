@@ -1,5 +1,5 @@
-// ContactHistory: which links touch at a time, out of the changes that a recording has. Read as far as is asked for,
-// and kept: 16 bytes a change. Internal.
+// ContactHistory: the links that touch at a time, computed from the recorded changes. Changes are read as far as
+// needed, and kept: 16 bytes per change. Internal.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ class ContactHistory {
   struct Pair {
     std::size_t link = 0, other = 0;
     bool touches = false;
-    bool changed = false;  // at that very time
+    bool changed = false;  // the contact changed at exactly this time
   };
 
-  /// `links`: BODY/LINK of all links. `channel`: of the changes; none: the recording has none.
+  /// `links`: BODY/LINK of all links. `channel`: the channel of changes; none: the recording has none.
   ContactHistory(MessageFinder& finder, std::optional<std::uint16_t> channel, std::vector<std::string> links)
       : finder_(finder), channel_(channel), links_(std::move(links)) {}
 
   bool is_recorded() const { return channel_.has_value(); }
   const std::vector<std::string>& links() const { return links_; }
-  /// Those that touch, and those that changed at that time.
+  /// The pairs in contact, and those that changed at that time.
   std::vector<Pair> at(std::uint64_t time);
   bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others, std::uint64_t time);
 
@@ -44,7 +44,7 @@ class ContactHistory {
   std::optional<std::uint16_t> channel_;
   std::vector<std::string> links_;
   std::map<LinkIds, std::vector<Change>> pairs_;
-  std::uint64_t read_until_ = 0;  // all before this time is read [ns]
+  std::uint64_t read_until_ = 0;  // all changes before this time were read [ns]
 };
 
 }  // namespace rehearse

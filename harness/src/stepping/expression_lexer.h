@@ -1,4 +1,4 @@
-// Words of an expression. Internal.
+// Splits an expression into tokens. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -12,17 +12,17 @@ namespace rehearse {
 struct ExpressionToken {
   enum class Kind { end, number, name, quoted, symbol };
   Kind kind = Kind::end;
-  std::string text;                // of a name without its quotes; of a symbol: "&&"
-  double number = 0.0;             // angles in degrees are in radians by now
+  std::string text;                // a name without its quotes; a symbol: "&&"
+  double number = 0.0;             // angles in degrees are converted to radians
   std::size_t begin = 0, end = 0;  // in the expression [bytes]
 };
 
-/// An error at a byte of the expression.
+/// An error at a byte offset of the expression.
 Diagnostic expression_error(std::string_view text, std::size_t at, std::string message, std::string hint = {});
 
 class ExpressionLexer {
  public:
-  /// The text outlives it.
+  /// The text must outlive it.
   explicit ExpressionLexer(std::string_view text) : text_(text) {}
   Result<ExpressionToken> next();
 

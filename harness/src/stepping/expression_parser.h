@@ -1,4 +1,4 @@
-// From words to an Expression, by recursive descent; types are checked as it goes. Internal.
+// Parses tokens into an Expression, by recursive descent; it also checks types. Internal.
 #pragma once
 
 #include "expression.h"
@@ -52,7 +52,7 @@ class ExpressionParser {
   using Node = Expression::Node;
   using Op = Expression::Op;
   using Type = Expression::Type;
-  /// The index of a node; nullopt: failed_ says why.
+  /// The index of a node; nullopt: failed_ has the reason.
   using Made = std::optional<std::size_t>;
 
   bool advance();

@@ -1,8 +1,8 @@
 // MessageFinder: the messages of a file by channel and time, forwards and backwards, without a pass over it.
 //
-// Chunks are opened where they are asked for, and a few of them are kept; what the message indexes behind a chunk say
-// of its channels is learned when the chunk is first passed. So memory holds the same, however long the file is, but
-// for a few bytes a chunk. Messages that are in no chunk aren't found.
+// Only the needed chunks are opened, and a few of them are kept. The channels of a chunk are read from the message
+// indexes after it at the first visit. So the memory doesn't grow with the length of the file, except for a few bytes
+// per chunk. Messages outside of chunks aren't found.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -19,7 +19,7 @@ namespace rehearse {
 
 class MessageFinder {
  public:
-  /// A chunk's messages, sorted by channel, then time, then place.
+  /// A chunk's messages, sorted by channel, then time, then offset.
   struct Content {
     struct Entry {
       std::uint16_t channel = 0;
@@ -31,25 +31,25 @@ class MessageFinder {
     mcap::Bytes records;
     std::vector<Entry> entries;
   };
-  /// A message, and what keeps its bytes alive.
+  /// A message, and the owner of its bytes.
   struct Found {
     std::uint64_t time = 0;  // log time [ns]
     mcap::Bytes data;
     std::shared_ptr<const Content> keep;
   };
 
-  /// As Reader::open.
+  /// Fails as Reader::open.
   static Result<std::unique_ptr<MessageFinder>> open(const std::filesystem::path& file);
 
   mcap::Reader& reader() { return *reader_; }
-  /// Chunks that couldn't be opened; grows while messages are looked for.
+  /// Chunks that couldn't be opened; the list grows during searches.
   const Diagnostics& damage() const { return damage_; }
 
   /// All messages of the channel at that time, in their order in the file.
   std::vector<Found> at(std::uint16_t channel, std::uint64_t time);
-  /// The latest from `earliest` to `time`, both included; of several at one time the last in the file.
+  /// The latest message from `earliest` to `time`, both included; of several at one time the last in the file.
   std::optional<Found> latest(std::uint16_t channel, std::uint64_t time, std::uint64_t earliest = 0);
-  /// The earliest from `time` on.
+  /// The earliest message from `time` on.
   std::optional<Found> next(std::uint16_t channel, std::uint64_t time);
 
  private:
@@ -58,7 +58,7 @@ class MessageFinder {
   struct Place {
     mcap::Chunk chunk;
     std::uint64_t latest_end = 0;         // of this chunk and of all before it [ns]
-    bool learned = false;                 // `channels` are known
+    bool learned = false;                 // `channels` were read
     bool has_index = false;               // there are message indexes; else any channel may be in it
     std::vector<std::uint16_t> channels;  // sorted
   };

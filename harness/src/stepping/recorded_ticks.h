@@ -1,5 +1,4 @@
-// RecordedTicks: the numbers of a recording at any tick, as they are recorded: a row of a channel is the latest at or
-// before. Internal.
+// RecordedTicks: the numbers of a recording at any tick: the latest row of a channel up to that tick. Internal.
 #pragma once
 
 #include <rehearse/trace.h>
@@ -23,38 +22,38 @@ namespace rehearse {
 class RecordedTicks {
  public:
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  /// A row of numbers and when it was recorded.
+  /// A row of numbers and its time.
   struct Row {
     std::uint64_t time = never;  // log time [ns]
-    std::uint64_t until = 0;     // it is known to be the latest up to then [ns]
+    std::uint64_t until = 0;     // it is known to be the latest row up to this time [ns]
     std::uint64_t used = 0;
     std::vector<std::uint64_t> cells;
   };
 
-  /// Learns the names of all series from a few messages of each channel.
+  /// Reads the names of all series from a few messages of each channel.
   explicit RecordedTicks(MessageFinder& finder);
-  /// The variables that the controllers set when they are replayed: those that the recording hasn't become series like
-  /// its own, the others are its channels' replayed rows.
+  /// Adds the variables that the controllers set in a replay. A variable that the recording lacks becomes a new series;
+  /// the others are the replayed rows of their channels.
   void add_replayed(MessageFinder& variables);
 
   std::size_t channels() const { return sources_.size(); }
   const TraceChannel& channel(std::size_t index) const { return sources_[index]->rows.table; }
   std::uint16_t channel_id(std::size_t index) const { return sources_[index]->id; }
 
-  /// The latest row at or before that time; null: there is none. Valid until the next call for this channel.
+  /// The latest row up to that time; null: there is none. Valid until the next call for this channel.
   const Row* row(std::size_t channel, std::uint64_t time);
-  /// What the controllers set in a replay, if that is a variable that the recording has too; else null.
+  /// The row of a variable in the replay, if the recording has this variable too; else null.
   const Row* replayed_row(std::size_t channel, std::uint64_t time);
   bool has_replayed_rows(std::size_t channel) const { return sources_[channel]->replayed != nullptr; }
-  /// The recording has the channel; else it is of a replay alone.
+  /// True if the recording has the channel; false if only a replay has it.
   bool is_recorded(std::size_t channel) const { return channel < recorded_channels_; }
-  /// A cell of a row as a double; NaN where the row has none, because the column came later.
+  /// A cell of a row as a double; NaN if the row has no value for it, because the column was added later.
   double number(std::size_t channel, std::size_t column, const Row& row) const;
 
   const std::map<std::string, SeriesPlace, std::less<>>& series() const { return series_; }
-  /// Channels whose messages have now more and now fewer numbers are read to their end, for names not met so far.
+  /// Reads channels with a varying number of numbers to their end, to find all names.
   void learn_all();
-  /// The names of series_, sorted; made when asked for.
+  /// The names of series_, sorted; made at the first request.
   const std::vector<std::string>& names();
 
  private:
@@ -63,10 +62,10 @@ class RecordedTicks {
 
     MessageFinder& finder;
     std::uint16_t id;
-    ChannelRows rows;  // the one that was read last
+    ChannelRows rows;  // the row that was read last
     std::array<Row, 4> recent;
     std::uint64_t none_until = 0;  // there is no message before that time [ns]
-    bool varies;                   // messages needn't have the same numbers
+    bool varies;                   // messages may have different numbers of elements
     std::unique_ptr<Source> replayed;
   };
   const Row* row(Source& source, std::uint64_t time);
@@ -75,7 +74,7 @@ class RecordedTicks {
   void name_all();
 
   std::vector<std::unique_ptr<Source>> sources_;
-  std::size_t recorded_channels_ = 0;  // the first of sources_
+  std::size_t recorded_channels_ = 0;  // number of recorded channels: the first of sources_
   std::map<std::string, SeriesPlace, std::less<>> series_;
   std::vector<std::string> names_;
   std::uint64_t uses_ = 0;

@@ -1,5 +1,5 @@
-// ReplayedOutputs: what the controllers of a recording give now, kept as what differs from it: in a file, so that an
-// hour takes no memory, and by tick, so that any of them is at hand. Internal.
+// ReplayedOutputs: the present outputs of the controllers of a recording. Only differences from the recording are
+// stored, in a file to save memory, and by tick for direct access. Internal.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -21,23 +21,23 @@ namespace rehearse {
 
 class ReplayedOutputs {
  public:
-  /// Replays. Never fails: what couldn't be done is among remarks().
+  /// Makes the replay. Never fails: failures are reported in remarks().
   static std::unique_ptr<ReplayedOutputs> make(mcap::Reader& trace, const Scenario& scenario,
                                                const SteppingOptions& options, std::optional<double> until);
 
   const Diagnostics& remarks() const { return remarks_; }
   const std::optional<Diagnostic>& failure() const { return failure_; }
   std::optional<std::int64_t> last_tick() const { return last_tick_; }
-  /// Where the variables are that the controllers set, each on its topic; null: nothing was replayed.
+  /// Finds the variables that the controllers set, each on its topic; null: nothing was replayed.
   MessageFinder* variables() const { return finder_.get(); }
 
   bool differs() const { return !places_.empty(); }
-  /// In the order in which they were found.
+  /// The differences of a tick, in the order of discovery.
   std::vector<Divergence> differences(std::uint64_t time) const;
-  /// What the controllers said in the tick, or was said of them.
+  /// The messages of the controllers in the tick, and the messages about them.
   std::vector<msg::Event> events(std::uint64_t time) const;
   bool differs_at(std::uint64_t time) const;
-  // The log time of the nearest tick with a difference, or with an event, after that time or before it.
+  // The log time of the nearest tick with a difference, or with an event, after or before that time.
   std::optional<std::uint64_t> next_difference(std::uint64_t time) const { return next(differences_, time); }
   std::optional<std::uint64_t> difference_before(std::uint64_t time) const { return before(differences_, time); }
   std::optional<std::uint64_t> next_event(std::uint64_t time) const { return next(events_, time); }
@@ -54,7 +54,7 @@ class ReplayedOutputs {
   std::optional<std::uint64_t> before(std::uint16_t channel, std::uint64_t time) const;
 
   double time_step_ = 0.0;
-  std::vector<Place> places_;  // a difference in the file names one by its number
+  std::vector<Place> places_;  // a difference in the file has the index of its place
   std::unique_ptr<MessageFinder> finder_;
   std::uint16_t differences_ = 0, events_ = 0;  // channels
   std::optional<std::int64_t> last_tick_;

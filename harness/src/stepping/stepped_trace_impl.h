@@ -1,4 +1,4 @@
-// What a SteppedTrace consists of. Internal; stepped_trace.cpp opens and looks up, tick_view.cpp shows a tick.
+// The implementation of SteppedTrace. Internal; stepped_trace.cpp opens and finds data, tick_view.cpp shows a tick.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -33,9 +33,9 @@ class SteppedTrace::Impl {
   }
   static bool is_command(std::string_view topic) { return ChannelName::parse(topic).side == ChannelSide::output; }
   ViewChannel channel_at(std::size_t channel, std::int64_t tick, const RecordedTicks::Row& row);
-  /// By its topic.
+  /// Sets the members that follow from its topic.
   static void classify(ViewChannel& shown);
-  /// Kept for the last ticks that were asked for.
+  /// Cached for the last requested ticks.
   const std::vector<Divergence>& differences(std::int64_t tick);
 
   std::optional<std::uint64_t> event_after(std::uint64_t now);
@@ -60,7 +60,7 @@ class SteppedTrace::Impl {
   std::uint64_t uses_ = 0;
 };
 
-/// A series' id: where its numbers are.
+/// The id of a series: the place of its numbers.
 inline std::size_t series_id(const SeriesPlace& place) { return (place.channel << 32) | place.column; }
 inline SeriesPlace series_place(std::size_t id) { return {id >> 32, id & 0xffffffff}; }
 

@@ -1,11 +1,11 @@
-// SteppedTrace: a recording at any of its ticks, with what its controllers command when they are fed with it again.
+// SteppedTrace: shows a recording at any of its ticks, with the present commands of its controllers for its inputs.
 //
-// What was recorded is read where it stands, by the file's index. What the controllers give now is computed once, when
-// the trace is opened, and only what differs is kept, in a file. So any tick is as near as any other, backwards as
-// forwards, and memory doesn't grow with the length of the recording (but for its changes of contact, 16 bytes each).
+// Recorded data is read directly from the file, by its index. The present outputs of the controllers are computed once,
+// when the trace is opened; only differences are stored, in a file. So all ticks are read equally fast, in any order.
+// The memory doesn't grow with the length of the recording, except for its changes of contact with 16 bytes each.
 //
-// Replaying links neither physics nor renderer. If the controllers can't be replayed, or only up to some tick, what was
-// recorded is there all the same; remarks() says so.
+// Replaying links neither physics nor renderer. If the controllers can't be replayed, or only up to some tick, the
+// recorded data is still available; remarks() reports this.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -26,12 +26,12 @@
 namespace rehearse {
 
 struct SteppingOptions : HostOptions {
-  /// The controllers are replayed up to the end of this tick, which has to be there; none: to the end.
+  /// The controllers are replayed up to the end of this tick, which must exist; none: to the end.
   std::optional<std::int64_t> last_tick = std::nullopt;
-  /// The same as a time, which may be behind the end [s]; the tick that is current then.
+  /// The last tick as a time, which may be after the end [s]; the tick that is current at that time.
   std::optional<double> last_time = std::nullopt;
   bool replay = true;
-  /// Called about every hundredth of the replay with the ticks done and all; null: not.
+  /// Called about every hundredth of the replay with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress = nullptr;
 };
 
@@ -41,8 +41,8 @@ struct ViewValue {
   std::string series;
   std::string unit;                     // may be empty
   double value = 0.0;                   // as recorded
-  std::optional<double> before = {};    // in the tick before; none: there is none
-  std::optional<double> replayed = {};  // if the controller gives something else now
+  std::optional<double> before = {};    // value in the tick before; none: there is no tick before
+  std::optional<double> replayed = {};  // present value of the replay, if it differs
   std::uint64_t ulps = 0;               // between both
 
   bool changed() const { return before && !identical(value, *before); }
@@ -51,15 +51,15 @@ struct ViewValue {
 /// The numbers of one channel at a tick.
 struct ViewChannel {
   enum class Kind {
-    input,   // what a controller read
-    output,  // what a controller commanded
-    state,   // of a body's joints and links
-    sensor,  // what a device measured
+    input,   // inputs of a controller
+    output,  // commands of a controller
+    state,   // state of a body's joints and links
+    sensor,  // measurements of a device
     other,
   };
   std::string topic;
   std::string owner;  // the controller, as SR1/SR1Minimum; else the body; may be empty
-  std::string part;   // of the topic, behind the owner: "joints", "WAIST/pose"
+  std::string part;   // of the topic, after the owner: "joints", "WAIST/pose"
   Kind kind = Kind::other;
   bool is_joints = false;  // elements are JOINT/q, JOINT/dq, JOINT/u
   std::vector<ViewValue> values;
@@ -74,7 +74,7 @@ struct ViewMessage {
 
 struct ViewContact {
   std::string link, other;  // as SR1/RLEG_ANKLE_R
-  bool touches = true;      // false: they ceased to in this tick
+  bool touches = true;      // false: the contact ended in this tick
   bool began = false;       // in this tick
 };
 
@@ -87,17 +87,17 @@ struct ViewPicture {
 struct TickView {
   std::int64_t tick = 0;
   double time = 0.0;         // [s]
-  bool is_replayed = false;  // the controllers got here
+  bool is_replayed = false;  // the replay reached this tick
   std::vector<ViewChannel> channels;
   std::vector<ViewMessage> messages;
   std::vector<ViewContact> contacts;
   std::vector<ViewPicture> pictures;
-  std::vector<Divergence> differences;  // of the controllers from the recording
+  std::vector<Divergence> differences;  // differences of the controllers from the recording
 };
 
 class SteppedTrace : public ExpressionSource {
  public:
-  /// Fails if the file is no recording of ours, or has no tick.
+  /// Fails if the file is no recording of Rehearse, or has no tick.
   static Result<std::unique_ptr<SteppedTrace>> open(const std::filesystem::path& file,
                                                     const SteppingOptions& options = {});
   ~SteppedTrace() override;
@@ -105,25 +105,25 @@ class SteppedTrace : public ExpressionSource {
   SteppedTrace& operator=(const SteppedTrace&) = delete;
 
   const std::string& file() const;
-  /// What is to be known before one looks: damage, controllers that aren't the recorded ones, how the replay ended.
+  /// Remarks for the user: damage, controllers that aren't the recorded ones, the end of the replay.
   const Diagnostics& remarks() const;
   std::int64_t first_tick() const override;
   std::int64_t last_tick() const;
   /// The last tick to which the controllers were replayed; none: they weren't.
   std::optional<std::int64_t> last_replayed() const;
-  /// The controllers differ from the recording in some tick.
+  /// True if the controllers differ from the recording in some tick.
   bool differs() const;
-  /// Why a replay ended with a controller's failure.
+  /// The failure of a controller that ended the replay.
   const std::optional<Diagnostic>& failure() const;
   double time_at(std::int64_t tick) const override;
-  /// The tick that is current at that time: the last that isn't later.
+  /// The current tick at that time: the last tick that isn't later.
   std::int64_t tick_at(double time) const;
 
   TickView view(std::int64_t tick);
   std::vector<ViewMessage> messages(std::int64_t tick);
   std::vector<ViewContact> contacts(std::int64_t tick);
   std::vector<Divergence> differences(std::int64_t tick);
-  /// The nearest tick after (or before) that one in which the controllers begin to differ, something is said, or a
+  /// The nearest tick after (or before) that tick in which the controllers begin to differ, a message is written, or a
   /// contact begins or ends.
   std::optional<std::int64_t> next_happening(std::int64_t tick);
   std::optional<std::int64_t> happening_before(std::int64_t tick);
@@ -162,19 +162,19 @@ class SteppedTrace : public ExpressionSource {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Ticks in a row.
+/// A span of consecutive ticks.
 struct TickSpanFound {
   std::int64_t first = 0, last = 0;  // both included
 };
 
-/// Calls `found` with each span of ticks, from `first` to `last`, in which the boolean expression holds. False from it,
-/// or true from `interrupted` (null: never), ends the search. Returns false if it was interrupted.
+/// Calls `found` with each span of ticks, from `first` to `last`, in which the boolean expression is true. False from
+/// it, or true from `interrupted` (null: never), ends the search. Returns false if it was interrupted.
 bool find_spans(const Expression& expression, SteppedTrace& trace, std::int64_t first, std::int64_t last,
                 const std::function<bool(const TickSpanFound&)>& found,
                 const std::function<bool()>& interrupted = nullptr);
 
-/// The nearest tick after `from` (or before it, backwards) in which the expression holds and didn't in the one passed
-/// before. None: there is no such, or it was interrupted.
+/// The nearest tick after `from` (or before it, backwards) in which the expression is true, and false in the tick
+/// passed before. None: there is no such tick, or the search was interrupted.
 enum class Direction { forwards, backwards };
 std::optional<std::int64_t> find_tick(const Expression& expression, SteppedTrace& trace, std::int64_t from,
                                       Direction direction, const std::function<bool()>& interrupted = nullptr);

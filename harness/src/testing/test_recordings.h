@@ -1,4 +1,4 @@
-// What a test recorded, and where its goldens are. Internal to the testing library.
+// The recordings of a test, and the folder of its goldens. Internal to the testing library.
 #pragma once
 
 #include <rehearse/golden.h>

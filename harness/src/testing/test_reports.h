@@ -1,5 +1,5 @@
-// What tests leave behind to look at: a report of each that failed, and one page that lists all that were compared.
-// Internal to the testing library.
+// Result files of tests: a report for each failed test, and one page that lists all comparisons. Internal to the
+// testing library.
 #pragma once
 
 #include <rehearse/check.h>
@@ -13,18 +13,19 @@
 
 namespace rehearse::internal {
 
-/// How a test's recording was compared with its golden.
+/// The comparison of a test's recording with its golden.
 struct ComparedTest {
-  std::filesystem::path golden;    // empty: nothing was compared
-  std::filesystem::path scenario;  // empty: not known
+  std::filesystem::path golden;    // empty: there was no comparison
+  std::filesystem::path scenario;  // empty: unknown
   std::vector<ToleranceRule> tolerances;
   std::optional<double> horizon;       // [s]
-  std::optional<CheckReport> checked;  // of all levels; none: the recording alone was looked at
+  std::optional<CheckReport> checked;  // the check on all levels; none: only the recording was compared
 };
 
-/// Writes traces/TEST.html in the output folder if the test failed (REHEARSE_REPORT=always: whatever it did; never: not
-/// at all), notes its verdict beside that, and makes traces/index.html anew of all such notes. Programs that run at
-/// once don't lose each other's. Returns what to say of it, each line after a newline; nothing fails by it.
+/// Writes traces/TEST.html in the output folder if the test failed (REHEARSE_REPORT=always: after every test; never:
+/// after none). Writes a note of its verdict beside it, and makes traces/index.html of all such notes. Programs that
+/// run at the same time keep each other's notes. Returns lines for the test's message, each after a newline; nothing
+/// fails because of it.
 std::string keep_test_report(const Trace& trace, const std::string& test, const TestVerdict& verdict,
                              const ComparedTest& compared);
 
