@@ -72,7 +72,7 @@ class RecordedCommands final : public Commander {
   std::unique_ptr<TraceWindows> windows_;  // null: the trace holds its messages
   std::uint64_t window_end_ = 0;           // [ns]
   std::vector<Source> sources_;            // in the order of the controllers
-  std::int64_t acted_until_ = 0;  // tick
+  std::int64_t acted_until_ = 0;           // tick
 };
 
 }  // namespace rehearse
