@@ -299,19 +299,20 @@ class Reader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The messages of a file in order of (log time, position in the file), one at a time, over chunks that overlap in
-/// time. Holds those chunks.
+/// The messages of a file in order of (log time, position in the file), one at a time, also if chunks overlap in time.
+/// It holds those chunks in memory.
 class OrderedMessages {
  public:
-  /// Of the chosen channels (all if empty). The reader must outlive this.
+  /// Delivers the messages of the chosen channels (all if empty). The reader must outlive this.
   explicit OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels = {});
   ~OrderedMessages();
   OrderedMessages(const OrderedMessages&) = delete;
   OrderedMessages& operator=(const OrderedMessages&) = delete;
 
-  /// The next message, valid until the next call; null behind the last.
+  /// The next message, valid until the next call; null after the last.
   const Message* next();
-  /// All damage so far, the reader's own included. Behind the last message the data section's CRC is checked, too.
+  /// All damage so far, the reader's included. After the last message it also includes a mismatch of the data section's
+  /// CRC.
   Result<void> verdict();
 
  private:

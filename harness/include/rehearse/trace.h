@@ -95,7 +95,7 @@ struct TraceChannel {
   std::vector<mcap::Location> locations;   // of each message, for Trace::payload; empty for the types listed above
   std::vector<std::uint64_t> hashes = {};  // of the bytes of each message
   std::vector<TraceRest> rests = {};       // in the order of `first`; empty if no column or no schema is known
-  std::size_t earlier = 0;                 // of a piece: messages of the channel that earlier pieces had
+  std::size_t earlier = 0;                 // for a piece: number of the channel's messages in earlier pieces
 
   std::size_t messages() const { return times.size(); }
   std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
@@ -135,8 +135,8 @@ class Trace {
   static Result<Trace> load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                       std::size_t piece_size = usual_piece_size);
 
-  /// Channels without columns, attachments and metadata of a recording, as the end of the file states them; no message
-  /// is read.
+  /// Channels without columns, attachments and metadata of a recording, read from the end of the file; no message is
+  /// read.
   static Result<Trace> outline(const std::filesystem::path& file);
 
   const std::string& file() const { return file_; }      // as the user named it

@@ -1,5 +1,5 @@
-// Opening a file by its end: what the summary says, if it is whole and fits together. Looks at nothing else but the
-// header, the first and the last chunk, and the records that the summary points to.
+// Opens a file by its summary, if that is complete and consistent. Reads nothing else but the header, the first and the
+// last chunk, and the records that the summary points to.
 #include "reader_impl.h"
 
 #include <algorithm>
@@ -8,13 +8,13 @@ namespace rehearse::mcap {
 
 namespace {
 
-/// All that stands in a summary.
+/// The contents of a summary.
 struct Summary {
   Contents contents;
   std::vector<ChunkIndex> chunks;
   std::vector<RecordPlace> attachments;
   std::vector<RecordPlace> metadata;
-  std::uint64_t statistics = 0;  // records
+  std::uint64_t statistics = 0;  // number of Statistics records
   bool whole = true;
 };
 
@@ -35,7 +35,7 @@ void take_in_summary(const Record& record, Summary& summary, DamageLog& damage) 
   }
 }
 
-/// Whether the counts are those of what is indexed, and no channel is missing.
+/// True if the counts are equal to the numbers of indexed records, and no channel is missing.
 bool counts_fit(const Summary& summary) {
   if (summary.statistics != 1 || !summary.contents.statistics) return false;
   const Statistics& said = *summary.contents.statistics;
@@ -51,7 +51,7 @@ bool counts_fit(const Summary& summary) {
          summary.metadata.size() == said.metadata_count;
 }
 
-/// Whether what begins at `offset` in the data section is a record of that opcode and length.
+/// True if a record of that opcode and length begins at `offset` in the data section.
 bool is_record(Bytes data, std::uint64_t offset, std::uint64_t length, std::uint8_t opcode) {
   if (offset < magic.size() || offset > data.size()) return false;
   Record record;
@@ -59,7 +59,7 @@ bool is_record(Bytes data, std::uint64_t offset, std::uint64_t length, std::uint
          record_head + record.body.size() == length;
 }
 
-/// Whether the chunks can stand where they are said to, one behind the other; the first and the last one do.
+/// True if the stated places of the chunks don't overlap, and the first and the last one are there.
 bool chunks_fit(std::vector<ChunkIndex>& chunks, Bytes data) {
   const auto earlier = [](const ChunkIndex& a, const ChunkIndex& b) { return a.chunk.offset < b.chunk.offset; };
   std::stable_sort(chunks.begin(), chunks.end(), earlier);
@@ -79,7 +79,7 @@ bool chunks_fit(std::vector<ChunkIndex>& chunks, Bytes data) {
 
 }  // namespace
 
-/// Where the summary begins, if Footer, DataEnd and the last bytes of the file are as they should be.
+/// Offset of the summary, if Footer, DataEnd and the last bytes of the file are right.
 std::optional<std::uint64_t> Reader::Impl::find_summary() const {
   constexpr std::size_t data_end_size = record_head + 4;
   std::uint64_t footer_at = 0;
@@ -100,7 +100,7 @@ std::optional<std::uint64_t> Reader::Impl::find_summary() const {
   return crc == footer->summary_crc ? std::optional(footer->summary_start) : std::nullopt;
 }
 
-/// False: the file has to be walked, and nothing was learned.
+/// False: a walk is necessary, and nothing was read from the summary.
 bool Reader::Impl::open_by_summary() {
   const auto start = find_summary();
   if (!start) return false;
@@ -126,7 +126,7 @@ bool Reader::Impl::open_by_summary() {
   for (const RecordPlace& place : summary.attachments) {
     if (!is_record(data, place.offset, place.length, op::attachment)) return false;
     RecordWalker(data, place.offset).next(record);
-    // its CRC isn't checked: that would read all of it
+    // The CRC isn't checked, because this would read the whole attachment.
     if (auto attachment = read_attachment(record, false, damage)) attachments.push_back(std::move(*attachment));
   }
   std::vector<Metadata> metadata;

@@ -68,7 +68,7 @@ void ChannelGroups::add_chunk(std::string_view compression, std::span<const std:
   for (const std::uint16_t channel : channels) {
     const std::uint16_t other = root_of(channel);
     if (other == root_of(first)) continue;
-    // the channel that is met earlier has the say
+    // the smaller channel id becomes the root
     parent_[std::max(other, root_of(first))] = std::min(other, root_of(first));
   }
 }

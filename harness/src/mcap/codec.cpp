@@ -12,7 +12,7 @@
 namespace rehearse::mcap {
 
 std::uint32_t crc32(Bytes bytes, std::uint32_t seed) {
-  if (bytes.empty()) return seed;  // libdeflate takes a null pointer to mean: begin anew
+  if (bytes.empty()) return seed;  // for libdeflate a null pointer means a new checksum
   return libdeflate_crc32(seed, bytes.data(), bytes.size());
 }
 
@@ -119,7 +119,7 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
 
 namespace {
 
-/// How many bytes of `target` could be filled before the stream ended or made no sense.
+/// The number of bytes of `target` that could be filled before the stream ended or was invalid.
 std::size_t front_of_zstd(ZSTD_DCtx* context, Bytes compressed, std::byte* target, std::size_t size) {
   ZSTD_DCtx_reset(context, ZSTD_reset_session_only);
   ZSTD_inBuffer in{compressed.data(), compressed.size(), 0};

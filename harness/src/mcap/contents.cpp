@@ -46,7 +46,7 @@ void Contents::learn_header(const Record& record, DamageLog& damage) {
 void Contents::learn_schema(const Record& record, DamageLog& damage) {
   auto schema = parse_schema(record.body);
   if (!schema) return add_too_short(damage, "schema", record.offset);
-  if (schema->id == 0) return;  // the format says: ignore
+  if (schema->id == 0) return;  // the specification demands to ignore it
   const auto [place, added] = schemas.try_emplace(schema->id, *schema);
   if (!added && place->second != *schema) add_contradiction(damage, "schema", schema->id, record.offset);
 }

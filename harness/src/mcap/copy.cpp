@@ -21,16 +21,16 @@ Diagnostic in_file(const std::filesystem::path& file, std::string message) {
   return diagnostic;
 }
 
-/// Where a file is cut.
+/// The place where a file is cut.
 struct Cut {
   std::uint64_t kept_end = 0;  // of the data section [bytes]
-  std::uint32_t left_out = 0;  // metadata records behind that
+  std::uint32_t left_out = 0;  // number of metadata records after it
   std::uint64_t data_end = 0;  // offset of DataEnd
-  std::uint32_t data_crc = 0;  // as DataEnd states it; 0: none
+  std::uint32_t data_crc = 0;  // as stated in DataEnd; 0: none
   std::uint64_t summary_start = 0;
 };
 
-/// `bytes` are a whole file.
+/// `bytes` must be a whole file.
 Cut cut_before(Bytes bytes, std::string_view replaced) {
   Cut cut;
   RecordWalker walker(bytes, magic.size());
@@ -51,7 +51,7 @@ Cut cut_before(Bytes bytes, std::string_view replaced) {
   return cut;
 }
 
-/// The records of a summary, a group an opcode.
+/// The records of a summary with one opcode.
 struct Group {
   std::uint8_t opcode = 0;
   std::vector<std::byte> records;
@@ -64,7 +64,7 @@ std::vector<std::byte>& group_of(std::vector<Group>& groups, std::uint8_t opcode
   return groups.back().records;
 }
 
-/// The source's groups, without what is said there of the records that are left out. `added`: how many come instead.
+/// The source's groups, without the entries of the omitted records. `added`: number of the records that replace them.
 std::vector<Group> summary_of(Bytes bytes, const Cut& cut, std::size_t added) {
   std::vector<Group> groups;
   RecordWalker walker(bytes, cut.summary_start);

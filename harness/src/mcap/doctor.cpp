@@ -33,7 +33,7 @@ void Doctor::examine() {
   if (options_.content != nullptr) options_.content->end(file_.size(), findings_);
 }
 
-/// The data section, and what follows it. False if there is no Footer.
+/// Examines the data section and the bytes after it. False if there is no Footer.
 bool Doctor::pass_to_footer(Record& record) {
   while (true) {
     if (!pass_.next(record)) {
@@ -42,7 +42,7 @@ bool Doctor::pass_to_footer(Record& record) {
       continue;
     }
     if (record.opcode == op::footer && summary_begin_) return true;
-    if (summary_begin_) continue;  // examined when its end is known
+    if (summary_begin_) continue;  // the summary is examined when its end is known
     if (record.opcode != op::data_end && record.opcode != op::footer) {
       examine_record(record);
       continue;
@@ -59,7 +59,7 @@ bool Doctor::pass_to_footer(Record& record) {
   }
 }
 
-/// What begins there isn't a record. False if none does any more.
+/// Skips bytes that are no record. False if no record follows.
 bool Doctor::skip_damage() {
   const std::uint64_t begin = pass_.offset();
   const auto next = begin < file_.size() ? resync_.find(begin + 1) : std::nullopt;
@@ -260,7 +260,7 @@ void Doctor::examine_data_end(const Record& record) {
     fail(place, "the CRC of the data section, which the Data End states, doesn't match");
 }
 
-/// What is said once for a channel, however many of its messages are so.
+/// Reports findings that are made once for a channel, independent of the number of its messages.
 void Doctor::tell_channels() {
   for (const auto& [id, channel] : channels_) {
     const std::string name = fmt::format("Channel {} {}", id, in_quotes(channel.channel.topic));
@@ -279,7 +279,8 @@ void Doctor::tell_channels() {
 
 namespace {
 
-Result<Examination> examine_view(const FileView& view, Bytes bytes, const std::string& name, const DoctorOptions& options) {
+Result<Examination> examine_view(const FileView& view, Bytes bytes, const std::string& name,
+                                 const DoctorOptions& options) {
   if (!begins_with_magic(bytes)) {
     Diagnostic refused = error(describe_start(bytes));
     refused.file = name;

@@ -104,7 +104,7 @@ void Doctor::examine_message_index(const Record& record) {
   if (chunk_is_open_) compare_index(record, channel, entries);
 }
 
-/// Are the entries those messages of the chunk?
+/// Compares the entries with the channel's messages in the chunk.
 void Doctor::compare_index(const Record& record, std::uint16_t channel, Bytes entries) {
   const Place place{record.offset, {}};
   const std::string name =
@@ -140,7 +140,7 @@ void Doctor::compare_index(const Record& record, std::uint16_t channel, Bytes en
     fail(place, fmt::format("{} lacks the message at byte {} of the Chunk", name, next->offset));
 }
 
-/// No more message indexes come for the chunk: was there one for each channel?
+/// Called after the last message index of the chunk: checks that there is one for each channel.
 void Doctor::leave_chunk() {
   if (!std::exchange(at_chunk_, false) || !chunk_is_open_) return;
   const ExaminedChunk& chunk = chunks_.back();

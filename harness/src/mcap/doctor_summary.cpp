@@ -10,7 +10,7 @@ namespace rehearse::mcap {
 
 namespace {
 
-/// The element of `sorted` that begins at that byte; null: none does.
+/// The element of `sorted` that begins at that byte; null: there is none.
 template <class T>
 const T* find_at(const std::vector<T>& sorted, std::uint64_t offset) {
   const auto found = std::lower_bound(sorted.begin(), sorted.end(), offset,
@@ -18,7 +18,7 @@ const T* find_at(const std::vector<T>& sorted, std::uint64_t offset) {
   return found != sorted.end() && found->offset() == offset ? &*found : nullptr;
 }
 
-/// Collects what an index says otherwise than it is.
+/// Collects the differences between an index and the actual values.
 class Comparison {
  public:
   explicit Comparison(std::string what) : what_(std::move(what)) {}
@@ -30,7 +30,7 @@ class Comparison {
   void compare_text(std::string_view field, std::string_view stated, std::string_view there) {
     if (stated != there) compare<std::string>(field, in_quotes(stated), in_quotes(there));
   }
-  /// Empty: all is as it says.
+  /// Empty: there are no differences.
   std::string sentence() const { return text_.empty() ? "" : what_ + " says:" + text_; }
 
  private:
@@ -40,7 +40,7 @@ class Comparison {
 
 }  // namespace
 
-/// Everything from behind the data section to the end of the file.
+/// Examines all bytes from the end of the data section to the end of the file.
 void Doctor::examine_summary(const Record& footer) {
   indexed_chunks_.assign(chunks_.size(), false);
   indexed_attachments_.assign(attachments_.size(), false);
@@ -65,7 +65,7 @@ void Doctor::examine_footer(const Record& record) {
   const Place place{record.offset, {}};
   if (!check_fields(record, place)) return;
   const auto footer = parse_footer(record.body);
-  if (!footer) return;  // its length was told
+  if (!footer) return;  // its length was reported
   const bool empty = summary_begin == record.offset;
   const bool starts_right = footer->summary_start == summary_begin || (empty && footer->summary_start == 0);
   if (!starts_right)
@@ -119,7 +119,7 @@ void Doctor::examine_grouping(const Record& record) {
   groups_.push_back({record.opcode, {record.offset, end}});
 }
 
-/// A Schema or Channel of the summary.
+/// Examines a Schema or Channel of the summary.
 void Doctor::examine_repeated(const Record& record) {
   const Place place{record.offset, {}};
   const auto compare = [&](std::string_view kind, const auto& repeated, std::string_view name, const auto* known,
@@ -181,7 +181,7 @@ void Doctor::examine_chunk_index(const Record& record) {
                             offset, indexes.size()));
 }
 
-/// An Attachment Index, or a Metadata Index.
+/// Examines an Attachment Index, or a Metadata Index.
 void Doctor::examine_record_index(const Record& record, const std::vector<ExaminedRecord>& all, bool attachments) {
   const Place place{record.offset, {}};
   const std::string kind = attachments ? "Attachment" : "Metadata";
@@ -220,7 +220,7 @@ void Doctor::examine_statistics(const Record& record) {
                          "summary",
                          id, in_quotes(channel.channel.topic)));
   }
-  if (damaged_) return;  // not everything could be counted
+  if (damaged_) return;  // not all records could be counted
   Comparison comparison("the record of statistics");
   comparison.compare<std::uint64_t>("messages", stated->message_count, messages_);
   comparison.compare<std::uint64_t>("schemas", stated->schema_count, schemas_.size());
@@ -263,7 +263,7 @@ void Doctor::examine_summary_offset(const Record& record) {
                      name_of(opcode), length, begin, end - there, there));
 }
 
-/// Indexes are there for all or for none; and what they point to can be read from the summary alone.
+/// Checks that indexes exist for all records or for none, and that indexed messages can be read with the summary alone.
 void Doctor::tell_what_summary_lacks() {
   const std::uint64_t begin = *summary_begin_;
   const auto lacking = [&](const std::vector<bool>& indexed, std::string_view kind, const auto& all) {

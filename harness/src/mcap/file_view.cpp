@@ -63,7 +63,7 @@ Result<std::size_t> Input::read(std::span<std::byte> target) {
   while (true) {
     const ssize_t came = ::read(descriptor_, target.data(), target.size());
     if (came >= 0) return static_cast<std::size_t>(came);
-    if (errno == EAGAIN) {  // somebody else's idea of our standard input
+    if (errno == EAGAIN) {  // another process made this standard input non-blocking
       pollfd wait{descriptor_, POLLIN, 0};
       ::poll(&wait, 1, -1);
     } else if (errno != EINTR) {
@@ -74,7 +74,7 @@ Result<std::size_t> Input::read(std::span<std::byte> target) {
 
 namespace {
 
-/// Read by a signal handler: nothing but atomics.
+/// Read by a signal handler, so it has only atomics.
 struct Watched {
   std::atomic<std::uintptr_t> begin{0};  // 0: free
   std::atomic<std::size_t> size{0};
@@ -83,7 +83,7 @@ struct Watched {
 
 std::array<Watched, 256> watched;
 std::mutex changing;
-struct sigaction outside {};  // as it was before ours
+struct sigaction outside {};  // the handler before this one
 std::uintptr_t page_size = 0;
 
 Watched* find_watched(std::uintptr_t address) {
@@ -94,7 +94,7 @@ Watched* find_watched(std::uintptr_t address) {
   return nullptr;
 }
 
-/// Puts a page of zeros where the file has none any more; any other fault is for whoever handled it before.
+/// Maps a page of zeros where the file is truncated; passes any other fault to the previous handler.
 void survive(int signal_number, siginfo_t* info, void* context) {
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
   if (Watched* file = find_watched(address)) {
@@ -106,7 +106,7 @@ void survive(int signal_number, siginfo_t* info, void* context) {
   }
   if ((outside.sa_flags & SA_SIGINFO) != 0) return outside.sa_sigaction(signal_number, info, context);
   if (outside.sa_handler != SIG_DFL && outside.sa_handler != SIG_IGN) return outside.sa_handler(signal_number);
-  ::sigaction(SIGBUS, &outside, nullptr);  // the fault repeats
+  ::sigaction(SIGBUS, &outside, nullptr);  // then the fault repeats
 }
 
 void install() {
@@ -117,7 +117,7 @@ void install() {
   ::sigaction(SIGBUS, &action, &outside);
 }
 
-/// From now on reading these mapped bytes survives.
+/// Registers mapped bytes, so that reading them survives a truncation of the file.
 void watch_for_cut(Bytes mapped) {
   static std::once_flag installed;
   std::call_once(installed, install);
@@ -131,7 +131,7 @@ void watch_for_cut(Bytes mapped) {
   }
 }
 
-/// Before they are unmapped.
+/// Must be called before they are unmapped.
 void end_watch(Bytes mapped) {
   const std::scoped_lock lock(changing);
   if (Watched* file = find_watched(reinterpret_cast<std::uintptr_t>(mapped.data()))) file->begin.store(0);
@@ -143,7 +143,7 @@ Diagnostic failure(const std::string& name, std::string_view what, int problem) 
   return diagnostic;
 }
 
-/// A file without a name that goes with its descriptor.
+/// A file without a name, which is removed when its descriptor is closed.
 class TemporaryFile {
  public:
   TemporaryFile() {
@@ -156,7 +156,7 @@ class TemporaryFile {
     }
     descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return;
-    std::string name = folder_ + "/rehearse.XXXXXX";  // not every file system has nameless ones
+    std::string name = folder_ + "/rehearse.XXXXXX";  // not every file system supports nameless files
     descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (descriptor_ >= 0) ::unlink(name.c_str());
   }
@@ -185,7 +185,7 @@ class TemporaryFile {
   std::string folder_;
 };
 
-/// All that comes, to its end.
+/// Stores the input to its end.
 Result<std::shared_ptr<const TemporaryFile>> keep(Input& input) {
   const auto kept = std::make_shared<TemporaryFile>();
   const std::string keeping = fmt::format("keep what comes in {}", kept->folder());
@@ -199,7 +199,7 @@ Result<std::shared_ptr<const TemporaryFile>> keep(Input& input) {
   }
 }
 
-/// The same of a pipe that gives its bytes once: whoever opens it again gets what came the first time.
+/// Stores the input of a pipe that can be read once: opening it again returns the stored bytes.
 Result<std::shared_ptr<const TemporaryFile>> keep_for_all(Input& input) {
   static std::mutex mutex;
   static std::map<std::uint64_t, std::shared_ptr<const TemporaryFile>> all;

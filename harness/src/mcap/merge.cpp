@@ -20,20 +20,20 @@ namespace rehearse::mcap {
 namespace {
 
 constexpr std::uint64_t progress_step = 1 << 16;  // [messages]
-constexpr int groups_of_a_source = 0x20000;       // more than one has
+constexpr int groups_of_a_source = 0x20000;       // more than the groups of any source
 
-/// A source while it is read.
+/// A source that is being read.
 struct OpenSource {
   std::string prefix;
   std::unique_ptr<Reader> reader;
   ChannelSet all{{}};
   DamageLog damage{""};
   std::unique_ptr<MessageOrder> order;
-  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // in the target, by those of the source
-  Message next;                                                          // its channel null: there is none left
+  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // in the target, by ids in the source
+  Message next;                                                          // its channel is null if there is none left
   bool started = false;
 
-  /// Goes on to the next message.
+  /// Reads the next message.
   void advance() {
     Record record;
     next = {};
@@ -78,14 +78,14 @@ class Merger {
   Writer& writer_;
   const MergeOptions& options_;
   std::map<Key, std::uint16_t> channels_;
-  std::map<std::string, int> definitions_;  // by topic: how many channels it has
+  std::map<std::string, int> definitions_;  // by topic: number of its channels
   Merged merged_;
 };
 
 void Merger::define(OpenSource& source, int index) {
   const ChannelGroups groups = groups_of(source.reader->impl().bytes_);
   source.reader->impl().file_.forget(source.reader->impl().bytes_);
-  std::set<std::uint16_t> own;  // channels of this source that another of it may not share
+  std::set<std::uint16_t> own;  // channels that other channels of this source must not share
   for (const auto& [id, channel] : source.reader->channels()) {
     const std::uint16_t schema_id = copy(source.reader->schema_of(channel), writer_);
     const std::string topic = source.prefix + channel.topic;
@@ -107,7 +107,7 @@ void Merger::define(OpenSource& source, int index) {
   }
 }
 
-/// Attachments and metadata, a source after the other.
+/// Writes attachments and metadata, source by source.
 Result<void> Merger::write_extras() {
   std::map<std::string, int> names;
   StringMap note;
@@ -137,7 +137,7 @@ Result<void> Merger::write_messages() {
     if (source->reader->statistics()) all += source->reader->statistics()->message_count;
   for (const auto& source : sources_) source->advance();
   while (true) {
-    OpenSource* first = nullptr;  // few files: looking at each is quicker than a heap
+    OpenSource* first = nullptr;  // There are few files: a loop over them is faster than a heap.
     for (const auto& source : sources_)
       if (source->next.channel != nullptr && (first == nullptr || source->next.log_time < first->next.log_time))
         first = source.get();

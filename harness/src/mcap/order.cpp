@@ -7,7 +7,7 @@
 namespace rehearse::mcap {
 namespace {
 
-/// Of chunks that overlap, decompressed [bytes]: a few large ones, however large one may be.
+/// Limit for overlapping chunks, decompressed [bytes]: a few chunks of the largest allowed size.
 std::uint64_t most_held(const ReaderOptions& options) {
   constexpr std::uint64_t most = std::uint64_t{1} << 30;
   return std::min(most, 4 * options.max_chunk_size);
@@ -39,7 +39,7 @@ void MessageOrder::open_next_chunk() {
   passed_.pass(place.offset);
   Record record;
   if (!RecordWalker(reader_.bytes_, place.offset).next(record) || !parse_chunk(record.body)) {
-    // it was there when the walk listed it: somebody cuts the file
+    // The walk has found it: a different process truncates the file.
     damage_.add(fmt::format("damaged: the chunk at byte {} is gone", place.offset));
     return;
   }
@@ -59,7 +59,7 @@ void MessageOrder::open_next_chunk() {
     damage_.add(reader_.chunk_opener_.describe(opened));
     return;
   }
-  if (!opened.head.compression.empty()) reader_.file_.forget(record.body);  // all of it is in the buffer
+  if (!opened.head.compression.empty()) reader_.file_.forget(record.body);  // the buffer contains all of it
   run->records = opened.records;
   RecordWalker inside(run->records);
   collect(*run, inside, &place);
@@ -101,7 +101,7 @@ void MessageOrder::add(std::unique_ptr<Run> run) {
 }
 
 void MessageOrder::let_go(std::unique_ptr<Run> run) {
-  if (run->chunk) reader_.file_.forget(run->compressed);  // its records may be there
+  if (run->chunk) reader_.file_.forget(run->compressed);  // its records may be in the mapped file
   spare_.push_back(std::move(run));
 }
 
@@ -117,7 +117,7 @@ bool MessageOrder::next(Record& record) {
   if (heap_.empty()) return false;
   Run& run = *heap_.front();
   RecordWalker walker(run.records, run.order[run.next].offset);
-  if (!walker.next(record)) {  // it was there when collect() saw it
+  if (!walker.next(record)) {  // collect() has read it before
     damage_.add("damaged: messages are gone");
     return false;
   }
@@ -147,7 +147,7 @@ struct OrderedMessages::State {
   DamageLog damage;
   MessageOrder order;
   Message message;
-  bool has_message = false;  // which order is to leave behind
+  bool has_message = false;  // a message to remove from `order` by the next call
   bool ended = false;
 };
 

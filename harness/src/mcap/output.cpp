@@ -10,7 +10,7 @@ namespace rehearse::mcap {
 
 namespace {
 
-/// Starts a thread that no signal is delivered to: alarms and interrupts belong to the program's own threads.
+/// Starts a thread that gets no signals: alarms and interrupts are for the program's own threads.
 template <class Function>
 std::thread start_quiet_thread(Function function) {
   sigset_t all, before;
@@ -108,7 +108,7 @@ void Output::process(Job& job) {
   }
 }
 
-/// Puts the data of what was put off behind the heads of their messages.
+/// Inserts the data of deferred messages after the heads of their records.
 void Output::compose(ChunkData& chunk) {
   if (chunk.put_off.empty()) return;
   composed_.clear();
@@ -116,17 +116,17 @@ void Output::compose(ChunkData& chunk) {
     const Bytes piece = Bytes(chunk.records).subspan(begin, end - begin);
     composed_.insert(composed_.end(), piece.begin(), piece.end());
   };
-  std::size_t copied = 0;  // of the records
+  std::size_t copied = 0;  // bytes of the records
   std::size_t moved = 0;   // entries of the index
   for (PutOff& message : chunk.put_off) {
-    const std::size_t shift = composed_.size() - copied;  // what was put in before
+    const std::size_t shift = composed_.size() - copied;  // number of bytes inserted before
     for (; moved <= message.entry; ++moved) chunk.index[moved].offset += shift;
     const std::size_t head = chunk.index[message.entry].offset;
     const std::size_t data_at = head - shift + record_head + message_head;
     copy(copied, data_at);
     copied = data_at;
     const std::vector<std::byte> data = message.compose();
-    message.compose = nullptr;  // what it held goes
+    message.compose = nullptr;  // releases its memory
     const std::uint64_t length = message_head + data.size();
     std::memcpy(&composed_[head + 1], &length, sizeof length);
     composed_.insert(composed_.end(), data.begin(), data.end());
@@ -189,7 +189,7 @@ void Output::process_chunk(const ChunkData& chunk) {
   write_data(scratch_);
 }
 
-/// One MessageIndex record per channel, by ascending channel; `places` gets channel and file offset of each.
+/// Writes one MessageIndex record per channel, by ascending channel; `places` gets channel and file offset of each.
 void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const {
   std::vector<IndexEntry> entries = chunk.index;
   std::stable_sort(entries.begin(), entries.end(),

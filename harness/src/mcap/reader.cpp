@@ -49,7 +49,7 @@ void Reader::Impl::take_in(const Record& record) {
     case op::metadata:
       if (auto metadata = read_metadata(record, damage_)) metadata_.push_back(std::move(*metadata));
       break;
-    default: break;  // records that later versions of the format may bring
+    default: break;  // records of later versions of the format
   }
 }
 
@@ -61,7 +61,7 @@ void Reader::Impl::take_in_chunk(const Record& record) {
   chunk_channels_.push_back(ChunkChannels::not_said);
 }
 
-/// Of the chunk before it.
+/// The index belongs to the chunk before it.
 void Reader::Impl::take_in_message_index(const Record& record) {
   ByteReader in(record.body);
   const auto channel = in.get<std::uint16_t>();
@@ -78,7 +78,7 @@ void Reader::Impl::take_in_message_index(const Record& record) {
   }
 }
 
-/// Whether the summary repeats what may stand in chunks only.
+/// True if the summary repeats all definitions that may be only in chunks.
 bool Reader::Impl::knows_all_definitions() const {
   const auto& said = contents_.statistics;
   const bool all_counted =
@@ -86,8 +86,8 @@ bool Reader::Impl::knows_all_definitions() const {
   return frame_.summary_has_channels && all_counted && contents_.has_all_schemas();
 }
 
-/// Files without a summary may tell their channels only inside of their chunks. A chunk whose messages are all of known
-/// channels, as its index says, need not be opened for that.
+/// Files without a summary may define their channels only inside of their chunks. A chunk whose messages all belong to
+/// known channels, according to its indexes, need not be opened for this.
 void Reader::Impl::learn_from_chunks() {
   PassedBytes passed(file_, bytes_);
   std::vector<std::size_t> others;
@@ -105,7 +105,7 @@ void Reader::Impl::learn_from_chunks() {
 }
 
 void Reader::Impl::learn_from_chunk(const Chunk& place) {
-  DamageLog ignored(name_);  // a pass over the messages says it
+  DamageLog ignored(name_);  // a pass over the messages reports it
   Record record;
   if (!RecordWalker(bytes_, place.offset).next(record)) return;
   RecordWalker inside(chunk_opener_.open(record, pass_buffer_).records);

@@ -14,11 +14,11 @@ namespace {
 enum class Kind {
   number,      // `width` bytes
   text,        // with a length of four bytes
-  bytes,       // likewise
-  long_bytes,  // with a length of eight
-  text_map,    // of texts, with a length of four
-  array,       // of elements of `width` bytes, with a length of four
-  rest,        // whatever comes
+  bytes,       // with a length of four bytes
+  long_bytes,  // with a length of eight bytes
+  text_map,    // map of texts, with a length of four bytes
+  array,       // array of elements of `width` bytes, with a length of four bytes
+  rest,        // all remaining bytes
 };
 
 struct Field {
@@ -94,7 +94,7 @@ bool check_map(Bytes map, const Field& field, std::vector<std::string>& problems
   return true;
 }
 
-/// False if the field isn't whole.
+/// False if the field is incomplete.
 bool check_field(ByteReader& in, const Field& field, std::vector<std::string>& problems) {
   switch (field.kind) {
     case Kind::number: in.get_bytes(field.width); break;

@@ -9,7 +9,7 @@
 namespace rehearse::mcap {
 
 namespace {
-constexpr std::size_t smallest_window = std::size_t{1} << 17;  // [bytes]; twice what a pipe holds
+constexpr std::size_t smallest_window = std::size_t{1} << 17;  // [bytes]; twice the size of a pipe
 }
 
 bool RecordPass::next(Record& record) {
@@ -68,7 +68,7 @@ Bytes StreamPass::begin() {
   return start;
 }
 
-/// Reads until so many bytes are held. The memory grows with what came, never with `count` alone.
+/// Reads until `count` bytes are held. The memory grows with the received bytes, never with `count` alone.
 Bytes StreamPass::look(std::uint64_t count) {
   while (end_ - begin_ < count && !ended_) {
     if (end_ == buffer_.capacity()) make_room();
@@ -85,7 +85,7 @@ void StreamPass::move_on(std::uint64_t count) {
   if (begin_ == end_) begin_ = end_ = 0;
 }
 
-/// Moves what is held to the front if that frees half of the buffer, else doubles it.
+/// Moves the held bytes to the front if that frees half of the buffer; otherwise doubles the buffer.
 void StreamPass::make_room() {
   const std::size_t held = end_ - begin_;
   if (buffer_.capacity() > 0 && held <= buffer_.capacity() / 2) {
@@ -101,7 +101,7 @@ void StreamPass::make_room() {
 }
 
 bool StreamPass::find(Record& record) {
-  constexpr std::uint64_t chunk_frame = 4096;  // more than stands in a chunk beside its records
+  constexpr std::uint64_t chunk_frame = 4096;  // more than the size of a chunk's fields beside its records
   while (true) {
     const Bytes head = look(record_head);
     if (head.size() < record_head) return false;
@@ -119,7 +119,7 @@ bool StreamPass::find(Record& record) {
   }
 }
 
-/// A record that is too large to hold. False: it isn't whole.
+/// Skips a record that is too large to hold. False: it is incomplete.
 bool StreamPass::leave_out(std::uint64_t length) {
   const std::uint64_t offset = passed();
   cut_record_ = offset;
@@ -144,7 +144,7 @@ void StreamPass::remember(Bytes piece) {
   if (last_bytes_.size() > magic.size()) last_bytes_.erase(last_bytes_.begin(), last_bytes_.end() - magic.size());
 }
 
-/// Reads what is left.
+/// Reads the remaining bytes.
 CutPlace StreamPass::look_at_cut() {
   CutPlace cut;
   cut.record = cut_record_.value_or(passed());
@@ -164,8 +164,8 @@ CutPlace StreamPass::look_at_cut() {
 Frame read_frame(RecordPass& pass, bool check_crcs, Contents& contents, DamageLog& damage,
                  const std::function<bool(const Record&)>& take, const Reader::OnRecord& seen) {
   Frame frame;
-  std::optional<std::uint64_t> summary;  // where it begins
-  Contents said;                         // by the summary; counts if that is what was written, as does its damage
+  std::optional<std::uint64_t> summary;  // its offset
+  Contents said;                         // contents of the summary; used, with its damage, if its CRC matches
   DamageLog said_damage(damage.file());
   bool says_channels = false;
   bool started = false;

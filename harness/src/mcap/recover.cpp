@@ -16,13 +16,13 @@ namespace rehearse::mcap {
 
 namespace {
 
-/// The second half of the progress.
+/// Reports the second half of the progress.
 Progress second_half(const Progress& progress) {
   if (!progress) return {};
   return [progress](std::uint64_t done, std::uint64_t all) { progress(all / 2 + done / 2, all); };
 }
 
-/// The text with what isn't UTF-8 in it replaced, as a valid file asks for.
+/// The text with invalid UTF-8 replaced, as a valid file demands.
 std::string as_utf8(std::string_view text) {
   if (is_utf8(text)) return std::string(text);
   constexpr std::string_view replacement = "\xEF\xBF\xBD";
@@ -43,14 +43,14 @@ StringMap as_utf8(const StringMap& map) {
   return valid;
 }
 
-/// Gets, in file order, what is saved; false: stop.
+/// Gets the saved records in file order; false: stop.
 struct OnSaved {
   std::function<bool(const Message&)> message;
   std::function<bool(const Attachment&)> attachment;
   std::function<bool(const Metadata&)> metadata;
 };
 
-/// The second pass: delivers what the first one saved.
+/// The second pass: delivers the records that the first one saved.
 class SavedPass {
  public:
   SavedPass(const FileView& file, const Survey& survey, const RecoverOptions& options, Recovery& recovery,
@@ -78,7 +78,7 @@ class SavedPass {
  private:
   /// False: stop.
   bool pass(const Record& record) {
-    DamageLog none("");  // the first pass has told it
+    DamageLog none("");  // the first pass has reported it
     passed_.pass(record.offset);
     switch (record.opcode) {
       case op::message: return deliver(record);
@@ -89,7 +89,7 @@ class SavedPass {
     }
   }
 
-  /// What seems whole in it.
+  /// Passes the messages that seem whole in it.
   bool pass_damaged_chunk(const SavedRun& run) {
     const auto head = parse_cut_chunk(file_.subspan(run.begin + record_head, run.end - run.begin - record_head));
     REHEARSE_ASSERT(head, "the first pass parsed it");
@@ -129,10 +129,10 @@ class SavedPass {
   std::uint64_t orphans_ = 0;
 };
 
-/// The format has no data without an encoding: nobody could tell what it means.
+/// The format forbids data without an encoding, because its meaning would be unknown.
 bool is_damaged(const Schema& schema) { return schema.encoding.empty() && !schema.data.empty(); }
 
-/// Defines the channels in the new file. Returns their ids there by those of the source.
+/// Defines the channels in the new file. Returns their ids in the new file by those in the source.
 std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery& recovery) {
   std::vector<std::uint16_t> ids(0x10000);
   for (const auto& [id, channel] : survey.contents.channels) {
@@ -155,7 +155,7 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
   return ids;
 }
 
-/// What statistics that are left say about what is missing.
+/// Computes the losses from the remaining statistics.
 void count_losses(const Survey& survey, Recovery& recovery) {
   if (survey.contents.statistics) {
     recovery.loss_is_known = true;
@@ -171,7 +171,7 @@ void count_losses(const Survey& survey, Recovery& recovery) {
   for (const auto& [id, channel] : recovery.channels) recovery.lost_messages += channel.lost;
 }
 
-/// What the new file says of itself.
+/// The metadata of the new file about its recovery.
 StringMap note_of(const std::filesystem::path& source, const RecoverOptions& options, const Recovery& recovery) {
   constexpr std::size_t listed = 20;
   std::string spans;
@@ -194,7 +194,7 @@ Diagnostic about(const std::filesystem::path& file, std::string message) {
   return diagnostic;
 }
 
-/// Writes all that the survey saved.
+/// Writes all records that the survey saved.
 Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const Draft& draft,
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
@@ -238,7 +238,7 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
   return (*writer)->close();
 }
 
-/// Is what was written whole?
+/// Checks that the written file is whole.
 Result<void> examine_written(const std::filesystem::path& written, const std::filesystem::path& target,
                              const Recovery& recovery) {
   const auto examination = examine(written);

@@ -20,7 +20,7 @@ Resync::Resync(Bytes file, std::uint64_t max_chunk_size)
       budget_(8 * file.size() + (std::uint64_t{64} << 20)),
       opener_({.max_chunk_size = max_chunk_size}) {}
 
-/// The record there, if its length fits into the file.
+/// The record at that offset, if its length fits into the file.
 std::optional<Record> Resync::head_at(std::uint64_t offset) const {
   RecordWalker walker(file_, offset);
   Record record;
@@ -36,7 +36,7 @@ bool Resync::is_plausible(std::uint64_t offset) {
   return check_layout(record->opcode, record->body).whole;
 }
 
-/// So many records in a row whose fields come to their lengths, or the end before that.
+/// True if `records` records in a row have fields of exactly their lengths, or the file ends before that.
 bool Resync::leads_on(std::uint64_t offset, int records) {
   std::uint64_t cost = 0;
   for (; records > 0; --records) {
@@ -85,7 +85,7 @@ bool Resync::is_believed(std::uint64_t offset) {
 
 std::optional<std::uint64_t> Resync::find(std::uint64_t begin) {
   for (std::uint64_t offset = begin; offset + record_head <= file_.size(); ++offset) {
-    // most bytes are sorted out by their value and the high bytes of a length behind them
+    // most bytes are excluded by their value and the high bytes of the length after them
     if (!is_known(std::to_integer<std::uint8_t>(file_[offset])) || file_[offset + 8] != std::byte{0}) continue;
     if (is_believed(offset)) return offset;
   }

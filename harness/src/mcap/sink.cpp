@@ -15,14 +15,14 @@ namespace rehearse::mcap {
 
 namespace {
 
-/// Device and inode; of what isn't open none.
+/// Device and inode; for a file that isn't open none.
 std::pair<std::uint64_t, std::uint64_t> identity_of(int file) {
   struct stat status {};
   if (::fstat(file, &status) != 0) return {};
   return {status.st_dev, status.st_ino};
 }
 
-/// Whether its bytes can be read again: an ordinary file, open for that too.
+/// True if its bytes can be read again: an ordinary file, opened for reading too.
 bool can_be_read(int file) {
   struct stat status {};
   return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && (::fcntl(file, F_GETFL) & O_ACCMODE) == O_RDWR;
@@ -42,7 +42,7 @@ class FileSink : public Sink {
   int descriptor() const override { return file_; }
 
  private:
-  /// The program around us may have closed our descriptor, and its number may stand for another file by now.
+  /// False if the program has closed this descriptor, and its number belongs to a different file.
   bool is_our_file() const { return identity_of(file_) == identity_; }
 
   int file_;
@@ -96,11 +96,10 @@ class MemorySink : public Sink {
   std::vector<std::byte>& out_;
 };
 
-/// Holds off other writers until the descriptor is closed. False: there is one. Where files can't be locked, there is
-/// none.
+/// Locks out other writers until the descriptor is closed. False: there is one. True if files can't be locked.
 bool lock(int file) { return ::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
 
-/// The ordinary file that stands there, held off other writers.
+/// The existing ordinary file of that name, locked against other writers.
 class FileThere {
  public:
   explicit FileThere(const std::filesystem::path& file) {
@@ -129,7 +128,7 @@ class FileThere {
   bool being_written_ = false;
 };
 
-/// Puts a new, empty file in the place of one that only we have to do with; -1 if it isn't so, or can't be done.
+/// Replaces a file that only this process uses by a new, empty file; -1 if others use it, or if it can't be replaced.
 int replace(const std::filesystem::path& file) {
   struct stat old {};
   if (::lstat(file.c_str(), &old) != 0 || !S_ISREG(old.st_mode)) return -1;
@@ -146,7 +145,7 @@ int replace(const std::filesystem::path& file) {
   return -1;
 }
 
-/// Creates it, or opens it as it is. An ordinary file is opened for reading too, if that is allowed.
+/// Creates the file, or opens the existing one. An ordinary file is opened for reading too, if that is allowed.
 int create(const std::filesystem::path& file) {
   constexpr int flags = O_CREAT | O_CLOEXEC;
   struct stat there {};
@@ -176,9 +175,9 @@ Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) 
   FileThere there(file);
   if (there.being_written()) return other_writer();
   std::error_code none;
-  std::filesystem::path place = std::filesystem::canonical(file, none);  // behind links
+  std::filesystem::path place = std::filesystem::canonical(file, none);  // resolves links
   int opened = none ? -1 : replace(place);
-  const bool is_new = opened >= 0;  // in the place of the other, and locked
+  const bool is_new = opened >= 0;  // it replaces the other file, and is locked
   there.release();
   if (!is_new) opened = create(file);
   if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));

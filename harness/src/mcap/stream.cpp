@@ -43,7 +43,7 @@ Result<void> StreamReader::read(const StreamHandlers& handlers) {
 
 Result<void> StreamReader::for_each_message(const Reader::OnMessage& callback) { return read({callback, {}, {}, {}}); }
 
-/// A record of the data section. False: stop.
+/// Processes a record of the data section. False: stop.
 bool StreamReader::take(const Record& record, const StreamHandlers& handlers, Delivery& delivery) {
   switch (record.opcode) {
     case op::header: contents_.learn_header(record, damage_); return true;

@@ -60,7 +60,7 @@ void SummaryComposer::finish() {
 
 namespace {
 
-/// Goes over the chunks of a file that we wrote ourselves, and over the message indexes behind each.
+/// Reads back the chunks of a file of this Writer, and the message indexes after each.
 class ReadBack {
  public:
   ReadBack(Sink& file, std::uint64_t data_size, const std::function<void(Bytes)>& out)
@@ -85,7 +85,7 @@ class ReadBack {
 
 Result<void> ReadBack::run() {
   const Diagnostic changed = error("can't finish the trace: somebody else has changed it meanwhile");
-  // As much of a record as says all that is asked: a chunk's head with the longest name of a compression.
+  // The front of a record with all necessary fields: a chunk's head with the longest name of a compression.
   std::array<std::byte, record_head + 8 + 8 + 8 + 4 + (4 + 4) + 8> start;
   for (std::uint64_t offset = magic.size(); offset < data_size_;) {
     const std::uint64_t wanted = std::min<std::uint64_t>(start.size(), data_size_ - offset);

@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t listed_losses = 1000;
 
-/// The first half of the progress.
+/// Reports the first half of the progress.
 Progress first_half(const Progress& progress) {
   if (!progress) return {};
   return [progress](std::uint64_t done, std::uint64_t all) { progress(done / 2, all); };
 }
 
-/// Definitions and attachments have names, or at least a length for an empty one.
+/// True if a definition or attachment has no name. Intact ones have a name, or at least a length for an empty one.
 bool is_nameless(const Record& record) {
   const std::size_t name_at = record.opcode == op::schema       ? 2
                               : record.opcode == op::channel    ? 4
@@ -30,7 +30,7 @@ bool is_nameless(const Record& record) {
   return ByteReader(record.body.subspan(name_at)).get<std::uint32_t>() == 0;
 }
 
-/// What is left over isn't fields that a later version may have appended, but fields that have lost their lengths.
+/// True if the remaining bytes aren't fields of a later version, but fields whose lengths were overwritten.
 bool is_overwritten(const Record& record, const LayoutCheck& layout) {
   return layout.extra > 0 && (is_nameless(record) || is_all_zero(record.body.last(layout.extra)));
 }
@@ -51,7 +51,7 @@ Survey::Survey(const FileView& file, const RecoverOptions& options, Recovery& re
     recovery_.remarks.push_back(fmt::format("{} private records aren't kept", private_records_));
 }
 
-/// If the file ends as it should, and the CRC of the summary matches: what it defines is right.
+/// Reads the definitions of the summary, if the file has a regular end and the CRC of the summary matches.
 void Survey::read_summary() {
   std::uint64_t footer_at = 0;
   const auto footer = find_footer(file_, footer_at);
@@ -81,7 +81,7 @@ void Survey::walk() {
     if (pass_.next(record)) {
       if (ends_file(record)) return;
       if (pass_record(record) || resync_.is_plausible(end_of(record))) continue;
-      recovery_.lost.pop_back();  // its length isn't to be believed either: it may hide what is whole
+      recovery_.lost.pop_back();  // its length may be wrong, too, and cover undamaged records
       recovery_.lost_bytes -= bytes_of(record).size();
       if (!runs.empty() && !runs.back().trusted && runs.back().begin == record.offset) runs.pop_back();
     }
@@ -94,7 +94,7 @@ void Survey::walk() {
   recovery_.remarks.push_back("the file had no end, and so no summary");
 }
 
-/// The Footer, with the magic bytes behind it.
+/// True for the Footer, followed by the magic bytes.
 bool Survey::ends_file(const Record& record) {
   if (record.opcode != op::footer || !parse_footer(record.body)) return false;
   const std::uint64_t end = end_of(record);
@@ -103,7 +103,7 @@ bool Survey::ends_file(const Record& record) {
   return true;
 }
 
-/// The file ends in the middle of a chunk that begins there.
+/// True if the file ends inside of a chunk that begins there.
 bool Survey::is_cut_chunk(std::uint64_t offset) const {
   const Bytes left = file_.subspan(offset);
   if (left.size() <= record_head || left[0] != std::byte{op::chunk}) return false;
@@ -111,7 +111,7 @@ bool Survey::is_cut_chunk(std::uint64_t offset) const {
   return head && head->start_time <= head->end_time && is_utf8(head->compression);
 }
 
-/// False if it isn't saved; then that is told.
+/// False if it isn't saved; then it was reported.
 bool Survey::pass_record(const Record& record) {
   if (record.opcode == op::message_index && chunk_was_lost_) count_lost(record);
   if (record.opcode != op::message_index) chunk_was_lost_ = false;
@@ -163,7 +163,7 @@ void Survey::finish_data(const Record& data_end) {
         "written");
 }
 
-/// A Schema or Channel; anything else is ignored.
+/// Reads a Schema or Channel; ignores any other record.
 Survey::Fault Survey::learn(const Record& record) {
   if (record.opcode != op::schema && record.opcode != op::channel) return {};
   const auto keep = [this, kind = name_of(record.opcode)](auto& known, const auto& parsed) -> Fault {
@@ -218,7 +218,7 @@ void Survey::pass_chunk_records(Bytes records, std::string_view compression) {
   groups.add_chunk(compression, in_chunk);
 }
 
-/// Message indexes behind a lost chunk say what was in it.
+/// Counts the lost messages: message indexes after a lost chunk list them.
 void Survey::count_lost(const Record& message_index) {
   if (!check_layout(message_index.opcode, message_index.body).exact()) return;
   ByteReader in(message_index.body);

@@ -13,7 +13,7 @@ namespace rehearse::mcap {
 namespace {
 /// Later than any log time.
 constexpr std::uint64_t no_time = std::numeric_limits<std::uint64_t>::max();
-constexpr std::size_t most_schemas = 0xffff;  // 0 is none
+constexpr std::size_t most_schemas = 0xffff;  // the id 0 means none
 constexpr std::size_t most_channels = 0x10000;
 }  // namespace
 
@@ -54,7 +54,7 @@ class Writer::Impl {
   static std::size_t index_of(std::uint16_t channel) { return static_cast<std::uint16_t>(channel - 1); }
   std::size_t find_or_add_group(ChunkGroup key);
   void define_in_chunk(std::uint16_t channel, ChunkData& chunk);
-  /// The log time at which the chunk is old enough to be finished.
+  /// The log time at which the chunk must be finished by age.
   std::uint64_t deadline_of(const ChunkData& chunk) const {
     return chunk.first_time + std::min(options_.chunk_span, no_time - chunk.first_time);
   }
@@ -68,10 +68,10 @@ class Writer::Impl {
   std::vector<Schema> schemas_;
   std::multimap<std::string, std::uint16_t, std::less<>> schemas_by_name_;
   std::vector<Channel> channels_;     // index_of
-  std::vector<ChannelState> states_;  // like channels_
+  std::vector<ChannelState> states_;  // parallel to channels_
   std::vector<Group> groups_;
-  std::uint64_t next_deadline_ = no_time;       // log time at which some chunk is old
-  std::uint64_t unwritten_deadline_ = no_time;  // the same of the chunks that were handed over
+  std::uint64_t next_deadline_ = no_time;       // log time at which the first chunk must be finished
+  std::uint64_t unwritten_deadline_ = no_time;  // the same time for chunks in the queue
   std::uint64_t message_count_ = 0;
   std::uint64_t start_time_ = no_time;
   std::uint64_t end_time_ = 0;
@@ -108,7 +108,7 @@ std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
     return channels_.back().id;
   }
   if (options_.profile == "ros2") channel.metadata.try_emplace("offered_qos_profiles");
-  channel.id = static_cast<std::uint16_t>(channels_.size() + 1);  // the last is 0
+  channel.id = static_cast<std::uint16_t>(channels_.size() + 1);  // the last id is 0
   if (!options_.form.has_definitions_in_chunks()) {
     RawJob job;
     ByteWriter out(job.bytes);
@@ -122,7 +122,7 @@ std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
 
 std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
   if (options_.compression) key.compression = *options_.compression;
-  if (!options_.form.chunks) key = {};  // all messages in the order in which they come
+  if (!options_.form.chunks) key = {};  // all messages in the order of the calls
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     if (groups_[i].key.id == key.id && groups_[i].key.compression == key.compression) return i;
   }
@@ -130,7 +130,7 @@ std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
   return groups_.size() - 1;
 }
 
-/// Puts the head of a message's record, with `size` bytes of data to come, into the open chunk of its channel's group.
+/// Appends the head of a message's record, for `size` bytes of data, to the open chunk of its channel's group.
 Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uint64_t log_time,
                                                  std::uint64_t publish_time, std::size_t size,
                                                  std::optional<std::uint32_t> numbered) {
@@ -169,7 +169,7 @@ Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uin
   return group;
 }
 
-/// Puts what defines a channel before its first message in a chunk.
+/// Writes the definitions of a channel before its first message in a chunk.
 void Writer::Impl::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
   const Channel& definition = channels_[index_of(channel)];
   ByteWriter out(chunk.records);
@@ -210,8 +210,8 @@ void Writer::Impl::finish_chunk(Group& group) {
   output_.push(std::exchange(group.open, std::move(next)));
 }
 
-/// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups, and waits
-/// until no such chunk is left to be written: so a kill loses no more than that span.
+/// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups. Waits
+/// until all such chunks are written, so that a kill loses no more than that span.
 void Writer::Impl::finish_old_chunks(std::uint64_t now) {
   next_deadline_ = no_time;
   for (Group& group : groups_) {
@@ -224,7 +224,7 @@ void Writer::Impl::finish_old_chunks(std::uint64_t now) {
     }
   }
   if (unwritten_deadline_ <= now) {
-    static_cast<void>(output_.drain());  // a failure is told by whoever asks for the status next
+    static_cast<void>(output_.drain());  // the next call of status() reports a failure
     unwritten_deadline_ = no_time;
   }
   next_deadline_ = std::min(next_deadline_, unwritten_deadline_);

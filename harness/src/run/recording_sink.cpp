@@ -28,7 +28,7 @@ Result<void> RecordingSink::close_tick(const Moment& now) {
 Result<void> RecordingSink::record_events(const std::vector<msg::Event>& events) {
   if (remarks_)
     for (const msg::Event& event : events)
-      if (event.source != "log") append_remarks({event}, *remarks_);  // a log's are told by topic
+      if (event.source != "log") append_remarks({event}, *remarks_);  // the log's events are reported per topic
   return recorder_.record_events(events);
 }
 

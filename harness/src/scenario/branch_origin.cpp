@@ -24,7 +24,7 @@ Result<std::string> name_and_hash(const std::filesystem::path& file) {
 
 namespace {
 
-/// "0,0,50"
+/// Parses "0,0,50".
 bool parse_vector(std::string_view text, Eigen::Vector3d& vector) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t comma = axis < 2 ? text.find(',') : text.size();
@@ -34,7 +34,7 @@ bool parse_vector(std::string_view text, Eigen::Vector3d& vector) {
   return vector.allFinite();
 }
 
-/// Body and link of "Box/Box"; a message if there is none.
+/// Finds body and link of "Box/Box"; returns a message if there is none.
 std::string find_link(const std::string& name, const Scenario& scenario, Push& push) {
   std::vector<std::string> known;
   for (std::size_t body = 0; body < scenario.bodies.size(); ++body) {

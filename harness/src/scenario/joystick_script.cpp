@@ -6,9 +6,9 @@
 namespace rehearse {
 namespace {
 
-constexpr double never = -1.0;  // [s]: before all times of a run
+constexpr double never = -1.0;  // [s]: earlier than all times of a run
 
-/// The last that began at or before the time; null if none has.
+/// The last change that began at or before the time; null if there is none.
 template <class Change>
 const Change* latest(const std::vector<Change>& changes, double time) {
   const auto after = std::upper_bound(changes.begin(), changes.end(), time,

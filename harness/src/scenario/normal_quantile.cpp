@@ -8,7 +8,7 @@
 namespace rehearse {
 namespace {
 
-using Coefficients = std::array<double, 8>;  // from that of x⁰ on
+using Coefficients = std::array<double, 8>;  // from the coefficient of x⁰ on
 
 // The coefficients of AS 241, routine PPND16, by region: numerator and denominator of the rational function.
 constexpr Coefficients central_above{3.3871328727963666080e0, 1.3314166789178437745e2, 1.9715909503065514427e3,

@@ -57,7 +57,7 @@ void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
                    fmt::format("expected at least one time step, {} s", scenario.time_step));
 }
 
-/// After the duration.
+/// Must be called after the duration is read.
 void read_horizon(Findings& findings, const YamlNode& node, Scenario& scenario) {
   const auto horizon = read_number(findings, node, "horizon", {0.0, Scenario::max_duration, "[s]"});
   if (!horizon) return;
@@ -113,7 +113,7 @@ void read_look(Findings& findings, const YamlNode& node, Look& look) {
     look.sky = Eigen::Vector4d((*color)[0], (*color)[1], (*color)[2], 1.0).cast<float>();
 }
 
-// False if the rest of the file can't be judged: it isn't a scenario, or of another version.
+// False if the rest of the file can't be checked: it isn't a scenario, or has a different version.
 bool check_version(Findings& findings, const YamlNode& root) {
   if (root.kind != YamlNode::Kind::map) {
     expected(findings, root, "the scenario", "a map that begins with rehearse: 1");
@@ -205,7 +205,7 @@ Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& 
   const Result<YamlNodePtr> root = parse_yaml(std::move(*text), file.string());
   if (!root) return root.errors();
   Findings findings(file.string());
-  Scenario scenario;  // a place for the list
+  Scenario scenario;  // holds the list
   scenario.file = file.string();
   if ((*root)->kind != YamlNode::Kind::map) {
     expected(findings, **root, "the file", "a map with a list of tolerances");

@@ -14,10 +14,10 @@
 namespace rehearse {
 namespace {
 
-// What the file says a body looks like; at most one of them stands.
+// The keys for the shape of a body; at most one of them may be given.
 constexpr std::array<std::string_view, 4> model_keys{"model", "box", "sphere", "cylinder"};
 
-// Reads one body after the other, and each model file once, however many bodies have it in the same way.
+// Reads one body after the other, and each model file once for all bodies with the same settings.
 class BodyReader {
  public:
   BodyReader(Findings& findings, const Scenario::ModelSource& source, Scenario& scenario)
@@ -27,7 +27,7 @@ class BodyReader {
 
  private:
   struct InlineShape {
-    std::optional<Geometry> geometry;  // none: it had a mistake
+    std::optional<Geometry> geometry;  // none: it has a mistake
     std::optional<Color> color;
     std::optional<Checker> checker;
   };
@@ -49,16 +49,17 @@ class BodyReader {
   Findings& findings_;
   const Scenario::ModelSource& source_;
   Scenario& scenario_;
-  std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;  // by file: those of its first body
-  // by file, fixed, kinematic and default mass; null: it failed, and that was told
+  // By file: the packages of its first body.
+  std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;
+  // by file, fixed, kinematic and default mass; null: loading failed, and this was reported
   std::map<std::tuple<std::string, bool, bool, std::optional<double>>, std::shared_ptr<const Model>> models_;
 };
 
 void BodyReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, "a body",
-                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass", "fixed", "dynamics",
-                   "joint_limits", "effort_limits", "collision", "self_collision", "position", "rotation", "joints",
-                   "controllers"});
+                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass", "fixed",
+                   "dynamics", "joint_limits", "effort_limits", "collision", "self_collision", "position", "rotation",
+                   "joints", "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -133,7 +134,7 @@ void BodyReader::read_contact(const Keys& keys, ScenarioBody& body) {
     expected(findings_, *node, "collision", "hull (meshes are touched as their convex hulls) or trimesh (as they are)");
 }
 
-// After check_root(): the model has its say in whether the body is fixed.
+// Called after check_root(), because the model may fix the body.
 void BodyReader::check_contact(const Keys& keys, const ScenarioBody& body) {
   if (body.trimesh && !body.fixed)
     findings_.error(*keys.find("collision"),
@@ -215,7 +216,7 @@ std::optional<Color> BodyReader::read_color(const YamlNode& node) {
   return Eigen::Vector4d((*values)[0], (*values)[1], (*values)[2], opacity).cast<float>();
 }
 
-// Its squares have the shape's opacity, so the color has none.
+// Its squares have the shape's opacity, so the color has no alpha.
 std::optional<Checker> BodyReader::read_checker(const YamlNode& node) {
   const Keys keys(findings_, node, "a checker", {"color", "size"});
   const YamlNode* color = keys.require("color", "[red, green, blue] of every second square");
@@ -273,7 +274,7 @@ void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlN
   body.model = std::make_shared<const Model>(std::move(model));
 }
 
-// A model may itself be fixed to the world; a scenario can't free it.
+// A model may itself be fixed to the world; a scenario can't make it movable.
 void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
   const Link& root = body.model->links.front();
   if (root.joint.type != JointType::fixed) return;

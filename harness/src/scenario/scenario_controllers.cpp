@@ -9,7 +9,8 @@
 namespace rehearse {
 namespace {
 
-// The controllers of one body; children share their parent's name space, because they share its body's channels.
+// Reads the controllers of one body. Children and their parent need different names, because they share its body's
+// channels.
 class ControllerReader {
  public:
   ControllerReader(Findings& findings, const ScenarioBody& body, const std::string& file)
@@ -58,7 +59,7 @@ class ControllerReader {
       controller.name = std::filesystem::path(controller.library).stem().string();
       node = library;
     }
-    if (controller.name.empty()) return;  // told already
+    if (controller.name.empty()) return;  // reported already
     const auto [first, is_new] = first_line_.emplace(controller.name, node->line);
     if (!is_new)
       findings_.error(*node, fmt::format("a second controller of {} is named '{}'", body_.name, controller.name),

@@ -1,4 +1,4 @@
-// The `expect` of a scenario: what has to be true of a run.
+// The `expect` of a scenario: properties that a run must have.
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -66,7 +66,7 @@ void ExpectationReader::read_entry(const YamlNode& node) {
   scenario_.expectations.push_back(std::move(expectation));
 }
 
-/// Whether there is one, so that the rest can be judged.
+/// True if there is a subject, so that the rest can be checked.
 bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Expectation& expectation) const {
   const YamlNode* found = nullptr;
   for (std::size_t i = 0; i < subjects.size(); ++i) {
@@ -121,7 +121,7 @@ void ExpectationReader::read_bounds(const Keys& keys, const YamlNode& node, Expe
   const YamlNode *above = keys.find("above"), *below = keys.find("below");
   const YamlNode *near = keys.find("near"), *within = keys.find("within");
   if (!above && !below && !near && !within) {
-    if (!has_unknown_key(keys))  // which may have been meant for one
+    if (!has_unknown_key(keys))  // an unknown key may be a misspelt subject
       findings_.error(node, "an expectation without a bound", "expected above, below, or near and within");
   } else if (near && !within) {
     findings_.error(*near, "'near' without 'within'", "expected within: D, how far from it is right");
@@ -135,7 +135,7 @@ void ExpectationReader::read_bounds(const Keys& keys, const YamlNode& node, Expe
   }
 }
 
-/// Something has to lie between them.
+/// There must be values between the bounds.
 void ExpectationReader::check_bounds(const Keys& keys, const Expectation& expectation) const {
   if (expectation.above && expectation.below && *expectation.above >= *expectation.below)
     findings_.error(*keys.find("above"), fmt::format("above is {}, which is not less than below", *expectation.above),
@@ -164,7 +164,7 @@ void ExpectationReader::read_span(const Keys& keys, Expectation& expectation) co
                     fmt::format("expected a time from {} [s] on", *expectation.from));
 }
 
-/// `at`, which takes the place of a span.
+/// Reads `at`, which replaces a span.
 void ExpectationReader::read_moment(const Keys& keys, Expectation& expectation) const {
   const YamlNode* at = keys.find("at");
   if (at == nullptr) return;

@@ -15,7 +15,7 @@ constexpr std::size_t max_names_listed = 16;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Levenshtein's, blind to the case of ASCII letters: `Knee` for `KNEE` is the commonest slip of all.
+// Levenshtein's distance, ignoring the case of ASCII letters: `Knee` for `KNEE` is the most common mistake.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -76,7 +76,7 @@ Diagnostics Findings::warnings() const {
 }
 
 std::vector<std::string> near_names(std::string_view wanted, const std::vector<std::string>& names) {
-  constexpr std::size_t longest = 100;  // keeps a hostile key from costing seconds
+  constexpr std::size_t longest = 100;  // limits the time for a hostile key
   if (wanted.size() > longest) return {};
   std::vector<std::pair<std::size_t, std::string>> near;
   for (const std::string& name : names) {

@@ -34,7 +34,7 @@ class JointReader {
   Findings& findings_;
   ScenarioBody& body_;
   const Model& model_;
-  std::vector<const YamlNode*> places_;  // by joint id: where its displacement stands; null: nowhere
+  std::vector<const YamlNode*> places_;  // by joint id: node of its displacement; null: none
 };
 
 void JointReader::read(const YamlNode& node) {
@@ -61,7 +61,7 @@ void JointReader::read_by_name(const NamedEntry& entry) {
     return;
   }
   const Joint& found = model_.links[static_cast<std::size_t>(link)].joint;
-  if (found.name != entry.name) {  // find_joint also takes the name of the link that a joint moves
+  if (found.name != entry.name) {  // find_joint also accepts the name of the link that a joint moves
     findings_.error(*entry.key, fmt::format("'{}' is a link of {}", entry.name, body_.name),
                     found.name.empty() ? "expected a joint" : fmt::format("its joint is '{}'", found.name));
   } else if (found.id < 0) {

@@ -1,4 +1,4 @@
-// The `joystick` of a scenario: who moves what when.
+// The `joystick` of a scenario: moves of axes and presses of buttons.
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -9,7 +9,7 @@
 namespace rehearse {
 namespace {
 
-/// What axes have in common, or buttons.
+/// The common properties of axes, or of buttons.
 struct ControlKind {
   std::string_view one;
   std::string_view many;
@@ -21,7 +21,7 @@ ControlKind kind_of(std::string_view one, std::string_view many, const Names& na
   return {one, many, {names.begin(), names.end()}};
 }
 
-/// Choreonoid's enumerators end so; `axes:` and `buttons:` say it already.
+/// Removes the endings of Choreonoid's enumerators; `axes:` and `buttons:` state the same.
 std::string_view without_suffix(std::string_view name) {
   for (const std::string_view suffix : {"_AXIS", "_BUTTON"})
     if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
@@ -36,12 +36,12 @@ class JoystickReader {
   void read_entry(const YamlNode& node);
 
  private:
-  /// What an entry has come to so far.
+  /// The state of an entry while it is read.
   struct Entry {
-    std::optional<double> at;  // [s]; none: not to be used
+    std::optional<double> at;  // [s]; none: the entry can't be used
     double over = 0.0;         // [s]
-    bool says = false;         // names an axis or a button
-    bool changes = false;      // and one of them isn't so already
+    bool says = false;         // it names an axis or a button
+    bool changes = false;      // at least one of these changes its state
   };
 
   void read_times(const Keys& keys, Entry& entry);
@@ -53,7 +53,7 @@ class JoystickReader {
   void told_twice(const NamedEntry& named, double at) const;
 
   Findings& findings_;
-  double duration_;  // [s]; 0: not known
+  double duration_;  // [s]; 0: unknown
   JoystickScript& script_;
   double last_at_ = 0.0;  // [s]
   const ControlKind axes_ = kind_of("an axis", "axes", joystick_axes);
@@ -73,7 +73,7 @@ void JoystickReader::read_entry(const YamlNode& node) {
                       "a position is held, and a button stays pressed, until another entry names it");
 }
 
-/// An entry has to name something, and an axis if it takes time; a misspelt key may have been meant to.
+/// Checks that an entry names a control, and an axis if it takes time; a misspelt key may have been meant as one.
 void JoystickReader::check_use(const Keys& keys, const YamlNode& node) const {
   bool names_something = false, names_axes = false;
   for (const NamedEntry& key : keys.entries()) {

@@ -1,4 +1,4 @@
-// The `noise` of a scenario: what sensors and joints read beside the truth.
+// The `noise` of a scenario: deviations of the readings of sensors and joints from the truth.
 #include <rehearse/scenario.h>
 
 #include "mcap/glob.h"
@@ -18,13 +18,13 @@ constexpr std::array quantity_keys{"angular_velocity", "acceleration", "force", 
                                    "displacement",     "velocity",     "effort"};
 constexpr double largest = 1e6;  // of a bias or standard deviation, in any unit
 
-/// Something that has noise: a device or a joint.
+/// A device or a joint with noise.
 struct Target {
   std::string name;  // Body/Device or Body/Joint
   std::vector<MeasuredQuantity> quantities;
-  std::vector<Noise>* noise = nullptr;  // where it goes; null: a joint's
-  double* dropout = nullptr;            // null: a joint's
-  JointNoise* joint = nullptr;          // null: a device's
+  std::vector<Noise>* noise = nullptr;  // destination; null for a joint
+  double* dropout = nullptr;            // null for a joint
+  JointNoise* joint = nullptr;          // null for a device
 };
 
 class NoiseReader {
@@ -68,7 +68,7 @@ NoiseReader::NoiseReader(Findings& findings, Scenario& scenario) : findings_(fin
   }
 }
 
-/// Those that the rule's pattern names; none, reported, if there is no such.
+/// The targets that match the rule's pattern; none, and an error is reported, if there are none.
 std::optional<std::vector<const Target*>> NoiseReader::find_targets(const Keys& keys, const YamlNode& node) const {
   const YamlNode* sensor = keys.find("sensor");
   const YamlNode* joint = keys.find("joint");
@@ -114,7 +114,7 @@ Noise NoiseReader::read_noise(const NamedEntry& entry, int axes) const {
   return noise;
 }
 
-/// A quantity has to be one that a target measures.
+/// Checks that each quantity is one that a target measures.
 NoiseReader::Given NoiseReader::read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const {
   Given given;
   for (const NamedEntry& entry : keys.entries()) {
@@ -139,7 +139,7 @@ NoiseReader::Given NoiseReader::read_quantities(const Keys& keys, const std::vec
   return given;
 }
 
-/// A later rule replaces an earlier one wholly.
+/// A later rule replaces an earlier one completely.
 void NoiseReader::give(const Target& target, const Given& given, double dropout) {
   std::vector<Noise> noise(target.quantities.size());
   for (std::size_t i = 0; i < noise.size(); ++i)

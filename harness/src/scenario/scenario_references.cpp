@@ -1,4 +1,4 @@
-// What refers to bodies that were read before: pushes, cameras, and tolerances.
+// The parts that refer to bodies read before: pushes, cameras, and tolerances.
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -102,7 +102,7 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
   cameras.push_back(*name);
 }
 
-/// What is off by more than a second isn't late, it is something else.
+/// A longer delay than a second is not a delay but a different motion.
 constexpr Range any_time_tolerance{0.0, 1.0, "[s]"};
 
 void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario) {
@@ -132,7 +132,7 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
   scenario.tolerances.push_back(std::move(rule));
 }
 
-/// How often it is to measure [Hz]; 0 for what measures in every step, and for cameras that don't run.
+/// Rate of its measurements [Hz]; 0 for devices that measure in every step, and for cameras that don't run.
 double rate_of(const Device& device, const ScenarioBody& body, const Scenario& scenario) {
   if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) return laser->scan_rate;
   const auto* camera = std::get_if<Camera>(&device.kind);

@@ -12,7 +12,7 @@
 namespace rehearse {
 namespace {
 
-// The longest prefix of `text` that is a number, as double; `rest` is what follows it.
+// The longest prefix of `text` that is a number, as double; `rest` is the text after it.
 std::optional<double> leading_number(std::string_view text, std::string_view& rest) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0.0;
@@ -29,7 +29,7 @@ std::optional<double> plain_number(const YamlNode& node) {
   return rest.empty() ? value : std::nullopt;
 }
 
-// A bare number, or one with deg or rad. In quotes only with its unit: "10 deg" is how many people would write it.
+// A bare number, or one with deg or rad. In quotes only with its unit, because many people would write "10 deg".
 std::optional<Measure> number_or_angle(const YamlNode& node) {
   std::string_view unit;
   const auto number = node.kind == YamlNode::Kind::scalar ? leading_number(node.text, unit) : std::nullopt;
@@ -227,7 +227,8 @@ std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNo
 
 const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
                                           std::string_view what) {
-  constexpr std::size_t longest = 1000;  // far beyond any scenario; what it stops is a file made to cost minutes
+  // Far more than any scenario needs; it stops files that would take minutes to read.
+  constexpr std::size_t longest = 1000;
   if (node.kind == YamlNode::Kind::list && node.items.size() <= longest) return &node.items;
   if (node.kind == YamlNode::Kind::list) {
     findings.error(node, fmt::format("{} has {} elements", label, node.items.size()),

@@ -13,10 +13,10 @@
 namespace rehearse {
 namespace {
 
-// Such files are written by hand. The limit keeps a mistaken path (a recording, a device) from being read to its end.
+// Such files are written by hand. The limit prevents reading a wrong file (a recording, a device) to its end.
 constexpr std::size_t max_file_size = 1 << 20;
 
-// Far beyond any scenario; what it stops is a small file whose aliases unfold to gigabytes.
+// Far more than any scenario needs; it stops small files whose aliases unfold to gigabytes.
 constexpr std::size_t max_nodes = 1'000'000;
 
 class TreeBuilder : public YAML::EventHandler {
@@ -80,7 +80,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void finish(const std::shared_ptr<YamlNode>& node, YAML::anchor_t anchor, const YAML::Mark& mark) {
-    // yaml-cpp puts an empty value wherever the next token stands, often in another line.
+    // yaml-cpp places an empty value at the next token, often in a different line.
     if (node->kind == YamlNode::Kind::empty && value_follows()) {
       node->line = open_.back().node->keys.back()->line;
       node->column = open_.back().node->keys.back()->column;
@@ -110,7 +110,7 @@ class TreeBuilder : public YAML::EventHandler {
   std::map<YAML::anchor_t, YamlNodePtr> anchors_;
 };
 
-// yaml-cpp words a tab in the indentation as whatever it made of it; people need to hear of the tab.
+// yaml-cpp doesn't mention a tab in the indentation in its messages; the advice does.
 std::string_view advice(const std::string& text, int line) {
   std::size_t begin = 0;
   for (int i = 1; i < line && begin != std::string::npos; ++i) {

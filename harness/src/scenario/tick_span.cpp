@@ -37,7 +37,7 @@ bool parse_double(std::string_view text, double& number) {
 }
 
 Diagnostic error_at(const WordPlace& place, const std::string& message) {
-  std::size_t column = 0;  // a byte that continues a character takes no place
+  std::size_t column = 0;  // a byte that continues a character has no column
   for (const char c : place.text.substr(0, place.begin)) column += (c & 0xC0) != 0x80;
   return error(fmt::format("{}\n  {}\n  {}{}", message, place.text, std::string(column, ' '),
                            "^" + std::string(place.size > 1 ? place.size - 1 : 0, '~')));

@@ -34,7 +34,7 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   const Scenario::ModelSource models = [&trace](const std::string& file, const UrdfOptions& options) -> Result<Model> {
     const mcap::Attachment* model = find_attachment(trace, file);
     if (!model) return error(fmt::format("the trace has no attachment '{}'", file));
-    UrdfOptions without_meshes = options;  // a trace has none
+    UrdfOptions without_meshes = options;  // a trace contains no meshes
     without_meshes.meshes = UrdfOptions::Meshes::skip;
     return parse_urdf(std::string(model->text()), file, without_meshes);
   };

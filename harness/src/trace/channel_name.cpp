@@ -92,7 +92,7 @@ std::string name_of_segment(std::string_view segment) {
   return name;
 }
 
-/// The segments of a topic that begins with a slash; none: it has an empty one, or more than a topic of ours.
+/// The segments of a topic that begins with a slash; none: it has an empty segment, or more than any topic of Rehearse.
 std::vector<std::string_view> segments_of(std::string_view topic) {
   constexpr std::size_t most = 5;
   std::vector<std::string_view> segments;
@@ -105,12 +105,12 @@ std::vector<std::string_view> segments_of(std::string_view topic) {
   return topic.empty() ? segments : std::vector<std::string_view>();
 }
 
-/// What the segments say; none: no topic of ours has these.
+/// The name with these segments; none: no topic of Rehearse has these segments.
 std::optional<ChannelName> name_of(const std::vector<std::string_view>& segments) {
   ChannelName name;
   const std::size_t count = segments.size();
   const ChannelForm* form = nullptr;
-  std::size_t owner = count;  // which segment it is
+  std::size_t owner = count;  // index of the owner's segment
   if (count == 0) return std::nullopt;
   if (count > 1) name.body = segments[0];
   if (count > 3) {
@@ -188,7 +188,7 @@ bool ChannelName::is_of_link() const {
     case ChannelKind::twist:
     case ChannelKind::acceleration:
     case ChannelKind::contacts: return true;
-    case ChannelKind::wrench: return side != ChannelSide::none;  // a force sensor's else
+    case ChannelKind::wrench: return side != ChannelSide::none;  // otherwise a force sensor
     default: return false;
   }
 }

@@ -18,7 +18,7 @@ namespace {
 
 std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
-/// One filtering.
+/// One call of filter().
 class Filter {
  public:
   Filter(const FileView& file, Reader& reader, Writer& writer, Selector& selector, const ChannelGroups& groups,
@@ -45,7 +45,8 @@ class Filter {
   Selector& selector_;
   const ChannelGroups& groups_;
   const FilterOptions& options_;
-  std::vector<std::optional<std::uint16_t>> ids_ = std::vector<std::optional<std::uint16_t>>(0x10000);  // in the target
+  // Ids in the target.
+  std::vector<std::optional<std::uint16_t>> ids_ = std::vector<std::optional<std::uint16_t>>(0x10000);
   std::size_t next_attachment_ = 0, next_metadata_ = 0;
   Filtered filtered_;
 };
@@ -65,7 +66,7 @@ void Filter::define() {
   }
 }
 
-/// Attachments and metadata that stand before that byte of the source.
+/// Writes attachments and metadata before that byte of the source.
 Result<void> Filter::write_extras_before(std::uint64_t offset) {
   const auto& attachments = reader_.attachments();
   for (; next_attachment_ < attachments.size() && attachments[next_attachment_].offset < offset; ++next_attachment_) {
@@ -83,7 +84,7 @@ Result<void> Filter::write_extras_before(std::uint64_t offset) {
   return {};
 }
 
-/// What the file was cut from.
+/// Writes the record that names the source.
 Result<void> Filter::write_note() {
   if (!options_.cuts() || !options_.metadata) return {};
   StringMap note{{"source", printable(std::filesystem::path(reader_.name()).filename().string(), 200)},

@@ -10,7 +10,7 @@ namespace rehearse {
 
 std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed = 0);
 
-/// The hash of bytes that come in parts: that of all of them.
+/// The hash of bytes that are added in parts: equal to the hash of all of them together.
 class RunningHash {
  public:
   explicit RunningHash(std::uint64_t seed = 0);

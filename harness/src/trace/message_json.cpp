@@ -14,7 +14,7 @@ namespace rehearse {
 
 namespace {
 
-/// The length of the UTF-8 sequence that the text begins with; 0 if it begins with none.
+/// The length of the UTF-8 sequence at the beginning of the text; 0 if there is none.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t head = byte(0);
@@ -28,7 +28,7 @@ std::size_t utf8_length(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xc0) != 0x80) return 0;
   }
-  // Longer than need be, halves of UTF-16 pairs, beyond the last character.
+  // Overlong sequences, halves of UTF-16 pairs, values beyond the last character.
   if ((head == 0xe0 && byte(1) < 0xa0) || (head == 0xed && byte(1) >= 0xa0)) return 0;
   if ((head == 0xf0 && byte(1) < 0x90) || (head == 0xf4 && byte(1) >= 0x90)) return 0;
   return length;
@@ -101,7 +101,7 @@ namespace ros2msg {
 
 namespace {
 
-/// What JSON and lines for people have in common: commas, and a limit.
+/// The common parts of JSON and lines for people: commas, and a limit of the size.
 class TextVisitor : public Visitor {
  public:
   TextVisitor(std::size_t max_size, std::string_view separator) : max_size_(max_size), separator_(separator) {}
@@ -110,7 +110,7 @@ class TextVisitor : public Visitor {
   std::string take_text() { return std::move(text_); }
 
  protected:
-  /// False if there is no room any more.
+  /// False if the limit is reached.
   bool begin_element() {
     if (text_.size() > max_size_) too_long_ = true;
     if (too_long_) return false;
@@ -147,7 +147,7 @@ class TextVisitor : public Visitor {
   bool too_long_ = false;
 };
 
-/// A field's name is followed by its value, so the value begins no element of its own: `after_name_`.
+/// A field's value follows its name, so the value begins no new element: `after_name_`.
 class JsonVisitor final : public TextVisitor {
  public:
   explicit JsonVisitor(std::size_t max_size) : TextVisitor(max_size, ",") {}
@@ -178,7 +178,7 @@ class JsonVisitor final : public TextVisitor {
   bool after_name_ = false;
 };
 
-/// Beyond the first few elements of an array it is silent until that array ends.
+/// After the first few elements of an array it prints nothing until that array ends.
 class LineVisitor final : public TextVisitor {
  public:
   LineVisitor() : TextVisitor(std::size_t{1} << 20, " ") {}
@@ -237,8 +237,9 @@ class LineVisitor final : public TextVisitor {
     return begin_element();
   }
 
-  std::vector<Array> arrays_;          // that are open
-  std::size_t silent_from_ = nowhere;  // so many open arrays: the innermost of them has been shown enough of
+  std::vector<Array> arrays_;  // open arrays
+  // Number of open arrays when the innermost one reached the limit of shown elements.
+  std::size_t silent_from_ = nowhere;
   int depth_ = 0;
   bool after_name_ = false;
 };

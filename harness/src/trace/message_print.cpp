@@ -13,7 +13,7 @@ namespace {
 
 std::string_view text_of(mcap::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-/// The JSON text without the blanks between its parts; nullopt if it isn't JSON.
+/// The JSON text without the blanks between its tokens; nullopt if it isn't JSON.
 std::optional<std::string> without_blanks(std::string_view json) {
   if (!nlohmann::json::accept(json)) return std::nullopt;
   std::string text;
@@ -29,7 +29,7 @@ std::optional<std::string> without_blanks(std::string_view json) {
   return text;
 }
 
-/// As JSON or as a line; else why not.
+/// The message as JSON or as a line; fails with the reason if it can't be decoded.
 Result<std::string> decode(ros2msg::Decoder* decoder, mcap::Bytes data, MessagePrinter::Form form) {
   if (decoder != nullptr) {
     return form == MessagePrinter::Form::json ? ros2msg::to_json(*decoder, data) : ros2msg::to_line(*decoder, data);
@@ -103,7 +103,7 @@ void MessagePrinter::print_line(const mcap::Message& message, const mcap::Schema
   constexpr std::uint64_t second = 1'000'000'000;
   const mcap::Channel& channel = *message.channel;
   std::string topic;
-  append_json(topic, channel.topic);  // what would upset a terminal is escaped
+  append_json(topic, channel.topic);  // characters that would disturb a terminal are escaped
   fmt::format_to(std::back_inserter(text_), "{}.{:09} {} ", message.log_time / second, message.log_time % second,
                  std::string_view(topic).substr(1, topic.size() - 2));
   Decoding& decoding = decoding_of(channel, schema);

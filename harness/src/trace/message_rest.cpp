@@ -15,7 +15,8 @@ namespace {
 
 struct HeldByType {
   std::string_view type;
-  std::array<std::string_view, 5> patterns;  // as many as aren't empty; of texts: those that name columns
+  // Patterns up to the first empty one; for texts: those that name columns.
+  std::array<std::string_view, 5> patterns;
 };
 
 constexpr std::array<HeldByType, 13> held_by_type{{
@@ -37,7 +38,7 @@ constexpr std::array<HeldByType, 13> held_by_type{{
 constexpr std::array<std::string_view, 5> held_of_tick{"tick", "state_hash", "input_hash", "output_hash",
                                                        "controller_results/*"};
 
-constexpr std::byte no_stamp{0xff};  // in place of the log time: no stamp has so many nanoseconds
+constexpr std::byte no_stamp{0xff};  // replaces the log time: no stamp has so many nanoseconds
 
 std::uint32_t number_at(mcap::Bytes payload, std::size_t position) {
   std::uint32_t number = 0;
@@ -80,7 +81,8 @@ bool MessageRest::take(mcap::Bytes payload, std::uint64_t log_time) {
   return before != bytes_;
 }
 
-/// If all bytes of the rest are those of the message before, so is the layout: strings and counts are among them.
+/// True if all bytes of the rest are equal to those of the message before. Then the layout is equal, too, because
+/// strings and counts belong to the rest.
 bool MessageRest::is_as_before(mcap::Bytes payload, std::uint64_t log_time) const {
   if (bytes_.empty() || payload.size() != bytes_.size()) return false;
   for (const auto& [begin, end] : kept_)

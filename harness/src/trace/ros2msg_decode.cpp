@@ -11,7 +11,7 @@ namespace rehearse::ros2msg {
 
 namespace {
 
-/// A Visitor to whom the values alone matter.
+/// A Visitor that only uses the values.
 class ValuesOnly final : public Visitor {
  public:
   explicit ValuesOnly(const std::function<void(const Value&)>& callback) : callback_(callback) {}
@@ -36,7 +36,7 @@ std::string encapsulation_problem(std::span<const std::byte> payload) {
   return fmt::format("isn't CDR: it begins with 0x{:04x}", kind);
 }
 
-/// One pass over one payload. It ends: each element takes a byte at least, and the parser bounds the depth.
+/// One pass over one payload. It always ends: each element takes at least a byte, and the parser limits the depth.
 class Walk {
  public:
   Walk(const Schema& schema, std::span<const std::byte> payload, std::string& path, Visitor& visitor)
@@ -46,7 +46,7 @@ class Walk {
 
   void message(const Definition& definition) {
     visitor_.begin_message();
-    if (definition.fields.empty()) {  // CDR has no empty structures: ROS puts one byte into a message without fields
+    if (definition.fields.empty()) {  // CDR has no empty structures: ROS encodes one byte for a message without fields
       reader_.get<std::uint8_t>();
       check_end();
     }
@@ -63,7 +63,7 @@ class Walk {
   std::string take_problem() { return std::move(problem_); }
 
  private:
-  /// Lengthens the path for as long as it lives.
+  /// Extends the path during its lifetime.
   class Segment {
    public:
     Segment(std::string& path, std::string_view name) : path_(path), length_(path.size()) {
@@ -136,7 +136,7 @@ class Walk {
     emit(value);
   }
 
-  /// A number, and where it stands.
+  /// Reads a number, and its bytes in the payload.
   template <class Number>
   Number take(Value& value) {
     const Number number = reader_.get<Number>();

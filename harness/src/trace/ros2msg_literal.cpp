@@ -29,7 +29,7 @@ bool is_boolean(std::string_view text) {
   return false;
 }
 
-/// Decimal or 0x, with a sign.
+/// Parses decimal or 0x, with a sign.
 template <class Integer>
 bool is_integer(std::string_view text) {
   const bool negative = text.starts_with('-');
@@ -78,7 +78,7 @@ std::string element_problem(const FieldType& type, std::string_view text) {
   return fmt::format("{} has {} characters of at most {}", text, size, type.string_bound);
 }
 
-/// At commas that are outside of quotes.
+/// Splits at commas outside of quotes.
 std::vector<std::string_view> split(std::string_view text) {
   std::vector<std::string_view> parts;
   if (trim(text).empty()) return parts;

@@ -49,8 +49,8 @@ bool is_name(std::string_view text) {
          std::all_of(text.begin(), text.end(), is_name_character);
 }
 
-/// The line without its comment. A # within quotes begins none; a quote counts where a text may begin, so that an
-/// apostrophe in the midst of one hides nothing.
+/// The line without its comment. A # within quotes begins no comment. A quote counts only where a text may begin, so an
+/// apostrophe inside of a text is no quote.
 std::string_view without_comment(std::string_view line) {
   char quote = 0;
   char before = 0;
@@ -86,16 +86,16 @@ std::string canonical_name(std::string_view type) {
   return name;
 }
 
-// More than any message has; so that hostile text takes linear time.
+// More than any message has, so that hostile text takes linear time.
 constexpr std::size_t max_definitions = 1000;
 constexpr std::size_t max_fields = 4096;
 constexpr int max_depth = 64;
 
-/// A field whose type is looked up when all definitions are known.
+/// A field whose type is resolved when all definitions are known.
 struct OpenField {
   std::size_t definition = 0;
   std::size_t field = 0;
-  std::string type;  // as written
+  std::string type;  // as written in the schema
   int line = 0;
 };
 
@@ -119,7 +119,7 @@ class Parser {
   std::optional<std::size_t> find_definition(std::string_view type, std::string_view package) const;
   std::optional<std::size_t> add_known(std::string_view type);
   void check_cycles();
-  enum class Mark { unseen, open, done };  // open: on the way down to the one at hand
+  enum class Mark { unseen, open, done };  // open: an ancestor of the present definition
   void visit(std::size_t definition, int depth, std::vector<Mark>& marks);
   int line_of(std::size_t definition, std::size_t field) const;
   void complain(int line, std::string message, std::string hint = {});
@@ -194,7 +194,7 @@ void Parser::parse_declaration(std::string_view line) {
   }
 }
 
-/// `message_name` stays empty for a primitive. False after a complaint.
+/// `message_name` stays empty for a primitive. False after an error was reported.
 bool Parser::parse_type(std::string_view text, FieldType& type, std::string& message_name) {
   const std::string_view whole = text;
   const auto malformed = [&] { return complain(line_, fmt::format("\"{}\" is no type", whole)), false; };
@@ -271,7 +271,7 @@ void Parser::add_field(FieldType type, std::string message_name, std::string_vie
 }
 
 void Parser::resolve() {
-  // The list grows while it is walked: a type that everybody knows may use another.
+  // The list grows during the loop: a well-known type may use further types.
   for (std::size_t i = 0; i < open_fields_.size(); ++i) {
     const OpenField open = open_fields_[i];
     const std::string type = canonical_name(open.type);
@@ -286,7 +286,7 @@ void Parser::resolve() {
   }
 }
 
-/// A bare name means a type of the same package, Header that of std_msgs if there is none.
+/// A bare name is a type of the same package, Header that of std_msgs if there is none.
 std::optional<std::size_t> Parser::find_definition(std::string_view type, std::string_view package) const {
   const auto find = [&](std::string_view name) -> std::optional<std::size_t> {
     const auto place = by_name_.find(name);
@@ -297,7 +297,7 @@ std::optional<std::size_t> Parser::find_definition(std::string_view type, std::s
   return type == "Header" ? find("std_msgs/Header") : std::nullopt;
 }
 
-/// Many writers leave these out.
+/// Adds a well-known type, which many writers leave out.
 std::optional<std::size_t> Parser::add_known(std::string_view type) {
   const auto field = [](const char* name, Primitive primitive) {
     FieldType single;
@@ -327,7 +327,7 @@ void Parser::check_cycles() {
   for (std::size_t i = 0; i < marks.size(); ++i) visit(i, 0, marks);
 }
 
-/// Depth first. The depth is bounded by a limit of ours, not by the stack.
+/// Depth first. A constant limits the depth, so that the stack can't overflow.
 void Parser::visit(std::size_t definition, int depth, std::vector<Mark>& marks) {
   if (marks[definition] == Mark::done || !errors_.empty()) return;
   marks[definition] = Mark::open;

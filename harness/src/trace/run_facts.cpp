@@ -9,7 +9,7 @@
 namespace rehearse {
 namespace {
 
-/// None: not stated, or no number.
+/// The number; none: not stated, or no number.
 template <class Number>
 std::optional<Number> number_of(const mcap::StringMap& metadata, const char* key) {
   const auto found = metadata.find(key);

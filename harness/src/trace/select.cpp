@@ -29,7 +29,7 @@ std::optional<Number> parse_whole(std::string_view text) {
   return number;
 }
 
-/// a + b, at most never.
+/// a + b, limited to never.
 std::uint64_t add(std::uint64_t a, std::uint64_t b) { return a > never - b ? never : a + b; }
 
 std::vector<std::uint16_t> tick_channels(const Reader& reader) {
@@ -118,7 +118,8 @@ Result<void> Selector::check_topics(const Reader& reader) const {
   return {};
 }
 
-/// From the first of the ticks to the next after the last of them: whatever has a time between belongs to them.
+/// Finds the times from the first of the ticks to the next one after the last; all messages between belong to the
+/// ticks.
 Result<void> Selector::find_ticks(Reader& reader) {
   const auto refuse = [&](std::string message) {
     Diagnostic missing = error(std::move(message));
@@ -131,7 +132,7 @@ Result<void> Selector::find_ticks(Reader& reader) {
   const std::int64_t last = selection_.ticks->last.value_or(std::numeric_limits<std::int64_t>::max());
   std::uint64_t begin = never, end = never;
   std::optional<std::int64_t> least, greatest;
-  // What is damaged in the file the caller's own pass will tell.
+  // The caller's own pass will report the damage of the file.
   static_cast<void>(reader.for_each_message(
       [&](const Message& message) {
         CdrReader payload(message.data);

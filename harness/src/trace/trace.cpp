@@ -33,7 +33,7 @@ const TraceRest* TraceChannel::rest_of(std::size_t message) const {
   return after == rests.begin() ? nullptr : &*std::prev(after);
 }
 
-/// A series that exists and has a sample.
+/// The samples of a series that exists and has at least one.
 struct Trace::Samples {
   const TraceChannel& channel;
   std::size_t column;
@@ -45,14 +45,15 @@ struct Trace::Samples {
 
 namespace {
 
-/// The time of a test's argument in the trace's units, where rounding doesn't decide which sample is meant.
+/// Converts a test's argument to a time in the trace's units, so that rounding doesn't change the selected sample.
 std::uint64_t to_ns(double seconds) {
   if (!(seconds > 0.0)) return 0;
   constexpr double limit = 1e10;  // [s], 300 years
   return static_cast<std::uint64_t>(std::llround(std::min(seconds, limit) * 1e9));
 }
 
-/// How many letters to change, add or take away to make one of the other. A * in the first is any text, at no cost.
+/// The number of letters to change, add or remove to convert one text to the other. A * in the first matches any text
+/// at no cost.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -80,7 +81,7 @@ std::optional<SeriesPlace> Trace::find_series(std::string_view name) const {
 }
 
 std::string Trace::nearest_series(std::string_view name) const {
-  constexpr std::size_t shown = 3, longest = 200;  // bytes: no name is so long, and no text may cost minutes
+  constexpr std::size_t shown = 3, longest = 200;  // bytes: no name is longer; it limits the time for long texts
   name = name.substr(0, longest);
   std::vector<std::pair<std::size_t, std::string_view>> by_distance;
   for (const auto& [other, place] : series_) by_distance.emplace_back(edit_distance(name, other), other);
@@ -235,7 +236,7 @@ Result<std::vector<std::byte>> Trace::payload(const TraceChannel& channel, std::
 }
 
 const mcap::Schema* Trace::schema_of(const TraceChannel& channel) const {
-  // channels() are those of the file, in its order
+  // channels() has the channels of the file in the file's order
   auto described = reader_->channels().begin();
   std::advance(described, &channel - channels_.data());
   return reader_->schema_of(described->second);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view scenario_name = "scenario.yaml";
 
-/// Records by which a file says that it isn't all of a recording.
+/// Records by which a file states that it lacks parts of a recording.
 constexpr const char* cut_by[] = {"rehearse.filter", "rehearse.merge", "rehearse.recover"};
 
 }  // namespace
@@ -85,7 +85,8 @@ void TraceCheck::end(std::uint64_t, mcap::Findings& findings) {
   if (provenances_ > 0) examine_recording(findings);
 }
 
-/// The file is a recording of ours, or made of some. What was cut out or lost, and says so, is only noted.
+/// Examines a recording of Rehearse, or a file made from some. Parts that the file states as removed or lost are only
+/// noted.
 void TraceCheck::examine_recording(mcap::Findings& findings) const {
   const mcap::Metadata& provenance = metadata_.at(records::provenance);
   const bool cut =
@@ -113,14 +114,14 @@ void TraceCheck::examine_recording(mcap::Findings& findings) const {
   if (!cut) examine_outcome(findings);
 }
 
-/// How the run ended, of a recording that is all there.
+/// Examines the end of the run in a complete recording.
 void TraceCheck::examine_outcome(mcap::Findings& findings) const {
   const auto outcome = metadata_.find(records::outcome);
   if (outcome == metadata_.end())
     return findings.add(Severity::error, {metadata_.at(records::provenance).offset, {}},
                         "the recording doesn't say how the run ended: it was cut off");
   const RunOutcome stated = RunOutcome::of(outcome->second.values);
-  // after the last tick of a run that came to its end the state follows once more, as a tick of its own
+  // A complete run has the state after its last tick as one more tick.
   const std::int64_t there = ticks_ - (ticks_ > 0 && stated.complete ? 1 : 0);
   if (stated.ticks != there)
     findings.add(Severity::error, {outcome->second.offset, {}},

@@ -12,7 +12,8 @@
 
 namespace rehearse {
 
-// Other people's schemas may be wrong, or say what we can't decode: their messages have no series, but bytes.
+// Schemas of other programs may be wrong, or have types that can't be decoded: their messages have no series, only
+// bytes.
 ChannelSource::ChannelSource(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns)
     : rows(channel, schema, std::move(columns)),
       rest(rows.has_rows() ? MessageRest::make(rows.table.type, schema) : nullptr) {}
@@ -46,7 +47,7 @@ void drop_messages(TraceChannel& table, std::size_t count) {
   table.earlier += count;
 }
 
-/// Builds a Trace in one pass over its file: whole, or piece after piece.
+/// Builds a Trace in one pass over its file: the whole trace, or piece after piece.
 class TraceLoader {
  public:
   TraceLoader(const std::filesystem::path& file, Trace::Damage damage, Trace::OnPiece on_piece = {},
@@ -78,10 +79,10 @@ class TraceLoader {
   const Trace::OnPiece on_piece_;
   const std::size_t piece_size_;
   Trace trace_;
-  std::vector<msg::Event> earlier_events_;  // of the pieces that were handed out
+  std::vector<msg::Event> earlier_events_;  // events of earlier pieces
   std::vector<msg::ContactChange> earlier_changes_;
   bool has_ticks_ = false;
-  std::size_t held_ = 0;  // bytes of the tables, about
+  std::size_t held_ = 0;  // approximate size of the tables [bytes]
   std::map<std::uint16_t, std::unique_ptr<Source>> sources_;
   std::vector<Source*> by_id_ = std::vector<Source*>(0x10000, nullptr);
   Diagnostics problems_;
@@ -159,14 +160,14 @@ Result<Trace> TraceLoader::load() {
   return std::move(trace_);
 }
 
-/// Where the numbers of a moment are together.
+/// True at the end of a tick, when its numbers are complete.
 bool TraceLoader::ends_a_tick(const mcap::Message& message) const {
   if (!has_ticks_) return true;
   const mcap::Schema* schema = trace_.reader_->schema_of(*message.channel);
   return schema != nullptr && schema->name == msg::Tick::type_name;
 }
 
-/// Hands out what was read so far and goes on with empty tables of the same columns.
+/// Passes on the piece read so far and continues with empty tables of the same columns.
 void TraceLoader::end_piece() {
   assemble();
   on_piece_(trace_);
@@ -184,7 +185,7 @@ void TraceLoader::end_piece() {
   held_ = 0;
 }
 
-/// Of all channels; keeps the events.
+/// Empties the tables of all channels; keeps the events.
 void TraceLoader::empty_tables() {
   for (TraceChannel& table : trace_.channels_) drop_messages(table, table.messages());
   const auto keep = [](auto& piece, auto& all) {
@@ -302,7 +303,7 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
   for (std::size_t c = 0; c < channels.size(); ++c) {
     TraceChannel& channel = *channels[c];
     const std::string topic = channel.topic.starts_with('/') ? channel.topic.substr(1) : channel.topic;
-    // The last is for a topic that two channels share.
+    // The last prefix is for a topic of two channels.
     for (const std::string& prefix : {series_name(topic, ""), topic + "/", fmt::format("{}#{}/", topic, c)}) {
       const bool taken = std::any_of(channel.columns.begin(), channel.columns.end(), [&](const TraceColumn& column) {
         return series.contains(prefix + column.element);

@@ -14,7 +14,7 @@ std::uint64_t missing(CellKind kind) {
   return kind == CellKind::floating ? std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN()) : 0;
 }
 
-/// Any type, by its schema.
+/// Reads messages of any type, by its schema.
 class SchemaRowReader : public RowReader {
  public:
   SchemaRowReader(TraceChannel& channel, ros2msg::Schema schema) : row_(channel), decoder_(std::move(schema)) {}
@@ -36,7 +36,7 @@ class SchemaRowReader : public RowReader {
       case Kind::unsigned_integer: row_.put(value.path, CellKind::unsigned_integer, value.unsigned_integer); break;
       case Kind::boolean: row_.put(value.path, CellKind::boolean, value.unsigned_integer); break;
       case Kind::text:
-      case Kind::blob: break;  // no number
+      case Kind::blob: break;  // a blob is no number
     }
   }
 
@@ -101,10 +101,10 @@ std::size_t RowWriter::add_column(std::string_view element, CellKind kind) {
   return column;
 }
 
-/// Makes room for further columns in all rows so far, the one at hand included.
+/// Adds columns to all rows so far, the present one included.
 void RowWriter::widen(std::size_t added, CellKind kind) {
   const std::size_t columns = channel_.columns.size();
-  // A row without columns leaves no trace in the cells: the rows so far are those of the messages before this one.
+  // A row without columns has no cells: then the rows so far are those of the messages before this one.
   const std::size_t rows = columns == 0 ? channel_.times.size() : channel_.cells.size() / columns;
   empty_row_.insert(empty_row_.end(), added, missing(kind));
   std::vector<std::uint64_t> wider;
@@ -149,7 +149,7 @@ ChannelRows::ChannelRows(const mcap::Channel& channel, const mcap::Schema* schem
 }
 
 bool ChannelRows::add(std::uint64_t time, std::span<const std::byte> payload) {
-  table.times.push_back(time);  // before the row: the table widens to as many rows as there are times
+  table.times.push_back(time);  // before the row: the table gets as many rows as there are times
   if (reader_ == nullptr || reader_->read(payload)) return true;
   table.times.pop_back();
   table.cells.resize(table.times.size() * table.columns.size());

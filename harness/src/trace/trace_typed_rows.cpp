@@ -17,8 +17,9 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-/// The rows of JointState and JointAccelerations: arrays that go with an array of names. Names are nearly always those
-/// of the message before, so their bytes are compared and skipped, and the arrays copied whole.
+/// Reads the rows of JointState and JointAccelerations: arrays that belong to an array of names. Names are nearly
+/// always equal to those of the message before, so their bytes are compared and skipped, and the arrays are copied as a
+/// whole.
 class NamedArraysReader : public RowReader {
  public:
   /// `suffixes` name the arrays that follow the names, in order: "/q", "/dq", "/u".
@@ -48,7 +49,7 @@ class NamedArraysReader : public RowReader {
   }
 
  private:
-  /// True if the names are those of the message before.
+  /// True if the names are equal to those of the message before.
   bool read_names(Bytes payload, CdrReader& reader) {
     const std::size_t start = reader.position();
     if (!name_bytes_.empty() && start % 4 == names_alignment_ && reader.left() >= name_bytes_.size() &&
@@ -91,7 +92,7 @@ class NamedArraysReader : public RowReader {
         ++column;
       }
     }
-    // Then column k holds element k of the arrays in a row; not so if names come twice or other columns came before.
+    // Then column k contains element k of the arrays in a row; not if names occur twice or other columns came before.
     columns_are_arrays_ = in_order && channel_.columns.size() == column_count();
   }
 
@@ -105,8 +106,8 @@ class NamedArraysReader : public RowReader {
   bool columns_are_arrays_ = false;
 };
 
-/// The rows of Joy. The channel's metadata may say what its axes and buttons are called: names with blanks between them
-/// under `axes` and `buttons`. Without, they have their numbers.
+/// Reads the rows of Joy. The channel's metadata may state the names of its axes and buttons, separated by blanks,
+/// under `axes` and `buttons`. Without them, numbers are used.
 class JoyReader : public RowReader {
  public:
   explicit JoyReader(TraceChannel& channel)
@@ -144,7 +145,7 @@ class JoyReader : public RowReader {
   std::string element_;
 };
 
-// What a row of each type holds.
+// The contents of a row for each type.
 
 template <class Message>
 void put_numbers(ChannelKind kind, const Message& m, RowWriter& row) {
@@ -167,14 +168,14 @@ void put_row(const msg::LaserScan& m, RowWriter& row) {
   row.put_array("ranges", m.ranges);
 }
 
-/// The distances, if each point has one; its place follows from it.
+/// The distances, if each point has one; its position follows from the distance.
 void put_row(const msg::PointCloud2& m, RowWriter& row) {
   row.put("height", CellKind::unsigned_integer, m.height);
   row.put("width", CellKind::unsigned_integer, m.width);
   if (std::vector<float> ranges; read_ranges(m, ranges)) row.put_array("ranges", ranges);
 }
 
-/// Under the names of the kind's elements, behind a prefix.
+/// Writes numbers under the names of the kind's elements, after a prefix.
 void put_behind(std::string& prefix, ChannelKind kind, std::span<const double> numbers, RowWriter& row) {
   const std::size_t stem = prefix.size();
   const std::vector<ChannelElement>& elements = elements_of(kind);
@@ -185,7 +186,7 @@ void put_behind(std::string& prefix, ChannelKind kind, std::span<const double> n
   }
 }
 
-/// The points that a row has fewer than others are NaN; how many it has tells `count`.
+/// If a row has fewer points than others, the missing ones are NaN; `count` is the number of points.
 void put_row(const msg::Contacts& m, RowWriter& row) {
   row.put("contacts/count", CellKind::unsigned_integer, m.contacts.size());
   for (std::size_t i = 0; i < m.contacts.size(); ++i) {
@@ -222,7 +223,7 @@ void put_row(const msg::TFMessage& m, RowWriter& row) {
   }
 }
 
-/// The rows of a controller's variable: its element is named as the last segment of the topic.
+/// The rows of a controller's variable: the element is the last segment of the topic.
 class VariableReader : public RowReader {
  public:
   VariableReader(TraceChannel& channel, const ChannelName& name) : row_(channel), name_(topic_segment(name.owner)) {}

@@ -1,5 +1,5 @@
-// TraceWindows: a recording as one window of time after the other, each a trace; and how a channel's messages are read
-// into its table. Internal.
+// TraceWindows: reads a recording as a sequence of windows of time, each of which is a trace. Also reads the messages
+// of a channel into its table. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -19,47 +19,47 @@
 
 namespace rehearse {
 
-/// A channel while it is read.
+/// The reader of a channel.
 struct ChannelSource {
   ChannelSource(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns = {});
-  /// Adds a message to the table. False: it isn't what the schema says.
+  /// Adds a message to the table. False: it doesn't fit the schema.
   bool add(const mcap::Message& message);
 
   ChannelRows rows;
   std::unique_ptr<MessageRest> rest;  // null if there are no rows
 };
 
-/// Lets go of a table's first messages.
+/// Removes a table's first messages.
 void drop_messages(TraceChannel& table, std::size_t count);
 
 class TraceWindows {
  public:
-  /// `whole`: as Trace::load_in_pieces() returned it; every table has its columns from the beginning. Messages of
-  /// these channels, by their place in the trace, are read; at least one.
+  /// `whole`: the result of Trace::load_in_pieces(), whose tables have all columns from the beginning. The messages of
+  /// `channels`, given by their indices in the trace, are read; at least one channel.
   TraceWindows(const Trace& whole, std::span<const std::size_t> channels);
 
-  /// Lets go of the messages before `keep_from` and takes in those up to `until`, inclusive [ns].
+  /// Removes the messages before `keep_from` and reads those up to `until`, inclusive [ns].
   void move(std::uint64_t keep_from, std::uint64_t until);
-  /// Without events and changes of contact.
+  /// The trace of the present window, without events and changes of contact.
   const Trace& window() const { return trace_; }
-  /// When the first message behind the window is [ns]; none: there is none.
+  /// The time of the first message after the window [ns]; none: there is none.
   std::optional<std::uint64_t> next_time() const;
-  /// What is damaged in the messages that were read.
+  /// Fails with the damage of the messages that were read.
   Result<void> verdict();
 
  private:
   Trace trace_;
-  std::deque<ChannelSource> sources_;  // like the trace's channels
+  std::deque<ChannelSource> sources_;  // parallel to the trace's channels
   std::vector<ChannelSource*> by_id_ = std::vector<ChannelSource*>(0x10000, nullptr);
   std::unique_ptr<mcap::OrderedMessages> messages_;
-  const mcap::Message* message_ = nullptr;  // the next
+  const mcap::Message* message_ = nullptr;  // the next message
 };
 
-/// Whether a trace is as Trace::load_in_pieces() returns it.
+/// True if a trace is a result of Trace::load_in_pieces(), without messages.
 bool is_without_messages(const Trace& trace);
 
-/// Calls `take` with the messages of some channels, by their place in the trace, in the order of time: with windows
-/// that are read from its file, or once with the trace itself if it holds its messages.
+/// Calls `take` with the messages of some channels, given by their indices in the trace, in the order of time. It
+/// passes windows that are read from the trace's file, or once the trace itself if it contains its messages.
 void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
                      const std::function<void(const Trace& window)>& take);
 
