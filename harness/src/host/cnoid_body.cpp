@@ -17,7 +17,7 @@
 namespace rehearse {
 namespace {
 
-/// Choreonoid writes "no limit" as the largest double.
+/// In Choreonoid the largest double means "no limit".
 double limit(double value) {
   constexpr double largest = std::numeric_limits<double>::max();
   return std::isfinite(value) ? value : std::copysign(largest, value);

@@ -21,7 +21,7 @@ namespace {
 
 using CnoidLink = cnoid::Link;
 
-constexpr std::size_t lines_of_a_failure = 3;  // that its message repeats
+constexpr std::size_t lines_of_a_failure = 3;  // lines that its message repeats
 
 std::uint8_t drive_of(int mode) {
   std::uint8_t drive = drive_none;
@@ -128,7 +128,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
     const auto replaced = options_.libraries.find(name);
     if (replaced == options_.libraries.end()) continue;
     library = replaced->second;
-    directory = std::filesystem::current_path();  // it was given on the command line
+    directory = std::filesystem::current_path();  // the library was given on the command line
   }
   const auto file = find_controller_library(library, directory);
   if (!file) return at(specification.place, file.errors()[0]);
@@ -166,7 +166,7 @@ std::string ControllerHost::last_words(const HostedController& hosted) {
   return fmt::format("; it wrote: {}", fmt::join(hosted.last_lines, " | "));
 }
 
-/// What a call said, however it ended. Where its code was interrupted, the stream may be in any state.
+/// Reads the messages of a call, after any end of it. If its code was interrupted, the stream may be in any state.
 void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
   std::vector<std::string> lines;
   const auto collect = [&] { lines = hosted.io->take_messages(); };
@@ -184,7 +184,7 @@ void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
   for (const std::string& finding : hosted.variables.take_findings()) event(Severity::warning, hosted.label, finding);
 }
 
-/// What a call did to the process, each kind once for each controller.
+/// Reports the changes that a call made to the process, each kind once for each controller.
 void ControllerHost::tell_trespasses(HostedController& hosted, const char* function, const CallOutcome& outcome) {
   std::vector<Trespass> trespasses = ProcessGuard::instance().put_right();
   if (outcome.changed_float_mode)
@@ -197,7 +197,7 @@ void ControllerHost::tell_trespasses(HostedController& hosted, const char* funct
       event(Severity::warning, hosted.label, fmt::format("{}() at tick {} {}", function, tick_, trespass.deed));
 }
 
-/// A thread may have failed of another controller than the one that is called.
+/// The failed thread may belong to a different controller than the called one.
 const std::string& ControllerHost::label_of_failed(const HostedController& called, const CallOutcome& outcome) const {
   if (!outcome.by_thread_of || called.library->threads().get() == outcome.by_thread_of) return called.label;
   for (const HostedController& hosted : controllers_)
@@ -209,13 +209,13 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
                           HowOften how_often) {
   const PluggedIn plugged_in(hosted.joystick.get());
   const double now = time_of(tick_, scenario_->time_step);
-  const DebuggedCall debugged({run_, tick_, now, hosted.label.c_str(), function, hosted.controller.get(), hosted.io.get(),
-                               hosted.io_body ? &hosted.io_body->body() : nullptr});
+  const DebuggedCall debugged({run_, tick_, now, hosted.label.c_str(), function, hosted.controller.get(),
+                               hosted.io.get(), hosted.io_body ? &hosted.io_body->body() : nullptr});
   note_call_begin(hosted.label.c_str(), function, tick_, now, options_.call_limit);
   ProcessGuard::instance().begin(hosted.library->threads(), how_often == HowOften::once);
   const CallOutcome outcome = [&] {
     const Watched watched(options_.watch, {hosted.label, hosted.library->file(), function, tick_, now});
-    // what is set after the last tick has none to be recorded with
+    // a variable that is set after the last tick can't be recorded
     const ControllerVariables::Open variables(stopped_ ? nullptr : &hosted.variables);
     return guarded_call(code, options_.call_limit);
   }();
@@ -226,14 +226,15 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   if (outcome.end == CallEnd::returned) return true;
   if (outcome.by_thread_of) thread_failed_of_ = outcome.by_thread_of;
   const std::string& label = label_of_failed(hosted, outcome);
-  std::string text = fmt::format("controller '{}' {} in {}() at tick {} ({} s){}", label, outcome.what, function, tick_,
-                                 time_of(tick_, scenario_->time_step), &label == &hosted.label ? last_words(hosted) : "");
+  std::string text =
+      fmt::format("controller '{}' {} in {}() at tick {} ({} s){}", label, outcome.what, function, tick_,
+                  time_of(tick_, scenario_->time_step), &label == &hosted.label ? last_words(hosted) : "");
   event(Severity::error, label, text);
   if (!failure_) failure_ = error(std::move(text));
   hosted.running = false;
   hosted.configured = false;
   if (outcome.end != CallEnd::threw) {
-    // its code was interrupted somewhere: nothing of it may run again, not even its destructor
+    // Its code was interrupted: none of it may run again, not even its destructor.
     hosted.library->keep_loaded();
     static auto& abandoned = *new std::vector<std::pair<cnoid::SimpleController*, HostJoystick*>>;
     abandoned.emplace_back(hosted.controller.release(), hosted.joystick.release());
@@ -299,7 +300,7 @@ void ControllerHost::initialize(HostedController& hosted, const Observation& ini
   hosted.running = accepted;
   if (accepted) return;
   refuse(hosted, "initialize");
-  if (hosted.parent < 0) hosted.io_body->take_device_outputs();  // they are not heard
+  if (hosted.parent < 0) hosted.io_body->take_device_outputs();  // the host ignores them
 }
 
 Command ControllerHost::initialize(const Observation& initial) {
@@ -326,7 +327,7 @@ Command ControllerHost::initialize(const Observation& initial) {
     HostedController& hosted = controllers_[i];
     if (!hosted.running) continue;
     set_drives(i, command);
-    // what was said to devices in initialize() acts before the run, and is recorded with tick 0
+    // Commands to devices in initialize() act before the run, and are recorded with tick 0.
     HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
     for (DeviceOutput& output : leader.io_body->take_device_outputs()) {
       tell(hosted, output, command);
@@ -337,7 +338,7 @@ Command ControllerHost::initialize(const Observation& initial) {
   return command;
 }
 
-/// A joint is driven as the last controller that commands it says.
+/// The last controller that commands a joint determines its drive.
 void ControllerHost::set_drives(std::size_t index, Command& command) {
   const HostedController& hosted = controllers_[index];
   for (const IoField& field : hosted.io->outputs().fields) {
@@ -397,7 +398,7 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     hosted.tick.has_output = alive;
     if (!alive) break;
   }
-  // a child may write to a joint that its parent commands: both are read when all have returned, as Choreonoid does
+  // A child may write to a joint that its parent commands: as in Choreonoid, both are read when all have returned.
   for (HostedController& hosted : controllers_)
     if (hosted.tick.has_output) hosted.io->output();
   if (!alive) return false;
@@ -406,7 +407,7 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   return true;
 }
 
-/// Those of this tick, and at tick 0 what initialize() said of other devices.
+/// Reads the outputs for devices of this tick; at tick 0 also those of initialize() for other devices.
 void ControllerHost::take_device_outputs(HostedController& hosted) {
   std::vector<DeviceOutput>& outputs = hosted.tick.device_outputs;
   outputs = hosted.io_body->take_device_outputs();
@@ -417,7 +418,8 @@ void ControllerHost::take_device_outputs(HostedController& hosted) {
   }
 }
 
-/// What a controller changed in the info() of a device reaches the others of its robot that have enabled that device.
+/// Copies changes that a controller made in the info() of a device to the other controllers of its robot that have
+/// enabled this device.
 bool ControllerHost::pass_infos() {
   for (HostedController& hosted : controllers_) {
     if (hosted.parent >= 0 || !hosted.io_body) continue;
@@ -490,7 +492,7 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
         body.external[field.link].force += Eigen::Vector3d(value[0], value[1], value[2]);
         body.external[field.link].torque += Eigen::Vector3d(value[3], value[4], value[5]);
         break;
-      default: break;  // freeze() has said that they have no effect
+      default: break;  // freeze() has reported that they have no effect
     }
   }
 }
@@ -512,16 +514,17 @@ void ControllerHost::stop(std::int64_t end) {
           "thread): what it set there isn't recorded");
 }
 
-/// The code of a thread that still runs may not be unloaded.
+/// The code of a thread that still runs must not be unloaded.
 void ControllerHost::keep_libraries_of_threads() {
   for (HostedController& hosted : controllers_) {
     if (!hosted.library) continue;  // it couldn't be loaded
     const std::atomic<int>& running = *hosted.library->threads();
-    for (int i = 0; i < 50 && running > 0; ++i) usleep(1000);  // one that was told to end may need a moment
+    for (int i = 0; i < 50 && running > 0; ++i) usleep(1000);  // a thread that ends at a request may take a moment
     if (running == 0) continue;
     hosted.library->keep_loaded();
     take_late_failure(hosted);
-    const int left = running - (thread_failed_of_ == &running ? 1 : 0);  // one that failed stands still, and is told
+    // A failed thread is suspended, and was reported.
+    const int left = running - (thread_failed_of_ == &running ? 1 : 0);
     if (left > 0)
       event(Severity::warning, hosted.label,
             fmt::format("leaves {} running after stop(): {} stays loaded",
@@ -530,7 +533,7 @@ void ControllerHost::keep_libraries_of_threads() {
   }
 }
 
-/// A thread may have failed after the last call.
+/// A thread may fail after the last call.
 void ControllerHost::take_late_failure(const HostedController& hosted) {
   if (failure_) return;
   const CallOutcome late = guarded_call([] {}, options_.call_limit);

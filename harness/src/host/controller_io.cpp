@@ -15,7 +15,7 @@ using CnoidLink = cnoid::Link;
 
 constexpr int joint_modes = CnoidLink::JointDisplacement | CnoidLink::JointVelocity | CnoidLink::JointEffort;
 
-/// The quantities that a link's state flags stand for, in the order of Quantity. A link without a joint id has no joint
+/// The quantities for a link's state flags, in the order of Quantity. A link without a joint id has no joint
 /// quantities.
 struct FlagQuantity {
   int input_flag;
@@ -33,7 +33,7 @@ constexpr FlagQuantity flag_quantities[] = {
     {CnoidLink::LinkExtWrench, Quantity::wrench},
 };
 
-/// What enableInput(link) means in an actuation mode; Choreonoid since 2.1.
+/// The meaning of enableInput(link) in an actuation mode; as in Choreonoid since 2.1.
 int default_input(const CnoidLink& link) {
   const int mode = link.actuationMode();
   int flags = CnoidLink::StateNone;
@@ -46,7 +46,7 @@ int default_input(const CnoidLink& link) {
 void put(double* target, const cnoid::Vector3& v) { std::copy(v.data(), v.data() + 3, target); }
 cnoid::Vector3 vector(const double* source) { return {source[0], source[1], source[2]}; }
 
-/// One observed quantity as numbers.
+/// Reads one observed quantity as numbers.
 void gather(const IoField& field, const BodyObservation& seen, double* values) {
   const LinkReading& link = seen.links[field.link];
   switch (field.quantity) {
@@ -66,11 +66,11 @@ void gather(const IoField& field, const BodyObservation& seen, double* values) {
       put(values, link.acceleration);
       put(values + 3, link.angular_acceleration);
       break;
-    case Quantity::wrench: std::fill(values, values + 6, 0.0); break;  // the simulated one is zeroed by each step
+    case Quantity::wrench: std::fill(values, values + 6, 0.0); break;  // each step sets the simulated wrench to zero
   }
 }
 
-/// Numbers of one quantity into the controller's link.
+/// Writes the numbers of one quantity into the controller's link.
 void scatter(const IoField& field, const double* values, CnoidLink& link) {
   switch (field.quantity) {
     case Quantity::q: link.q() = *values; break;
@@ -93,7 +93,7 @@ void scatter(const IoField& field, const double* values, CnoidLink& link) {
   }
 }
 
-/// One commanded quantity of the controller's link as numbers.
+/// Reads one commanded quantity of the controller's link as numbers.
 void gather_command(const IoField& field, const CnoidLink& link, double* values) {
   switch (field.quantity) {
     case Quantity::q: *values = link.q_target(); break;

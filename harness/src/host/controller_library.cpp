@@ -46,7 +46,7 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-/// The folders of controllers of a project's builds; first the one whose library of that name is the newest.
+/// The folders of controllers of a project's builds; the folder with the newest library of that name comes first.
 std::vector<fs::path> built_folders(const fs::path& project, const std::string& name) {
   std::vector<fs::path> folders;
   for (const fs::path& build : build_folders(project)) folders.push_back(build / "lib/rehearse/controllers");
@@ -58,9 +58,9 @@ std::vector<fs::path> built_folders(const fs::path& project, const std::string& 
   return folders;
 }
 
-/// Where a controller is looked for by its name: the folders that the user names, the builds of the project, and where
-/// those of this installation are. What runs from a build of the project takes controllers of that build alone: others
-/// may be made with other compilers, or with sanitizers.
+/// The folders in which a controller is searched by its name: folders named by the user, the builds of the project, and
+/// the folder of this installation. A program that runs from a build of the project uses controllers of that build
+/// alone: others may be made with different compilers, or with sanitizers.
 std::vector<fs::path> search_folders(const std::string& name, const fs::path& directory) {
   const fs::path own = own_library_folder() / "rehearse" / "controllers";
   std::vector<fs::path> folders = stated_folders();
@@ -74,7 +74,7 @@ std::vector<fs::path> search_folders(const std::string& name, const fs::path& di
   return folders;
 }
 
-/// What to do about a controller that isn't there.
+/// Advice about a missing controller.
 std::string advice_on_missing(const std::string& looked, const fs::path& directory) {
   const auto project = find_project(directory / "");
   if (project && build_folders(*project).empty())
@@ -84,7 +84,7 @@ std::string advice_on_missing(const std::string& looked, const fs::path& directo
 
 bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".so"); }
 
-/// The dynamic linker's words, with C++ names as a person writes them.
+/// The dynamic linker's message, with demangled C++ names.
 std::string readable(std::string message) {
   constexpr std::string_view marker = "undefined symbol: ";
   const std::size_t at = message.find(marker);
@@ -98,8 +98,9 @@ std::string readable(std::string message) {
   return "it needs the symbol '" + symbol + "', which nothing here defines";
 }
 
-/// What the library did while it was loaded. One that is in memory already does nothing any more; then it is what it
-/// did the first time, so that a run in a process says the same whatever ran before it.
+/// The changes that the library made to the process while it was loaded. A library that is in memory already makes no
+/// changes; then those of its first load are returned, so that the remarks of a run don't depend on earlier runs in the
+/// process.
 std::vector<std::string> remarks_on_loading(const std::string& name, const std::string& content_hash,
                                             const CallOutcome& outcome) {
   static auto& told = *new std::map<std::string, std::vector<std::string>>;
@@ -115,8 +116,9 @@ std::vector<std::string> remarks_on_loading(const std::string& name, const std::
   return before == told.end() ? remarks : before->second;
 }
 
-/// The libraries of this process that were interrupted while they were loaded or unloaded, by file, and what they did.
-/// The dynamic linker takes such a one for loaded, with static objects that weren't constructed, or were destroyed.
+/// The libraries of this process that were interrupted while they were loaded or unloaded, by file, with a description.
+/// The dynamic linker treats such a library as loaded, although its static objects weren't constructed, or were
+/// destroyed.
 std::map<fs::path, std::string>& interrupted_libraries() {
   static auto& all = *new std::map<fs::path, std::string>;
   return all;
@@ -165,13 +167,13 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   library->file_ = file;
   library->call_limit_ = call_limit;
   library->content_hash_ = content_hash_of(file);
-  const fs::path absolute = fs::absolute(file);  // not in the call, which may end anywhere
+  const fs::path absolute = fs::absolute(file);  // before the call, because the call may end at any instruction
   const std::string name = "controller library '" + file.filename().string() + "'";
   if (const auto before = interrupted_libraries().find(absolute); before != interrupted_libraries().end())
     return error(name + " can't be loaded again in this process: before, it " + before->second,
                  "its static objects are in pieces; another process can load it");
   std::string problem;
-  // its static objects are constructed in here: code of the library's author
+  // Its static objects are constructed here: code of the library's author.
   ProcessGuard::instance().begin(library->threads_, true);
   const CallOutcome outcome = guarded_call(
       [&] {
@@ -210,7 +212,7 @@ void ControllerLibrary::keep_loaded() {
 
 ControllerLibrary::~ControllerLibrary() {
   if (!handle_ || keep_loaded_) return;
-  // its static objects are destroyed in here, when nobody listens any more: what they do is put right all the same
+  // Its static objects are destroyed here. Changes that they make to the process are undone but not reported.
   note_call_begin(file_.filename().c_str(), unloading, 0, 0.0, call_limit_);
   ProcessGuard::instance().begin(threads_, true);
   const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);

@@ -1,6 +1,6 @@
 #include "debug_hook.h"
 
-// What tools/gdb/rehearse_debug/place.py takes apart.
+// tools/gdb/rehearse_debug/place.py reads this layout.
 static_assert(sizeof(rehearse::DebugPlace) == 64 && sizeof(long) == 8 && sizeof(void*) == 8);
 
 extern "C" {
@@ -11,7 +11,7 @@ extern "C" {
 
 [[gnu::noinline, gnu::used, gnu::visibility("default")]] void rehearse_at_tick(long tick, const char* controller,
                                                                                cnoid::SimpleController* object) {
-  asm volatile("" : : "r"(tick), "r"(controller), "r"(object));  // so that a debugger finds them
+  asm volatile("" : : "r"(tick), "r"(controller), "r"(object));  // keeps the arguments for a debugger
 }
 
 }  // extern "C"

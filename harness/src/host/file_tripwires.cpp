@@ -1,7 +1,7 @@
-// The functions of the C library that open files to read, in front of its own (see process_tripwires.cpp).
+// Replacements of the C library's functions that open files to read (see process_tripwires.cpp).
 //
-// Outside of a guarded call they do what libc's do; in one they note the file's name before.
-#undef _FORTIFY_SOURCE  // whose inline functions have these names
+// Outside of a guarded call they only call the functions of libc; in one they first note the file's name.
+#undef _FORTIFY_SOURCE  // it declares inline functions with these names
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -12,8 +12,9 @@
 
 namespace {
 
-/// The functions that would be found without ours, looked up when this library is loaded: a look-up takes the lock of
-/// the dynamic linker, which a call that was ended while a library was loaded holds for ever.
+/// The functions that would be called without these replacements. They are looked up when this library is loaded: a
+/// look-up takes the lock of the dynamic linker, and a call that was ended while a library was loaded holds this lock
+/// for ever.
 struct NextFunctions {
 #define REHEARSE_MEMBER(function) \
   decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(dlsym(RTLD_NEXT, #function));
@@ -41,7 +42,7 @@ void note(const char* path, const char* mode) {
   if (mode && mode[0] == 'r' && rehearse::in_guarded_call()) rehearse::note_opened_file(path);
 }
 
-/// The mode of a file that may be made.
+/// The mode of a file that may be created.
 mode_t mode_in(int flags, va_list arguments) {
   const bool makes = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
   return makes ? va_arg(arguments, mode_t) : 0;

@@ -10,7 +10,7 @@
 namespace rehearse {
 namespace {
 
-constexpr unsigned int sticky_flags = 0x3f;  // "inexact" and the like: something happened, not a mode
+constexpr unsigned int sticky_flags = 0x3f;  // flags such as "inexact": they record events and are no mode
 constexpr unsigned int denormals_are_zero = 0x0040;
 
 const char* name_of_rounding(unsigned int bits) {
@@ -22,7 +22,7 @@ const char* name_of_rounding(unsigned int bits) {
   }
 }
 
-/// `masked`: a bit that is 0 lets the processor trap.
+/// `masked`: a bit that is 0 enables a trap of the processor.
 void add_traps(unsigned int masked, std::vector<std::string>& deeds) {
   constexpr const char* names[] = {"invalid operations", "denormal numbers", "division by zero",
                                    "overflow",           "underflow",        "inexact results"};

@@ -28,21 +28,21 @@ namespace rehearse {
 namespace {
 
 constexpr int caught_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-/// These end a process, too. A controller may handle them itself.
+/// These signals end a process, too. A controller may handle them itself.
 constexpr int deadly_signals[] = {SIGALRM, SIGVTALRM, SIGPROF, SIGXFSZ, SIGSYS};
-constexpr int hang_signal = SIGXCPU;  // sent by the watchdog; nobody else sends it unless a CPU limit is set
-constexpr int exit_instead = -1;      // at the return point, in the place of a signal
+constexpr int hang_signal = SIGXCPU;  // sent by the watchdog, and by the kernel if a CPU limit is set
+constexpr int exit_instead = -1;      // value at the return point for an exit, instead of a signal
 constexpr std::size_t signal_stack_size = 64 * 1024;
 constexpr std::size_t stack_gap = 16 * 1024;
 
 sigjmp_buf return_point;
 volatile sig_atomic_t guarding = 0;
 pthread_t guarded_thread;
-const char* exit_deed = nullptr;  // how the code of the last call wanted to end the process
-struct sigaction outside_actions[NSIG];  // as they were before ours
+const char* exit_deed = nullptr;         // how the code of the last call tried to end the process
+struct sigaction outside_actions[NSIG];  // the actions before those of this file
 
-/// A page that holds 1 during guarded calls, and zeros in a process that is forked in one: the kernel wipes it there.
-/// So a call that ends in such a process is noticed without a system call.
+/// A page that contains 1 during guarded calls, and zeros in a process that is forked in one, where the kernel wipes
+/// it. So the end of a call in such a process is detected without a system call.
 volatile unsigned char* const unforked = [] {
   constexpr std::size_t size = 4096;
   void* page = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -53,15 +53,15 @@ volatile unsigned char* const unforked = [] {
 
 /// The failure of a thread that a controller started.
 struct ThreadFailure {
-  std::atomic<int> state{0};  // 0: none; 1: one writes it; 2: it can be read
+  std::atomic<int> state{0};  // 0: none; 1: it is being written; 2: it can be read
   const void* library = nullptr;
   char deed[512] = {};
 } thread_failure;
 
-volatile sig_atomic_t ending = 0;  // the process: what remains of it runs in exit()
+volatile sig_atomic_t ending = 0;  // true: the process is in exit()
 int end_status = 0;
 
-/// In a signal handler, too.
+/// Also called in a signal handler.
 const char* describe_signal(int signal_number) {
   switch (signal_number) {
     case SIGSEGV:
@@ -91,14 +91,14 @@ extern "C" void leave_guarded_code(int signal_number) {
   end_if_ending();
   if (signal_number == hang_signal) return;  // it came too late: the call has returned
   if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(signal_number));
-  // A crash outside of guarded code is not ours to hide: whoever handled it before gets it when the fault repeats.
+  // The host doesn't hide crashes outside of guarded code: the previous handler gets the signal when the fault repeats.
   sigaction(signal_number, &outside_actions[signal_number], nullptr);
   if (!is_fault(signal_number)) raise(signal_number);
 }
 
-/// Watches from a thread of its own that no guarded call takes longer than its limit, unless a debugger holds it. This is wall time on purpose: it
-/// decides only whether a run goes on, never what is in it. The thread calls nothing that takes a lock, and runs until
-/// the process ends.
+/// A separate thread that ends guarded calls which exceed their limit, unless a debugger has stopped the process. It
+/// uses wall time on purpose: this decides only whether a run continues, never its contents. The thread calls no
+/// function that takes a lock, and runs until the process ends.
 class Watchdog {
  public:
   static Watchdog& instance() {
@@ -108,12 +108,12 @@ class Watchdog {
 
   void begin(double limit) {
     limit_.store(limit, std::memory_order_relaxed);
-    calls_.fetch_add(1, std::memory_order_release);  // odd: a call is under way
+    calls_.fetch_add(1, std::memory_order_release);  // odd: a call is running
   }
   void end() { calls_.fetch_add(1, std::memory_order_release); }
 
  private:
-  /// Signals are for the guarded thread, so the new one begins with all of them blocked.
+  /// Signals are for the guarded thread, so the new thread begins with all of them blocked.
   Watchdog() {
     sigset_t all, before;
     sigfillset(&all);
@@ -147,15 +147,17 @@ class Watchdog {
   std::atomic<double> limit_{0.0};
 };
 
-/// Of the thread that makes the calls. It is there as long as the process: exit() ends a thread's own objects first.
+/// The signal stack of the thread that makes the calls. It exists as long as the process, because exit() destroys a
+/// thread's own objects first.
 void provide_signal_stack() {
   thread_local SignalStack* stack = nullptr;
   if (!stack) stack = new SignalStack;
 }
 
-constexpr double end_limit = 10.0;  // [s] for all that a process still does in exit()
+constexpr double end_limit = 10.0;  // limit for the rest of exit() [s]
 
-/// In exit(): what follows may be static destructors of a library that stays in memory. They change nothing any more.
+/// Called in exit(): afterwards static destructors of a library in memory may run. They can no longer change the exit
+/// status.
 extern "C" void guard_rest(int status, void*) {
   if (ending) return;
   std::fflush(nullptr);
@@ -173,7 +175,7 @@ void install_handlers() {
   installed = true;
   struct sigaction action {};
   action.sa_handler = leave_guarded_code;
-  // SA_NODEFER: the signal isn't blocked when the handler is left by siglongjmp
+  // SA_NODEFER: the signal isn't blocked after siglongjmp leaves the handler.
   action.sa_flags = SA_ONSTACK | SA_NODEFER;
   for (const int signal_number : caught_signals) sigaction(signal_number, &action, &outside_actions[signal_number]);
   sigaction(hang_signal, &action, &outside_actions[hang_signal]);
@@ -191,7 +193,7 @@ std::string demangled(const char* name) {
   return result;
 }
 
-/// Runs the code and catches what it throws.
+/// Runs the code and catches its exceptions.
 void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
   try {
     code();
@@ -216,7 +218,7 @@ void end_if_ending() {
   if (ending) leave_process(end_status);
 }
 
-/// With some of the stack left free above it, which an array that is overrun reaches instead of our own frames.
+/// Leaves a gap in the stack above it, so that an array overrun reaches the gap instead of the host's frames.
 [[gnu::noinline]] void run_below_gap(const std::function<void()>& code, CallOutcome& outcome) {
   char* const gap = static_cast<char*>(__builtin_alloca(stack_gap));
   asm volatile("" : : "r"(gap) : "memory");
@@ -224,7 +226,7 @@ void end_if_ending() {
   asm volatile("" : : "r"(gap) : "memory");
 }
 
-/// A thread of a controller's failed since the last look.
+/// Reads the failure of a controller's thread since the last call.
 void take_thread_failure(CallOutcome& outcome) {
   if (thread_failure.state.load(std::memory_order_acquire) != 2) return;
   outcome.end = CallEnd::crashed;
@@ -253,7 +255,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
                   : signal_number == hang_signal ? CallEnd::hung
                                                  : CallEnd::crashed;
   }
-  if (*unforked == 0) leave_process(EXIT_FAILURE);  // a child that the code forked: the run is its parent's
+  if (*unforked == 0) leave_process(EXIT_FAILURE);  // a child that the code forked: the run belongs to its parent
   Watchdog::instance().end();
   outcome.float_mode = float_mode();
   outcome.changed_float_mode = !(outcome.float_mode == standard);

@@ -9,7 +9,7 @@ namespace {
 static_assert(joystick_axes.size() == cnoid::Joystick::NUM_STD_AXES);
 static_assert(joystick_buttons.size() == cnoid::Joystick::NUM_STD_BUTTONS);
 
-// What a Joystick without a name asks for; of all names the first, which one with an unknown name gets.
+// The name that a Joystick without a name requests; one with an unknown name gets it, too.
 constexpr const char* any_name = "";
 
 }  // namespace

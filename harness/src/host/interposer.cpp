@@ -20,7 +20,7 @@ constexpr const char* settings_variable = "REHEARSE_INTERPOSER";
 using Enter = void (*)(const char* controller, const char* library, const char* function, long long tick, double time);
 using Call = void (*)();
 
-/// What the interposer offers to its host; nulls if this process runs without it.
+/// The functions of the interposer for its host; null if this process runs without it.
 struct Interposer {
   Call begin = reinterpret_cast<Call>(dlsym(RTLD_DEFAULT, "rehearse_interposer_begin"));
   Enter enter = reinterpret_cast<Enter>(dlsym(RTLD_DEFAULT, "rehearse_interposer_enter"));
@@ -32,7 +32,7 @@ const Interposer& interposer() {
   return found;
 }
 
-/// Settings are separated by semicolons, which a path may hold too.
+/// Settings are separated by semicolons, which a path may contain, too.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char letter : text) {
@@ -44,7 +44,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// "clock.date=...;seed=...;": whole numbers, which look the same in any locale.
+/// "clock.date=...;seed=...;": whole numbers, which have the same text in any locale.
 std::string text_of(const Substitution& substitution, std::string_view prefix) {
   std::string text;
   const auto add = [&](std::string_view name, auto value) { text += fmt::format("{}{}={};", prefix, name, value); };
@@ -74,7 +74,7 @@ std::string text_of(const InterposerSettings& settings) {
   return text;
 }
 
-/// The variable's value with something in front of it.
+/// Puts a value in front of the variable's own.
 std::string with_own(const char* variable, std::string value, char separator) {
   const char* own = std::getenv(variable);
   return own && *own ? value + separator + own : value;
@@ -84,7 +84,7 @@ std::string with_own(const char* variable, std::string value, char separator) {
 
 SimulatedClock SimulatedClock::shifted() const {
   SimulatedClock other = *this;
-  other.date += 400 * 86'400'000'000'000 + 12'345'678'901'234;  // another year, weekday, hour and fraction
+  other.date += 400 * 86'400'000'000'000 + 12'345'678'901'234;  // a different year, weekday, hour and fraction
   other.uptime += 7'654'321'098'765;
   other.rate *= 3;
   other.read_step *= 3;
@@ -107,7 +107,7 @@ Result<std::map<std::string, std::optional<std::string>>> interposer_environment
   std::map<std::string, std::optional<std::string>> changes;
   changes["LD_PRELOAD"] = with_own("LD_PRELOAD", library->string(), ':');
   changes[settings_variable] = text_of(settings);
-  // AddressSanitizer insists on being loaded first, else
+  // Without this AddressSanitizer demands to be loaded first.
   changes["ASAN_OPTIONS"] = with_own("ASAN_OPTIONS", "verify_asan_link_order=0", ':');
   return changes;
 }
@@ -117,7 +117,7 @@ bool is_interposed() { return interposer().enter != nullptr; }
 __attribute__((noinline, no_sanitize("address"))) void StackFill::paint() const {
   void* const below = __builtin_alloca(depth);
   std::memset(below, pattern_, depth);
-  asm volatile("" : : "r"(below) : "memory");  // nobody reads it, but it is to be written
+  asm volatile("" : : "r"(below) : "memory");  // prevents the compiler from removing the writes, which no code reads
 }
 
 InterposerWatch::InterposerWatch(std::optional<StackFill> fill) : fill_(fill) {
@@ -127,7 +127,7 @@ InterposerWatch::InterposerWatch(std::optional<StackFill> fill) : fill_(fill) {
 void InterposerWatch::enter(const ControllerCall& call) {
   if (interposer().enter)
     interposer().enter(call.controller.c_str(), call.library.c_str(), call.function, call.tick, call.time);
-  if (fill_) fill_->paint();  // last: whatever is called writes to the stack, too
+  if (fill_) fill_->paint();  // last, because every call writes to the stack, too
 }
 
 void InterposerWatch::leave() {

@@ -14,7 +14,7 @@ namespace rehearse {
 namespace {
 
 volatile sig_atomic_t came = 0;
-volatile time_t came_at = 0;  // [s]
+volatile time_t came_at = 0;  // time of the signal [s]
 
 time_t seconds_now() {
   timespec now{};
@@ -22,9 +22,9 @@ time_t seconds_now() {
   return now.tv_sec;
 }
 
-/// A signal may come twice at once: from a terminal's or a time limit's process group, and passed on by the parent.
+/// A signal may arrive twice at the same time: from a terminal's or a time limit's process group, and from the parent.
 extern "C" void take_interruption(int number, siginfo_t* sent, void*) {
-  const bool own = sent->si_code <= 0 && sent->si_pid == getpid();  // a controller ends its own process
+  const bool own = sent->si_code <= 0 && sent->si_pid == getpid();  // a controller sent it to its own process
   if (own || is_forked_by_guest()) {
     signal(number, SIG_DFL);
     raise(number);

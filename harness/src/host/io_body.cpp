@@ -33,10 +33,10 @@ void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
   for (std::size_t i = 0; i < enabled_.size(); ++i) {
     if (!enabled_[i] || !seen.devices[i].fresh) continue;
     if (std::holds_alternative<Light>(model().devices[i].kind) && std::exchange(said_[i], {}) == seen.devices[i].values)
-      continue;  // it said so itself
+      continue;  // it sent the change itself
     cnoid::Device& device = *body_->device(static_cast<int>(i));
     feed_device(device, model().devices[i], seen.devices[i], delivered_at);
-    connections_[i].block();  // what comes in is not sent out again
+    connections_[i].block();  // incoming changes are not sent out again
     device.notifyStateChange();
     connections_[i].unblock();
   }
@@ -75,7 +75,7 @@ void IoBody::input_info(const DeviceInfo& changed) {
   if (!enabled_[changed.device]) return;
   cnoid::Device& device = *body_->device(changed.device);
   device.resetInfo(changed.info->deepClone());
-  info_connections_[changed.device].block();  // what comes in is not sent out again
+  info_connections_[changed.device].block();  // incoming changes are not sent out again
   device.notifyInfoChange();
   info_connections_[changed.device].unblock();
 }

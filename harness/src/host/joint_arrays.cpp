@@ -13,7 +13,7 @@ constexpr std::size_t after_stamp = 12;  // four bytes of encapsulation, then se
 }  // namespace
 
 bool JointArrays::read(mcap::Bytes payload) {
-  // The same size and the same bytes between the stamp and the numbers: the same names and the same counts.
+  // Equal sizes and equal bytes between the stamp and the numbers mean equal names and counts.
   bool same = !frame_.empty() && payload.size() == frame_.size() && std::memcmp(payload.data(), frame_.data(), 4) == 0;
   std::size_t from = after_stamp;
   for (int i = 0; same && i < 3; ++i) {

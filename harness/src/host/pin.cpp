@@ -10,16 +10,17 @@ namespace rehearse {
 namespace {
 
 constexpr const char* tunables = "GLIBC_TUNABLES";
-/// glibc 2.36 picks its variants of sin, cos, exp, log, pow, ... by these; without them all x86-64 take the SSE2 ones.
+/// glibc 2.36 chooses its variants of sin, cos, exp, log, pow, ... by these; without them every x86-64 uses the SSE2
+/// ones.
 constexpr const char* plain_mathematics = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX";
-/// Set for the second start, so that a program that somehow loses its environment is not started for ever.
+/// Set for the second start, so that a program that loses its environment is not started for ever.
 constexpr const char* started_again = "REHEARSE_PINNED";
 constexpr const char* own_switch = "REHEARSE_PIN";
 
-/// Why this process isn't pinned; null: nobody has tried.
+/// Why this process isn't pinned; null: it was not tried.
 const char* why_not = nullptr;
 
-/// The user's own tunables stay, ours come last, which is what glibc listens to.
+/// The user's tunables stay; those of Rehearse come last, so glibc uses them.
 std::string with_own_tunables() {
   const char* own = std::getenv(tunables);
   if (!own || !*own || std::strstr(own, plain_mathematics)) return own && *own ? own : plain_mathematics;
@@ -42,7 +43,7 @@ bool has_pinned_environment() {
   return true;
 }
 
-/// As it was when this library was loaded: later on the environment is what programs make of it.
+/// The state when this library was loaded; programs may change the environment later.
 const bool started_pinned = has_pinned_environment();
 
 }  // namespace
@@ -68,7 +69,8 @@ std::filesystem::path own_program() {
   std::error_code failed;
   const std::filesystem::path file = std::filesystem::read_symlink("/proc/self/exe", failed);
   if (!failed) return file;
-  const auto* started_as = reinterpret_cast<const char*>(getauxval(AT_EXECFN));  // not argv[0], which may be anything
+  // Not argv[0], which may have any value.
+  const auto* started_as = reinterpret_cast<const char*>(getauxval(AT_EXECFN));
   if (!started_as) return {};
   const std::filesystem::path resolved = std::filesystem::canonical(started_as, failed);
   return failed ? std::filesystem::path(started_as) : resolved;
@@ -106,9 +108,9 @@ void pin_process(char** argv) {
   const auto names = pinned_environment();
   set_pinned_environment();
   setenv(started_again, "1", 1);
-  execv(own_program().c_str(), argv);  // by its name, which is what ps and debuggers show of it
+  execv(own_program().c_str(), argv);  // by its name, which ps and debuggers show
   execv("/proc/self/exe", argv);
-  // it can't be done here; go on as it is
+  // The second start failed; continue unpinned.
   unsetenv(started_again);
   for (const auto& [name, value] : names) unsetenv(name.c_str());
   for (const auto& [name, value] : environment_before) setenv(name.c_str(), value.c_str(), 1);

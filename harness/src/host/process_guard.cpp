@@ -31,7 +31,7 @@ std::string name_of_signal(int signal_number) {
   return name ? fmt::format("SIG{}", name) : fmt::format("signal {}", signal_number);
 }
 
-/// "SIGINT and SIGTERM"; of many, how many.
+/// "SIGINT and SIGTERM"; for many signals their number.
 std::string names_of(const std::vector<int>& signals) {
   if (signals.size() > 4) return fmt::format("{} signals", signals.size());
   std::string text;
@@ -57,7 +57,7 @@ std::string c_locale() {
   return name ? name : "";
 }
 
-/// Of a locale's name by categories ("LC_CTYPE=C;LC_NUMERIC=de_DE;...") those that aren't as before.
+/// The categories of a locale's name ("LC_CTYPE=C;LC_NUMERIC=de_DE;...") that have changed.
 std::string changed_categories(const std::string& before, const std::string& now) {
   if (now.find(';') == std::string::npos) return now;
   std::string changed;
@@ -83,7 +83,7 @@ constexpr int signal_count = NSIG;
 
 }  // namespace
 
-/// What belongs to the whole process, at one moment.
+/// The state of the whole process at one time.
 struct ProcessGuard::State {
   std::string directory = working_directory();
   std::array<struct sigaction, signal_count> actions{};
@@ -120,7 +120,7 @@ void ProcessGuard::State::restore_directory(const State& now, std::vector<Trespa
 void ProcessGuard::State::restore_actions(const State& now, std::vector<Trespass>& found) const {
   std::vector<int> handled, ignored, left;
   for (int i = 1; i < signal_count; ++i) {
-    const auto handler = now.actions[i].sa_handler;  // in one place with sa_sigaction
+    const auto handler = now.actions[i].sa_handler;  // a union with sa_sigaction
     if (handler == actions[i].sa_handler) continue;
     (handler == SIG_IGN ? ignored : handler == SIG_DFL ? left : handled).push_back(i);
     sigaction(i, &actions[i], nullptr);
@@ -149,7 +149,8 @@ void ProcessGuard::State::restore_mask(const State& now, std::vector<Trespass>& 
 void ProcessGuard::State::restore_timers(const State& now, std::vector<Trespass>& found) const {
   bool changed = false;
   for (std::size_t i = 0; i < std::size(timers); ++i) {
-    if (is_armed(armed[i]) || !is_armed(now.armed[i])) continue;  // one of ours that runs on is not its deed
+    // A timer of the host that still runs is no change by the code.
+    if (is_armed(armed[i]) || !is_armed(now.armed[i])) continue;
     changed = true;
     const itimerval off{};
     setitimer(static_cast<__itimer_which>(timers[i]), &off, nullptr);
@@ -193,7 +194,7 @@ ProcessGuard::ProcessGuard()
 ProcessGuard::~ProcessGuard() = default;
 
 ProcessGuard& ProcessGuard::instance() {
-  static auto& guard = *new ProcessGuard;  // threads of controllers may outlive all that is static
+  static auto& guard = *new ProcessGuard;  // threads of controllers may outlive all static objects
   return guard;
 }
 
@@ -211,13 +212,13 @@ void ProcessGuard::release(int descriptor) {
 
 void ProcessGuard::begin(ThreadCount threads, bool closely) {
   threads_ = std::move(threads);
-  prepare_guarded_calls();  // what is ours is no deed of the code
+  prepare_guarded_calls();  // so that the host's own handlers don't count as changes by the code
   if (closely) before_ = std::make_unique<State>();
 }
 
 void ProcessGuard::before_change() {
   if (before_ || looking_ || !in_guarded_call()) return;
-  looking_ = true;  // looking at the umask means to change it
+  looking_ = true;  // reading the umask means to change it
   before_ = std::make_unique<State>();
   looking_ = false;
 }

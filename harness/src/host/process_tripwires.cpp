@@ -1,8 +1,9 @@
-// The functions of the C library that end or change the whole process, in front of its own.
+// Replacements of the C library's functions that end or change the whole process.
 //
-// The dynamic linker finds these first, because this library comes before libc in whatever links it. Outside of a
-// guarded call they do what libc's do. In one, a function that would end the process ends the call; one that would
-// change the process has ProcessGuard look first; what a run stands on is not given away (process_guard.h).
+// The dynamic linker finds these first, because this library comes before libc in every program that links it. Outside
+// of a guarded call they only call the functions of libc. In a guarded call, a function that would end the process ends
+// the call. A function that would change the process makes ProcessGuard store its state first. Protected resources of a
+// run are not changed (process_guard.h).
 #include <cxxabi.h>
 #include <dlfcn.h>
 #include <errno.h>
@@ -38,9 +39,10 @@ namespace {
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
 
-/// The functions that would be found without ours. They are looked up when this library is loaded: a look-up takes the
-/// lock of the dynamic linker, which a call that was ended while a library was loaded or unloaded holds for ever. No
-/// template: clang gives the types of functions that return and of those that don't one name.
+/// The functions that would be called without these replacements. They are looked up when this library is loaded: a
+/// look-up takes the lock of the dynamic linker, and a call that was ended while a library was loaded or unloaded holds
+/// this lock for ever. A macro instead of a template, because clang gives functions that return and functions that
+/// don't the same type name.
 #define REHEARSE_TRIPWIRES(FUNCTION)                                                                                   \
   FUNCTION(exit) FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(chdir) FUNCTION(fchdir)                 \
   FUNCTION(umask) FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv)         \
@@ -81,7 +83,7 @@ bool keeps(int descriptor) {
   return (rehearse::in_guarded_call() || rehearse::own_threads) && ProcessGuard::instance().keeps(descriptor);
 }
 
-/// `process`: whose limit is to be changed; 0: this one.
+/// `process`: the process whose limit will be changed; 0: this one.
 bool keeps_limits(pid_t process = 0) {
   if (!rehearse::in_controllers_code() || (process != 0 && process != getpid())) return false;
   ProcessGuard::instance().note_limit();
@@ -90,7 +92,7 @@ bool keeps_limits(pid_t process = 0) {
 
 bool keeps_signal(int number) { return rehearse::in_guarded_call() && ProcessGuard::instance().keeps_signal(number); }
 
-/// Comes back if the process shall end, or become another program. `status`: of the exit; none for exec.
+/// Returns if the process may end, or become a different program. `status`: of the exit; none for exec.
 void end_only_the_call(const char* function, std::optional<int> status) {
   rehearse::end_if_ending();
   if (rehearse::is_forked_by_guest()) {
@@ -105,20 +107,20 @@ void end_only_the_call(const char* function, std::optional<int> status) {
     std::snprintf(deed, sizeof deed, "called %s", function);
   if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(deed);
   ProcessGuard::instance().note_thread_exit(deed);
-  for (;;) pause();  // it can't be left as a call can, and what comes after exit() is not meant to run
+  for (;;) pause();  // the thread can't be left as a call can, and the code after exit() must not run
 }
 
-/// In the parent: it is told. In the child: it ends when the thread that forked it does.
+/// In the parent: notes the fork. In the child: makes it end when the thread that forked it ends.
 pid_t note_fork(pid_t parent, pid_t child) {
   if (child > 0 && rehearse::in_controllers_code()) ProcessGuard::instance().note_fork();
   if (child == 0 && rehearse::is_forked_by_guest()) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) rehearse::leave_process(EXIT_FAILURE);  // it ended before the line above
+    if (getppid() != parent) rehearse::leave_process(EXIT_FAILURE);  // the parent ended before the line above
   }
   return child;
 }
 
-/// The words of an execl(), the null pointer at their end included; of an execle() its environment as well.
+/// The arguments of an execl(), with the null pointer at their end; for an execle() its environment as well.
 struct ExecWords {
   std::vector<char*> words;
   char* const* environment = nullptr;
@@ -130,7 +132,7 @@ struct ExecWords {
   }
 };
 
-/// Without the signals that end calls, if they were to be blocked.
+/// The set without the signals that end calls, if it contains them.
 sigset_t without_ours(const sigset_t& set) {
   sigset_t rest = set;
   for (int number = 1; number < NSIG; ++number)
@@ -138,7 +140,7 @@ sigset_t without_ours(const sigset_t& set) {
   return rest;
 }
 
-/// A thread of a controller's, on its way to its own beginning.
+/// The data for a starting thread of a controller.
 struct StartingThread {
   void* (*routine)(void*);
   void* argument;
@@ -162,7 +164,7 @@ void* run_counted(void* given) {
     if (rehearse::is_forked_by_guest()) rehearse::leave_process(EXIT_FAILURE);
     return result;
   } catch (const abi::__forced_unwind&) {
-    throw;  // pthread_exit and pthread_cancel
+    throw;  // exceptions of pthread_exit and pthread_cancel
   } catch (const std::exception& exception) {
     std::snprintf(deed, sizeof deed, "threw an exception that nobody catches: %s", exception.what());
   } catch (...) {
@@ -256,7 +258,7 @@ pid_t fork() noexcept {
   return note_fork(parent, NEXT(fork)());
 }
 
-/// As fork(): its caller may not return before the child is gone, so it can't be passed on.
+/// As fork(): a caller of vfork() must not return before the child has ended, so the real vfork() can't be called here.
 pid_t vfork() noexcept { return fork(); }
 
 long syscall(long number, ...) noexcept {
@@ -276,7 +278,7 @@ long syscall(long number, ...) noexcept {
   return forks ? note_fork(parent, static_cast<pid_t>(result)) : result;
 }
 
-#if !defined(REHEARSE_ADDRESS_SANITIZER)  // which calls these before instrumented code can run
+#if !defined(REHEARSE_ADDRESS_SANITIZER)  // AddressSanitizer calls these before instrumented code can run
 int setrlimit(__rlimit_resource_t resource, const rlimit* limit) noexcept {
   return keeps_limits() ? 0 : NEXT(setrlimit)(resource, limit);
 }
@@ -423,7 +425,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   if (failed != 0)
     --*count;
   else
-    static_cast<void>(start.release());  // the thread's
+    static_cast<void>(start.release());  // the thread owns it now
   return failed;
 }
 

@@ -27,15 +27,15 @@ namespace rehearse {
 namespace {
 
 constexpr int controller_failed = 3;     // the exit status
-constexpr double patience = 5.0;         // [s] for a child to report a call that took too long
-constexpr timespec look_interval{1, 0};  // at a child that is silent
+constexpr double patience = 5.0;         // time for a child to report a call that took too long [s]
+constexpr timespec look_interval{1, 0};  // interval of checks of a silent child
 
-/// In memory that parent and child share. The child writes, and may be killed at any time.
+/// Memory that parent and child share. The child writes, and may be killed at any time.
 struct Notes {
-  std::atomic<std::uint64_t> calls{0};  // begun and ended; odd: one is under way
+  std::atomic<std::uint64_t> calls{0};  // number of begins and ends; odd: a call is running
   std::atomic<bool> announced{false};
   std::atomic<bool> recording{false};  // `file` is being written
-  int status = 0;                      // that was announced
+  int status = 0;                      // the announced exit status
   std::int64_t tick = 0;
   double time = 0.0;   // [s] of simulation
   double limit = 0.0;  // [s]
@@ -46,7 +46,7 @@ struct Notes {
   char file[4096] = {};
 };
 
-Notes* notes = nullptr;  // null: nobody supervises this process
+Notes* notes = nullptr;  // null: this process has no supervisor
 
 template <std::size_t size>
 void put(char (&place)[size], const char* text) {
@@ -55,7 +55,7 @@ void put(char (&place)[size], const char* text) {
   place[length] = '\0';
 }
 
-/// Waits in the parent.
+/// The waiting parent.
 class Parent {
  public:
   explicit Parent(pid_t child) : child_(child) {}
@@ -71,15 +71,15 @@ class Parent {
   std::string saved() const;
 
   const pid_t child_;
-  int ended_ = 0;        // as waitpid() says
-  sigset_t received_{};  // from outside
+  int ended_ = 0;        // as returned by waitpid()
+  sigset_t received_{};  // signals from outside
   std::uint64_t calls_ = 0;
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
   bool hung_ = false;
 };
 
 void Parent::run() {
-  // Signals that stop a job stay as they are: a shell waits until this process has stopped, too.
+  // Signals that stop a job keep their actions: a shell waits until this process has stopped, too.
   sigset_t all;
   sigfillset(&all);
   for (const int number : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT}) sigdelset(&all, number);
@@ -112,15 +112,16 @@ bool Parent::has_ended() {
   return ended == child_ || ended < 0;
 }
 
-/// A terminal tells all of its foreground processes, the child among them; somebody who names this process means it.
+/// A terminal signals all of its foreground processes, the child among them; only a signal to this process alone is
+/// passed on.
 void Parent::pass_on(const siginfo_t& signal) {
   sigaddset(&received_, signal.si_signo);
   const bool from_outside = signal.si_code <= 0 && signal.si_pid != child_;
   if (from_outside) kill(child_, signal.si_signo);
 }
 
-/// The child reports itself a call that takes too long, unless its controller took away the signal for that, or a lock
-/// that the report needs.
+/// Kills a child with a hanging call. The child reports such a call itself, unless its controller disabled the signal
+/// for that, or holds a lock that the report needs.
 void Parent::look_for_hang() {
   const std::uint64_t calls = notes->calls;
   const auto now = std::chrono::steady_clock::now();
@@ -134,7 +135,7 @@ void Parent::look_for_hang() {
   kill(child_, SIGKILL);
 }
 
-/// By somebody who wanted to end this process as well.
+/// True if both processes were interrupted by the same sender.
 bool Parent::was_interrupted() const {
   if (!WIFSIGNALED(ended_)) return false;
   const int number = WTERMSIG(ended_);
@@ -142,7 +143,7 @@ bool Parent::was_interrupted() const {
          sigismember(&received_, number) == 1;
 }
 
-/// Ends as the child did.
+/// Ends in the same way as the child.
 void Parent::mirror() const {
   if (WIFEXITED(ended_)) _exit(WEXITSTATUS(ended_));
   const int number = WTERMSIG(ended_);
@@ -175,7 +176,7 @@ std::string Parent::sentence() const {
       how, notes->controller, where);
 }
 
-/// Makes the recording whole, as far as it had been written.
+/// Recovers the recording as far as it was written.
 std::string Parent::saved() const {
   const std::filesystem::path file = notes->file, saved = file.string() + ".saved";
   const auto recovery = mcap::recover(file, saved);
@@ -191,12 +192,13 @@ void announce(int status, void*) { announce_end(status); }
 }  // namespace
 
 void supervise_process() {
-  if (notes || is_traced() || runs_under_valgrind()) return;  // it would become two programs under valgrind
+  if (notes || is_traced() || runs_under_valgrind()) return;  // under valgrind it would become two programs
   void* shared = mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) return;
   notes = new (shared) Notes;
   std::fflush(nullptr);
-  signal(SIGCHLD, SIG_DFL);  // whoever started us may have it ignored: then nobody learns how a child ended
+  // The program that started this one may ignore it: then the end of a child would not be reported.
+  signal(SIGCHLD, SIG_DFL);
   sigset_t all, before;
   sigfillset(&all);
   for (const int number : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT}) sigdelset(&all, number);
@@ -207,9 +209,9 @@ void supervise_process() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
-    pthread_atfork(nullptr, nullptr, [] { notes = nullptr; });  // what a child of this one does is no news of it
+    pthread_atfork(nullptr, nullptr, [] { notes = nullptr; });  // children of this process don't write into the notes
   } else {
-    notes = nullptr;  // it can't be done here
+    notes = nullptr;  // fork failed: continue without a parent
   }
   sigprocmask(SIG_SETMASK, &before, nullptr);
 }
@@ -242,7 +244,7 @@ void note_recording(const std::filesystem::path& file) {
   notes->recording = !file.empty();
 }
 
-/// In a call it is the controller that ends the process, or a thread of its own.
+/// In a call it is the controller, or a thread of its own, that ends the process.
 void announce_end(int status) {
   if (!notes || notes->calls % 2 == 1 || in_controllers_code()) return;
   notes->status = status;

@@ -79,7 +79,7 @@ std::vector<std::string> ControllerVariables::take_findings() { return std::exch
 
 }  // namespace rehearse
 
-/// What rehearse_variable() calls where this library is.
+/// The function that rehearse_variable() calls if this library is loaded.
 extern "C" __attribute__((visibility("default"))) void rehearse_record_variable(const char* name, double value);
 
 void rehearse_record_variable(const char* name, double value) {

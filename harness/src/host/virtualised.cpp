@@ -56,7 +56,7 @@ std::optional<std::uint64_t> virtualised_seed(const mcap::Reader& trace) {
 
 Result<void> virtualise_process_like(const std::filesystem::path& trace) {
   const auto reader = mcap::Reader::open(trace);
-  if (!reader) return {};  // whoever reads it says so
+  if (!reader) return {};  // the reader of the trace reports it
   const auto seed = virtualised_seed(**reader);
   if (!seed || !virtualisation().empty()) return {};
   const auto interposed = interposer_environment({{}, {}, virtualised(*seed), {}, {}});
