@@ -18,14 +18,14 @@ namespace {
 
 constexpr std::size_t channels_listed = 10, remarks_listed = 3;  // with the verdict at most fifteen lines
 
-/// Infinite where no tolerance allows any.
+/// Infinite if no difference is allowed.
 double times_tolerance_of(const Divergence& worst) {
   if (!(worst.tolerance > 0.0)) return std::numeric_limits<double>::infinity();
   return worst.difference / worst.tolerance;
 }
 
-/// Worst first: what is missing or extra, then by times its tolerance; equals stay in the order of their first
-/// difference.
+/// Worst first: channels with missing or extra messages, then by multiples of the tolerance. Equal ones keep the order
+/// of their first difference.
 bool is_worse(const ChannelComparison& a, const ChannelComparison& b) {
   const auto badness = [](const ChannelComparison& channel) {
     return channel.worst ? times_tolerance_of(*channel.worst) : std::numeric_limits<double>::infinity();
@@ -63,7 +63,7 @@ std::string value_of(const mcap::StringMap& values, const std::string& key) {
   return found == values.end() ? "" : found->second;
 }
 
-/// Something from a file, on one line.
+/// Text from a file, on one line.
 std::string one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
@@ -90,7 +90,7 @@ std::vector<std::string> moved_lines(const Comparison& comparison) {
   std::vector<ChannelComparison> channels;
   for (const ChannelComparison& channel : comparison.channels) {
     const bool follows =
-        channel.channel == run_topics::tick || channel.channel == run_topics::transforms;  // made of the others
+        channel.channel == run_topics::tick || channel.channel == run_topics::transforms;  // computed from the others
     if (!follows || channel.missing > 0 || channel.extra > 0) channels.push_back(channel);
   }
   std::stable_sort(channels.begin(), channels.end(), is_worse);

@@ -1,4 +1,4 @@
-// The digest of a golden: a recording in words and numbers, for reviews.
+// The digest of a golden: a recording as words and numbers, for reviews.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
@@ -22,7 +22,7 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
-/// Five digits, and none below the tolerance of the unit: a line is another one only if the run is.
+/// Five digits, and none below the tolerance of the unit: a line changes only if the run changes.
 std::string number_text(double value, const std::string& series, const std::string& unit) {
   if (!std::isfinite(value)) return fmt::format("{}", value);
   const double least = tolerance_of(series, unit, {}).atol;
@@ -51,14 +51,14 @@ std::string cell_text(const TraceChannel& channel, std::size_t column, const Cel
 
 bool is_range(const TraceColumn& column) { return column.element.starts_with("ranges/"); }
 
-/// Of one of the points that touch a link; how many there are stands beside them.
+/// True for a value of a contact point of a link; `count` has the number of points.
 bool is_contact(const TraceChannel& channel, const TraceColumn& column) {
   return channel.type == msg::Contacts::type_name && column.element != "contacts/count";
 }
 
 bool is_hash(const TraceColumn& column) { return column.element.ends_with("_hash"); }
 
-/// What a series does over the run.
+/// The digest of a series over the run.
 class SeriesDigest {
  public:
   void take(const TraceChannel& channel, std::size_t column) {
@@ -72,7 +72,7 @@ class SeriesDigest {
     }
   }
 
-  /// One line.
+  /// Appends one line.
   void describe(const TraceChannel& channel, std::size_t column, std::string& text) const {
     if (rows_ == 0) return;
     const TraceColumn& series = channel.columns[column];
@@ -89,7 +89,7 @@ class SeriesDigest {
   Cell first_, last_, least_, most_;
 };
 
-/// What a channel's messages hold over the run.
+/// The digest of a channel's messages over the run.
 class ChannelDigest {
  public:
   void take(const TraceChannel& channel) {
@@ -123,18 +123,18 @@ class ChannelDigest {
   }
 
  private:
-  /// How near and how far a beam met something, and how often nothing.
+  /// Counts the smallest and largest distance of a beam, and the beams without a hit.
   void take_range(const TraceChannel& channel, std::size_t column) {
     for (std::size_t row = 0; row < channel.rows(); ++row) {
       const double range = channel.number(row, column);
       nothing_ += std::isinf(range) ? 1 : 0;
-      if (!std::isfinite(range)) continue;  // not a number: there was no scan
+      if (!std::isfinite(range)) continue;  // NaN: there was no scan
       nearest_ = std::min(nearest_, range);
       farthest_ = std::max(farthest_, range);
     }
   }
 
-  /// How hard and how deep a point touches a link.
+  /// Keeps the largest force and depth of the contacts of a link.
   void take_contact(const TraceChannel& channel, std::size_t column) {
     const bool force = channel.columns[column].element.find("/force/") != std::string::npos;
     const bool depth = channel.columns[column].element.ends_with("/depth");
@@ -148,12 +148,12 @@ class ChannelDigest {
   std::size_t messages_ = 0;
   RunningHash times_;
   std::vector<SeriesDigest> series_;                                           // by column
-  std::size_t nothing_ = 0;                                                    // met by a beam
+  std::size_t nothing_ = 0;                                                    // beams without a hit
   double nearest_ = std::numeric_limits<double>::infinity(), farthest_ = 0.0;  // [m]
   double force_ = 0.0, depth_ = 0.0;                                           // the largest [N], [m]
 };
 
-/// Of all that was recorded, so that the text belongs to this recording and no other.
+/// A hash of all recorded data, so that the text identifies this recording.
 Result<std::uint64_t> hash_of_channels(const Trace& trace, const std::vector<std::size_t>& all,
                                        const std::vector<ChannelDigest>& digests) {
   std::vector<RunningHash> of_tables;

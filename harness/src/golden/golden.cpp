@@ -32,7 +32,7 @@ std::string text_of(const Diagnostics& diagnostics) {
   return text;
 }
 
-/// What is wrong with the run by itself first, then how it compares.
+/// First the faults of the run itself, then the result of the comparison.
 std::string sentence_of(const Comparison& comparison, const SettleOptions& options) {
   const std::string compared = verdict(comparison, options.compare.until);
   const bool other_bits = options.exact && comparison.within && !comparison.equal;
@@ -40,13 +40,14 @@ std::string sentence_of(const Comparison& comparison, const SettleOptions& optio
                      other_bits ? "not the same bits: " : "", compared);
 }
 
-/// That the golden is of a version that is known here, if it can be read at all.
+/// Fails if the golden has an unknown version; succeeds if it can't be read at all.
 Result<void> check_version_of(const fs::path& golden) {
   const auto reader = mcap::Reader::open(golden);
   return reader ? check_trace_version((*reader)->metadata(), (*reader)->name()) : Result<void>();
 }
 
-/// Which recording of this process claims a golden, by the golden's file and the recording's bytes.
+/// Claims a golden for a recording of this process, by the golden's file and the recording's bytes. False: a different
+/// one has claimed it.
 bool claim(const fs::path& golden, std::uint64_t content) {
   static std::map<fs::path, std::uint64_t> claims;
   return claims.emplace(golden.lexically_normal(), content).first->second == content;
@@ -178,7 +179,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
                                      is_ci() ? "" : " (REHEARSE_GOLDEN=new writes it)"));
   }
   if (const auto known = check_version_of(trace_file(name)); !known) {
-    // nothing is wrong with the run: there is nothing to accept
+    // The run itself is not at fault, so there is nothing to accept.
     result.message = "the golden can't be used: " + text_of(known.errors());
     return result;
   }
@@ -204,7 +205,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
     result.passed = true;
     result.message = sentence_of(comparison, options);
     std::error_code ignored;
-    fs::remove(pending_file(name), ignored);  // what waited there is no longer what the program does
+    fs::remove(pending_file(name), ignored);  // the pending run is out of date
     remove_picture_differences(pending_file(name));
     remove_report(pending_file(name));
   }

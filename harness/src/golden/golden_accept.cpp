@@ -1,4 +1,4 @@
-// How a run becomes a golden, and how one goes.
+// Accepting a run as a golden, and removing a golden.
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 #include <rehearse/golden.h>
@@ -26,7 +26,7 @@ bool same_attachments(const Trace& a, const Trace& b) {
   return std::ranges::equal(a.attachments(), b.attachments(), equal);
 }
 
-/// The golden would say nothing else than it does.
+/// True if the golden would not change.
 bool is_same_run(const Trace& golden, const Trace& run, const Comparison& comparison) {
   const RunFacts of_golden = RunFacts::of(golden), of_run = RunFacts::of(run);
   return comparison.equal && same_attachments(golden, run) &&
@@ -34,13 +34,13 @@ bool is_same_run(const Trace& golden, const Trace& run, const Comparison& compar
                              [&](const char* fact) { return of_golden.stated(fact) == of_run.stated(fact); });
 }
 
-/// The run's own, for the verdict; what can't be read states none.
+/// A comparison with the run's own tolerances, for the verdict; none if they can't be read.
 Comparison compare_by_its_tolerances(const Trace& golden, const Trace& run) {
   const auto rules = tolerances_of(run);
   return compare(golden, run, rules ? *rules : std::vector<ToleranceRule>());
 }
 
-/// Of what can be read of it.
+/// The history in the readable part of a file.
 std::vector<Acceptance> history_in(const fs::path& file) {
   const auto reader = mcap::Reader::open(file);
   return reader ? history_of((*reader)->metadata()) : std::vector<Acceptance>();
@@ -93,13 +93,13 @@ std::vector<std::string> GoldenStore::pending() const {
   std::error_code ignored;
   for (fs::directory_iterator entry(pending_, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
     const std::string name = entry->path().stem().string();
-    // other traces are kept there too, of scenarios without a golden
+    // The folder also contains other traces, of scenarios without a golden.
     if (entry->path().extension() == ".mcap" && name.find('.') != std::string::npos) names.insert(name);
   }
   return {names.begin(), names.end()};
 }
 
-/// `judged`: what a check has said of it; empty: the two recordings are compared as they are.
+/// `judged`: the verdict of a check; empty: the two recordings are compared here.
 Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& trace_path, const std::string& part,
                                       const std::string& judged) {
   const auto run = load_run(trace_path);
@@ -180,7 +180,7 @@ Result<void> GoldenStore::reject(const std::string& name) {
   remove_verdict(pending_file(name));
   remove_picture_differences(pending_file(name));
   remove_report(pending_file(name));
-  const fs::path plant = pending_ / "plant" / (name + ".mcap");  // what a check has found on the plant level
+  const fs::path plant = pending_ / "plant" / (name + ".mcap");  // trace of the check's plant level
   fs::remove(plant, failed);
   remove_picture_differences(plant);
   remove_report(plant);
@@ -189,7 +189,7 @@ Result<void> GoldenStore::reject(const std::string& name) {
 
 namespace {
 
-/// A rename, or a copy to another file system.
+/// Renames a file, or copies it to a different file system.
 void move_file(const fs::path& file, const fs::path& folder, std::error_code& failed) {
   fs::create_directories(folder, failed);
   if (!failed) fs::rename(file, folder / file.filename(), failed);
@@ -214,11 +214,12 @@ Result<void> GoldenStore::remove(const std::string& name, const fs::path& to) {
     else
       move_file(file, to, failed);
   };
-  for (const fs::path& file : {digest, trace}) {  // a recording without digest is still told of
+  for (const fs::path& file : {digest, trace}) {  // the digest first: a recording without digest is still reported
     take_away(file);
     if (failed) return error(fmt::format("{} can't be removed: {}", file.string(), failed.message()));
   }
-  if (fs::exists(noise_file_of(trace), failed)) take_away(noise_file_of(trace));  // means nothing without its golden
+  // It has no meaning without its golden.
+  if (fs::exists(noise_file_of(trace), failed)) take_away(noise_file_of(trace));
   return {};
 }
 

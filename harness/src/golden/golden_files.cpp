@@ -23,7 +23,7 @@ Diagnostic can_not(const char* what, const fs::path& file, const std::string& wh
   return finding;
 }
 
-/// Waits until a file or folder is on the disk.
+/// Waits until a file or folder is stored on the disk.
 Result<void> sync(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
@@ -33,11 +33,11 @@ Result<void> sync(const fs::path& path) {
   return {};
 }
 
-/// A new version of a file beside it; its folder is made if there is none. Removes what was begun, unless it was finished.
+/// A new version of a file beside it; its folder is created if it is missing. An unfinished draft is removed.
 class Draft {
  public:
   explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {
-    std::error_code ignored;  // writing the draft says what is wrong
+    std::error_code ignored;  // writing the draft reports the error
     fs::create_directories(target.parent_path(), ignored);
   }
   ~Draft() {
@@ -93,7 +93,7 @@ Result<void> sync_folder_of(const fs::path& file) { return sync(folder_of(file))
 Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
                               const fs::path& digest,
                               const std::function<Result<std::string>(const fs::path&)>& make_digest) {
-  const FolderLock alone(folder_of(trace));  // two acceptances at once have drafts of one name
+  const FolderLock alone(folder_of(trace));  // two simultaneous acceptances use the same names of drafts
   const Draft new_trace(trace), new_digest(digest);
   if (auto done = write_trace(new_trace.file()); !done) return done;
   const auto text = make_digest(new_trace.file());

@@ -1,4 +1,4 @@
-// Which goldens there are, and who owns them.
+// Lists the goldens and their owners.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
@@ -48,12 +48,12 @@ void find_in_file(const fs::path& file, Owners& owners) {
   const std::string ending = file.extension().string();
   if (ending != ".yaml" && ending != ".yml") return;
   std::error_code ignored;
-  if (fs::file_size(file, ignored) > largest_scenario) return;  // data that somebody keeps there
+  if (fs::file_size(file, ignored) > largest_scenario) return;  // such a file is data, no scenario
   if (const auto text = read_text(file)) find_in_scenario(*text, file.string(), owners);
 }
 
 std::set<fs::path> files_in(const std::vector<fs::path>& sources) {
-  std::set<fs::path> files;  // in an order that doesn't depend on the folder's own
+  std::set<fs::path> files;  // sorted, independent of the folder's order
   std::error_code ignored;
   for (const fs::path& source : sources) {
     if (fs::is_regular_file(source, ignored)) files.insert(source);
@@ -76,7 +76,7 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-/// How the facts of a provenance differ from those of this program.
+/// Notes the facts of a provenance that differ from those of this program.
 void compare_versions(const mcap::StringMap& provenance, const mcap::StringMap& present, GoldenEntry& entry) {
   for (const auto& [fact, now] : present) {
     const auto then = provenance.find(fact);
@@ -105,7 +105,7 @@ void read_provenance(const mcap::Reader& reader, const mcap::StringMap& present,
     entry.notes.push_back("it has no checkpoints: its physics can't be checked piece by piece");
 }
 
-/// What the recording itself says: who wrote it, and whether it can be read.
+/// Reads the facts of the recording: its writer, and whether it can be read.
 void describe(const GoldenStore& store, const mcap::StringMap& present, GoldenEntry& entry) {
   std::error_code ignored;
   if (!store.has(entry.name)) {
@@ -133,7 +133,7 @@ std::string GoldenOwners::conflict() const {
 }
 
 std::map<std::string, GoldenOwners> find_golden_owners(const fs::path& folder, const std::vector<fs::path>& sources) {
-  std::map<fs::path, bool> of_folder;  // by the folder of a file: whether its goldens are these
+  std::map<fs::path, bool> of_folder;  // by the folder of a file: true if it belongs to these goldens
   Owners owners;
   for (const fs::path& file : files_in(sources)) {
     const auto [known, is_new] = of_folder.try_emplace(file.parent_path(), true);

@@ -1,5 +1,5 @@
-// Which test compares with which golden, as the tests themselves report it when they run: a name is made by macros,
-// parameters and types, and no search of the sources finds it.
+// The tests that compare with each golden, as reported by the tests when they run. Names are made by macros, parameters
+// and types, so a search of the sources doesn't find them.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <unistd.h>
@@ -42,7 +42,7 @@ void report_golden_owner(const fs::path& pending, const std::string& golden, con
   fs::create_directories(file.parent_path(), failed);
   std::vector<std::string> lines = lines_of(file);
   if (std::find(lines.begin(), lines.end(), line) != lines.end()) return;
-  std::ofstream(file, std::ios::app) << line + "\n";  // in one write: tests run beside each other
+  std::ofstream(file, std::ios::app) << line + "\n";  // in one write, because tests run in parallel
 }
 
 std::map<std::string, std::vector<std::string>> reported_golden_owners(const fs::path& pending) {

@@ -1,4 +1,4 @@
-// Accepting a part of a run: the candidate, and whether some run can produce it.
+// Accepting a part of a run: makes the candidate, and tests whether some run can produce it.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
@@ -37,7 +37,7 @@ Diagnostic refusal(const std::string& where, const PartialCandidate& candidate) 
                                           joined(kept, companions_named)));
 }
 
-/// The recording's own, or, if it needs meshes, the file that it is of.
+/// The recording's scenario, or, if it needs meshes, its scenario file.
 Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::path>& files) {
   const auto reader = mcap::Reader::open(recording.file());
   if (!reader) return reader.errors();
@@ -52,7 +52,7 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
     if (!content || *content != text->text()) continue;
     auto scenario = Scenario::load(file);
     if (!scenario) return scenario;
-    scenario->seed = own->seed;  // which the command line may have set
+    scenario->seed = own->seed;  // the command line may have set it
     scenario->duration = own->duration;
     return scenario;
   }
@@ -60,7 +60,7 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
                "accept all of the run, or record it again");
 }
 
-/// The libraries that the candidate is executed with, which may be others than the run's: those that it will be true of.
+/// The libraries that execute the candidate; they may differ from the run's, and become those of the candidate.
 Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& options) {
   const auto reader = mcap::Reader::open(run.file());
   if (!reader) return reader.errors();
@@ -71,7 +71,7 @@ Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& opti
   return controller_facts(**host);
 }
 
-/// Bit for bit.
+/// The first difference on the plant level, bit for bit.
 Result<std::optional<Divergence>> first_of_plant(const fs::path& candidate, const Reexecution& again) {
   const auto recording = Trace::load(candidate);
   if (!recording) return recording.errors();
@@ -86,7 +86,7 @@ Result<std::optional<Divergence>> first_of_plant(const fs::path& candidate, cons
   return level->comparison.first_bit;
 }
 
-/// Where the candidate stops to follow from itself when it is executed again; none if it doesn't.
+/// The first place where the candidate doesn't follow from itself when it is executed again; none if there is none.
 Result<std::optional<std::string>> first_break(const fs::path& candidate, const Reexecution& again) {
   if (!again.run_plant)
     return std::optional<std::string>(

@@ -26,7 +26,7 @@ std::uint64_t nanoseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(std::clamp(seconds * 1e9, 0.0, most)));
 }
 
-/// Made of other messages of their tick: they follow these.
+/// True for topics that are computed from other messages of their tick: they follow these.
 bool is_derived(std::string_view topic) {
   const ChannelKind kind = ChannelName::parse(topic).kind;
   return kind == ChannelKind::tick || kind == ChannelKind::checkpoint || kind == ChannelKind::transforms ||
@@ -88,8 +88,7 @@ Result<void> PartialCandidate::choose_parts(const Trace& golden, const Trace& ru
   if (until_ <= from_) return error(fmt::format("{} is no span of time", to_string(selection)));
   std::set<std::string> used;
   for (const Trace* trace : {&run, &golden})
-    for (const TraceChannel& channel : trace->channels())
-      choose_part(channel, selection, used);
+    for (const TraceChannel& channel : trace->channels()) choose_part(channel, selection, used);
   for (const std::string& pattern : selection.channels)
     if (!used.contains(pattern))
       return error(fmt::format("'{}' is no channel and no series of the run or of the golden", pattern),
@@ -117,7 +116,7 @@ void PartialCandidate::choose_part(const TraceChannel& channel, const Selection&
   if (!channel.columns.empty() && std::ranges::all_of(channel.columns, chosen)) part.whole = true;
 }
 
-/// What would have to be re-timed or invented can't be mixed.
+/// Fails if mixing would require new times or new messages.
 Result<void> PartialCandidate::compare_structure(const Trace& golden, const Trace& run) const {
   if (tick_times(golden) != tick_times(run))
     return error(fmt::format("the run has {} ticks and the golden {}, or at other times: no part of one fits into the "
@@ -143,7 +142,7 @@ bool PartialCandidate::is_selected(const Message& message) const {
   return parts_.find(message.topic)->second.whole && message.time >= from_ && message.time < until_;
 }
 
-/// Messages of one tick, each list in the order in which it was recorded.
+/// Mixes messages of one tick; each list is in the order of recording.
 Result<void> PartialCandidate::mix_tick(std::vector<Message> run, std::vector<Message> golden) {
   TickSources sources;
   std::vector<bool> used(golden.size(), false);
@@ -152,7 +151,7 @@ Result<void> PartialCandidate::mix_tick(std::vector<Message> run, std::vector<Me
       if (!used[i] && golden[i].topic == message.topic) return used[i] = true, &golden[i];
     return nullptr;
   };
-  std::vector<std::pair<Message, const Message*>> derived;  // and the golden's
+  std::vector<std::pair<Message, const Message*>> derived;  // with the golden's
   for (Message& message : run) {
     const Message* of_golden = counterpart(message);
     if (is_derived(message.topic)) {
@@ -187,7 +186,7 @@ Result<void> PartialCandidate::mix_tick(std::vector<Message> run, std::vector<Me
     follow(message, of_golden, sources);
     messages_.push_back(std::move(message));
   }
-  // what a controller reads is a copy of the state: both are of one run
+  // The inputs of a controller are a copy of the state: both must come from one run.
   const Sources &state = sources.of(Stage::physics), &inputs = sources.of(Stage::inputs);
   const std::uint64_t time = run.empty() ? golden[0].time : run[0].time;
   if (!state.run.empty() && !inputs.golden.empty()) note_mixed(time, inputs.golden, state.run);
@@ -228,7 +227,7 @@ void PartialCandidate::keep_account_of(std::string_view topic) {
   if (std::ranges::find(moved_but_kept_, topic) == moved_but_kept_.end()) moved_but_kept_.emplace_back(topic);
 }
 
-/// Takes the golden's content where what the message is made of is the golden's. `message` is the run's.
+/// Uses the golden's content where the sources of the message are the golden's. `message` is the run's.
 void PartialCandidate::follow(Message& message, const Message* golden, TickSources& sources) {
   if (message.topic == run_topics::tick && golden) return follow_tick(message, *golden, sources);
   if (!golden || is_selected(message)) return;
@@ -241,8 +240,8 @@ void PartialCandidate::follow_tick(Message& message, const Message& golden, Tick
   if (!decode(message.data, of_run) || !decode(golden.data, of_golden)) return;
   if (is_selected(message)) of_golden = of_run;
   msg::Tick mixed = of_golden;
-  // the first stage that differs decides: pictures are of no account where what else is read differs. That the hashes of
-  // state and inputs are right is seen when the candidate is executed again.
+  // The first stage that differs decides: if other inputs differ, pictures don't matter. The second execution of the
+  // candidate checks the hashes of state and inputs.
   const auto follow = [&](std::uint64_t msg::Tick::*hash, std::initializer_list<Stage> stages) {
     for (const Stage stage : stages) {
       const Sources& of_stage = sources.of(stage);
@@ -265,8 +264,8 @@ void PartialCandidate::follow_tick(Message& message, const Message& golden, Tick
 
 void PartialCandidate::note_mixed(std::uint64_t time, std::string_view kept, std::string_view accepted) {
   if (!mixed_)
-    mixed_ =
-        fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds_of(time), kept, accepted);
+    mixed_ = fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds_of(time), kept,
+                         accepted);
 }
 
 Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& controllers,

@@ -20,7 +20,7 @@ Result<void> keep_verdict(const fs::path& trace, const std::string& verdict) {
   const auto content = hash_of_file(trace);
   if (!content) return content.errors();
   const fs::path file = file_beside(trace);
-  std::ofstream stream(file, std::ios::binary);  // in the folder of the run alone, from where both are published
+  std::ofstream stream(file, std::ios::binary);  // in the folder of the run, from where both are published
   stream << hash_text(*content) << '\n' << verdict << '\n';
   if (stream.flush()) return {};
   return error(fmt::format("{} can't be written", file.string()));

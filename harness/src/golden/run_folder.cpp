@@ -27,7 +27,7 @@ constexpr std::string_view prefix = ".run-";
 
 int open_folder(const fs::path& folder) { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); }
 
-/// Removes folders of runs that ended without removing them: nobody holds their lock.
+/// Removes folders of runs that ended without removing them: their lock is free.
 void remove_left_behind(const fs::path& parent) {
   std::vector<fs::path> folders;
   std::error_code ignored;
@@ -66,7 +66,7 @@ FolderLock::~FolderLock() {
 }
 
 Result<RunFolder> RunFolder::make(const fs::path& parent) {
-  constexpr int most_tries = 100;  // the last run to end removes the parent if nothing is left in it
+  constexpr int most_tries = 100;  // the last run to end removes an empty parent folder
   for (int tries = 1;; ++tries) {
     const FolderLock lock(parent);
     remove_left_behind(parent);
@@ -124,7 +124,7 @@ Result<std::string> WaitingRun::publish(std::string& text) {
   for (fs::recursive_directory_iterator entry(folder(), failed), end; !failed && entry != end; entry.increment(failed))
     if (entry->is_regular_file()) files.push_back(entry->path().lexically_relative(folder()));
   std::stable_partition(files.begin(), files.end(), [&](const fs::path& file) { return file != trace_.filename(); });
-  for (const fs::path& file : files) {  // the trace last: whoever finds it finds all
+  for (const fs::path& file : files) {  // the trace last: then all its files are there
     fs::create_directories((pending_ / file).parent_path(), failed);
     fs::rename(folder() / file, pending_ / file, failed);
     if (failed) return error(fmt::format("{} can't be kept: {}", (pending_ / file).string(), failed.message()));

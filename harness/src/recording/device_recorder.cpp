@@ -11,7 +11,7 @@
 namespace rehearse {
 namespace {
 
-constexpr double no_covariance = -1.0;                                  // ROS: "this quantity is not measured"
+constexpr double no_covariance = -1.0;  // ROS: "this quantity is not measured"
 
 msg::Vector3 vector3_of(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -56,7 +56,8 @@ Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const
   if (std::holds_alternative<ContactSensor>(device_->kind)) {
     const std::vector<double>& values = reading.values;
     const auto count = static_cast<std::uint32_t>(values[0]);
-    return output.write(measured_, tick, msg::ContactForce{{output.stamp(tick), frame_}, count, vector3_of(&values[1])});
+    return output.write(measured_, tick,
+                        msg::ContactForce{{output.stamp(tick), frame_}, count, vector3_of(&values[1])});
   }
   if (!std::holds_alternative<ForceSensor>(device_->kind)) return write_inertial(output, tick, reading);
   msg::WrenchStamped message;
@@ -82,7 +83,7 @@ Result<void> DeviceRecorder::write_inertial(TraceOutput& output, std::int64_t ti
 
 Result<void> DeviceRecorder::write_ranges(TraceOutput& output, std::int64_t tick, const RangeSensor& laser,
                                           const DeviceReading& reading) const {
-  const std::vector<float> none;  // it was switched off
+  const std::vector<float> none;  // the sensor was switched off
   const std::vector<float>& ranges = reading.ranges ? *reading.ranges : none;
   const msg::Header header{time_of_capture(reading), frame_};
   if (is_planar(laser)) {
@@ -117,7 +118,7 @@ Result<void> DeviceRecorder::write_pictures(TraceOutput& output, std::int64_t ti
   });
 }
 
-/// The picture is encoded while the simulation goes on. Null: the camera was switched off.
+/// The picture is encoded while the simulation continues. Null: the camera was switched off.
 Result<void> DeviceRecorder::write_color(TraceOutput& output, std::int64_t tick, const msg::Header& header,
                                          const std::shared_ptr<const Image>& image) const {
   if (!image) return output.write(color_, tick, msg::CompressedImage{header, "", {}});

@@ -18,7 +18,7 @@
 #include "trace/run_facts.h"
 #include "trace/trace_version.h"
 
-// The build asks the compiler for this, too; here it holds for whatever this file is compiled with in the end.
+// The build checks this with the compiler, too; here the check covers the final compilation of this file.
 static_assert(FLT_EVAL_METHOD == 0 || *REHEARSE_OTHER_FLAGS, "intermediate results are rounded to their type");
 #if defined(__FAST_MATH__) || defined(__FMA__) || defined(__AVX__)
 static_assert(*REHEARSE_OTHER_FLAGS, "built with flags that change the bits of recordings");
@@ -45,7 +45,7 @@ std::string compiler() {
 #endif
 }
 
-/// The linker's mark of a loaded library: another one for other code.
+/// The linker's build identifier of a loaded library: it differs for different code.
 std::string build_id(const dl_phdr_info& library) {
   for (int i = 0; i < library.dlpi_phnum; ++i) {
     const ElfW(Phdr)& header = library.dlpi_phdr[i];
@@ -66,8 +66,8 @@ std::string build_id(const dl_phdr_info& library) {
   return {};
 }
 
-/// A hash over the libraries whose code decides bits, as far as they are loaded: ours, and what they compute with.
-/// Empty if one of them has no mark.
+/// A hash over the loaded libraries whose code influences bits: those of Rehearse, and those that they compute with.
+/// Empty if one of them has no build identifier.
 std::string programs() {
   struct Libraries {
     std::map<std::string, std::string> marks;
@@ -110,7 +110,7 @@ std::string environment(const char* variable) {
   return value ? value : "";
 }
 
-/// Of the user's own tunables those that don't decide a bit are no fact of a recording.
+/// The tunables of the processor. The user's other tunables influence no bit and are no fact of a recording.
 std::string tunables_of_the_processor() {
   std::string all = environment("GLIBC_TUNABLES"), kept;
   for (std::size_t begin = 0; begin < all.size();) {

@@ -19,7 +19,7 @@
 namespace rehearse {
 namespace {
 
-constexpr double transforms_per_second = 30.0;  // for viewers: the exact state stands in other channels
+constexpr double transforms_per_second = 30.0;  // for viewers: other channels contain the exact state
 
 msg::Vector3 vector3(const double* v) { return {v[0], v[1], v[2]}; }
 msg::Vector3 vector3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -28,7 +28,7 @@ msg::Quaternion quaternion(const double* xyzw) { return {xyzw[0], xyzw[1], xyzw[
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-/// Units of the elements of a message of joints. None of them wraps around: angles are counted on and on.
+/// Units of the elements of a message of joints. No element has a `wrap:` entry, because angles count turns.
 mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::vector<int>& joints) {
   mcap::StringMap metadata;
   for (const int id : joints) {
@@ -39,7 +39,7 @@ mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::
   return metadata;
 }
 
-/// The bounds that the simulation keeps the joints of this body to.
+/// Adds the bounds that the simulation enforces for the joints of this body.
 void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
   const auto state = [&metadata](const std::string& element, double lower, double upper) {
     if (std::isfinite(lower) || std::isfinite(upper))
@@ -52,7 +52,7 @@ void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
   }
 }
 
-/// A joint message of one controller: which array holds which of its numbers.
+/// A joint message of one controller, and the mapping of its numbers to arrays.
 struct JointChannel {
   std::uint16_t channel = 0;
   msg::JointState message;
@@ -64,9 +64,9 @@ struct JointChannel {
   std::vector<Slot> slots;
 };
 
-/// Inputs or outputs of one controller.
+/// The channels for inputs or for outputs of one controller.
 struct SideChannels {
-  mcap::StringMap metadata;  // of each channel, besides units
+  mcap::StringMap metadata;  // of each channel, in addition to units
   JointChannel joints;
   std::uint16_t accelerations = 0;  // channel; 0: none
   msg::JointAccelerations acceleration_message;
@@ -93,8 +93,8 @@ struct BodyChannels {
   std::vector<DeviceRecorder> devices;
 };
 
-/// Of all bodies of that file: they may have loaded it with different options, and so with different repairs. What a
-/// later one has in common with those before is told once.
+/// The load report of all bodies of that file: they may have loaded it with different options, and so with different
+/// repairs. Repairs that a later body shares with earlier ones are reported once.
 std::string load_report(const Scenario& scenario, const std::string& model_file) {
   std::string text;
   std::set<std::string> told;
@@ -112,7 +112,7 @@ std::string load_report(const Scenario& scenario, const std::string& model_file)
   return text;
 }
 
-/// Of the channel of a device's states. What was said in initialize() acts before the run.
+/// The metadata of the channel of a device's states. Commands in initialize() act before the run.
 mcap::StringMap first_words_metadata(const ControllerChannels& channels, const DeviceOutput& first) {
   mcap::StringMap metadata = channels.output.metadata;
   if (first.told) metadata["since"] = "initialize";
@@ -130,7 +130,7 @@ struct Recorder::Impl : TraceOutput {
   std::optional<ContactRecorder> contact_recorder;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
   std::uint16_t joystick_channel = 0;   // 0: none
-  std::set<int> measured_bodies;        // whose joints are read otherwise than they are
+  std::set<int> measured_bodies;        // bodies whose joint readings differ from the truth
   std::int64_t transform_interval = 1;  // [ticks]
   msg::Tick tick_message;
   msg::TFMessage transforms;
@@ -173,7 +173,7 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
 }
 
 Result<void> Recorder::Impl::attach_sources() {
-  // names are those of the scenario: a trace knows nothing of the folders of the machine it was made on
+  // Names are those of the scenario: a trace doesn't contain folders of its machine.
   if (auto done = writer->add_attachment("scenario.yaml", "application/yaml", bytes_of(scenario.text)); !done)
     return done;
   std::set<std::string> attached;
@@ -405,7 +405,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     const HostedController& hosted = host->controllers()[c];
     message.controller_results.push_back(hosted.tick.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (hosted.tick.has_input) {  // of a controller that then failed, too: what it read may be why
+    if (hosted.tick.has_input) {  // also for a controller that then failed, because its inputs may be the cause
       if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
       if (auto done = impl.write_contacts(tick, channels.contacts, hosted.io->input_contacts()); !done) return done;
     }
@@ -414,7 +414,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
-      if (!channel)  // most controllers command no device: its channel appears with the first command
+      if (!channel)  // most controllers command no device: the channel is added with the first command
         channel = impl.channel<msg::DeviceState>(
             ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::device_state,
                                        model.devices[output.device].name),

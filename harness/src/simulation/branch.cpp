@@ -53,7 +53,7 @@ class Branch {
   Scenario* scenario_ = nullptr;  // the source's, with the branch's own end and pushes
   BranchOrigin origin_;
   std::int64_t checkpoint_ = 0;  // tick at which the world begins
-  Command moved_;                // what moved the world before the moment
+  Command moved_;                // the commands that moved the world before the moment
   BranchSummary summary_;
 };
 
@@ -130,7 +130,7 @@ Result<void> Branch::choose_checkpoint() {
   return {};
 }
 
-/// What the controllers do before the moment, beside what they did.
+/// Replays the controllers before the moment, and compares with the recorded outputs.
 Result<void> Branch::replay_before() {
   ReplayOptions replaying;
   static_cast<HostOptions&>(replaying) = options_;
@@ -171,7 +171,7 @@ Result<void> Branch::create(ClosedLoop& loop) {
   return {};
 }
 
-/// Of the steps before the moment nothing is recorded; what touches there touched before.
+/// Records nothing in the steps before the moment, except the contacts, which count as existing.
 class ContactsSink final : public Sink {
  public:
   explicit ContactsSink(Recorder& recorder) : recorder_(recorder) {}
@@ -184,7 +184,7 @@ class ContactsSink final : public Sink {
   Recorder& recorder_;
 };
 
-/// The world as it was at the moment, with all that is under way in it.
+/// Moves the world to its state at the moment, with all pending captures.
 Result<void> Branch::lead_world(ClosedLoop& loop) {
   auto commands = RecordedCommands::find(*scenario_, source_->recording);
   if (!commands) return commands.errors();
@@ -221,8 +221,8 @@ Result<void> Branch::copy_source(ClosedLoop& loop) {
   return {};
 }
 
-/// From the moment on the loop is closed, with what the recorded controllers commanded last still in force. But joints
-/// are driven as the controllers here say.
+/// Closes the loop from the moment on. The last commands of the recorded controllers are still in force, but joints
+/// have the drives of the present controllers.
 void Branch::close(ClosedLoop& loop) {
   Command& command = loop.run->command;
   for (std::size_t body = 0; body < moved_.bodies.size(); ++body)
@@ -255,7 +255,7 @@ Result<BranchSummary> Branch::make() {
   return run.errors();
 }
 
-/// The branch itself: what is known of it is right.
+/// Runs the branch itself; its source was checked.
 Result<BranchSummary> Branch::go_on() {
   ClosedLoop loop(*scenario_);
   if (auto created = create(loop); !created) return created.errors();

@@ -27,11 +27,11 @@ void find_ticks(BranchSource& source) {
     for (std::size_t row = 0; row < channel->rows(); ++row) source.state_hashes.push_back(channel->bits(row, state));
   source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
   const auto outcome = RunFacts::of(source.recording).outcome;
-  if (outcome && outcome->complete) --source.whole_ticks;  // the last is the end's state
+  if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
 }
 
-/// How many ticks before a moment the cameras and range sensors have to run so that all that arrives at it or later was
-/// captured meanwhile: twice the longest cycle, of which renderer/vision.h has that it is a second at most.
+/// The number of ticks before a moment that cameras and range sensors must run, so that all captures that arrive at it
+/// or later are captured again. It is twice the longest cycle, which is a second at most (renderer/vision.h).
 std::int64_t lead_of(const Scenario& scenario) {
   double longest = 0.0;
   for (const ScenarioBody& body : scenario.bodies) {
@@ -41,11 +41,11 @@ std::int64_t lead_of(const Scenario& scenario) {
         longest = std::max(longest, 1.0 / laser->scan_rate);
     }
   }
-  constexpr std::int64_t for_contacts = 2;  // what touched is known after a step
+  constexpr std::int64_t for_contacts = 2;  // contacts are known after a step
   return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
 }
 
-/// The models with their meshes, out of the scenario's files.
+/// Loads the models with their meshes, from the scenario's files.
 Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scenario_file) {
   Scenario& scenario = source.scenario;
   const auto text_of = [&](const std::string& name) {
@@ -83,7 +83,7 @@ Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scen
   return {};
 }
 
-/// A log has no world, and that of a replay didn't follow its commands.
+/// Fails for a log, which has no world, and for a replay, whose world didn't follow its commands.
 Result<void> check_simulated(const BranchSource& source) {
   const bool of_a_log = RunFacts::of(source.recording).is_of_log;
   if (!of_a_log && (!source.origin || source.origin->simulated)) return {};

@@ -22,12 +22,13 @@ void CheckpointTrial::begin(std::int64_t number, std::span<const std::byte> stat
 }
 
 void CheckpointTrial::step(const Command& command) {
-  if (under_way_ && !step_world(*twin_, scenario_, command)) under_way_ = false;  // and so will the run's own
+  if (under_way_ && !step_world(*twin_, scenario_, command)) under_way_ = false;  // the run's own world will fail, too
 }
 
 void CheckpointTrial::compare(const World& world) {
   if (!std::exchange(under_way_, false) || twin_->state_hash() == world.state_hash()) return;
-  finding_ = fmt::format("restored at tick {}, the world is in another state at tick {}", world.tick() - 1, world.tick());
+  finding_ =
+      fmt::format("restored at tick {}, the world is in another state at tick {}", world.tick() - 1, world.tick());
 }
 
 }  // namespace rehearse

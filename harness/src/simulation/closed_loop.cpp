@@ -49,7 +49,7 @@ Result<bool> ClosedLoop::step() {
   return going_on;
 }
 
-/// A disk that is full, or a file that somebody closed: when, and who ran.
+/// Adds the time and the present controller to the error of a full disk, or of a closed file.
 Diagnostics ClosedLoop::stopped_recording(Diagnostics errors) const {
   std::string labels;
   for (const HostedController& hosted : host->controllers()) labels += (labels.empty() ? "" : ", ") + hosted.label;
@@ -59,7 +59,7 @@ Diagnostics ClosedLoop::stopped_recording(Diagnostics errors) const {
   return errors;
 }
 
-/// What ended the run before its time.
+/// The failure that ended the run early.
 std::optional<Diagnostic> ClosedLoop::failure() const {
   if (run->interruption()) return run->interruption();
   if (run->broke_down())
@@ -73,7 +73,7 @@ Result<RunSummary> ClosedLoop::finish() {
   const StandardFloatMode float_mode;
   host->stop(plant->tick());
   summary.failure = failure();
-  if (!summary.failure)  // the state after the last step closes a complete run
+  if (!summary.failure)  // a complete run ends with the state after the last step
     if (auto done = run->close(); !done) return done.errors();
   if (auto done = sink->record_events(host->take_events()); !done) return done.errors();
   if (auto done = close_file(); !done) return done.errors();

@@ -28,22 +28,22 @@ std::uint64_t key_of(std::string_view kind, const std::string& body, const std::
   return hash_bytes(text.data(), text.size(), seed);
 }
 
-/// The numbers of one reading: each place in it has its own.
+/// The random numbers of one reading: each place in it has a different one.
 class Chance {
  public:
   Chance(std::uint64_t key, std::int64_t tick)
       : base_(mix(key + golden_gamma * static_cast<std::uint64_t>(tick + 1))) {}
 
-  /// Between 0 and 1, neither of them.
+  /// Between 0 and 1, both excluded.
   double uniform(std::uint64_t place) const {
     constexpr double spacing = 1.0 / static_cast<double>(1ull << 53);
     return (static_cast<double>(mix(base_ + golden_gamma * (place + 1)) >> 11) + 0.5) * spacing;
   }
   double normal(std::uint64_t place) const { return normal_quantile(uniform(place)); }
 
-  /// True for a share of all places.
+  /// True for a given share of all places.
   bool loses(std::uint64_t place, double share) const {
-    constexpr std::uint64_t other_numbers = 1ull << 62;  // than those of the values
+    constexpr std::uint64_t other_numbers = 1ull << 62;  // different from the numbers for values
     return share > 0.0 && uniform(other_numbers + place) < share;
   }
 
@@ -56,7 +56,7 @@ double disturbed(double truth, const Noise& noise, int axis, const Chance& chanc
   return truth + noise.bias[axis] + random;
 }
 
-/// Quantities of three numbers each; a contact sensor's stand behind its count.
+/// Adds noise to quantities of three numbers each; those of a contact sensor follow its count.
 void disturb_values(const DeviceNoise& noise, bool has_count, const Chance& chance, std::vector<double>& values) {
   const std::size_t first = has_count ? 1 : 0;
   for (std::size_t i = first; i < values.size(); ++i) {
@@ -65,7 +65,7 @@ void disturb_values(const DeviceNoise& noise, bool has_count, const Chance& chan
   }
 }
 
-/// Distances that were found: what isn't seen by noise alone is never nearer than 0.
+/// Adds noise to distances; a noisy distance is never smaller than 0.
 template <class Floats>
 void disturb_distances(const Noise& noise, double dropout, const Chance& chance, std::uint64_t first_place,
                        Floats& distances) {
@@ -84,7 +84,7 @@ void disturb_colors(const Noise& noise, const Chance& chance, std::vector<std::u
         static_cast<std::uint8_t>(std::clamp(std::round(disturbed(colors[i], noise, 0, chance, i)), 0.0, 255.0));
 }
 
-/// A new capture, as it is read.
+/// Adds noise to a new capture.
 void disturb_capture(const DeviceNoise& noise, const Chance& chance, DeviceReading& reading) {
   if (reading.ranges) {
     auto ranges = std::make_shared<std::vector<float>>(*reading.ranges);
@@ -105,7 +105,7 @@ void disturb_capture(const DeviceNoise& noise, const Chance& chance, DeviceReadi
   }
 }
 
-/// Sensors whose dropout takes readings as a whole, and not parts of them.
+/// True for sensors whose dropout applies to whole readings.
 bool drops_readings(const Device& device) {
   const auto* camera = std::get_if<Camera>(&device.kind);
   return camera ? !camera->depth : !std::holds_alternative<RangeSensor>(device.kind);
@@ -153,7 +153,7 @@ void NoiseMaker::disturb_devices(std::int64_t tick, Observation& observation) {
     if (is_new || !has_capture) {
       noisy.last = reading;
     } else {
-      reading = noisy.last;  // what was read of the last capture that arrived
+      reading = noisy.last;  // the reading of the last capture that arrived
       reading.fresh = false;
     }
   }

@@ -14,7 +14,7 @@ std::vector<std::shared_ptr<const Model>> models_of(const Scenario& scenario) {
   return models;
 }
 
-/// Null if no camera runs: then nothing needs a renderer.
+/// Null if no camera runs: then no renderer is needed.
 Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
   std::vector<std::vector<bool>> active;
   bool any = false;

@@ -17,7 +17,7 @@
 namespace rehearse {
 namespace {
 
-/// The last tick whose state the recording has.
+/// The last tick with a recorded state.
 std::int64_t last_tick_of(const Trace& recording, double time_step) {
   const TraceChannel* ticks = recording.find_channel(run_topics::tick);
   if (!ticks) return -1;
@@ -30,7 +30,7 @@ std::int64_t last_tick_of(const Trace& recording, double time_step) {
   return last ? std::llround(static_cast<double>(*last) * 1e-9 / time_step) : -1;
 }
 
-/// A world that is set back to the recorded state before each step from a tick that has a checkpoint.
+/// A world that is set back to the recorded state before each step from a tick with a checkpoint.
 class SetBackWorld final : public WorldSource {
  public:
   SetBackWorld(const Scenario& scenario, Plant& plant, RecordedCheckpoints& checkpoints, const PlantOptions& options,
@@ -59,7 +59,7 @@ class SetBackWorld final : public WorldSource {
   PlantSummary& summary_;
 };
 
-/// The run from its first tick to the state after its last.
+/// Makes the run from its first tick to the state after its last.
 Result<void> go(Run& run, std::int64_t last, PlantSummary& summary) {
   const std::int64_t from = run.tick();
   if (from > last) return {};
@@ -78,8 +78,9 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
                                const PlantOptions& options) {
   const StandardFloatMode float_mode;
   if (const auto change = changed_time_step(scenario, recording)) {
-    Diagnostic finding = error(fmt::format("its time step is {} s, and that of {} is {} s: no tick of it can be repeated",
-                                           change->expected, scenario.name, change->actual));
+    Diagnostic finding =
+        error(fmt::format("its time step is {} s, and that of {} is {} s: no tick of it can be repeated",
+                          change->expected, scenario.name, change->actual));
     finding.file = recording.file();
     return finding;
   }

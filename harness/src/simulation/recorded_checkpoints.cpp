@@ -53,7 +53,7 @@ Result<std::string> RecordedCheckpoints::objection() const {
   return std::string();
 }
 
-/// The files that decide which parts a state has, and in which order.
+/// Compares the files that determine the parts of a state and their order.
 bool RecordedCheckpoints::has_its_own_scenario() const {
   const auto is_attached = [&](const std::string& name, const std::string& text) {
     const mcap::Attachment* attachment = recording_.find_attachment(name);
@@ -68,7 +68,7 @@ Result<void> RecordedCheckpoints::make_recorded_world() {
   const auto recorded = recorded_scenario(recording_);
   if (!recorded) return recorded.errors();
   std::vector<WorldBody> bodies = world_bodies(*recorded);
-  for (WorldBody& body : bodies) {  // a recording has no meshes, and a state nothing of shapes
+  for (WorldBody& body : bodies) {  // a recording contains no meshes, and a state no shapes
     Model model = *body.model;
     for (Link& link : model.links) link.collisions.clear();
     body.model = std::make_shared<const Model>(std::move(model));

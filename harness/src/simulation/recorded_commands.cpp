@@ -26,10 +26,10 @@ Eigen::Vector3d vector(const std::vector<double>& numbers, std::size_t at) {
   return {numbers[at], numbers[at + 1], numbers[at + 2]};
 }
 
-/// Whether a device's state, as the API's writeState gives it, says that it is on.
+/// True if a device's state, in the form of the API's writeState, is on.
 bool is_on(const Device& device, const std::vector<double>& state) {
-  const bool says_so = std::holds_alternative<Camera>(device.kind) || std::holds_alternative<RangeSensor>(device.kind) ||
-                       std::holds_alternative<Light>(device.kind);
+  const bool says_so = std::holds_alternative<Camera>(device.kind) ||
+                       std::holds_alternative<RangeSensor>(device.kind) || std::holds_alternative<Light>(device.kind);
   return !says_so || state[0] != 0.0;
 }
 
@@ -67,7 +67,7 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
   return commands;
 }
 
-/// The first window, in which is what was said in initialize().
+/// Reads the first window, which contains the commands of initialize().
 void RecordedCommands::begin() {
   std::vector<std::size_t> channels;
   for (const Source& source : sources_) channels.push_back(source.channel);
@@ -115,7 +115,7 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay
     source.kind = name.kind == ChannelKind::pose ? Kind::root : Kind::wrench;
     source.target = commanded.model->find_link(name.owner);
     if (source.target < 0) return unknown("link");
-    if (source.kind == Kind::root && source.target != 0) return {};  // no effect: the host has said so
+    if (source.kind == Kind::root && source.target != 0) return {};  // no effect: the host has reported it
   } else {
     return {};  // quantities that move nothing
   }
@@ -164,7 +164,7 @@ Command RecordedCommands::initial() const {
   return command;
 }
 
-/// What moved the world in a branch before it began, and what did since.
+/// True for the commands that moved the world: in a branch different ones before its begin and after it.
 bool RecordedCommands::is_used(const Source& source, std::int64_t tick) const {
   return source.is_acted == (tick < acted_until_);
 }
@@ -175,13 +175,14 @@ void RecordedCommands::set_drives(std::int64_t tick, Command& command) const {
   for (const Source& source : sources_) {
     if (!is_used(source, tick)) continue;
     std::vector<JointCommand>& joints = command.bodies[source.body].joints;
-    for (const JointCell& cell : source.cells) joints[cell.joint].drive = drive_none;  // the last controller decides
+    // The last controller determines it.
+    for (const JointCell& cell : source.cells) joints[cell.joint].drive = drive_none;
     for (const JointCell& cell : source.cells) joints[cell.joint].drive |= cell.drive;
   }
 }
 
 void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
-  constexpr std::uint64_t span = 1'000'000'000;  // of a window [ns]
+  constexpr std::uint64_t span = 1'000'000'000;  // length of a window [ns]
   const std::uint64_t now = nanoseconds_of(tick, scenario_.time_step);
   if (windows_ && now > window_end_) windows_->move(now, window_end_ = now + span);
   if (tick == acted_until_ && tick > 0 && timing == Timing::same_step) set_drives(tick, command);
@@ -211,7 +212,8 @@ void RecordedCommands::put_row(const Source& source, std::size_t row, Command& c
   const std::vector<double> numbers = finite_row(channel, row);
   if (numbers.empty()) return;
   if (source.kind == Kind::device) {
-    body.devices[source.target] = {true, is_on(scenario_.bodies[source.body].model->devices[source.target], numbers), numbers};
+    body.devices[source.target] = {true, is_on(scenario_.bodies[source.body].model->devices[source.target], numbers),
+                                   numbers};
   } else if (source.kind == Kind::root && numbers.size() == 7) {
     body.root = LinkPlace{vector(numbers, 0), {numbers[6], numbers[3], numbers[4], numbers[5]}};
   } else if (source.kind == Kind::wrench && numbers.size() == 6) {

@@ -42,7 +42,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   return std::unique_ptr<Session>(new Session(std::move(impl)));
 }
 
-/// What the world has to say of its bodies is an event of the run as well.
+/// Records the world's remarks on its bodies as events of the run.
 Result<void> Session::Impl::record_remarks() {
   std::vector<msg::Event> events;
   for (const Diagnostic& remark : loop.plant->world().remarks()) {

@@ -24,7 +24,8 @@ Result<bool> WorldSource::observe(Moment& now) {
   return true;
 }
 
-/// Devices and joystick are recorded as they are read; joints and links as they are, too.
+/// Devices and joystick are recorded with their altered readings; joints and links are recorded with their true values,
+/// too.
 void WorldSource::apply_alterations(Moment& now) {
   altered_read_ = *now.read;
   altered_->apply(now.tick, altered_read_);
@@ -46,7 +47,7 @@ Result<bool> WorldSource::advance(Moment& now, Commander& commands) {
   return alive;
 }
 
-/// ODE repeats itself from step to step: only the first step with a message is reported.
+/// ODE repeats its messages in each step: only the first step with a message is reported.
 void WorldSource::report_ode_messages(std::int64_t tick) {
   const std::vector<std::string> messages = take_ode_messages();
   if (messages.empty() || !remarks_ || std::exchange(reported_ode_, true)) return;

@@ -35,12 +35,12 @@ std::vector<Expression::Operand> Expression::operands() const {
   return all;
 }
 
-/// By the bits: NaN that stays NaN hasn't changed.
+/// Compares bits: a NaN that stays the same NaN hasn't changed.
 bool Expression::differs_from_before(std::size_t node, ExpressionSource& source, std::int64_t tick) const {
   return tick > source.first_tick() && !identical(evaluate(node, source, tick), evaluate(node, source, tick - 1));
 }
 
-/// Nodes come after what they are made of, so this ends; how deep it goes is bounded by the length of the text.
+/// Nodes come after their operands, so this ends; the length of the text limits the depth.
 double Expression::evaluate(std::size_t index, ExpressionSource& source, std::int64_t tick) const {
   const Node& node = nodes_[index];
   const auto left = [&] { return evaluate(node.left, source, tick); };

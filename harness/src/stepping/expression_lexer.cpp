@@ -17,12 +17,12 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool begins_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
-/// Slashes belong to names: a division has a blank before it.
+/// A slash may be part of a name: a division needs a blank before it.
 bool goes_on_name(char c) {
   return begins_name(c) || is_digit(c) || c == '/' || c == '.' || c == ':' || c == '%' || c == '#';
 }
 
-/// Characters before that byte; bytes that continue one aren't counted.
+/// Number of characters before that byte; continuation bytes aren't counted.
 std::size_t characters_before(std::string_view text, std::size_t at) {
   return static_cast<std::size_t>(std::count_if(text.begin(),
                                                 text.begin() + static_cast<std::ptrdiff_t>(std::min(at, text.size())),

@@ -20,7 +20,7 @@ std::string_view word_for(Expression::Type type) {
 constexpr std::string_view functions =
     "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, recorded, replayed, contact, message";
 
-/// Counts how deep calls are in each other, as long as it lives.
+/// Counts the nesting depth of calls during its lifetime.
 class Deeper {
  public:
   explicit Deeper(int& depth) : depth_(depth) { ++depth_; }
@@ -256,7 +256,7 @@ ExpressionParser::Made ExpressionParser::call(const ExpressionToken& word) {
                                                          {"sin", Op::sine, 1},
                                                          {"cos", Op::cosine, 1},
                                                          {"nan", Op::is_nan, 1}}};
-  if (!advance()) return std::nullopt;  // the parenthesis
+  if (!advance()) return std::nullopt;  // skips the parenthesis
   for (const Arithmetic& function : arithmetic)
     if (word.text == function.name) return arithmetic_call(word, function.op, function.arguments);
   if (word.text == "prev") return shift_call(word, Op::previous);

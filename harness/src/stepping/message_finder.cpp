@@ -10,7 +10,7 @@ namespace {
 
 using Entry = MessageFinder::Content::Entry;
 
-/// Enough for a tick and the one before in each group of chunks, at least; chunks are 0.8 MB, of others up to 1 GiB.
+/// Enough for a tick and the one before in each group of chunks. A chunk of Rehearse has 0.8 MB, others up to 1 GiB.
 constexpr std::size_t fewest_cached = 4;
 constexpr std::size_t most_cached = 16;
 constexpr std::size_t cached_bytes = std::size_t{24} << 20;
@@ -46,14 +46,14 @@ Result<std::unique_ptr<MessageFinder>> MessageFinder::open(const std::filesystem
   return finder;
 }
 
-/// The first chunk that begins after that time.
+/// The index of the first chunk that begins after that time.
 std::size_t MessageFinder::begin_after(std::uint64_t time) const {
   const auto after = std::upper_bound(places_.begin(), places_.end(), time,
                                       [](std::uint64_t t, const Place& place) { return t < place.chunk.start_time; });
   return static_cast<std::size_t>(after - places_.begin());
 }
 
-/// A look at a few bytes of the file brings their neighbours into memory too, as many as the system sees fit.
+/// Reading a few bytes of the file also loads neighbouring pages, as many as the system chooses.
 void MessageFinder::let_go(std::uint64_t begin, std::uint64_t end) const {
   constexpr std::uint64_t neighbours = 128 * 1024;
   const mcap::Bytes bytes = reader_->impl().bytes_;
@@ -62,13 +62,13 @@ void MessageFinder::let_go(std::uint64_t begin, std::uint64_t end) const {
   reader_->impl().file_.forget(bytes.subspan(begin, end - begin));
 }
 
-/// By the message indexes that follow the chunk.
+/// True if the channel may be in the chunk, according to its message indexes.
 bool MessageFinder::may_have(Place& place, std::uint16_t channel) {
   if (!place.learned) {
     place.learned = true;
     mcap::RecordWalker walker(reader_->impl().bytes_, place.chunk.offset);
     mcap::Record record;
-    walker.next(record);  // the chunk itself
+    walker.next(record);  // skips the chunk itself
     while (walker.next(record) && record.opcode == mcap::op::message_index) {
       mcap::ByteReader reader(record.body);
       const auto id = reader.get<std::uint16_t>();
@@ -101,7 +101,7 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::content(std::size_t
   return cache_.back().content;
 }
 
-/// A chunk that can't be opened is told of once, and has no messages.
+/// A chunk that can't be opened is reported once, and has no messages.
 std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Place& place) {
   const auto content = std::make_shared<Content>();
   mcap::ChunkOpener& opener = reader_->impl().chunk_opener_;
@@ -119,7 +119,7 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
     return content;
   }
   content->records = opened.records;
-  if (!opened.head.compression.empty())  // else they are the file's own
+  if (!opened.head.compression.empty())  // otherwise the records are in the file itself
     let_go(place.chunk.offset, walker.offset());
   mcap::RecordWalker inside(opened.records);
   while (inside.next(record)) {

@@ -23,7 +23,7 @@ std::string_view ending_of(std::string_view name, std::size_t segments) {
   return name;
 }
 
-/// What somebody who wrote that may have meant: as long an ending of any name.
+/// The names with the most similar ending of equal length.
 std::string nearest(std::string_view wanted, const std::vector<std::string>& names) {
   std::set<std::string> endings;
   for (const std::string& name : names) endings.emplace(ending_of(name, segments_of(wanted)));

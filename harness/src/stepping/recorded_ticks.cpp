@@ -40,7 +40,7 @@ void RecordedTicks::add_replayed(MessageFinder& variables) {
   name_all();
 }
 
-/// The first message, the last, and one between.
+/// Reads the first message, the last, and one between.
 void RecordedTicks::learn(Source& source) {
   if (!source.rows.has_rows()) return;
   const auto first = source.finder.next(source.id, 0);
@@ -79,7 +79,7 @@ const std::vector<std::string>& RecordedTicks::names() {
   return names_;
 }
 
-/// Into the table's only row. False: it isn't of its type.
+/// Reads a message into the table's only row. False: it doesn't fit its type.
 bool RecordedTicks::read(Source& source, const MessageFinder::Found& found) {
   return source.rows.replace(found.time, found.data);
 }
@@ -94,7 +94,7 @@ const RecordedTicks::Row* RecordedTicks::replayed_row(std::size_t channel, std::
 
 const RecordedTicks::Row* RecordedTicks::row(Source& source, std::uint64_t time) {
   if (!source.rows.has_rows()) return nullptr;
-  Row* best = nullptr;  // the latest that isn't later
+  Row* best = nullptr;  // the latest row that isn't later
   Row* oldest = &source.recent.front();
   for (Row& row : source.recent) {
     if (row.used < oldest->used) oldest = &row;

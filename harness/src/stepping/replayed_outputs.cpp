@@ -19,7 +19,7 @@
 namespace rehearse {
 namespace {
 
-/// As it stands in the file.
+/// A difference as stored in the file.
 struct StoredDifference {
   std::uint64_t place = 0;
   std::int64_t tick = 0;
@@ -27,7 +27,7 @@ struct StoredDifference {
   double actual = 0.0;
 };
 
-/// A new file of ours that goes with this.
+/// A new temporary file, which is removed with this object.
 class ScratchFile {
  public:
   ScratchFile() {
@@ -58,7 +58,7 @@ Diagnostic warning(std::string message, std::string hint = {}) {
 
 }  // namespace
 
-/// What a replay gives, on its way into the file.
+/// Writes the outputs of a replay into the file.
 class ReplayedOutputs::Writing {
  public:
   Writing(ReplayedOutputs& outputs, mcap::Writer& writer, double time_step)
@@ -153,7 +153,7 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
                             fmt::join(report->other_controllers, ", "))));
   for (const Diagnostic& remark : report->remarks) made->remarks_.push_back(remark);
   made->failure_ = report->failure;
-  // the tick in which a controller failed was begun
+  // The tick in which a controller failed is incomplete.
   const std::int64_t reached = report->ticks - 1;
   if (reached >= 0) made->last_tick_ = reached;
   const auto closed = (*writer)->close();

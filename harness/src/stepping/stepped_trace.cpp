@@ -43,7 +43,7 @@ SteppedTrace::Impl::Impl(std::unique_ptr<MessageFinder> finder, Scenario scenari
       contact_changes_(channel_of(finder_->reader(), run_topics::contact_changes)),
       contacts_(*finder_, contact_changes_, all_links(scenario_)) {}
 
-/// From the first message on /tick to the last, without the state after the last step.
+/// Finds the ticks from the first message on /tick to the last, without the state after the last step.
 Result<void> SteppedTrace::Impl::find_ticks() {
   const mcap::Reader& reader = finder_->reader();
   const auto channel = channel_of(reader, run_topics::tick);
@@ -70,7 +70,7 @@ Result<void> SteppedTrace::Impl::find_ticks() {
   const auto outcome = RunFacts::of(reader).outcome;
   if (outcome && outcome->ticks) last_tick_ = std::min(last_tick_, *outcome->ticks - 1);
   if (last_tick_ < first_tick_) return nothing;
-  if (first_tick_ > 1 && contacts_.is_recorded()) {  // tick 1 has those that touch from the beginning
+  if (first_tick_ > 1 && contacts_.is_recorded()) {  // tick 1 has the pairs that touch from the beginning
     Diagnostic& remark = remarks_.emplace_back(in_trace(
         reader, error(fmt::format("it begins at tick {}: what touched before isn't in it, only what changes since",
                                   first_tick_))));
@@ -95,7 +95,7 @@ Result<void> SteppedTrace::Impl::replay(const SteppingOptions& options) {
   const bool asked_for_it = !options.libraries.empty();
   if (asked_for_it && !replayed_->last_tick() && !replayed_->failure()) {
     Diagnostics errors = replayed_->remarks();
-    if (errors.size() > 1) errors.pop_back();  // that what was recorded can be seen
+    if (errors.size() > 1) errors.pop_back();  // removes the hint that recorded data can be viewed
     for (Diagnostic& finding : errors) finding.severity = Severity::error;
     if (!errors.empty()) return errors;
   }
@@ -151,7 +151,7 @@ bool SteppedTrace::differs() const { return impl_->replayed_->differs(); }
 double SteppedTrace::time_at(std::int64_t tick) const { return time_of(tick, impl_->scenario_.time_step); }
 
 std::int64_t SteppedTrace::tick_at(double time) const {
-  // a time that is written with a few digits means the tick at it, and not the one before
+  // A time that is written with a few digits means the tick at this time, not the one before.
   return static_cast<std::int64_t>(std::floor(time / impl_->scenario_.time_step + 1e-6));
 }
 
@@ -255,7 +255,7 @@ std::vector<std::string> SteppedTrace::picture_topics() const {
 Result<SteppedTrace::Picture> SteppedTrace::picture(std::string_view camera, std::int64_t tick) {
   const std::vector<std::string> topics = picture_topics();
   if (topics.empty()) return error("the recording has no pictures", "record it without --no-frames, with cameras");
-  std::vector<std::string> names;  // of the camera, and with what it shows
+  std::vector<std::string> names;  // names of the camera, and names with the kind of picture
   for (const std::string& topic : topics) {
     const bool shows_colors = ChannelName::parse(topic).kind == ChannelKind::image;
     names.push_back(topic.substr(1, topic.size() - 1 - (shows_colors ? 6 : 0)));

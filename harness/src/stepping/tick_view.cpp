@@ -11,7 +11,7 @@
 namespace rehearse {
 namespace {
 
-/// Of viewers, of the recording itself, and constants: nothing that one looks at tick by tick.
+/// False for channels for viewers, of the recording itself, and of constants, which don't change from tick to tick.
 bool is_shown(const TraceChannel& channel) {
   constexpr std::array<std::string_view, 3> left_out{msg::TFMessage::type_name, msg::Tick::type_name,
                                                      msg::CameraInfo::type_name};
@@ -39,7 +39,7 @@ void SteppedTrace::Impl::classify(ViewChannel& shown) {
 }
 
 ViewChannel SteppedTrace::Impl::channel_at(std::size_t index, std::int64_t tick, const RecordedTicks::Row& row) {
-  const std::vector<std::uint64_t> cells = row.cells;  // the row may go when the one before is read
+  const std::vector<std::uint64_t> cells = row.cells;  // the row may become invalid when the row before is read
   const RecordedTicks::Row now{row.time, row.until, 0, cells};
   const RecordedTicks::Row* before = tick > first_tick_ ? recorded_.row(index, ns(tick - 1)) : nullptr;
   const TraceChannel& channel = recorded_.channel(index);
@@ -159,7 +159,7 @@ std::optional<std::uint64_t> SteppedTrace::Impl::event_before(std::uint64_t now)
   return nearest;
 }
 
-/// Differs, and the tick before doesn't.
+/// True if the controllers differ in this tick, but not in the tick before.
 bool SteppedTrace::Impl::begins_to_differ(std::uint64_t time) {
   const std::int64_t tick = tick_of(time);
   return tick == first_tick_ || !replayed_->differs_at(ns(tick - 1));
