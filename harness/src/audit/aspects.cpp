@@ -12,14 +12,14 @@ bool is_one_of(std::string_view word, std::string_view words) {
   return words.find(" " + std::string(word) + " ") != std::string_view::npos;
 }
 
-/// Functions that change something, and whose result is whether they could.
+/// Functions that change something, and whose result states only success.
 constexpr std::string_view deeds =
     " alarm bind chdir chmod clearenv close close_range closefrom dlopen exit fchdir fchmodat initstate kill lcong48 "
     "mkdir mkdtemp mkostemp mkstemp pthread_setaffinity_np pthread_sigmask putenv quick_exit raise remove rename rmdir "
     "sched_setaffinity seed48 setenv setitimer shm_unlink sigaction signal sigprocmask socket srand srand48 srandom "
     "tmpfile truncate tzset umask unlink unlinkat unsetenv uselocale utimensat _exit _Exit abort ";
 
-/// Functions that open a file, which is only a deed if it isn't going to be read.
+/// Functions that open a file; such a call has an effect only if the file isn't opened for reading.
 constexpr std::string_view openings = " creat fopen freopen open openat shm_open ";
 
 /// Functions that run a program, or a second process.
@@ -40,7 +40,7 @@ constexpr AspectGroup surroundings[] = {
     {" ioctl isatty ttyname ttyname_r ", "the terminal", Factor::machine},
     {" getegid geteuid getgid getlogin getlogin_r getpwuid getpwuid_r getuid ", "the user", Factor::machine},
     {" getppid getpriority getrlimit ", "the process it runs in", Factor::machine},
-    {" getpid gettid ", "the process it runs in", Factor::nothing},  // another in each process by itself
+    {" getpid gettid ", "the process it runs in", Factor::nothing},  // different in each process
     {" get_current_dir_name getcwd ", "the working folder", Factor::folder},
     {" getauxval ", "what the kernel says of the processor and the process", std::nullopt},
 };

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int most_places = 8;  // that are asked one by one whether they reach an output
+constexpr int most_places = 8;  // number of places that are tested separately
 
 /// A controller of the run and the file of its library.
 struct AuditedLibrary {
@@ -77,7 +77,7 @@ std::vector<std::string> words_of(const AuditOptions& options) {
   return words;
 }
 
-/// What a controller did to the process that recorded it, so that the recording has no end.
+/// The reason why the recording is incomplete: a controller's effect on the process that recorded it.
 std::string why_cut_off(const fs::path& log, int status) {
   if (const auto calls = read_call_log(log))
     for (auto call = calls->calls.rbegin(); call != calls->calls.rend(); ++call) {
@@ -155,7 +155,7 @@ Result<void> Audit::find_libraries(const Scenario& scenario) {
   for (const auto& [name, library] : options_.libraries)
     if (known.count(name) == 0) return error(fmt::format("there is no controller '{}' in {}", name, scenario.name));
   if (libraries_.empty()) return error(fmt::format("{} has no controllers: there is nothing to audit", scenario.name));
-  // by path: a replay may work in another folder
+  // By absolute path, because a replay may use a different working folder.
   options_.libraries.clear();
   for (const AuditedLibrary& library : libraries_) options_.libraries[library.label] = library.file.string();
   return {};
@@ -183,7 +183,7 @@ Result<void> Audit::prepare() {
   evidence_.time_step = scenario->time_step;
   evidence_.virtualised = options_.virtualise;
   if (const auto seed = virtualised_seed(**reader)) {
-    options_.virtualise = evidence_.virtualised = true;  // as it was recorded
+    options_.virtualise = evidence_.virtualised = true;  // as in the recording
     options_.seed = *seed;
   }
   if (is_trace(subject_))
@@ -227,8 +227,8 @@ Result<void> Audit::run_first() {
   return {};
 }
 
-/// A controller may ask the system without the C library where that can't be watched, or make more kinds of calls than
-/// the log holds; then not all is known of what it asked for.
+/// True if controllers can make unlogged calls: system calls past the C library that can't be watched, or more kinds of
+/// calls than entries in the log.
 bool Audit::calls_can_hide() const {
   const auto can_hide = [](const CallLog& log) { return !log.complete || log.hidden_calls; };
   return can_hide(evidence_.plain.log) || can_hide(evidence_.still.log);
@@ -250,7 +250,7 @@ Result<void> Audit::run_experiments() {
   return {};
 }
 
-/// If the clock, random numbers or the machine matter and several places ask for them, each by itself: does it?
+/// If the clock, random numbers or the machine matter and several places ask for them, tests each place separately.
 Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
                                std::vector<std::pair<CodePlace, bool>>& tried) {
   std::vector<ReplaySettings> settings;
@@ -333,7 +333,7 @@ std::string list_of(const std::vector<std::string>& words) {
   return text;
 }
 
-/// The first few, and how many more.
+/// The first few, and the number of the others.
 std::vector<std::string> shortened(std::vector<std::string> words) {
   constexpr std::size_t most = 3;
   if (words.size() <= most + 1) return words;

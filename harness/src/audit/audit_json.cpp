@@ -1,4 +1,4 @@
-// What an audit found, as JSON.
+// The results of an audit as JSON.
 #include <rehearse/audit.h>
 
 #include <algorithm>

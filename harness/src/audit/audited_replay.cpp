@@ -1,4 +1,4 @@
-// The work of one process of an audit: recorded inputs into the controllers, and what they give into a file.
+// The work of one process of an audit: feeds recorded inputs to the controllers, and writes their outputs into a file.
 #include <fmt/format.h>
 #include <rehearse/audit.h>
 #include <rehearse/replay.h>
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// Tells the outputs' file of each call, so that it names the one that ended the process.
+/// Notes each call in the outputs file, so that the file names the call that ended the process.
 class AuditWatch : public ControllerWatch {
  public:
   AuditWatch(OutputsWriter& outputs, std::optional<int> stack_fill)
@@ -40,8 +40,8 @@ class AuditWatch : public ControllerWatch {
   InterposerWatch inner_;
 };
 
-/// Takes memory in odd sizes, some large and many small, and keeps about every second piece: what comes later lies in
-/// the holes between, elsewhere and in another order.
+/// Allocates memory in odd sizes, some large and many small, and keeps about every second block. Later allocations are
+/// in the holes between, at different addresses and in a different order.
 void pad_memory(std::uint32_t seed) {
   constexpr int pieces = 20000, every = 200;
   static std::vector<void*>& kept = *new std::vector<void*>;

@@ -17,7 +17,7 @@ using interposer::LogEntry;
 constexpr std::string_view source_names[] = {"clock",   "random",      "thread", "file",
                                              "network", "environment", "locale", "process"};
 
-/// A text of the heap; none if the offset leads out of it.
+/// A text of the heap; none if the offset is outside of it.
 std::optional<std::string> text_at(const Log& log, interposer::TextOffset offset) {
   if (offset >= log.heap_used) return offset == 0 ? std::optional<std::string>("") : std::nullopt;
   const char* text = log.heap + offset;
@@ -26,7 +26,7 @@ std::optional<std::string> text_at(const Log& log, interposer::TextOffset offset
   return std::string(text, length);
 }
 
-/// Takes texts out of the heap and remembers whether all of them were there.
+/// Reads texts of the heap, and remembers whether all of them are valid.
 class Texts {
  public:
   explicit Texts(const Log& log) : log_(log) {}
@@ -43,7 +43,7 @@ class Texts {
   bool all_found_ = true;
 };
 
-/// What a person wrote: a compiler or the C library's headers make __open64_2 of open, and fopen64 of fopen.
+/// The name in the source code: a compiler or the C library's headers change open to __open64_2, and fopen to fopen64.
 std::string plain_name(std::string_view name) {
   if (name.starts_with("__")) {
     name.remove_prefix(2);

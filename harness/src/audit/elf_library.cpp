@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The file, open.
+/// The opened file.
 class ElfFile {
  public:
   explicit ElfFile(const fs::path& path) {
@@ -42,7 +42,7 @@ struct Section {
   Elf_Scn* handle = nullptr;
   GElf_Shdr header{};
   std::string_view name;
-  Elf_Data* data = nullptr;  // null: there are no bytes in the file
+  Elf_Data* data = nullptr;  // null: the file has no bytes for it
 };
 
 std::optional<std::string> why_unusable(Elf* elf) {
@@ -57,7 +57,7 @@ std::optional<std::string> why_unusable(Elf* elf) {
   return std::nullopt;
 }
 
-/// All sections with their bytes; none if one of them lies outside of the file.
+/// All sections with their bytes; none if one of them is outside of the file.
 std::optional<std::vector<Section>> sections_of(Elf* elf) {
   std::size_t names = 0;
   if (elf_getshdrstrndx(elf, &names) != 0) return std::nullopt;

@@ -15,16 +15,16 @@ namespace {
 namespace fs = std::filesystem;
 using Source = ObservedCall::Source;
 
-// malloc() paints what it gives out with the complement: with 0xc0 a double is -8577.5 and a bool true, with 0x00 all
-// is zero.
+// malloc() fills the memory that it returns with the complement: with 0xc0 a double is -8577.5 and a bool true, with
+// 0x00 all is zero.
 constexpr unsigned char first_fill = 0x3f;
 constexpr unsigned char other_fills[] = {0xff, 0xbe, 0x55};
 
-/// The holes of a used heap, in all replays that are held still: then what a controller gives back waits its turn
-/// behind them, and keeps its paint, instead of being taken by whoever asks next.
+/// Makes holes as in a used heap, in all still replays. Then freed memory is reused later and keeps its fill, instead
+/// of being returned by the next allocation.
 constexpr std::uint32_t usual_padding = 1;
 
-/// In all replays that are held still. Other machines have other numbers: even ones are small, odd ones large.
+/// For all still replays. Even numbers are small machines, odd numbers large ones.
 constexpr int usual_machine = 1;
 
 constexpr const char* comma_locale = "de_DE.UTF-8";
@@ -39,7 +39,7 @@ std::string locale_in_force() {
   return "C";
 }
 
-/// The folder of locales that was built with this library; empty if it wasn't.
+/// The folder of locales that was built with this library; empty if it doesn't exist.
 fs::path locale_folder() {
   const fs::path folder = own_library_folder() / "rehearse" / "locale";
   std::error_code ignored;
@@ -60,7 +60,7 @@ class Plan {
     vary_virtualised();
     vary_threads();
     for (int i = 0; i < options_.repeat; ++i)
-      still(Factor::again, i).passes = 2;  // its first is the still one, repeated
+      still(Factor::again, i).passes = 2;  // the first pass repeats the still replay
     return std::move(experiments_);
   }
 

@@ -17,7 +17,7 @@ auto identity(const ObservedCall& call) {
   return std::tie(call.source, call.function, call.argument, call.controller, call.phase, call.place);
 }
 
-/// Earlier, or the first there is.
+/// Keeps the earlier of both, or the only one.
 void keep_earlier(std::optional<Divergence>& first, std::optional<Divergence> found) {
   if (found && (!first || found->tick < first->tick)) first = std::move(found);
 }
@@ -51,7 +51,7 @@ class FactorJudge {
   const std::string& controller_;
 };
 
-/// The still replay against itself, made again in another process.
+/// The difference between the still replay and its repetition in a different process.
 std::optional<Divergence> still_difference(const Evidence& evidence, const std::string& controller) {
   std::optional<Divergence> first;
   for (std::size_t i = 0; i < evidence.experiments.size(); ++i)
@@ -78,7 +78,7 @@ std::optional<Divergence> difference(const ReplayPass& expected, const ReplayPas
                                      const std::string& controller) {
   const bool one_failed = expected.failure.has_value() != actual.failure.has_value();
   const std::string& failure = expected.failure ? *expected.failure : actual.failure.value_or("");
-  // another controller's failure ends this one's run as well
+  // The failure of a different controller ends this one's run as well.
   const bool own = failure.find("'" + controller + "'") != std::string::npos;
   auto found = first_difference(expected.outputs, actual.outputs, time_step, controller);
   if (!one_failed) return found;
@@ -116,7 +116,7 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
   const bool has_threads = std::any_of(
       calls.begin(), calls.end(), [](const ObservedCall& call) { return aspect_of(call).factor == Factor::threads; });
   if (const auto chance = still_difference(evidence, controller)) {
-    // it never repeats: then that it differs under a change says nothing about the change
+    // It never repeats itself: then a difference under a factor has no meaning.
     keep_earlier(of(Factor::nothing).first, chance);
     for (FactorResult& result : results) {
       if (result.factor == Factor::nothing || (result.factor == Factor::threads && has_threads) || !result.first)
@@ -125,7 +125,7 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
       result.not_varied = "it differs from one run to the next anyway";
     }
   } else {
-    // memory that is painted against memory as it comes, if nothing else that this changes makes the difference
+    // Filled memory is compared with unchanged memory, if no other change of the still replay causes the difference.
     const bool explained = std::any_of(results.begin(), results.end(),
                                        [](const FactorResult& result) { return result.first.has_value(); });
     if (!explained) of(Factor::memory).first = judge.compare(evidence.plain.passes[0], evidence.still.passes[0]);
@@ -161,7 +161,7 @@ AuditedCall describe(const ObservedCall& call, const Evidence& evidence) {
   look_into(evidence.plain);
   look_into(evidence.still);
   for (std::size_t i = 0; i < evidence.outcomes.size(); ++i)
-    if (evidence.experiments[i].factor != Factor::folder)  // there it is another file
+    if (evidence.experiments[i].factor != Factor::folder)  // with this factor it is a different file
       std::for_each(evidence.outcomes[i].begin(), evidence.outcomes[i].end(), look_into);
   if (contents.size() > 1) described.note = "its content changed between two runs";
   return described;
@@ -179,8 +179,8 @@ bool differs_under(const std::vector<FactorResult>& factors, Factor factor) {
 void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen, ControllerAudit& audit,
                  const std::vector<std::pair<CodePlace, bool>>& tried) {
   using Reached = AuditedCall::Reached;
-  // Something that is held still in all replays but the plain ones makes those differ: what it is was not found by
-  // giving it another answer, so nothing can be said to be without influence.
+  // A condition that is constant in all replays but the plain ones makes those differ. It was not found by changing an
+  // answer, so no call can be reported as without influence.
   const bool is_restless = differs_under(audit.factors, Factor::nothing) && is_repeatable(evidence, audit.controller);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     AuditedCall& call = audit.calls[i];
@@ -261,7 +261,7 @@ std::vector<std::string> liberties_of(const std::vector<ObservedCall>& calls) {
     const auto deed = std::find_if(std::begin(deeds), std::end(deeds),
                                    [&](const auto& known) { return call.function == known.first; });
     if (deed == std::end(deeds)) continue;
-    if (call.function == "setlocale" && call.argument.find("NULL") != std::string::npos) continue;  // it only asks
+    if (call.function == "setlocale" && call.argument.find("NULL") != std::string::npos) continue;  // a query only
     if (!told.emplace(call.controller, call.function).second) continue;
     sentences.push_back(fmt::format("{}: {} by {} in {}, called in {}", call.controller, deed->second, text_of(call),
                                     call.phase + "()", place_of(call)));

@@ -21,7 +21,7 @@ constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_chan
                                            "approximation",     "time_stamp_counter", "hardware_random",
                                            "processor_query",   "direct_syscall",     "imported_source"};
 
-/// What an instruction is remarkable for, if it is.
+/// The kind of finding for an instruction, if any.
 std::optional<Kind> kind_of(std::string_view mnemonic) {
   const auto begins_with_one_of = [&](std::initializer_list<std::string_view> beginnings) {
     return std::any_of(beginnings.begin(), beginnings.end(),
@@ -44,7 +44,7 @@ std::optional<Kind> kind_of(std::string_view mnemonic) {
     case 'f':
       if (is_one_of({"fsin", "fcos", "fsincos", "fptan", "fpatan", "f2xm1", "fyl2x", "fyl2xp1"}))
         return Kind::approximation;
-      return std::nullopt;  // fldcw is how long double is rounded to a whole number: it is set back at once
+      return std::nullopt;  // fldcw sets the rounding of long double to a whole number, and is undone at once
     case 'l': return mnemonic == "ldmxcsr" ? std::optional(Kind::float_mode_change) : std::nullopt;
     case 'c': return mnemonic == "cpuid" ? std::optional(Kind::processor_query) : std::nullopt;
     case 'x': return mnemonic == "xgetbv" ? std::optional(Kind::processor_query) : std::nullopt;
@@ -59,7 +59,7 @@ class Disassembler {
   Disassembler() {
     opened_ = cs_open(CS_ARCH_X86, CS_MODE_64, &handle_) == CS_ERR_OK;
     REHEARSE_ASSERT(opened_, "capstone knows x86");
-    cs_option(handle_, CS_OPT_SKIPDATA, CS_OPT_ON);  // tables between functions aren't the end of the code
+    cs_option(handle_, CS_OPT_SKIPDATA, CS_OPT_ON);  // tables between functions don't end the code
     instruction_ = cs_malloc(handle_);
   }
   ~Disassembler() {
@@ -91,19 +91,19 @@ struct Spot {
   std::string instruction;  // the first one's name
 };
 
-/// Finds out whether loading the library changes the floating-point mode.
+/// Determines whether loading the library changes the floating-point mode.
 class StartupSearch {
  public:
   explicit StartupSearch(const ElfLibrary& library) : library_(library) {}
 
-  /// The address of the instruction that does it.
+  /// The address of the instruction that changes it.
   std::optional<std::uint64_t> find() {
     for (const std::uint64_t function : library_.startup) search(function, most_calls);
     return found_;
   }
 
  private:
-  static constexpr int most_calls = 3;            // from function to function
+  static constexpr int most_calls = 3;            // depth of calls
   static constexpr int most_instructions = 2000;  // of one function
 
   void search(std::uint64_t function, int calls_left) {
@@ -146,7 +146,7 @@ std::map<Kind, Spot> remarkable_instructions(const ElfLibrary& library, std::opt
   return spots;
 }
 
-/// The compiler's own start-up code has a name; where that was stripped, it is still the most likely.
+/// The compiler's own start-up code has a name; without symbols it is still the most likely cause.
 std::string_view why_at_startup(std::string_view where) {
   if (where.find("set_fast_math") != std::string_view::npos)
     return ", since it was linked with -ffast-math, -Ofast or -funsafe-math-optimizations";
@@ -191,7 +191,7 @@ LibraryFinding finding_of(Kind kind, const Spot& spot, const Symbols& symbols) {
 }
 
 void add_imports(const ElfLibrary& library, std::vector<LibraryFinding>& findings) {
-  std::map<std::string, ObservedCall::Source> sources;  // one thing may be imported as many symbols
+  std::map<std::string, ObservedCall::Source> sources;  // one function may be imported as several symbols
   for (const std::string& symbol : library.imports)
     if (auto found = source_of_symbol(symbol)) sources.emplace(std::move(found->name), found->source);
   for (const auto& [name, source] : sources) {

@@ -22,17 +22,17 @@ namespace fs = std::filesystem;
 
 constexpr char file_magic[8] = {'R', 'H', 'A', 'U', 'D', 'I', 'T', '1'};
 
-/// The begin of the file. Behind it: the fields as text, a line each, then the rows.
+/// The header of the file. After it: the fields as text, a line each, then the rows.
 struct OutputsHead {
   char magic[8];
-  std::uint64_t beats;       // calls into controllers, begun and ended
+  std::uint64_t beats;       // number of begins and ends of calls into controllers
   std::uint64_t names_size;  // of the fields' text [bytes]
   std::uint64_t fields;      // how many
   std::uint64_t rows_at;     // offset of the first row
-  std::uint64_t rows;        // complete ones
-  std::int64_t tick;         // of the call that is under way
-  std::uint64_t under_way;   // 1: a call is
-  char controller[256];      // whose
+  std::uint64_t rows;        // number of complete rows
+  std::int64_t tick;         // of the present call
+  std::uint64_t under_way;   // 1: a call is running
+  char controller[256];      // of the present call
   char function[128];
 };
 
@@ -54,7 +54,7 @@ void put_text(char* place, std::size_t size, const char* text) {
   place[length] = '\0';
 }
 
-/// Names hold no tabs and no line ends: a URDF's are attributes, and those have spaces for them.
+/// Names contain no tabs and no line ends: in a URDF they are attributes, which have spaces instead.
 std::string text_of(const std::vector<OutputField>& fields) {
   std::string text;
   for (const OutputField& field : fields)
@@ -111,7 +111,7 @@ OutputsWriter::~OutputsWriter() {
 
 OutputsHead& OutputsWriter::head() const { return *reinterpret_cast<OutputsHead*>(memory_); }
 
-/// By name: a controller may have closed every descriptor that there was.
+/// Opens the file by name, because a controller may have closed every descriptor.
 bool OutputsWriter::grow(std::size_t size) {
   if (size <= size_) return true;
   std::size_t larger = size_;

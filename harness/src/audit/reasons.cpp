@@ -1,4 +1,4 @@
-// Why a controller isn't a function of its inputs, in a sentence.
+// The reason why a controller isn't a function of its inputs, as a sentence.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,7 +47,7 @@ class Conclusion {
     return result && result->first;
   }
 
-  /// A file with another content in each run: what the controller didn't write into it itself, just before.
+  /// A file with different content in each run, which the controller didn't write itself just before.
   bool found_by_file() {
     std::size_t changed = 0;
     while (changed < seen_.size() && (seen_[changed].source != Source::file || audit_.calls[changed].note.empty() ||
@@ -67,7 +67,7 @@ class Conclusion {
     return false;
   }
 
-  /// The change that says most: what never repeats first, then what others follow from.
+  /// Chooses the most specific factor: first the lack of repeatability, then factors that cause others.
   bool found_by_factors() {
     for (const Factor factor :
          {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random, Factor::machine,
@@ -125,7 +125,7 @@ class Conclusion {
     return false;
   }
 
-  /// The chosen call that reached an output, or that may have. Without one, `words`.
+  /// The chosen call that reached an output, or may have reached one. Without one, `words`.
   std::string by_call(const Choice& choice, const char* verb, const std::string& where, std::string_view words) const {
     const auto rank = [](const AuditedCall& call) {
       return (call.reached == AuditedCall::Reached::yes ? 2 : 0) + (call.phase == "control" ? 1 : 0);
@@ -152,13 +152,13 @@ class Conclusion {
     return std::nullopt;
   }
 
-  /// It differs from one run to the next, with nothing changed.
+  /// The reason for outputs that differ between unchanged runs.
   std::string chance(const std::string& where) const {
     const auto is_from = [](Source source) { return [=](const ObservedCall& call) { return call.source == source; }; };
     const auto is_program = [](const ObservedCall& call) {
       return call.source == Source::thread && !aspect_of(call).factor;
     };
-    // what is held still in most replays can't be what makes those differ
+    // Conditions that are constant in most replays can't cause differences between those.
     const std::vector<Choice> held = {goes_by(Factor::random), goes_by(Factor::clock), goes_by(Factor::machine)};
     if (is_repeatable(evidence_, audit_.controller))
       for (const Choice& choice : held)

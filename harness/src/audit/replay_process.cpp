@@ -31,7 +31,7 @@ using Changes = std::map<std::string, std::optional<std::string>>;
 constexpr int at_a_time = 2;
 constexpr std::chrono::milliseconds poll_interval{1};
 constexpr std::chrono::milliseconds heartbeat_interval{250};
-constexpr double patience = 10.0;  // beyond the limit of one call, before a silent process is killed [s]
+constexpr double patience = 10.0;  // time after the limit of a call until a silent process is killed [s]
 constexpr double valgrind_slowness = 50.0;
 
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
@@ -41,7 +41,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// Addresses that aren't chosen by chance, for what this thread starts while it lives.
+/// Switches off random addresses for processes that this thread starts during its lifetime.
 class FixedAddresses {
  public:
   explicit FixedAddresses(bool wanted) : before_(::personality(0xffffffff)) {
@@ -74,7 +74,7 @@ Result<pid_t> spawn(std::vector<std::string> words, std::vector<std::string> env
   return child;
 }
 
-/// Variables that a replay needs, or that decide how it computes: they are the same in each.
+/// True for variables that a replay needs, or that influence its arithmetic: they are equal in all replays.
 bool is_needed(const std::string& name) {
   for (const char* kept : {"PATH", "GLIBC_TUNABLES", "GALLIUM_OVERRIDE_CPU_CAPS", "LP_NUM_THREADS", "LOCPATH"})
     if (name == kept) return true;
@@ -83,7 +83,7 @@ bool is_needed(const std::string& name) {
   return false;
 }
 
-/// None of the user's variables, other values of the usual ones, and 100 kB more.
+/// Removes the user's variables, sets the usual ones to different values, and adds 100 kB.
 void change_environment(Changes& changes, const fs::path& home) {
   for (char** entry = environ; *entry; ++entry) {
     const std::string name(*entry, std::min(strcspn(*entry, "="), strlen(*entry)));
@@ -101,7 +101,7 @@ std::string tunables(const ReplaySettings& settings) {
   for (const auto& [name, value] : pinned_environment())
     if (name == "GLIBC_TUNABLES") pinned = value;
   std::string memory;
-  // without its cache malloc() paints every piece that it gives out or takes back; trimmed, it would come back as zeros
+  // Without its cache malloc() fills every block that it returns or frees; trimmed blocks would come back as zeros.
   if (settings.fill != 0)
     memory += fmt::format("glibc.malloc.tcache_count=0:glibc.malloc.trim_threshold={}:glibc.malloc.perturb={}:",
                           std::size_t{1} << 40, settings.fill);
@@ -158,7 +158,7 @@ Result<int> run_program(const std::vector<std::string>& words, const std::vector
 
 struct ReplayProcesses::Child {
   const ReplaySettings* settings = nullptr;
-  std::size_t number = 0;  // in the list that was asked for
+  std::size_t number = 0;  // index in the list of requested replays
   fs::path folder;
   pid_t process = 0;
   int status = 0;
@@ -231,8 +231,8 @@ Result<ReplayProcesses::Child> ReplayProcesses::start(const ReplaySettings& sett
   return child;
 }
 
-/// Looks once. A process from which no call has come back for too long is killed: its controllers block the watchdog of
-/// the replay itself, or a thread of theirs never ends.
+/// Checks once. A process without a finished call for too long is killed: its controllers block the watchdog of the
+/// replay itself, or a thread of theirs never ends.
 bool ReplayProcesses::has_ended(Child& child) const {
   const pid_t ended = waitpid(child.process, &child.status, WNOHANG);
   const Clock::time_point now = Clock::now();
@@ -311,7 +311,7 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
   pass.outputs = *std::move(outputs);
   const fs::path file = child.folder / fmt::format("{}.json", number);
   const auto text = read_text(file);
-  if (!text) {  // the process ended before it could say anything
+  if (!text) {  // the process ended before it wrote anything
     pass.hung = child.killed;
     const auto& call = pass.outputs.unfinished();
     pass.failure = !child.killed ? sentence_of_death(child.status, call)
@@ -349,7 +349,8 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
                  child.settings->valgrind ? "is valgrind installed?" : "");
   }
   for (int number = 1; number <= child.settings->passes; ++number) {
-    if (!fs::exists(child.folder / fmt::format("{}.outputs", number), ignored)) break;  // the one before ended it
+    // The pass before ended the process.
+    if (!fs::exists(child.folder / fmt::format("{}.outputs", number), ignored)) break;
     auto pass = read_pass(child, number);
     if (!pass) return pass.errors();
     outcome.passes.push_back(*std::move(pass));

@@ -40,7 +40,7 @@ constexpr FunctionGroup functions[] = {
      "sigaction signal sigprocmask syscall umask "},
 };
 
-/// Of the C++ library: by how the mangled name begins, since one thing has many members.
+/// Sources in the C++ library: by the prefix of the mangled name, because a class has many members.
 struct Member {
   std::string_view beginning;
   Source source;
@@ -63,7 +63,7 @@ constexpr Member members[] = {
     {"_ZNSt6locale6global", Source::locale, "std::locale::global"},
 };
 
-/// A path is a name, whether there is such a file or not.
+/// A path is only a name; it doesn't access the file.
 constexpr std::string_view paths = "_ZNSt10filesystem7__cxx114path";
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 std::string file_name(const char* path) { return fs::path(path).filename().string(); }
 
-/// Of the compiler or of another package: what interests is who called it.
+/// True for headers of the compiler or of other packages; the caller of such a function is reported instead.
 bool is_systems(const char* path) { return std::string_view(path).starts_with("/usr/"); }
 
 /// A function of C has no types in its symbol.
@@ -36,8 +36,8 @@ Dwarf_Die declaration_of(Dwarf_Die function) {
   return function;
 }
 
-/// What stands before a name that was declared in this scope: "Filter::"; empty for what has no name, or counts for
-/// none.
+/// The prefix of a name that was declared in this scope: "Filter::"; empty for scopes without a name, or with an
+/// ignored one.
 std::string scope_name(Dwarf_Die& scope) {
   const char* const name = dwarf_diename(&scope);
   switch (dwarf_tag(&scope)) {
@@ -49,7 +49,7 @@ std::string scope_name(Dwarf_Die& scope) {
   }
 }
 
-/// "Filter::update()", as the debug information has it.
+/// "Filter::update()", by the debug information.
 std::string name_of(Dwarf_Die& function) {
   Dwarf_Attribute attribute;
   for (const unsigned name : {DW_AT_linkage_name, DW_AT_MIPS_linkage_name})
@@ -67,10 +67,10 @@ std::string name_of(Dwarf_Die& function) {
   return name;
 }
 
-/// The functions and blocks around an address, innermost first, each within the next: an inlined function is in the one
-/// that calls it.
+/// The functions and blocks around an address, innermost first, each within the next: an inlined function is in the
+/// function that calls it.
 std::vector<Dwarf_Die> scopes_around(Dwarf_Die& unit, Dwarf_Addr pc) {
-  Dwarf_Die* by_definition = nullptr;  // an inlined function is where it was written
+  Dwarf_Die* by_definition = nullptr;  // an inlined function is in its source scope
   Dwarf_Die* around = nullptr;
   const int found = dwarf_getscopes(&unit, pc, &by_definition);
   const int count = found > 0 ? dwarf_getscopes_die(&by_definition[0], &around) : 0;
@@ -80,7 +80,7 @@ std::vector<Dwarf_Die> scopes_around(Dwarf_Die& unit, Dwarf_Addr pc) {
   return scopes;
 }
 
-/// Where an inlined function was called; the file is null if that isn't known.
+/// The place where an inlined function was called; the file is null if it is unknown.
 struct CallSite {
   const char* file = nullptr;
   int line = 0;
@@ -143,7 +143,7 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
   for (Dwarf_Die scope : scopes) {
     const int tag = dwarf_tag(&scope);
     if (tag != DW_TAG_inlined_subroutine && tag != DW_TAG_subprogram) continue;
-    // the symbol says more of a function that has one, such as the types of its parameters
+    // The symbol of a function has more information, such as the types of its parameters.
     const bool has_symbol = tag == DW_TAG_subprogram && !symbol.empty();
     found.function = has_symbol ? symbol : name_of(scope);
     if (tag == DW_TAG_subprogram || !is_systems(path)) break;

@@ -18,7 +18,7 @@ std::string text_in(const XMLElement& parent, const char* name) {
   return text ? text : "";
 }
 
-/// "Filter::update() (filter.cpp:31)": the innermost frame of a stack that lies in one of the libraries.
+/// "Filter::update() (filter.cpp:31)": the innermost frame of a stack in one of the libraries.
 std::optional<std::string> place_in(const XMLElement* stack, const std::vector<fs::path>& libraries) {
   if (!stack) return std::nullopt;
   for (const XMLElement* frame = stack->FirstChildElement("frame"); frame; frame = frame->NextSiblingElement("frame")) {
@@ -45,7 +45,7 @@ std::string words_of(const std::string& kind) {
 
 std::string sentence_of(const XMLElement& found, const std::vector<fs::path>& libraries) {
   const std::string words = words_of(text_in(found, "kind"));
-  if (words.empty()) return "";  // leaks, and what was asked of valgrind itself
+  if (words.empty()) return "";  // leaks, and requests to valgrind itself
   const XMLElement* stack = found.FirstChildElement("stack");
   const auto place = place_in(stack, libraries);
   const XMLElement* origin = stack ? stack->NextSiblingElement("stack") : nullptr;
@@ -62,7 +62,7 @@ std::vector<std::string> memory_errors_in(const std::string& xml, const std::vec
   std::vector<fs::path> files;
   std::error_code ignored;
   for (const fs::path& library : libraries) files.push_back(fs::weakly_canonical(library, ignored));
-  // a process that was ended in its midst leaves its elements open
+  // A process that was killed leaves the elements of its report open.
   constexpr const char* end = "</valgrindoutput>";
   std::string text = xml;
   if (text.find(end) == std::string::npos) {

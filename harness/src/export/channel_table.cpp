@@ -59,7 +59,7 @@ std::string pattern_of(std::string_view path) {
   return pattern;
 }
 
-/// By its schema: a column for each field but bytes, and but for values that have a series.
+/// A table by schema: a column for each field, except bytes and values with a series.
 class FieldTable final : public ChannelTable {
  public:
   FieldTable(ros2msg::Schema schema, TraceChannel channel, std::optional<HeldValues> held)
@@ -125,11 +125,11 @@ class FieldTable final : public ChannelTable {
   TraceChannel channel_;
   std::optional<HeldValues> held_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
-  std::vector<std::string> cells_;  // as they stand in the file
+  std::vector<std::string> cells_;  // as written in the file
   std::set<std::string> left_out_;
 };
 
-/// A type whose numbers have series: first these, then all other fields.
+/// The table of a type whose numbers have series: first these, then all other fields.
 class WholeTable final : public ChannelTable {
  public:
   WholeTable(std::unique_ptr<ChannelTable> series, std::unique_ptr<ChannelTable> fields)

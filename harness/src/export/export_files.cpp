@@ -50,7 +50,7 @@ Result<void> make_folder(const std::filesystem::path& folder) {
 
 namespace {
 
-/// A file is written under this name until it is whole.
+/// The temporary name of a file until it is complete.
 std::filesystem::path draft_of(const std::filesystem::path& file) { return file.string() + ".part"; }
 
 Result<void> write(const std::filesystem::path& file, const char* bytes, std::size_t size, std::ios::openmode mode) {
@@ -61,7 +61,7 @@ Result<void> write(const std::filesystem::path& file, const char* bytes, std::si
   return {};
 }
 
-/// The draft takes its file's place, or goes if that can't be.
+/// Renames the draft to its file, or removes it if that fails.
 Result<void> put_in_place(const std::filesystem::path& file) {
   std::error_code failed;
   std::filesystem::rename(draft_of(file), file, failed);

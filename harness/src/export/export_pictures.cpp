@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view jpeg_magic = "\xff\xd8\xff";
 
-/// Chosen channels with pictures; the others are told of as skipped.
+/// Selected channels with pictures; the others are reported as skipped.
 std::vector<const mcap::Channel*> picture_channels(const ExportSource& source, ExportReport& report) {
   std::vector<const mcap::Channel*> channels;
   for (const mcap::Channel* channel : source.channels()) {
@@ -32,7 +32,7 @@ std::vector<const mcap::Channel*> picture_channels(const ExportSource& source, E
   return channels;
 }
 
-/// Calls back with the pictures of these channels; what is none is noted.
+/// Calls back with the pictures of these channels; a message that is no picture is noted.
 Result<void> for_each_picture(ExportSource& source, const std::vector<const mcap::Channel*>& channels,
                               const std::function<Result<void>(const mcap::Message&, const PictureFile&)>& callback) {
   std::set<std::uint16_t> chosen;
@@ -57,7 +57,7 @@ std::string picture_name(std::int64_t number, std::string_view extension) {
   return fmt::format("{:06}.{}", number, extension);
 }
 
-/// What would be in the way. The extension isn't known before the picture is: both are looked at.
+/// Checks for existing files. The extension isn't known before the picture is: both are checked.
 Result<void> check_album(const Album& album, std::int64_t number) {
   for (const auto& [extension, magic, kind] :
        {std::tuple("png", png_magic, "PNG"), std::tuple("jpg", jpeg_magic, "JPEG")}) {

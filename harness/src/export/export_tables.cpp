@@ -30,14 +30,14 @@ void note_left_out(const std::string& topic, const ChannelTable& table, ExportRe
   if (!fields.empty()) report.left_out.push_back({topic, {fields.begin(), fields.end()}});
 }
 
-/// A topic on its way into a file.
+/// The output of a topic.
 struct Output {
   std::unique_ptr<ChannelTable> table;
   ExportedTopic topic;
 };
 using Outputs = std::map<std::uint16_t, Output>;  // by channel
 
-/// The tables of all channels that can have one, with all their columns.
+/// The tables of all channels that can have one, with all their columns, which a first pass finds.
 Result<Outputs> learn_columns(ExportSource& source, ExportReport& report) {
   Outputs outputs;
   for (const mcap::Channel* channel : source.channels()) {
@@ -72,17 +72,17 @@ Result<Outputs> learn_columns(ExportSource& source, ExportReport& report) {
   return outputs;
 }
 
-/// One row a tick, of all series.
+/// A table with one row per tick, of all series.
 class JoinedTable {
  public:
   static Result<JoinedTable> learn(ExportSource& source, ExportReport& report);
 
   std::string heading_line() const;
   std::int64_t columns() const;
-  /// Takes a message in; true if it is the first of another time: then the row before is complete, and is in `line` if
-  /// it is a tick's.
+  /// Reads a message. If it is the first message of a new time, the row before is complete; if that row is a tick's, it
+  /// is written to `line`.
   void take(const mcap::Message& message, std::string& line);
-  /// The row that is begun, into `line`.
+  /// Writes the present row to `line`.
   void end_row(std::string& line);
   bool has_ticks() const { return has_ticks_; }
   void note_all_left_out(ExportReport& report) const {
@@ -94,12 +94,12 @@ class JoinedTable {
     std::unique_ptr<SeriesTable> table;
     std::size_t columns = 0;
     bool is_tick = false;
-    bool is_there = false;  // in the row at hand
+    bool is_there = false;  // in the present row
   };
 
   std::vector<Part> parts_;
   std::map<std::uint16_t, std::size_t> by_channel_;
-  std::optional<std::uint64_t> time_;  // of the row at hand [ns]
+  std::optional<std::uint64_t> time_;  // of the present row [ns]
   bool has_ticks_ = false;
 };
 

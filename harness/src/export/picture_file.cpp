@@ -15,11 +15,11 @@
 namespace rehearse {
 namespace {
 
-/// How an encoding of sensor_msgs/Image lies in memory, and what PNG makes of it.
+/// The memory layout of an encoding of sensor_msgs/Image, and its form in PNG.
 struct PixelForm {
   std::string_view encoding;
   int channels = 1;
-  int bytes = 1;  // a channel
+  int bytes = 1;  // per channel
   int color_type = PNG_COLOR_TYPE_GRAY;
   bool is_bgr = false;
   bool is_distance = false;  // float32 [m]
@@ -38,14 +38,14 @@ constexpr std::array<PixelForm, 11> pixel_forms{{{"rgb8", 3, 1, PNG_COLOR_TYPE_R
 
 constexpr std::uint32_t largest_side = 65'535;  // [pixels]
 
-/// [mm], as ROS writes distances into 16 bits.
+/// [mm], as ROS represents distances in 16 bits.
 std::uint16_t millimetres(float metres) {
   const double scaled = std::round(static_cast<double>(metres) * 1000.0);
   if (!std::isfinite(metres) || scaled <= 0.0) return 0;
   return static_cast<std::uint16_t>(std::min(scaled, 65'535.0));
 }
 
-/// One row as PNG has it: samples of more than a byte are big-endian.
+/// Converts a row to PNG's form: samples of more than a byte are big-endian.
 void convert_row(const PixelForm& form, bool is_big_endian, std::span<const std::uint8_t> from,
                  std::vector<std::uint8_t>& to) {
   if (form.is_distance) {
@@ -75,10 +75,10 @@ void append(png_structp png, png_bytep bytes, png_size_t size) {
   file.insert(file.end(), bytes, bytes + size);
 }
 
-/// What libpng has to say goes by way of a return value, not of stderr.
+/// Suppresses messages of libpng on stderr; errors are returned.
 void stay_silent(png_structp, png_const_charp) {}
 
-/// No object with a destructor lives in here: libpng leaves by longjmp. False if it did.
+/// No object here has a destructor, because libpng leaves by longjmp. False after an error.
 bool write_png(png_structp png, png_infop info, const msg::Image& image, const PixelForm& form,
                std::vector<std::uint8_t>& row) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -131,7 +131,7 @@ Result<PictureFile> from_compressed(std::span<const std::byte> payload) {
   PictureFile picture;
   picture.stamp = image.header.stamp.to_ns();
   if (image.data.empty()) return picture;
-  // By what it is: `format` says more than that, and differs from writer to writer.
+  // The format is detected from the bytes, because the text of `format` differs between writers.
   const std::string_view begin(reinterpret_cast<const char*>(image.data.data()), image.data.size());
   if (begin.starts_with("\x89PNG\r\n\x1a\n")) picture.extension = "png";
   if (begin.starts_with("\xff\xd8\xff")) picture.extension = "jpg";

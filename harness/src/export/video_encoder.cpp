@@ -22,7 +22,7 @@ extern char** environ;
 namespace rehearse {
 namespace {
 
-/// A kind of video: by the file's extension, how such files begin, and what ffmpeg has to be told.
+/// A kind of video: the file's extension, the first bytes of such files, and ffmpeg's options.
 struct VideoKind {
   std::string_view extension;
   std::size_t magic_at = 0;
@@ -31,7 +31,7 @@ struct VideoKind {
 };
 
 const std::vector<VideoKind>& video_kinds() {
-  // Most players show 4:2:0 only, and that takes even widths and heights.
+  // Most players support 4:2:0 only, which needs even widths and heights.
   static const std::vector<std::string> film{"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"};
   static const std::vector<VideoKind> kinds{
       {".mp4", 4, "ftyp", film},
@@ -71,11 +71,11 @@ Result<void> VideoEncoder::check_output(const std::filesystem::path& file) {
 
 Result<std::unique_ptr<VideoEncoder>> VideoEncoder::begin(const std::filesystem::path& file, std::string_view extension,
                                                           double rate) {
-  // A socket, because writing to one that nobody reads can be an error instead of a signal.
+  // A socket, because a write without a reader can return an error there, instead of raising a signal.
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     return error(fmt::format("can't make a pipe: {}", std::strerror(errno)));
-  const std::string name = std::filesystem::absolute(file).string();  // so that it begins with no -
+  const std::string name = std::filesystem::absolute(file).string();  // an absolute path never begins with -
   std::vector<std::string> words{"ffmpeg",
                                  "-hide_banner",
                                  "-loglevel",

@@ -1,4 +1,4 @@
-// Devices out of a log: inertial and force sensors, cameras, range sensors.
+// Feeds for devices from a log: inertial and force sensors, cameras, range sensors.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 
@@ -17,7 +17,7 @@
 namespace rehearse {
 namespace {
 
-/// What devices of all kinds have in common: their readings of the robot's body.
+/// The common part of all device feeds: the devices' readings in the robot's body.
 class DeviceFeed : public LogFeed {
  public:
   DeviceFeed(const DeviceSource& source, const Model& model) : source_(source), model_(model) {}
@@ -31,7 +31,7 @@ class DeviceFeed : public LogFeed {
   const Model& model_;
 };
 
-/// Six numbers: of an IMU the angular velocity and the specific force, of a force sensor the force and the torque.
+/// Six numbers: for an IMU the angular velocity and the specific force, for a force sensor the force and the torque.
 class NumberFeed : public DeviceFeed {
  public:
   NumberFeed(const DeviceSource& source, const Model& model, const ros2msg::Schema& schema)
@@ -82,10 +82,10 @@ class NumberFeed : public DeviceFeed {
   MessageReader<msg::Imu> imu_;
   MessageReader<msg::WrenchStamped> wrench_;
   LogTrack<6> track_;
-  std::optional<std::int64_t> shown_;  // time of the message that was seen last [ns]
+  std::optional<std::int64_t> shown_;  // time of the message that was delivered last [ns]
 };
 
-/// Messages that are large: kept as they came, and unpacked only if a tick sees them.
+/// Large messages: stored unchanged, and decoded only if a tick needs them.
 class BulkFeed : public DeviceFeed {
  public:
   BulkFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline)
@@ -106,7 +106,7 @@ class BulkFeed : public DeviceFeed {
     if (shown) {
       any_shown_ = true;
     } else if (any_shown_) {
-      ++unreadable_;  // a broken one among good ones: the last stays
+      ++unreadable_;  // a broken message: the last good one stays
     } else {
       Diagnostic problem = shown.errors()[0];
       problem.message = fmt::format("'{}' has {}", source().topic, problem.message);
@@ -124,12 +124,13 @@ class BulkFeed : public DeviceFeed {
     reading.measured_at = measured_at_;
     return reading;
   }
-  /// When it was measured, as its header says, if its clock and the log's agree; else when it arrived.
+  /// Sets the time of measurement: the time in the header, if its clock agrees with the log's; else the time of
+  /// arrival.
   void measured(const msg::Header& header) {
-    constexpr std::int64_t longest = 1'000'000'000;  // [ns]: what takes longer to arrive has another clock
+    constexpr std::int64_t longest = 1'000'000'000;  // [ns]: a longer delay means that the clocks differ
     std::int64_t age = arrived_ - static_cast<std::int64_t>(header.stamp.to_ns());
     if (timeline_.clock == LogClock::header_stamp || age < 0 || age > longest) age = 0;
-    // the tick that is nearest: exactly the number that a replay of the recording will have
+    // The time of the nearest tick: exactly the number that a replay of the recording computes.
     const double seconds = std::max(0.0, static_cast<double>(arrived_ - age - timeline_.start) * 1e-9);
     measured_at_ = time_of(std::llround(seconds / timeline_.time_step), timeline_.time_step);
   }
@@ -142,7 +143,7 @@ class BulkFeed : public DeviceFeed {
   };
 
   LogTimeline timeline_;
-  std::int64_t arrived_ = 0;  // the message at hand [ns]
+  std::int64_t arrived_ = 0;  // time of the present message [ns]
   double measured_at_ = 0.0;  // [s]
   bool any_shown_ = false;
   std::int64_t unreadable_ = 0;
@@ -221,7 +222,7 @@ class RangeFeed : public BulkFeed {
     return {};
   }
 
-  /// Said once: beams are taken by their number, wherever they point.
+  /// Remarks once: beams are matched by their number, independent of their angles.
   void compare_angles(const msg::LaserScan& scan, const RangeSensor& sensor, const std::string& name) {
     const double lower = static_cast<double>(scan.angle_min), step = static_cast<double>(scan.angle_increment);
     const double allowed = std::max(sensor.yaw.step() / 2, 1e-3);
@@ -243,7 +244,7 @@ class RangeFeed : public BulkFeed {
   MessageReader<msg::PointCloud2> cloud_;
 };
 
-/// What a camera says of itself is compared with the model's; no controller sees it.
+/// Compares the messages of a camera about itself with the model; controllers don't get them.
 class CameraInfoFeed : public DeviceFeed {
  public:
   CameraInfoFeed(const DeviceSource& source, const Model& model, const ros2msg::Schema& schema)

@@ -1,4 +1,4 @@
-// Joints, the root link and the joystick out of a log.
+// Feeds for joints, the root link and the joystick from a log.
 #include <rehearse/messages.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ std::int64_t nanoseconds(std::optional<double> seconds) {
   return seconds ? std::llround(*seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
 }
 
-/// Between two samples if they are no further apart than what counts as a gap.
+/// Interpolates between two samples, unless they are further apart than the allowed age.
 template <std::size_t N>
 std::optional<typename LogTrack<N>::Span> span_at(LogTrack<N>& track, std::int64_t time, const LogSource& source) {
   auto span = track.at(time, source.sampling == Sampling::interpolate);
@@ -28,7 +28,7 @@ std::optional<typename LogTrack<N>::Span> span_at(LogTrack<N>& track, std::int64
   return span;
 }
 
-/// The way from one angle to another that is at most half a turn [rad].
+/// The difference of two angles, at most half a turn [rad].
 double shorter_way(double from, double to) { return std::remainder(to - from, 2.0 * std::numbers::pi); }
 
 class JointFeed : public LogFeed {
@@ -71,10 +71,11 @@ class JointFeed : public LogFeed {
   void take_joint(std::int64_t time, const JointRename& joint, const msg::JointState& state, std::size_t index) {
     LogTrack<3>& track = tracks_[joint.joint];
     const auto* before = track.newest();
-    std::array<double, 3> values = before ? before->values : std::array<double, 3>{unknown_number, unknown_number, unknown_number};
+    std::array<double, 3> values =
+        before ? before->values : std::array<double, 3>{unknown_number, unknown_number, unknown_number};
     if (!state.position.empty()) {
       values[0] = state.position[index] * joint.scale;
-      if (joint.offset != 0.0) values[0] += joint.offset;  // adding 0 would make -0 a 0
+      if (joint.offset != 0.0) values[0] += joint.offset;  // adding 0 would change -0 to 0
     }
     if (!state.effort.empty()) values[2] = state.effort[index] / joint.scale;
     if (source_.differentiate) {
@@ -97,10 +98,10 @@ class JointFeed : public LogFeed {
   const Model& model_;
   MessageReader<msg::JointState> reader_;
   JointNames names_;
-  std::vector<LogTrack<3>> tracks_;  // by joint id: q, dq, u; NaN: not given yet
+  std::vector<LogTrack<3>> tracks_;  // by joint id: q, dq, u; NaN: no value yet
 };
 
-/// Both kinds of messages that say where the root link is. A field that the schema hasn't stays 0.
+/// Both types of messages with the root link's pose. A field that the schema lacks stays 0.
 struct PoseOnly {
   static constexpr std::string_view type_name = "geometry_msgs/msg/PoseStamped";
   msg::Pose pose;
@@ -163,7 +164,7 @@ class RootFeed : public LogFeed {
     }
     const auto& [p, r] = pose;
     const double norm = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-    if (!(norm > 0.5 && norm < 2.0)) return false;  // no orientation at all
+    if (!(norm > 0.5 && norm < 2.0)) return false;  // no valid orientation
     track_.add(time, {p.x, p.y, p.z, r.x, r.y, r.z, r.w, twist.linear.x, twist.linear.y, twist.linear.z,
                       twist.angular.x, twist.angular.y, twist.angular.z});
     return true;
@@ -189,7 +190,7 @@ class RootFeed : public LogFeed {
   }
 
  private:
-  /// As it was sent if it is of unit length but for rounding.
+  /// The orientation as sent if it has unit length up to rounding; else normalised.
   static Eigen::Quaterniond rotation_of(const std::array<double, 13>& values) {
     constexpr double rounding = 1e-12;
     Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);

@@ -13,7 +13,7 @@
 namespace rehearse {
 namespace {
 
-/// Float64MultiArray and its kin.
+/// Float64MultiArray and similar messages.
 struct NumberArray {
   static constexpr std::string_view type_name = "std_msgs/msg/Float64MultiArray";
   std::vector<double> data;

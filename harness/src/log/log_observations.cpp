@@ -12,7 +12,7 @@
 namespace rehearse {
 namespace {
 
-/// So many gaps of one source are events of the recording; how many there were stands in its metadata.
+/// Maximal number of gaps of one source that become events of the recording; its metadata has the number of all gaps.
 constexpr std::int64_t max_gap_events = 20;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
@@ -55,7 +55,7 @@ void LogObservations::take(std::int64_t time, const mcap::Message& message) {
   }
 }
 
-/// What all sources know at the tick.
+/// Reads all sources at the tick.
 Result<void> LogObservations::look(std::int64_t tick) {
   const LogMoment moment{time_of_tick(tick), tick, time_of(tick, map_.time_step)};
   for (Fed& fed : fed_) {
@@ -79,7 +79,7 @@ void LogObservations::add_gap_event(Fed& fed, std::int64_t tick) {
                            fed.gap_events == max_gap_events ? "; further gaps of it are counted only" : "");
 }
 
-/// Where the links are follows from the joints and the root link; how they move is known of the root alone.
+/// Computes the poses of links from the joints and the root link; velocities are known for the root alone.
 void LogObservations::place_links() {
   BodyObservation& body = seen_.bodies[0];
   Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
@@ -131,7 +131,7 @@ Result<bool> LogObservations::observe(Moment& now) {
   return true;
 }
 
-/// The robot of the log has moved by itself.
+/// Only advances the tick: the robot of the log has moved by itself.
 Result<bool> LogObservations::advance(Moment& now, Commander& commands) {
   commands.act_late(now);
   return true;

@@ -34,7 +34,7 @@ Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
   return diagnostic;
 }
 
-/// What is missing of a log is said, and what is there is used.
+/// Adds the damage of a log as warnings; the undamaged data is used.
 void warn(Diagnostics& remarks, Diagnostics findings) {
   for (Diagnostic& finding : findings) {
     finding.severity = Severity::warning;
@@ -42,7 +42,7 @@ void warn(Diagnostics& remarks, Diagnostics findings) {
   }
 }
 
-/// Of all its bytes.
+/// The hash of all bytes of a file.
 Result<std::string> hash_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<char> block(1 << 20);
@@ -55,7 +55,7 @@ Result<std::string> hash_of(const fs::path& file) {
   return hash_text(hash);
 }
 
-/// The run goes into a trace, and its commands beside those of the robot's own controller.
+/// Writes the run into a trace, and compares its commands with those of the robot's own controller.
 class LogSink final : public RecordingSink {
  public:
   LogSink(Recorder& recorder, const LogReplayOptions& options, const LogMap& map, const Scenario& scenario,
@@ -88,13 +88,13 @@ void LogSink::compare(const Moment& now) {
   if (time < options_.from) return;
   const std::int64_t wanted = now.tick + map_.commands->shift;
   const std::int64_t before = report_.values_different;
-  const std::int64_t compared = log_.commands()->compare(
-      log_.time_of_tick(wanted), log_.time_of_tick(wanted + 1), *now.host, scenario_, [&](Divergence&& found) {
-        found.tick = now.tick;
-        found.time = time;
-        if (options_.on_difference) options_.on_difference(found);
-        report_.add(std::move(found));
-      });
+  const std::int64_t compared = log_.commands()->compare(log_.time_of_tick(wanted), log_.time_of_tick(wanted + 1),
+                                                         *now.host, scenario_, [&](Divergence&& found) {
+                                                           found.tick = now.tick;
+                                                           found.time = time;
+                                                           if (options_.on_difference) options_.on_difference(found);
+                                                           report_.add(std::move(found));
+                                                         });
   report_.values += compared;
   report_.ticks_compared += compared > 0 ? 1 : 0;
   report_.ticks_different += report_.values_different > before ? 1 : 0;
@@ -128,7 +128,7 @@ class LogReplayer {
   LogTimes times_;
   std::vector<MappedSource> sources_;
   LogSurvey survey_;
-  std::int64_t ticks_ = 0;  // to be run
+  std::int64_t ticks_ = 0;  // number of ticks to run
   std::optional<LogObservations> observations_;
   std::optional<Scenario> scenario_;
   std::unique_ptr<ControllerHost> host_;
@@ -142,7 +142,7 @@ class LogReplayer {
   LogReplayReport report_;
 };
 
-/// The first tick and how many there are, by what the survey found.
+/// Determines the first tick and the number of ticks from the survey.
 Result<void> LogReplayer::find_span() {
   Diagnostics missing;
   std::optional<std::int64_t> start, end;
@@ -164,7 +164,7 @@ Result<void> LogReplayer::find_span() {
     start = map_.start_with_first ? std::min(*start, there) : std::max(*start, there);
   }
   if (!missing.empty()) return missing;
-  if (!start) start = *survey_.sources[0].first;  // nothing but a joystick
+  if (!start) start = *survey_.sources[0].first;  // only a joystick
   report_.start = *start;
   const double last = static_cast<double>(*end - *start) * 1e-9 / map_.time_step;
   double ticks = std::floor(last + 1e-6) + 1.0;
@@ -200,7 +200,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
 bool LogReplayer::on_message(const mcap::Message& message) {
   const auto time = times_.of(message);
   if (!time) return true;
-  // whatever is logged from now on isn't earlier than this
+  // Messages that are logged from now on aren't earlier than this.
   const std::int64_t known = static_cast<std::int64_t>(message.log_time) - survey_.latest - observations_->lookahead();
   if (auto done = run_ticks_before(known); !done) errors_ = done.errors();
   if (!errors_.empty()) return false;
@@ -208,7 +208,7 @@ bool LogReplayer::on_message(const mcap::Message& message) {
   return !over_;
 }
 
-/// All ticks before that time of the log [ns].
+/// Runs all ticks before that time of the log [ns].
 Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
   while (!over_ && observations_->time_of_tick(run_ ? run_->tick() : 0) < time) {
     if (!run_)
@@ -220,7 +220,7 @@ Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
   return {};
 }
 
-/// The first tick: its posture is the scenario's, and only now is it clear what a controller reads.
+/// Makes the first tick: its posture becomes the scenario's, and the inputs of the controller are known only now.
 Result<void> LogReplayer::begin() {
   const auto seen = observations_->look_first();
   if (!seen) return seen.errors();
@@ -236,7 +236,7 @@ Result<void> LogReplayer::host_controller() {
   auto host = ControllerHost::create(*scenario_, options_);
   if (!host) {
     Diagnostics errors = host.errors();
-    for (Diagnostic& finding : errors)  // nobody wrote the scenario that they are told of
+    for (Diagnostic& finding : errors)  // the scenario has no file that the user wrote
       if (finding.file == scenario_->file) finding = error(finding.message, finding.hint);
     return errors;
   }
@@ -273,7 +273,7 @@ Result<Scenario> LogReplayer::make_scenario(const BodyObservation& seen) {
   return scenario;
 }
 
-/// Which log, and which map.
+/// The facts of the log and of the map.
 mcap::StringMap LogReplayer::provenance_of_log() const {
   mcap::StringMap stated = provenance(*scenario_, host_.get(), "", "");
   stated[facts::source] = "log";
@@ -292,13 +292,13 @@ void LogReplayer::report_topics() {
       if (channel.topic == topic.topic && log_.schema_of(channel)) topic.type = log_.schema_of(channel)->name;
     const SourceSurvey& whole = survey_.sources[i];
     topic.unreadable += whole.without_time;
-    topic.skipped += whole.messages - whole.without_time - topic.messages;  // behind the last tick
+    topic.skipped += whole.messages - whole.without_time - topic.messages;  // after the last tick
     topic.messages = whole.messages;
     topic.out_of_order = whole.out_of_order;
   }
 }
 
-/// The recording's end, and what is to be said of the topics.
+/// Ends the recording, and makes the report of the topics.
 Result<void> LogReplayer::finish() {
   REHEARSE_ASSERT(run_, "there is at least one tick");
   host_->stop(run_->tick());
@@ -346,7 +346,7 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   const std::vector<LogTopic> topics = topics_of(**reader);
   if (topics.empty()) return in_file(log.string(), error("it holds no channel", "expected a ROS 2 bag in MCAP"));
   UrdfOptions urdf;
-  urdf.meshes = UrdfOptions::Meshes::skip;  // nothing is touched, and nothing drawn
+  urdf.meshes = UrdfOptions::Meshes::skip;  // nothing collides, and nothing is rendered
   auto model = load_urdf(options.model, urdf);
   if (!model) return model.errors();
   auto map = LogMap::load(options.map, *model, topics);

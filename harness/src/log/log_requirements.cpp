@@ -87,7 +87,7 @@ class Requirements {
   }
 
   void check_device(const Device& device, int index) {
-    if (std::holds_alternative<Light>(device.kind)) return;  // it says nothing
+    if (std::holds_alternative<Light>(device.kind)) return;  // a light measures nothing
     for (const DeviceSource& source : map_.devices)
       if (source.kind != DeviceSource::Kind::camera_info &&
           std::find(source.devices.begin(), source.devices.end(), index) != source.devices.end())

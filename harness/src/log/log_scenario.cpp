@@ -10,7 +10,7 @@
 namespace rehearse {
 namespace {
 
-/// The shortest text that is read as the same bits.
+/// The shortest text that is read back as the same bits.
 std::string exact(double value) { return fmt::format("{}", value); }
 
 void emit_numbers(YAML::Emitter& yaml, std::initializer_list<double> numbers) {

@@ -15,9 +15,9 @@
 namespace rehearse {
 namespace {
 
-/// Messages of joints are looked into until so many brought nothing new.
+/// Messages of joints are decoded until this number of messages contained no new joint or quantity.
 constexpr std::int64_t joint_messages = 1000;
-/// Nanoseconds up to the year 2116; what is later is no time of a log.
+/// Nanoseconds up to the year 2116; a later time is invalid.
 constexpr std::uint64_t end_of_time = std::uint64_t{1} << 62;
 
 struct HeaderOnly {
@@ -38,7 +38,7 @@ const char* suffix_of(DeviceSource::Kind kind) {
   }
 }
 
-/// What a JointState says of which joints.
+/// The joints and quantities in JointState messages.
 class JointSurvey {
  public:
   JointSurvey(const JointSource& source, const Model& model, const ros2msg::Schema& schema)
@@ -71,10 +71,10 @@ class JointSurvey {
   const JointSource& source_;
   MessageReader<msg::JointState> reader_;
   JointNames names_;
-  std::int64_t idle_ = 0;  // messages since one brought something new
+  std::int64_t idle_ = 0;  // number of messages since the last new joint or quantity
 };
 
-/// One source while it is surveyed.
+/// One source during the survey.
 struct Surveyed {
   std::unique_ptr<JointSurvey> joints;
   std::unique_ptr<CommandReader> commands;
@@ -103,7 +103,7 @@ std::optional<std::int64_t> LogTimes::of(const mcap::Message& message) {
   if (!stamps) {
     const mcap::Schema* schema = log_.schema_of(*message.channel);
     auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
-    if (!parsed) return std::nullopt;  // topics_of() has told
+    if (!parsed) return std::nullopt;  // topics_of() has reported it
     stamps = std::make_unique<Stamps>(*parsed);
   }
   const HeaderOnly* read = stamps->reader.read(message.data);
@@ -142,7 +142,7 @@ std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vecto
 
 Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
                           const std::function<bool(const mcap::Message&)>& callback) {
-  if (channels.empty()) return {};  // the reader would deliver all
+  if (channels.empty()) return {};  // without a channel the reader would deliver all
   const auto read = log.for_each_message_in_order(callback, channels);
   return read ? Diagnostics() : read.errors();
 }
@@ -168,7 +168,7 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
         ++source.without_time;
         continue;
       }
-      if (source.first && *time < source.last) continue;  // backwards: it isn't used
+      if (source.first && *time < source.last) continue;  // an earlier time than before: it isn't used
       if (!source.first) source.first = source.complete = *time;
       source.last = *time;
       const std::int64_t late = static_cast<std::int64_t>(message.log_time) - *time;

@@ -20,10 +20,10 @@ namespace {
 
 constexpr std::uint32_t max_side = 8192;  // [pixels], as for a camera of a model
 
-/// Where the colours of a pixel stand.
+/// The places of the colours in a pixel.
 struct ColorLayout {
   const char* encoding;
-  std::size_t bytes;  // a pixel
+  std::size_t bytes;  // per pixel
   std::array<std::size_t, 3> rgb;
 };
 constexpr ColorLayout color_layouts[] = {{"rgb8", 3, {0, 1, 2}},
@@ -32,7 +32,7 @@ constexpr ColorLayout color_layouts[] = {{"rgb8", 3, {0, 1, 2}},
                                          {"bgra8", 4, {2, 1, 0}},
                                          {"mono8", 1, {0, 0, 0}}};
 
-/// That so many rows of so many bytes are there.
+/// Fails unless the data has the size of all rows.
 Result<void> check_size(const msg::Image& message, std::size_t pixel) {
   if (message.width == 0 || message.height == 0 || message.width > max_side || message.height > max_side)
     return error(fmt::format("a picture of {} x {} pixels", message.width, message.height),
@@ -43,7 +43,7 @@ Result<void> check_size(const msg::Image& message, std::size_t pixel) {
   return {};
 }
 
-/// What libjpeg says goes here, and its errors jump out of it.
+/// Receives the messages of libjpeg; its errors leave by longjmp.
 struct JpegErrors {
   jpeg_error_mgr manager;
   std::jmp_buf out;
@@ -56,12 +56,12 @@ void leave(j_common_ptr jpeg) {
   std::longjmp(errors->out, 1);
 }
 
-/// A warning is a damaged picture: part of it would be invented.
+/// A warning means a damaged picture, of which libjpeg would invent a part.
 void take_warning(j_common_ptr jpeg, int level) {
   if (level < 0) leave(jpeg);
 }
 
-/// Nothing in here has a destructor: an error jumps over it. False: errors.message says why.
+/// No object here has a destructor, because an error jumps over it. False: errors.message has the reason.
 bool read_jpeg(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::span<const std::uint8_t> bytes, Image& image) {
   if (setjmp(errors.out) != 0) return false;
   jpeg_create_decompress(&jpeg);

@@ -26,7 +26,7 @@ Result<void> check_count(std::size_t count, const RangeSensor& sensor, const cha
 /// One number of each point of a cloud.
 class PointValues {
  public:
-  /// Nullopt: the cloud has no such field, or one that isn't there in each point.
+  /// Nullopt: the cloud has no such field, or the field isn't inside of each point.
   static std::optional<PointValues> find(const msg::PointCloud2& cloud, std::string_view name) {
     for (const msg::PointField& field : cloud.fields) {
       if (field.name != name || (field.datatype != msg::PointField::float32 && field.datatype != float64)) continue;
@@ -59,7 +59,7 @@ class PointValues {
   std::size_t size_;
 };
 
-/// That each point is within the data.
+/// True if all points are within the data.
 bool is_whole(const msg::PointCloud2& cloud) {
   if (cloud.width == 0 || cloud.height == 0 || cloud.point_step == 0) return false;
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;

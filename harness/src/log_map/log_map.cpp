@@ -45,7 +45,7 @@ void LogMapReader::read(const YamlNode& root) {
   if (const YamlNode* node = keys.find("root")) read_root(*node);
   if (const YamlNode* node = keys.find("commands")) read_commands(*node);
   if (const YamlNode* node = keys.find("tolerances")) {
-    Scenario place;  // for the list, which has the form of a scenario's
+    Scenario place;  // holds the list, which has the form of a scenario's
     place.file = map_.file;
     read_tolerances(findings_, *node, place);
     map_.tolerances = std::move(place.tolerances);
@@ -93,7 +93,7 @@ void LogMapReader::read_start(const YamlNode& node) {
   }
 }
 
-/// Of all sources that don't state their own.
+/// Reads the default of all sources.
 void LogMapReader::read_max_age(const Keys& keys) {
   keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
 }
@@ -108,7 +108,7 @@ void LogMapReader::read_controller(const YamlNode& node) {
 void LogMapReader::check_something_is_mapped(const YamlNode& root) {
   for (const std::string_view key : {"joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root"})
     if (find_key(root, key) != nullptr) return;
-  if (findings_.any_error()) return;  // a misspelt key, as likely as not
+  if (findings_.any_error()) return;  // the reason may be a misspelt key
   findings_.error(root, "the map names no input", "expected at least one topic, as joints: /joint_states");
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using enum FieldContent;
 
-// What is old, if the map doesn't say it. A picture comes ten times a second, a joystick's message when it is touched.
+// The default of max_age. A picture comes ten times a second, a joystick's message when it is moved.
 constexpr double max_age_of_numbers = 0.1;   // [s]
 constexpr double max_age_of_pictures = 1.0;  // [s], and of scans
 
@@ -24,7 +24,7 @@ std::vector<std::string> joint_names(const Model& model) {
   return names;
 }
 
-/// The topic of a source: the source itself, or the key `topic` of it.
+/// The topic of a source: the source itself, or its key `topic`.
 const YamlNode* topic_of(const YamlNode& node, const Keys* keys) {
   return keys == nullptr ? &node : keys->require("topic", "the name of one of the log's topics");
 }
@@ -75,7 +75,7 @@ const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view 
   return found;
 }
 
-/// Of what consists of numbers.
+/// For sources of numbers.
 void LogMapReader::read_sampling(const Keys& keys, LogSource& source) {
   const YamlNode* node = keys.find("sampling");
   if (node == nullptr) return;
@@ -204,7 +204,7 @@ void LogMapReader::read_device(const YamlNode& node, DeviceSource::Kind kind, st
   }
 }
 
-/// One device or a list of them, which all get the same.
+/// Reads one device or a list of devices, which all get the same messages.
 std::vector<int> LogMapReader::read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what) {
   std::vector<int> devices;
   const YamlNode* node = keys.require("device", "the name of a device of the model, or a list of names");
@@ -275,7 +275,7 @@ void LogMapReader::read_camera(const YamlNode& node) {
   };
   add(picture, "topic", DeviceSource::Kind::picture, {raw, compressed}, "an Image or CompressedImage");
   add(depth, "depth", DeviceSource::Kind::depth, {raw}, "an Image");
-  common.max_age.reset();  // said once is enough
+  common.max_age.reset();  // to report it once
   add(info, "info", DeviceSource::Kind::camera_info, {figures}, "a CameraInfo");
 }
 
@@ -380,7 +380,7 @@ void LogMapReader::read_joystick(const YamlNode& node) {
     map_.joystick = std::move(source);
 }
 
-/// Of an array of numbers: which joints they are of, and which quantity they are.
+/// For an array of numbers: reads their joints and their quantity.
 void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) {
   const YamlNode* joints = keys.require("joints", "the joints that the numbers are of, in order; ~ for none");
   if (joints != nullptr) {

@@ -12,7 +12,7 @@ bool has_failed(const CheckReport& checked) {
   return run_failed || (checked.replay && (checked.replay->failure || checked.replay->controller_refused));
 }
 
-/// The trace that the check left; empty: none. What lies there from an earlier check isn't looked at.
+/// The trace that the check left; empty: none. A file from an earlier check is ignored.
 fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
   const bool closed_is_wrong = checked.closed == LevelState::differs || (checked.run && checked.run->failure);
   std::error_code ignored;

@@ -1,4 +1,4 @@
-// The order in which a report is made.
+// Makes a report in the order of its steps.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 #include <rehearse/report.h>
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_spans = 1000;
 
-/// A trace, or the part of it that is asked for; that stands in a file of its own while it is looked at.
+/// A trace, or the requested part of it, which is a temporary file meanwhile.
 class SourceTrace {
  public:
   static Result<SourceTrace> load(const fs::path& file, const fs::path& scratch, const ReportOptions& options);
@@ -63,19 +63,20 @@ Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scra
     const auto filtered = mcap::filter(file, scratch, part);
     if (!filtered) return filtered.errors();
     if (filtered->messages == 0)
-      return error_in(file.string(), "nothing was recorded in the span that is asked for", "rehearse info tells how long it is");
+      return error_in(file.string(), "nothing was recorded in the span that is asked for",
+                      "rehearse info tells how long it is");
   }
   auto trace = Trace::load(is_part ? scratch : file, Trace::Damage::tolerate);
   if (!trace) return trace.errors();
   if (const auto known = check_version(*trace); !known) return known.errors();
   if (!RunFacts::of(*trace).provenance)
     return error_in(file.string(), "it is an MCAP file, but not a recording of Rehearse: it has no provenance",
-              "rehearse replay turns a robot's log into one");
+                    "rehearse replay turns a robot's log into one");
   source.trace_ = std::make_unique<Trace>(*std::move(trace));
   return source;
 }
 
-/// A span [begin, end) of ticks; of a run without any both are 0.
+/// A span [begin, end) of ticks; for a run without ticks both are 0.
 struct TickRange {
   std::int64_t begin = 0, end = 0;
 
@@ -87,7 +88,7 @@ struct TickRange {
   }
 };
 
-/// How a run ended, a sentence; empty: as it should.
+/// A sentence about the end of a run; empty: it ended regularly.
 std::string outcome_of(const RunFacts& run) {
   return run.outcome ? run.outcome->failure.value_or("") : "the recording was cut: nothing says how the run ended";
 }
@@ -115,7 +116,7 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
       {"remarks", std::move(remarks)}};
 }
 
-/// [s]; of a recording whose scenario can't be read, by its clock.
+/// [s]; for a recording whose scenario can't be read, by its clock.
 double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scenario) {
   if (scenario) return scenario->time_step;
   const std::vector<std::uint64_t>& times = run.clock.times();
@@ -123,7 +124,7 @@ double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scena
   return times.size() < 2 || times[1] <= times[0] ? usual : static_cast<double>(times[1] - times[0]) / 1e9;
 }
 
-/// The name of the series that a divergence is about; null: it is about none.
+/// The name of the series of a divergence; null: it has none.
 ReportJson series_at(const Divergence& divergence, const Trace& golden, const Trace* actual) {
   for (const Trace* trace : {actual, &golden}) {
     const TraceChannel* channel = trace ? trace->find_channel(divergence.channel) : nullptr;
@@ -134,12 +135,12 @@ ReportJson series_at(const Divergence& divergence, const Trace& golden, const Tr
   return nullptr;
 }
 
-/// What differs, by tick: of each channel the first beyond tolerance, and the first in any bit.
+/// The differences by tick: for each channel the first beyond tolerance, and the first in any bit.
 struct Places {
-  std::vector<std::pair<Divergence, bool>> all;  // and whether it is beyond
+  std::vector<std::pair<Divergence, bool>> all;  // true: it is beyond tolerance
   std::optional<std::size_t> first;
 
-  /// `told`: the first that somebody else has found, who knows better; null: nobody has.
+  /// `told`: the first difference by a more precise judgement; null: none.
   Places(const Comparison& comparison, const Divergence* told) {
     for (const ChannelComparison& channel : comparison.channels) {
       if (channel.first) all.emplace_back(*channel.first, true);
@@ -204,7 +205,7 @@ class ReportMaker {
   ReportSummary summary_;
 };
 
-/// Looks at both recordings as `diff` does.
+/// Compares both recordings as `diff` does.
 void ReportMaker::judge() {
   if (!golden_) return;
   std::vector<ToleranceRule> rules;
@@ -252,7 +253,7 @@ bool ReportMaker::is_wanted(const TraceChannel& channel) const {
                      [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
-/// Series and cameras of all channels that are wanted, or that robots move by.
+/// Writes series and cameras of all requested channels, and of the channels that move robots.
 void ReportMaker::write_channels(ReportJson& object) {
   RobotWriter robots(blobs_, actual_, options_.scenario, summary_.omitted);
   if (scenario_) robots.write(*scenario_);

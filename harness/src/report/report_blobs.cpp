@@ -17,8 +17,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are stored as they lie in memory");
 
-constexpr int compression_level = 6;          // 9 takes three times as long for a hundredth less (measured)
-constexpr std::size_t sample_size = 1 << 14;  // elements by which filters are tried
+constexpr int compression_level = 6;          // level 9 takes three times as long for one percent less (measured)
+constexpr std::size_t sample_size = 1 << 14;  // number of elements with which filters are tried
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -41,7 +41,7 @@ std::string_view name_of(Filter filter) {
   return "";
 }
 
-/// The elements from `first` on, filtered as if there were no others.
+/// The elements from `first` on, filtered as if they were the whole array.
 Bytes filtered(Filter filter, const NumberArray& array, const NumberArray* base, std::size_t first, std::size_t count) {
   const std::size_t size = array.size;
   const std::uint8_t* from = array.bytes.data() + first * size;
@@ -136,7 +136,7 @@ Bytes BlobWriter::deflated(ByteSpan bytes) const {
   return packed;
 }
 
-/// What is known of these bytes; null: nothing yet.
+/// The stored blob with these bytes; null: none yet.
 ReportJson& BlobWriter::stored(const Digest& key) { return known_[key]; }
 
 ReportJson BlobWriter::bytes(ByteSpan bytes) {
@@ -162,7 +162,7 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
   };
   const std::uint64_t type_seed = 1 + XXH3_64bits(array.type.data(), array.type.size());
   const Digest alone = digest_of(array.bytes, type_seed);
-  if (const ReportJson& known = stored(alone); !known.is_null()) return known;  // whatever its base would be
+  if (const ReportJson& known = stored(alone); !known.is_null()) return known;  // independent of its base
 
   const std::size_t tried = std::min(count, sample_size), first = (count - tried) / 2;
   Filter best = Filter::none;
@@ -175,7 +175,7 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
     best = filter;
   }
   Digest key = alone;
-  if (best == Filter::exclusive_base) {  // it can be decoded beside that base only
+  if (best == Filter::exclusive_base) {  // it can be decoded with that base only
     const Digest of_base = digest_of(base->bytes, type_seed + 1);
     key.first ^= of_base.first;
     key.second ^= of_base.second;
@@ -189,7 +189,7 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
           {"count", count},
           {"filter", name_of(best)}};
   put_(blob["id"], deflated(filtered(best, array, base, 0, count)));
-  if (best != Filter::exclusive_base) {  // what controllers see of a state ends a tick before the state does
+  if (best != Filter::exclusive_base) {  // controllers' inputs end a tick before the state does
     ReportJson& but_the_last =
         stored(digest_of(ByteSpan(array.bytes).first(array.bytes.size() - array.size), type_seed));
     if (but_the_last.is_null()) {

@@ -28,7 +28,7 @@ Result<std::string> read_page(const fs::path& file) {
   return text;
 }
 
-/// What a page says first is said by our own first line.
+/// The head without its doctype line: the first line of a report replaces it.
 std::string_view without_doctype(std::string_view head) {
   const bool has = head.size() >= doctype.size() &&
                    std::equal(doctype.begin(), doctype.end(), head.begin(), [](char wanted, char letter) {
@@ -111,7 +111,7 @@ void ReportFile::put_blob(const std::string& id, ByteSpan coded) {
 Result<void> ReportFile::finish(const ReportJson& object) {
   const std::string json = object.dump(-1, ' ', false, ReportJson::error_handler_t::replace);
   std::string text = "<script type=\"application/json\" id=\"report\">";
-  for (const char letter : json) {  // no text in it ends the element, or begins a comment
+  for (const char letter : json) {  // no text in it may end the element, or begin a comment
     if (letter == '<')
       text += "\\u003c";
     else

@@ -16,7 +16,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Distances as grey, in single steps of 254: near is light; 0 where nothing was found.
+/// Distances as 254 levels of grey: near is light; 0 where nothing was found.
 Bytes grey_of(const RecordedPicture& picture, float near, float far) {
   Image image{picture.width, picture.height, Bytes(3 * picture.pixels())};
   for (std::size_t i = 0; i < picture.pixels(); ++i) {
@@ -29,7 +29,7 @@ Bytes grey_of(const RecordedPicture& picture, float near, float far) {
   return encode_png(image);
 }
 
-/// Of a PNG file: it says its size at a fixed place.
+/// Size of a PNG file, which is at a fixed offset.
 std::pair<int, int> png_size(const Bytes& file) {
   constexpr std::size_t width_at = 16, height_at = 20;
   if (file.size() < height_at + 4) return {0, 0};
@@ -52,7 +52,7 @@ void PictureWriter::find_range(const Trace& trace, const TraceChannel& channel, 
   std::vector<float> before;
   for (std::size_t i = 0; i < channel.messages(); ++i) {
     auto picture = distances_at(trace, channel, i);
-    if (!picture || picture->depths == before) continue;  // nothing has moved
+    if (!picture || picture->depths == before) continue;  // equal to the depths before
     album.is_depth = true;
     for (const float depth : picture->depths) {
       if (!std::isfinite(depth)) continue;
@@ -74,7 +74,7 @@ PictureWriter::Album PictureWriter::survey(const TraceChannel* actual, const Tra
   return album;
 }
 
-/// A blob with its media type; null: there is none, or none that can be shown.
+/// A blob with its media type; null: there is no picture, or it can't be shown.
 ReportJson PictureWriter::picture(const Trace& trace, const TraceChannel& channel, std::size_t message, Album& album) {
   const auto payload = trace.payload(channel, message);
   auto file = payload ? Result<PictureFile>(PictureFile()) : Result<PictureFile>(payload.errors());

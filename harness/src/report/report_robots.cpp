@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);  // as pictures have it
-constexpr double marker_size = 0.02;                   // of what stands for a mesh that isn't there [m]
+const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);  // as in recorded pictures
+constexpr double marker_size = 0.02;                   // size of the marker for a missing mesh [m]
 
 ReportJson pose_json(const Eigen::Isometry3d& pose) {
   const Eigen::Quaterniond q(pose.linear());
@@ -41,7 +41,7 @@ std::string text_of(const mcap::Attachment* attachment) {
   return attachment ? std::string(attachment->text()) : std::string();
 }
 
-/// The folder itself and all above it.
+/// The folder itself and all folders above it.
 std::vector<fs::path> folders_above(const fs::path& folder) {
   std::vector<fs::path> folders;
   std::error_code ignored;
@@ -51,8 +51,8 @@ std::vector<fs::path> folders_above(const fs::path& folder) {
   }
 }
 
-/// Where the model's file may stand that a recording names as its scenario did: beside that scenario, or beside those
-/// of a repository that the recording, or the working directory, is in.
+/// The model's file that a recording names relative to its scenario. It is searched beside that scenario, or beside the
+/// scenarios of a repository that contains the recording or the working directory.
 std::optional<fs::path> find_model(const fs::path& scenario_file, const fs::path& recording, const std::string& model) {
   std::vector<fs::path> folders;
   if (!scenario_file.empty()) {
@@ -68,10 +68,10 @@ std::optional<fs::path> find_model(const fs::path& scenario_file, const fs::path
   return std::nullopt;
 }
 
-/// The colour of a picture where a vertex is.
+/// The colour of a texture at a vertex.
 Color texel(const Texture& texture, const Eigen::Vector2f& at) {
   const auto place = [](float share, int size) {
-    const float inside = share - std::floor(share);  // pictures repeat
+    const float inside = share - std::floor(share);  // textures repeat
     return std::clamp(static_cast<int>(inside * static_cast<float>(size)), 0, size - 1);
   };
   const auto x = static_cast<std::size_t>(place(at.x(), texture.width));
@@ -100,7 +100,7 @@ void RobotWriter::write(const Scenario& scenario) {
   for (const ScenarioBody& body : scenario.bodies) write_body(body);
 }
 
-/// The model as recorded, with the meshes of this machine; null: it can't be had.
+/// The recorded model with the meshes of this machine; null: it can't be loaded.
 std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) {
   if (body.model_file.empty() || !has_meshes(*body.model)) return body.model;
   const auto file = find_model(scenario_file_, run_.trace.file(), body.model_file);
@@ -114,7 +114,7 @@ std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) 
   return model ? std::make_shared<const Model>(*std::move(model)) : body.model;
 }
 
-/// By the digests that the recording has of its meshes.
+/// Compares the mesh with its digest in the recording.
 bool RobotWriter::is_as_recorded(const ScenarioBody& body, const Mesh& mesh) const {
   const std::string digests = text_of(run_.trace.find_attachment(body.model_file + ".meshes"));
   if (digests.empty()) return true;
@@ -128,7 +128,7 @@ void RobotWriter::write_body(const ScenarioBody& body) {
   ReportJson links = ReportJson::array();
   for (std::size_t i = 0; i < body.model->links.size(); ++i) {
     const Link& link = body.model->links[i];
-    const int same = drawn->find_link(link.name);  // a mesh left out takes no link with it
+    const int same = drawn->find_link(link.name);  // a missing mesh removes no link
     links.push_back(
         link_json(body, link, same < 0 ? link : drawn->links[static_cast<std::size_t>(same)], static_cast<int>(i)));
   }
@@ -146,7 +146,7 @@ void RobotWriter::write_body(const ScenarioBody& body) {
   tell(changed_, "aren't what was recorded, and are drawn as they are now");
 }
 
-/// Seven names; null: nothing moves it.
+/// Seven names; null: no series moves it.
 ReportJson RobotWriter::pose_series(const ScenarioBody& body) {
   const std::string topic = ChannelName::of_owner(body.name, body.model->links[0].name, ChannelKind::pose).topic();
   const TraceChannel* channel = run_.trace.find_channel(topic);
@@ -207,7 +207,7 @@ ReportJson RobotWriter::link_json(const ScenarioBody& body, const Link& link, co
   return json;
 }
 
-/// What is seen of a link. In the place of meshes that aren't there stands what is touched of it, or else a marker.
+/// The visual shapes of a link. Missing meshes are replaced by its collision shapes, or else by a marker.
 ReportJson RobotWriter::shapes_json(const ScenarioBody& body, const Link& link) {
   ReportJson shapes = ReportJson::array();
   bool is_complete = true;
@@ -255,20 +255,21 @@ void RobotWriter::add_shape(ReportJson& shapes, const Shape& shape) {
     const Mesh& mesh = std::get<Mesh>(shape.geometry);
     ReportJson& added = add(shape.pose);
     added["mesh"] = mesh_of(*mesh.data, color);
-    added["scale"] = {1.0, 1.0, 1.0};  // the vertices have it already
+    added["scale"] = {1.0, 1.0, 1.0};  // the vertices are already scaled
   }
   if (shape.checker)
     shapes.back()["checker"] = {{"color", color_json(shape.checker->color)}, {"size", shape.checker->size}};
 }
 
-/// Its index among the meshes. One that has colours of its own is another for each colour of a shape.
+/// Its index among the meshes. A mesh with colours of its own is a separate mesh for each colour of a shape.
 int RobotWriter::mesh_of(const MeshData& mesh, const Color& color) {
   const bool has_colors = std::any_of(mesh.parts.begin(), mesh.parts.end(),
                                       [](const MeshPart& part) { return part.color || part.texture; });
   std::vector<float> shade;
   if (has_colors) shade.assign(color.data(), color.data() + color.size());
   const std::vector<double> corners{mesh.lower.x(), mesh.lower.y(), mesh.lower.z(),
-                                    mesh.upper.x(), mesh.upper.y(), mesh.upper.z()};  // one file at two scales is two
+                                    // A file with two scales is two meshes.
+                                    mesh.upper.x(), mesh.upper.y(), mesh.upper.z()};
   const auto [known, is_new] =
       known_meshes_.try_emplace({mesh.digest + mesh.file, shade, corners}, static_cast<int>(meshes_.size()));
   if (!is_new) return known->second;

@@ -7,7 +7,7 @@ namespace {
 
 const JudgedValues::Column nothing_found;
 
-/// What a comparison calls the four columns of an orientation.
+/// The name that a comparison uses for the four columns of an orientation.
 std::string_view stem_of(std::string_view element) { return element.substr(0, element.rfind('/')); }
 
 }  // namespace
@@ -80,10 +80,11 @@ std::vector<std::pair<std::int64_t, std::int64_t>> JudgedValues::spans(std::size
       spans.emplace_back(tick, tick + 1);
   }
   if (spans.size() <= most) return spans;
-  std::vector<std::int64_t> gaps;  // those that stay are the widest
+  std::vector<std::int64_t> gaps;  // the widest gaps remain
   for (std::size_t i = 1; i < spans.size(); ++i) gaps.push_back(spans[i].first - spans[i - 1].second);
   std::sort(gaps.begin(), gaps.end());
-  const std::int64_t narrowest = gaps[gaps.size() - most];  // joined too: of several alike none stays
+  // Gaps of this width are joined, too: of several equal ones none remains.
+  const std::int64_t narrowest = gaps[gaps.size() - most];
   std::vector<std::pair<std::int64_t, std::int64_t>> joined{spans.front()};
   for (std::size_t i = 1; i < spans.size(); ++i) {
     if (spans[i].first - spans[i - 1].second > narrowest)

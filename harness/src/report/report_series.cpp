@@ -30,7 +30,7 @@ std::string_view type_of(CellKind kind) {
   return "";
 }
 
-/// A column of the table, its elements one after the other.
+/// A column of the table as a contiguous array.
 NumberArray gather(const TraceChannel& channel, std::size_t column) {
   const CellKind kind = channel.columns[column].kind;
   NumberArray array{type_of(kind), kind == CellKind::boolean ? std::size_t{1} : sizeof(std::uint64_t), {}};
@@ -43,7 +43,7 @@ NumberArray gather(const TraceChannel& channel, std::size_t column) {
   return array;
 }
 
-/// Lowest and highest of what is finite.
+/// Lowest and highest finite value.
 struct Range {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -59,7 +59,7 @@ struct Range {
   ReportJson json() const { return low > high ? ReportJson() : ReportJson{low, high}; }
 };
 
-/// Messages of the same time whose bits aren't the same.
+/// Number of messages of equal time with different bits.
 std::int64_t differing(const TraceChannel& actual, std::size_t column, const TraceChannel& golden, std::size_t other) {
   std::int64_t count = 0;
   std::size_t a = 0, g = 0;

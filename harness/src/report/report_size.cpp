@@ -15,14 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the bytes in a recording: what its report has for them.
-constexpr double of_pictures = 4.0 / 3.0;  // base64 of the same
+// The size of a report relative to the bytes in a recording.
+constexpr double of_pictures = 4.0 / 3.0;  // base64 of the same bytes
 constexpr double of_numbers = 1.3;
 
-/// What the index of a recording says of its size and length.
+/// The span and the size of a recording, from its index.
 struct Extent {
   double begin = 0.0, end = 0.0;  // [s]
-  double bytes = 0.0;             // that its report has
+  double bytes = 0.0;             // in its report
 
   double of_span(double from, double until) const {
     const double length = end - begin;
@@ -64,7 +64,7 @@ struct TickMark {
   bool operator==(const TickMark&) const = default;
 };
 
-/// Those of a recording up to that time [s].
+/// The marks of a recording up to that time [s].
 std::vector<TickMark> tick_marks(const fs::path& file, double until) {
   std::vector<TickMark> marks;
   const auto reader = mcap::Reader::open(file);
@@ -76,7 +76,7 @@ std::vector<TickMark> tick_marks(const fs::path& file, double until) {
   }
   if (chosen.empty()) return marks;
   const auto end = static_cast<std::uint64_t>(until * 1e9);
-  (void)(*reader)->for_each_message(  // what is damaged is told when it is loaded
+  (void)(*reader)->for_each_message(  // damage is reported when the file is loaded
       [&](const mcap::Message& message) {
         CdrReader cdr(message.data);
         msg::Tick tick;
@@ -88,8 +88,8 @@ std::vector<TickMark> tick_marks(const fs::path& file, double until) {
   return marks;
 }
 
-/// The time of the first tick whose hashes aren't the same [s]; none: there is none, or nothing to compare. Looks no
-/// further into the files than it has to: a first difference is mostly early.
+/// The time of the first tick with different hashes [s]; none: there is none, or nothing to compare. Stops reading at
+/// the first difference, which is mostly early.
 std::optional<double> first_difference(std::span<const fs::path> traces, double length) {
   if (traces.size() < 2) return std::nullopt;
   for (double until = 60.0;; until *= 4.0) {

@@ -23,13 +23,13 @@ T value_or_throw(Result<T> result) {
   return std::move(*result);
 }
 
-/// How many numbers a test may set: values, or a range sensor's distances.
+/// The number of values that a test may set: values, or a range sensor's distances.
 std::size_t numbers_of(const Device& device) {
   const auto* laser = std::get_if<RangeSensor>(&device.kind);
   return static_cast<std::size_t>(laser ? laser->beams() : value_count(device));
 }
 
-/// Names are few here: all of them are told.
+/// There are few names here, so messages list all of them.
 template <class Names>
 [[noreturn]] void unknown(std::string_view owner, std::string_view what, std::string_view name, const Names& names) {
   throw std::out_of_range(fmt::format("the {} has no {} \"{}\"; it has {}", owner, what, name,
@@ -45,7 +45,7 @@ struct ControllerBench::Impl final : ObservationSource, Sink {
   std::vector<BenchJoint> joints;                       // by joint id
   std::vector<BenchLink> links;                         // by link index
   std::vector<BenchDevice> devices;                     // by device index
-  std::vector<std::shared_ptr<const Image>> delivered;  // by device index: the last picture that was handed over
+  std::vector<std::shared_ptr<const Image>> delivered;  // by device index: the last delivered picture
   std::array<double, joystick_axes.size()> axes{};
   std::array<bool, joystick_buttons.size()> buttons{};
   std::vector<std::string> messages;
@@ -76,7 +76,7 @@ const std::vector<std::string>& ControllerBench::messages() const { return impl_
 
 void ControllerBench::Impl::set_up(const std::string& library, const std::string& model_file,
                                    const BenchOptions& options) {
-  scenario.file = fixture_path("bench");  // so that paths are relative to the fixtures
+  scenario.file = fixture_path("bench");  // makes paths relative to the fixtures
   scenario.name = "bench";
   scenario.time_step = options.time_step;
   ScenarioBody& body = scenario.bodies.emplace_back();
@@ -115,7 +115,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   run.emplace(scenario.time_step, *this, *commands, *this, 0, Run::no_end);
 }
 
-/// Collects what the host has to say, and throws if the controller is out.
+/// Reads the host's messages, and throws if the controller has failed.
 void ControllerBench::Impl::check() {
   std::string last_error;
   for (const msg::Event& event : host->take_events()) {
@@ -193,7 +193,7 @@ void ControllerBench::Impl::read_outputs() {
           links[field.link].force = {value[0], value[1], value[2]};
           links[field.link].torque = {value[3], value[4], value[5]};
           break;
-        default: break;  // nothing that moves a robot
+        default: break;  // other quantities move no robot
       }
     }
     for (const DeviceOutput& output : hosted.tick.device_outputs) devices[output.device].on = output.on;
@@ -209,7 +209,7 @@ Result<void> ControllerBench::Impl::emit(const Moment&) {
 bool ControllerBench::tick() {
   value_or_throw(impl_->run->step());
   if (impl_->run->interruption()) throw std::runtime_error(impl_->run->interruption()->message);
-  impl_->check();  // it may have failed in an earlier tick
+  impl_->check();  // the controller may have failed in an earlier tick
   return impl_->host->controllers()[0].tick.result;
 }
 

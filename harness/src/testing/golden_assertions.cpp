@@ -24,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What decides how a recording is judged. A recording of something else carries no scenario: then the defaults do.
+/// The scenario that determines how a recording is judged. A recording of other programs contains no scenario: then the
+/// defaults apply.
 Result<Scenario> scenario_in(const Trace& trace) {
   if (!trace.find_attachment("scenario.yaml")) return Scenario();
   const auto reader = mcap::Reader::open(trace.file());
@@ -46,7 +47,7 @@ bool has_series(const Trace& trace, const std::string& pattern) {
                      [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
 }
 
-/// What can't be meant so; empty if there is nothing.
+/// A mistake in the options; empty if there is none.
 std::string mistake_in(const MatchOptions& options, const Trace& trace) {
   for (const Near& near : options.near) {
     if (!is_at_least_0(near.atol) || !is_at_least_0(near.rtol))
@@ -85,7 +86,7 @@ bool wants(const MatchOptions& options, Level level) {
   return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
 }
 
-/// Of the noise that was measured of a golden, if it was.
+/// The horizon by the measured noise of a golden, if it was measured.
 std::optional<double> measured_horizon(const fs::path& golden) {
   std::error_code ignored;
   if (!fs::exists(noise_file_of(golden), ignored)) return std::nullopt;
@@ -93,10 +94,10 @@ std::optional<double> measured_horizon(const fs::path& golden) {
   return trace ? estimated_horizon(*trace) : std::nullopt;
 }
 
-/// What a check says of a recording, which takes the place of the run that it would make.
+/// The result of a check whose run is replaced by this recording.
 Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_by, const MatchOptions& options,
                                     const fs::path& golden, const fs::path& actual) {
-  auto scenario = Scenario::load(scenario_file_of(trace));  // with all its meshes, which a recording hasn't
+  auto scenario = Scenario::load(scenario_file_of(trace));  // with all its meshes, which a recording lacks
   if (!scenario) return scenario.errors();
   scenario->tolerances = judged_by.tolerances;
   scenario->horizon = judged_by.horizon;
@@ -113,7 +114,7 @@ Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_b
   return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant});
 }
 
-/// Why a run that this program made may not become a golden: it doesn't repeat itself. Empty if it does.
+/// The reason why a run of this program must not become a golden: it doesn't repeat itself. Empty if it does.
 Result<std::string> doubt_about(const Trace& trace) {
   if (scenario_file_of(trace).empty()) return std::string();
   const auto scenario = Scenario::load(scenario_file_of(trace));
@@ -123,7 +124,7 @@ Result<std::string> doubt_about(const Trace& trace) {
   return found->reproduced() ? std::string() : found->verdict;
 }
 
-/// The same as `rehearse check` would say it.
+/// The text that `rehearse check` would print.
 std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
   std::string text =
       fmt::format("{}\n  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}\n",
@@ -138,15 +139,15 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
   return text + '\n' + acceptance_advice(name);
 }
 
-/// The levels that are wanted, and of a run that differs what is to blame.
+/// Checks the requested levels; for a run that differs also finds the faulty part.
 TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
                          const MatchOptions& options, GoldenResult settled, bool wrong, const GoldenStore& store,
                          std::optional<CheckReport>& checked) {
   const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
-  // a run within tolerance but of other bits has to repeat itself, which a check tells
+  // A run within tolerance with different bits must repeat itself; a check tests this.
   const bool certain = !settled.comparison || settled.comparison->equal || scenario_file_of(trace).empty();
   if (settled.passed && !beside_closed && certain) return {true, std::move(settled.message)};
-  // no golden, or nothing wrong with the values: there is nothing to blame
+  // Without a golden or without wrong values no part is faulty.
   const bool differs = settled.comparison && (wrong || !settled.comparison->within);
   if (!settled.passed && !differs) return {false, std::move(settled.message)};
   if (scenario_file_of(trace).empty()) {
@@ -156,12 +157,13 @@ TestVerdict check_levels(const Trace& trace, const std::string& test, const Scen
   const auto report = check_recording(trace, judged_by, options, store.trace_file(test), store.pending_file(test));
   if (!report) return {false, settled.message + "\n" + to_string(report.errors())};
   checked = *report;
-  if (!compared_anything(*report)) return {false, "nothing was compared: " + text_of(*report, store.trace_file(test), test)};
+  if (!compared_anything(*report))
+    return {false, "nothing was compared: " + text_of(*report, store.trace_file(test), test)};
   if (settled.passed && report->within()) return {true, report->verdict};
   return {false, text_of(*report, store.trace_file(test), test)};
 }
 
-/// The verdict on a recording; and what is found on the way to it, for its report.
+/// The verdict on a recording, and the findings on the way to it, for its report.
 TestVerdict judge(const Trace& trace, const std::string& test, const MatchOptions& options, GoldenStore& store,
                   ComparedTest& compared) {
   const auto mode = golden_mode();
@@ -170,8 +172,7 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
   auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
   scenario->tolerances = rules_of(*scenario, options);
-  scenario->horizon =
-      options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
+  scenario->horizon = options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
   compared.golden = store.trace_file(test);
   compared.scenario = scenario_file_of(trace);
   compared.tolerances = scenario->tolerances;
@@ -207,7 +208,7 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   GoldenStore store(goldens.folder(), waiting->folder());
   ComparedTest compared;
   TestVerdict verdict = judge(trace, test, options, store, compared);
-  if (compared.golden.empty()) return verdict;  // nothing was compared: the question was wrong
+  if (compared.golden.empty()) return verdict;  // nothing was compared, because the options were wrong
   if (!verdict.passed && fs::exists(store.pending_file(test)))
     if (auto kept = store.keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
       verdict.message += "\n" + to_string(kept.errors());

@@ -6,7 +6,7 @@
 
 namespace {
 
-/// Which test runs and how many are left, for the report on a controller that ends the process.
+/// Notes the running test and the number of remaining ones, for the report on a controller that ends the process.
 class Tasks : public testing::EmptyTestEventListener {
   void OnTestIterationStart(const testing::UnitTest& all, int) override { left_ = all.test_to_run_count(); }
   void OnTestStart(const testing::TestInfo& test) override {
@@ -19,7 +19,7 @@ class Tasks : public testing::EmptyTestEventListener {
 }  // namespace
 
 int main(int argc, char** argv) {
-  rehearse::pin_process(argv);  // first: it starts the program once more, and nothing may have computed by then
+  rehearse::pin_process(argv);  // first, because it starts the program once more, before any computation
   rehearse::supervise_process();
   ::testing::InitGoogleTest(&argc, argv);
   ::testing::UnitTest::GetInstance()->listeners().Append(new Tasks);

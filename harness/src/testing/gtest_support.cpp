@@ -1,4 +1,4 @@
-// What <rehearse/gtest.h> does, without GoogleTest.
+// The implementation of <rehearse/gtest.h>, without GoogleTest.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/replay.h>
@@ -19,18 +19,18 @@ namespace fs = std::filesystem;
 
 fs::path traces_folder() { return fs::path(test_folders().output) / "traces"; }
 
-/// A trace for each recording of a test: traces stay open as long as the test looks at them. In a folder of this
-/// process, because another one may run the same test.
+/// A file for each recording of a test, because traces stay open as long as the test uses them. It is in a folder of
+/// this process, because a different process may run the same test.
 fs::path new_trace_file(const std::string& test) {
   static std::map<std::string, int> recorded;
-  static std::map<fs::path, Result<RunFolder>> folders;  // by the folder that they are in
+  static std::map<fs::path, Result<RunFolder>> folders;  // by parent folder
   const int number = ++recorded[test];
   const auto [folder, is_new] = folders.try_emplace(traces_folder(), RunFolder::make(traces_folder()));
   if (!folder->second) throw std::runtime_error(to_string(folder->second.errors()));
   return folder->second->path() / (number == 1 ? test + ".mcap" : fmt::format("{}-{}.mcap", test, number));
 }
 
-/// The trace for whoever looks at it later: whole, and the last that was recorded.
+/// Publishes the test's last trace under its final name, when it is complete.
 void publish(const fs::path& trace) {
   const fs::path draft = fs::path(trace).concat(".kept");
   std::error_code failed;
@@ -76,7 +76,7 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
 
 namespace {
 
-/// Below a verdict, each on a line.
+/// Remarks to append to a verdict, each on a line.
 std::string remarks_text(const ReplayReport& report) {
   std::string text;
   for (const Diagnostic& remark : report.remarks) text += "\n" + to_string(remark);

@@ -18,7 +18,7 @@ std::string environment_or(const char* variable, const std::string& otherwise) {
   return value && *value ? value : otherwise;
 }
 
-/// Behind what the user named, so that a test can be run with other controllers.
+/// Appends a folder after those of the user, so that a test can be run with different controllers.
 void search_controllers_in(const std::string& folder) {
   const std::string before = environment_or("REHEARSE_CONTROLLER_PATH", "");
   if ((":" + before + ":").find(":" + folder + ":") != std::string::npos) return;

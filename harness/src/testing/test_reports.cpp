@@ -1,5 +1,5 @@
-// Each test that is compared leaves a note, traces/TEST.report.json, and the index is made of all notes there are:
-// tests may run in one program or in many at once, and in any order.
+// Each test that is compared leaves a note, traces/TEST.report.json, and the index is made of all existing notes. Tests
+// may run in one program or in many at once, and in any order.
 #include "test_reports.h"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ Wanted wanted() {
   return word == "always" ? Wanted::always : word == "never" ? Wanted::never : Wanted::of_failures;
 }
 
-/// Whole or not at all.
+/// Writes the file completely or not at all.
 void write_text(const fs::path& file, const std::string& text) {
   const fs::path draft = file.string() + ".part";
   std::ofstream stream(draft, std::ios::binary);
@@ -44,7 +44,7 @@ void write_text(const fs::path& file, const std::string& text) {
     fs::remove(draft, ignored);
 }
 
-/// Of all tests, by name.
+/// The notes of all tests, by name.
 std::vector<Json> read_notes(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code failed;
@@ -74,12 +74,12 @@ std::string html_text(std::string_view text) {
   return safe;
 }
 
-/// A row of the index. Links are relative: the folder may be looked at elsewhere.
+/// A row of the index. Links are relative, because the folder may be viewed on a different machine.
 std::string row_of(const Json& note) {
   const auto text = [&](const char* key) { return html_text(note.value(key, std::string())); };
   const bool passed = note["passed"].is_boolean() && note["passed"].get<bool>();
   std::string link = text("report");
-  std::replace(link.begin(), link.end(), ' ', '+');  // names of tests have no blanks
+  std::replace(link.begin(), link.end(), ' ', '+');  // names of tests contain no blanks
   if (!link.empty() && note.contains("tick") && note["tick"].is_number_integer())
     link += fmt::format("#tick={}", note["tick"].get<std::int64_t>());
   const std::string name = link.empty() ? text("test") : fmt::format("<a href=\"{}\">{}</a>", link, text("test"));
@@ -105,7 +105,8 @@ std::string index_of(std::vector<Json> notes) {
       index_magic, failed, notes.size(), failed, notes.size(), rows);
 }
 
-/// Of what is there now, by whoever holds the folder. Where nothing failed and there is none, there is nothing to list.
+/// Makes the index of all present notes; the caller must hold the folder. Without a failed test and without an existing
+/// index none is made.
 void refresh_index(const fs::path& folder) {
   const std::vector<Json> notes = read_notes(folder);
   const fs::path index = folder / "index.html";
@@ -138,7 +139,7 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   const fs::path folder = fs::path(test_folders().output) / "traces";
   const fs::path file = folder / (test + ".html");
   std::error_code ignored;
-  const FolderLock alone(folder);  // programs that run at once may run the same test
+  const FolderLock alone(folder);  // programs that run in parallel may run the same test
   std::string told;
   const std::string sentence = compared.checked ? compared.checked->verdict
                                : verdict.passed ? "as its golden"
@@ -157,7 +158,7 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
       told = "\nthere is no report to look at: " + written.errors()[0].message;
     }
   } else {
-    fs::remove(file, ignored);  // of an earlier run, in which it failed
+    fs::remove(file, ignored);  // the report of an earlier run, in which it failed
   }
   write_text(folder / (test + std::string(note_extension)),
              note.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
