@@ -13,15 +13,15 @@ namespace rehearse::interposer {
 namespace {
 
 constexpr uint32_t table_size = 4 * max_entries;
-constexpr int most_arguments = 32;  // of one function at one place; the rest is "..."
+constexpr int most_arguments = 32;  // of one function at one place; further ones are "..."
 constexpr int most_spins = 10'000'000;
 
 Log* mapped = nullptr;
-uint32_t entry_by_key[table_size];  // number of the entry + 1; 0: free
-uint8_t arguments_at[table_size];   // how many entries a function has at a place
+uint32_t entry_by_key[table_size];  // index of the entry + 1; 0: free
+uint8_t arguments_at[table_size];   // number of entries of a function at a place
 int locked = 0;
 
-/// The thread that holds the lock may have been interrupted for good, by a crash or a hang: so nobody waits for ever.
+/// A crash or a hang may have interrupted the thread that holds the lock, so there is a limit for waiting.
 class Lock {
  public:
   Lock() {
@@ -50,7 +50,7 @@ TextOffset keep(const char* text) {
     return 0;
   }
   const TextOffset offset = mapped->heap_used;
-  memcpy(mapped->heap + offset, text, size - 1);  // the rest of the heap is zero
+  memcpy(mapped->heap + offset, text, size - 1);  // the remaining heap is zero
   mapped->heap_used += size;
   return offset;
 }
@@ -65,7 +65,7 @@ LogEntry* find(uint64_t key, uint32_t& slot) {
 
 void open_log(const char* file) {
   const int descriptor = open(file, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  // all of its blocks at once: a full disk would otherwise be a SIGBUS somewhere in a controller
+  // Allocates all blocks at once: otherwise a full disk would raise SIGBUS inside of a controller.
   if (descriptor >= 0 && posix_fallocate(descriptor, 0, sizeof(Log)) == 0) {
     void* memory = mmap(nullptr, sizeof(Log), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
     if (memory != MAP_FAILED) mapped = static_cast<Log*>(memory);

@@ -1,4 +1,4 @@
-// What tells the time.
+// Functions that return the time.
 #include "clocks.h"
 
 #include <sys/resource.h>
@@ -27,7 +27,7 @@ const char* name_of(clockid_t clock) {
   }
 }
 
-/// A lead is made up for by the simulation as it goes on: a clock never goes back.
+/// The lead decreases as the simulation advances: a clock never goes back.
 ClockLead& lead_of(const Substitution& substitution) {
   ClockLead& lead = thread_state.lead[substitution.layer];
   const CurrentCall call = current_call();
@@ -151,7 +151,7 @@ REHEARSE_INTERPOSED(int, getrusage, (int who, rusage* usage)) {
   const int result = next_getrusage.get()(who, usage);
   if (!substitution.has_clock || result != 0) return result;
   const timespec now = timespec_of(read_clock(substitution, ClockKind::processor_time));
-  const int64_t other = substitution.uptime / 1'000'000'000;  // another clock comes with other counts, too
+  const int64_t other = substitution.uptime / 1'000'000'000;  // with a different clock the counts differ, too
   *usage = {};
   usage->ru_utime = {now.tv_sec + other % 7, now.tv_nsec / 1000};
   usage->ru_stime = {other % 5, 0};

@@ -11,13 +11,13 @@ enum class ClockKind { date, monotonic, processor_time };
 
 ClockKind kind_of(clockid_t clock);
 
-/// One reading [ns]; it moves this thread's clocks on by a step.
+/// Reads a clock [ns]; each reading advances this thread's clocks by a step.
 int64_t read_clock(const Substitution& substitution, ClockKind kind);
 
-/// What a reading would show, without being one.
+/// The time of a clock without a reading.
 int64_t peek_clock(const Substitution& substitution, ClockKind kind);
 
-/// Time passes for this thread.
+/// Advances the clocks of this thread.
 void let_pass(int64_t nanoseconds);
 
 inline int64_t nanoseconds_of(const timespec& time) { return time.tv_sec * 1'000'000'000 + time.tv_nsec; }

@@ -1,4 +1,4 @@
-// File descriptors that a controller closes and that aren't its own.
+// Logs a controller that closes file descriptors of others.
 #include <dirent.h>
 #include <stdlib.h>
 #include <unistd.h>

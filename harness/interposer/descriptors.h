@@ -1,12 +1,12 @@
-// Which file descriptors belong to the host.
+// The file descriptors of the host.
 #pragma once
 
 namespace rehearse::interposer {
 
-/// Those that are open now: nothing of a controller has run yet.
+/// Stores the descriptors that are open now, before any code of a controller has run.
 void remember_open_descriptors();
 
-/// The controller has opened this one; returned as it is.
+/// Notes that the controller has opened this descriptor, and returns it.
 int now_controllers(int descriptor);
 
 }  // namespace rehearse::interposer

@@ -21,7 +21,7 @@ class KeepErrno {
   int before_ = errno;
 };
 
-/// What kind of file is there, by S_IFMT; 0: none.
+/// The type of a file, by S_IFMT; 0: none.
 mode_t kind_of(const char* path) {
   struct stat status {};
   return stat(path, &status) == 0 ? status.st_mode & S_IFMT : 0;
@@ -34,7 +34,7 @@ bool exists(const char* path) {
 
 bool begins_with(const char* text, const char* beginning) { return strncmp(text, beginning, strlen(beginning)) == 0; }
 
-/// Devices and what the kernel makes up are not copied, nor are copies.
+/// Devices, files that the kernel generates, and copies are not copied.
 bool is_never_copied(const char* name) {
   if (begins_with(name, "/dev/shm/")) return false;
   return begins_with(name, "/dev/") || begins_with(name, "/proc/") || begins_with(name, "/sys/") ||
@@ -109,7 +109,7 @@ void normalise(char* path) {
   if (count == 0) strcpy(path, "/");
 }
 
-/// What a name in our folder stands for, in place: a copy for its original, a listing for the folder that it lists.
+/// Replaces a name in the folder of copies, in place: a copy by its original, a listing by the folder that it lists.
 void restore_name(char* name) {
   char files[PATH_MAX], listings[PATH_MAX], original[PATH_MAX];
   if (!print(files, "%s/files/", folder_of_copies()) || !print(listings, "%s/listings/", folder_of_copies())) return;
@@ -145,7 +145,7 @@ bool has_entries(const char* folder) {
   return found;
 }
 
-/// Links to all in a folder that has no such name yet and isn't marked as removed.
+/// Makes links to all files in a folder that have no such name yet and aren't marked as removed.
 void link_entries(const char* folder, const char* name, const char* listing) {
   DIR* list = opendir(folder);
   if (!list) return;
@@ -175,11 +175,11 @@ Located::Located(const Caller& caller, int folder, const char* path, Use use) : 
   } else if (use == Use::change) {
     use_to_change();
   } else {
-    is_copy_ = Mark(name_).is_set();  // then there is none
+    is_copy_ = Mark(name_).is_set();  // then there is no copy
   }
 }
 
-/// False: it is to be used under the name that was given.
+/// False: the given name must be used.
 bool Located::find_name(int folder) {
   char base[PATH_MAX] = "";
   if (*given_ != '/') {
@@ -208,7 +208,7 @@ bool Located::find_name(int folder) {
   return !is_never_copied(name_) && print(copy_, "%s/files%s", folder_of_copies(), name_);
 }
 
-/// Where it couldn't be changed or made, it is left to the system to say so.
+/// If the file can't be changed or created, the system reports it.
 void Located::use_to_change() {
   const mode_t kind = Mark(name_).is_set() ? 0 : kind_of(name_);
   if (kind != 0 && kind != S_IFREG) return;
@@ -217,7 +217,7 @@ void Located::use_to_change() {
   is_copy_ = kind == 0 || copy_file(name_, copy_);
 }
 
-/// A folder of which something was changed is listed by links to all that is in it.
+/// A folder with changes is listed through links to all of its files.
 void Located::use_to_list() {
   static int listings = 0;
   char removed[PATH_MAX];

@@ -1,8 +1,8 @@
-// The files of one process: what a controller writes goes into a copy of its own, so that processes beside each other
-// don't see each other's files, and the user's files stay as they are. What it only reads is read where it stands.
+// The files of one process. A file that a controller writes is copied first, so that parallel processes don't see each
+// other's files, and the user's files are unchanged. A file that it only reads is not copied.
 //
-// A folder holds the copies, files/ABSOLUTE/NAME, and marks of what was removed, removed/ABSOLUTE/NAME~. Programs that
-// a controller starts see the user's files alone; so does a controller that renames a folder, which fails (EXDEV).
+// A folder contains the copies, files/ABSOLUTE/NAME, and marks of removed files, removed/ABSOLUTE/NAME~. Programs that
+// a controller starts see the user's files only. A controller that renames a folder sees them, too, and fails (EXDEV).
 #pragma once
 
 #include <limits.h>
@@ -12,12 +12,12 @@
 namespace rehearse::interposer {
 
 enum class Use {
-  look,    // to read it, or to ask for it
+  look,    // to read or query it
   change,  // to write, create, rename or change it
-  list,    // a folder, for what is in it
+  list,    // to list a folder
 };
 
-/// The name by which a file is to be used: the one that was given, or that of a copy. Keeps errno.
+/// The name by which to access a file: the given name, or the name of its copy. Keeps errno.
 class Located {
  public:
   /// `path` may be null. The folder is a descriptor, or AT_FDCWD.
@@ -27,9 +27,9 @@ class Located {
   operator const char*() const { return is_copy_ ? copy_ : given_; }
   bool is_copy() const { return is_copy_; }
   char* text() { return copy_; }
-  /// What the copy is of: absolute, without "." and "..".
+  /// The name of the original: absolute, without "." and "..".
   const char* name() const { return name_; }
-  /// From now on there is no such file but the copy, if there is one.
+  /// From now on the original counts as removed; the copy remains, if there is one.
   void forget_original() const;
 
  private:
@@ -44,8 +44,7 @@ class Located {
   char copy_[PATH_MAX] = "";
 };
 
-/// The name of what is to be removed; or it is removed already, since there is no copy but only an original, which is
-/// marked.
+/// The name of the file to remove. If there is an original without a copy, it is marked as removed instead.
 class Removal : public Located {
  public:
   Removal(const Caller& caller, int folder, const char* path);

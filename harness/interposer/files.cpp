@@ -1,4 +1,4 @@
-// Files and networks: with their names, and what was in a file when it was opened for reading.
+// Files and networks: their names, and the content of a file when it was opened for reading.
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -27,10 +27,11 @@ namespace {
 using RealOpen = int(int folder, const char* path, int flags, unsigned mode);
 Next<RealOpen> real_openat{"openat"};
 
-constexpr int64_t most_digested = 64 << 20;  // [bytes] of a file; more is told by the size alone
-constexpr int64_t most_made_up = 64 << 10;   // [bytes] of a file of the kernel's, which has no size
+// Limit for the content of a file [bytes]; larger files have their size only.
+constexpr int64_t most_digested = 64 << 20;
+constexpr int64_t most_made_up = 64 << 10;  // limit for a file that the kernel generates [bytes], which has no size
 
-/// "214 bytes 8c7dd922ad47494f", "not there" (nor if it can't be read), "no ordinary file".
+/// "214 bytes 8c7dd922ad47494f", "not there" (also if it can't be read), "no ordinary file".
 struct Digest {
   char text[64] = "";
 
@@ -76,11 +77,11 @@ bool reads(const char* mode) { return mode && (mode[0] == 'r' || strchr(mode, '+
 bool changes(int flags) { return (flags & O_ACCMODE) != O_RDONLY || flags & (O_CREAT | O_TRUNC); }
 bool changes(const char* mode) { return mode && (mode[0] != 'r' || strchr(mode, '+')); }
 
-/// Who opens what: noted, with the file's digest if it is going to be read, and what is opened in its place.
+/// Logs the opening of a file, with the file's digest if it is opened for reading, and finds the file to open instead.
 struct Opening {
   Caller caller;
   Located path;
-  int instead = -2;  // a descriptor of ours; -2: none
+  int instead = -2;  // a replacing descriptor; -2: none
 
   Opening(const char* function, int folder, const char* wanted, bool reading, Use use, void* return_address)
       : caller(find_caller(return_address)), path(caller, folder, wanted, use) {
@@ -106,8 +107,8 @@ Use use_of(const char* mode) { return changes(mode) ? Use::change : Use::look; }
 
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-// Their third or fourth parameter is there only if a file may be created. Passing it on when it isn't passes on what is
-// in its register, at which nobody looks.
+// Their third or fourth parameter exists only if a file may be created. Otherwise an undefined register is passed on,
+// which no function reads.
 #define REHEARSE_OPENED(name, parameters, arguments, folder, flags)                                       \
   REHEARSE_INTERPOSED(int, name, parameters) {                                                            \
     if (!watching()) return next_##name.get() arguments;                                                  \
@@ -142,7 +143,7 @@ REHEARSE_FILE_OPENED(freopen, (const char* path, const char* mode, FILE* file), 
 REHEARSE_FILE_OPENED(freopen64, (const char* path, const char* mode, FILE* file), (path, mode, file))
 #undef REHEARSE_FILE_OPENED
 
-/// A function that takes a file by its name: noted, and done to the process's own copy if there is one.
+/// A function with the name of a file as argument: it is logged, and applied to the process's copy if there is one.
 #define REHEARSE_LOCATED(result, name, parameters, arguments, folder, use)              \
   REHEARSE_INTERPOSED(result, name, parameters) {                                       \
     if (!watching()) return next_##name.get() arguments;                                \
@@ -205,7 +206,7 @@ REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
   if (!watching()) return next_rename.get()(from, to);
   const Caller caller = note(Source::file, "rename", from, __builtin_return_address(0));
   const Located old_name(caller, AT_FDCWD, from, Use::change), new_name(caller, AT_FDCWD, to, Use::change);
-  if (old_name.is_copy() != new_name.is_copy()) {  // a folder that was there before, or a place that can't be written
+  if (old_name.is_copy() != new_name.is_copy()) {  // a folder that existed before, or a place that can't be written
     errno = EXDEV;
     return -1;
   }
@@ -217,7 +218,7 @@ REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
 REHEARSE_NOTED(file, FILE*, tmpfile, (), (), "")
 REHEARSE_NOTED(file, FILE*, tmpfile64, (), (), "")
 
-/// Its argument ends in XXXXXX, in the place of which stands what was chosen, afterwards.
+/// Its argument ends in XXXXXX, which is replaced by the chosen letters afterwards.
 #define REHEARSE_MADE_TEMPORARY(result, name, parameters, failed, arguments)             \
   REHEARSE_INTERPOSED(result, name, parameters) {                                        \
     char* const wanted = path;                                                           \
@@ -245,7 +246,7 @@ REHEARSE_INTERPOSED(char*, mkdtemp, (char* path)) {
   return path;
 }
 
-// Shared memory is a file, as any.
+// Shared memory is a file like any other.
 REHEARSE_INTERPOSED(int, shm_open, (const char* name, int flags, mode_t mode)) {
   if (!watching()) return next_shm_open.get()(name, flags, mode);
   const Caller caller = note(Source::file, "shm_open", name, __builtin_return_address(0));

@@ -1,8 +1,8 @@
-// The log that the interposer keeps in a file mapped into memory: so what it holds survives the process, whatever ends
-// it, and no descriptor of it is open for a controller to close.
+// The log of the interposer in a file mapped into memory. So its contents survive every end of the process, and there
+// is no open descriptor that a controller could close.
 //
-// A header, a table of entries, a heap of texts. Little-endian, of the machine that wrote it: it is read within a
-// minute.
+// A header, a table of entries, a heap of texts. Little-endian, in the byte order of the machine that wrote it, because
+// it is read on this machine soon afterwards.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ inline constexpr std::uint32_t max_chain = 6;
 inline constexpr std::uint32_t max_outer = 6;
 inline constexpr std::uint32_t heap_size = 1u << 20;
 
-/// Where a text with its final zero begins in the heap; 0: the empty text.
+/// Offset in the heap of a text with its final zero; 0: the empty text.
 using TextOffset = std::uint32_t;
 
 struct LoggedPlace {
@@ -37,7 +37,7 @@ struct LogEntry {
   std::int64_t first_tick;
   std::int64_t last_tick;
   std::int64_t count;
-  std::uint64_t key;  // hash of all that tells entries apart
+  std::uint64_t key;  // hash of all fields that distinguish entries
   LoggedPlace place;
   LoggedPlace chain[max_chain];
   std::uint64_t outer[max_outer];  // addresses in the module of the place
@@ -45,10 +45,10 @@ struct LogEntry {
 
 struct Log {
   char magic[8];
-  std::uint32_t entries;    // how many are complete
+  std::uint32_t entries;    // number of complete entries
   std::uint32_t heap_used;  // [bytes]
   std::uint32_t overflowed;
-  std::uint32_t hidden;  // 1: a library makes system calls past the C library, and they can't be watched
+  std::uint32_t hidden;  // 1: a library makes system calls past the C library that can't be watched
   LogEntry entry[max_entries];
   char heap[heap_size];
 };

@@ -1,4 +1,4 @@
-// The machine, its user and the terminal: the real ones, or those of an imaginary machine, which has a number.
+// The machine, its user and the terminal: the real ones, or those of an imaginary machine with a number.
 #include "machine.h"
 
 #include <errno.h>
@@ -21,7 +21,7 @@
 namespace rehearse::interposer {
 namespace {
 
-/// Number 1 is what replays have that are held still, even numbers are small machines, odd ones large machines.
+/// Number 1 is for still replays; even numbers are small machines, odd ones large machines.
 struct Machine {
   int number;
   int processors() const { return number == 1 ? 4 : number % 2 == 0 ? 1 : 8 * number; }
@@ -32,7 +32,7 @@ struct Machine {
   winsize terminal() const {
     return {static_cast<unsigned short>(20 + 9 * number), static_cast<unsigned short>(70 + 31 * number), 0, 0};
   }
-  /// "machine-2xx", "user-2xx": also the lengths differ.
+  /// "machine-2xx", "user-2xx": the lengths differ, too.
   void name(const char* kind, char* to, size_t size) const {
     snprintf(to, size, "%s%d%.*s", kind, number, number, "xxxxxxxx");
   }
@@ -44,7 +44,7 @@ const char* name_of_query(int name) {
     case _SC_NPROCESSORS_ONLN: return "_SC_NPROCESSORS_ONLN";
     case _SC_PHYS_PAGES: return "_SC_PHYS_PAGES";
     case _SC_AVPHYS_PAGES: return "_SC_AVPHYS_PAGES";
-    default: return nullptr;  // the same on all machines, near enough
+    default: return nullptr;  // nearly equal on all machines
   }
 }
 
@@ -60,7 +60,7 @@ int give(const char* text, char* to, size_t size, int too_long) {
   return 0;
 }
 
-/// A struct passwd with its texts behind each other in `texts`; 0 or ERANGE.
+/// A struct passwd with its texts one after the other in `texts`; 0 or ERANGE.
 int make_user(const Machine& machine, uid_t user, passwd& entry, char* texts, size_t size) {
   char name[32];
   machine.name("user-", name, sizeof name);
@@ -100,7 +100,8 @@ int open_machine_file(int number, const char* path) {
   machine.name("machine-", text, sizeof text - 1);
   strcat(text, "\n");
   if (strcmp(path, "/proc/loadavg") == 0) {
-    const int hundredths = static_cast<int>(machine.load() * 100.0);  // no printf() of doubles: a locale changes it
+    // No printf() of doubles, because it depends on the locale.
+    const int hundredths = static_cast<int>(machine.load() * 100.0);
     snprintf(text, sizeof text, "%d.%02d %d.%02d %d.%02d 1/%d %d\n", hundredths / 100, hundredths % 100,
              hundredths / 100, hundredths % 100, hundredths / 100, hundredths % 100, 100 * number, 1000 * number);
   }
@@ -115,7 +116,7 @@ int open_machine_file(int number, const char* path) {
 
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-/// A question to the machine: noted, and answered by `answer`, which knows `machine`, if it is an imaginary one.
+/// A query of the machine: it is logged. For an imaginary machine `answer` answers it, which can use `machine`.
 #define REHEARSE_ASKED(result, name, parameters, arguments, text, ...)                         \
   REHEARSE_INTERPOSED(result, name, parameters) {                                              \
     if (!watching()) return next_##name.get() arguments;                                       \
@@ -133,7 +134,7 @@ REHEARSE_ASKED(int, sched_getaffinity, (pid_t process, size_t size, void* set), 
 })
 REHEARSE_ASKED(int, pthread_getaffinity_np, (pthread_t thread, size_t size, void* set), (thread, size, set), "",
                return fill_processors(machine, size, set);)
-// Where there are no such processors, threads can't be bound to them; nor is that needed for anything but speed.
+// Threads can't be bound to processors that don't exist; binding only affects the speed.
 REHEARSE_ASKED(int, sched_setaffinity, (pid_t process, size_t size, const void* set), (process, size, set), "",
                return 0;)
 REHEARSE_ASKED(int, pthread_setaffinity_np, (pthread_t thread, size_t size, const void* set), (thread, size, set), "",
@@ -186,7 +187,7 @@ REHEARSE_INTERPOSED(long, sysconf, (int name)) {
   return machine.gibibytes() * ((1L << 30) / getpagesize()) / (name == _SC_PHYS_PAGES ? 1 : 2);
 }
 
-// The terminal: of stdin, stdout and stderr. Other descriptors are what they are.
+// The terminal of stdin, stdout and stderr. Other descriptors are unchanged.
 #define REHEARSE_ASKED_OF_TERMINAL(result, name, parameters, arguments, answer)                        \
   REHEARSE_INTERPOSED(result, name, parameters) {                                                      \
     if (!watching() || file < 0 || file > 2) return next_##name.get() arguments;                       \

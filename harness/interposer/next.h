@@ -1,4 +1,4 @@
-// How a function of ours stands in the place of the C library's of the same name, and calls that one.
+// Defines functions that replace those of the C library with the same name, and call them.
 #pragma once
 
 #include <dlfcn.h>
@@ -6,7 +6,7 @@
 
 namespace rehearse::interposer {
 
-/// The function of this name that would be called without us.
+/// The function of this name that would be called without the interposer.
 template <class Function>
 class Next {
  public:
@@ -15,7 +15,7 @@ class Next {
     Function* found = __atomic_load_n(&found_, __ATOMIC_RELAXED);
     if (!found) {
       found = reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name_));
-      if (!found) abort();  // only who links it can call it, so it is there
+      if (!found) abort();  // it exists, because the caller is linked to it
       __atomic_store_n(&found_, found, __ATOMIC_RELAXED);
     }
     return found;
@@ -28,8 +28,8 @@ class Next {
 
 }  // namespace rehearse::interposer
 
-/// Begins the definition of a function that is exported under `name`. In C++ it has a name of its own, since the C
-/// library's headers declare theirs with attributes, and redirect some to others. What it stands for is next_name.
+/// Begins the definition of a function that is exported under `name`. In C++ it has a different name, because the C
+/// library's headers declare theirs with attributes, and redirect some to others. next_name is the replaced function.
 #define REHEARSE_INTERPOSED(result, name, parameters)                                                   \
   [[maybe_unused]] static ::rehearse::interposer::Next<result parameters> next_##name{#name};           \
   extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name); \
@@ -37,8 +37,8 @@ class Next {
 
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-/// A function that is noted and otherwise left alone. The call is the last thing it does, so that it is compiled to a
-/// jump: the real one sees its caller's return address.
+/// A function that is only logged. The call is its last statement, so it is compiled to a jump: the real function sees
+/// its caller's return address.
 #define REHEARSE_NOTED(source, result, name, parameters, arguments, text)                                             \
   REHEARSE_INTERPOSED(result, name, parameters) {                                                                     \
     if (::rehearse::interposer::watching())                                                                           \

@@ -1,5 +1,5 @@
-// Random numbers. Under a seed each function draws from a stream of its own, so that what one draws changes nothing for
-// another. A controller that seeds its generator itself gets what follows from its own seed, whatever ours is.
+// Random numbers. With a seed each function draws from a separate stream, so that draws of one function don't change
+// another's numbers. A controller that seeds its generator itself gets the numbers of its own seed.
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -18,9 +18,9 @@ struct OwnSeed {
 };
 OwnSeed own_seed[generator_count];
 
-uint64_t draws[stream_count];  // how many numbers each stream has given, whoever asked
+uint64_t draws[stream_count];  // number of draws from each stream, by any caller
 
-/// A good mixer of 64 bits (SplitMix64's).
+/// A mixing function for 64 bits (SplitMix64's).
 uint64_t mixed(uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -79,7 +79,7 @@ int open_random_file(uint64_t seed) {
   return file;
 }
 
-// A function that draws a number: noted, and drawn from our stream if there is a seed.
+// A function that draws a number: it is logged, and uses a stream if there is a seed.
 #define REHEARSE_DRAWN(result, name, stream, generator, value)                          \
   REHEARSE_INTERPOSED(result, name, ()) {                                               \
     if (!watching()) return next_##name.get()();                                        \
@@ -174,11 +174,11 @@ REHEARSE_INTERPOSED(void, lcong48, (unsigned short* parameters)) {
   next_lcong48.get()(parameters);
 }
 
-// std::random_device. What it asks (the processor, by default) it asks inside of libstdc++, so it is caught at its
-// door: the constructor with its token, and the drawing of a number.
+// std::random_device. It reads its source (the processor, by default) inside of libstdc++, so its own functions are
+// replaced: the constructor with its token, and the drawing of a number.
 namespace {
 
-/// libstdc++'s std::string: a pointer to its text, ended by a zero, comes first.
+/// libstdc++'s std::string: it begins with a pointer to its text, which ends with a zero.
 struct StringHead {
   const char* text;
 };
@@ -194,7 +194,7 @@ REHEARSE_MEMBER(void, random_device_init,
                 "_ZNSt13random_device7_M_initERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE",
                 (void* self, const StringHead* token)) {
   if (watching()) note(Source::random, "std::random_device", token->text, __builtin_return_address(0));
-  const Busy busy;  // it may open a file, on which a note has been made by now
+  const Busy busy;  // it may open a file, but its use was logged already
   next_random_device_init.get()(self, token);
 }
 

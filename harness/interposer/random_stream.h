@@ -1,4 +1,4 @@
-// The random numbers that a seed stands for.
+// The random numbers of a seed.
 #pragma once
 
 #include <stddef.h>
@@ -23,12 +23,12 @@ enum Stream {
 /// The next number of a stream.
 uint64_t draw(uint64_t seed, Stream stream);
 
-/// All streams begin again, and no generator has a seed of its own.
+/// All streams begin again, and the seeds of generators are reset.
 void restart_streams();
 
 void fill(uint64_t seed, Stream stream, void* bytes, size_t count);
 
-/// What is opened instead of /dev/urandom: a file of a mebibyte of numbers. The descriptor, or -1 and errno.
+/// Opens the replacement of /dev/urandom: a file of a mebibyte of numbers. Returns the descriptor, or -1 and errno.
 int open_random_file(uint64_t seed);
 
 }  // namespace rehearse::interposer

@@ -14,7 +14,7 @@ namespace {
   _exit(2);
 }
 
-/// The digits of %3b and the like; other text as it is.
+/// Decodes the digits of %3b and similar codes; copies other text.
 void unescape(const char* text, char* to, size_t size) {
   size_t length = 0;
   for (; *text && length + 1 < size; ++text) {

@@ -1,5 +1,4 @@
-// What the interposer was told to do, by the variable REHEARSE_INTERPOSER; its form is that of
-// harness/src/host/interposer.cpp.
+// The settings of the interposer in the variable REHEARSE_INTERPOSER, in the form of harness/src/host/interposer.cpp.
 #pragma once
 
 #include <stdint.h>
@@ -9,7 +8,7 @@ namespace rehearse::interposer {
 enum class Threads { as_they_come, late, early };
 
 struct Substitution {
-  int layer = 0;  // everywhere; 1: at one place
+  int layer = 0;  // 0: everywhere; 1: at one place
   bool has_clock = false;
   int64_t date = 0;          // [ns] since 1970 at time 0
   int64_t uptime = 0;        // [ns]
@@ -24,7 +23,7 @@ struct Substitution {
 
 struct Settings {
   char log[4096] = "";
-  char files[4096] = "";  // folder of the process's own copies of files; empty: none
+  char files[4096] = "";  // folder of the process's copies of files; empty: none
   Substitution everywhere;
   bool has_only = false;
   char only_module[4096] = "";
@@ -32,8 +31,8 @@ struct Settings {
   Substitution there;
 };
 
-/// Reads the variable's value. What it can't read it says on stderr, and ends the process: the value comes from a
-/// program, so this is a mistake of ours.
+/// Reads the variable's value. An invalid value is reported on stderr and ends the process: a program of Rehearse wrote
+/// it, so it is a bug.
 void read_settings(const char* text, Settings& settings);
 
 }  // namespace rehearse::interposer

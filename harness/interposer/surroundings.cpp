@@ -1,4 +1,4 @@
-// What a controller asks of its process, and what it does to it. What it asks of the machine is in machine.cpp.
+// Queries of a controller about its process, and changes to it. machine.cpp has the queries about the machine.
 #include <locale.h>
 #include <signal.h>
 #include <stdio.h>
@@ -41,7 +41,7 @@ REHEARSE_NOTED(environment, char*, get_current_dir_name, (), (), "")
 REHEARSE_NOTED(environment, unsigned long, getauxval, (unsigned long type), (type),
                Digits(static_cast<long long>(type)))
 
-// They go by the variable TZ and by the system's file of the time zone.
+// They depend on the variable TZ and on the system's file of the time zone.
 REHEARSE_NOTED(environment, tm*, localtime, (const time_t* time), (time), "TZ")
 REHEARSE_NOTED(environment, tm*, localtime_r, (const time_t* time, tm* to), (time, to), "TZ")
 REHEARSE_NOTED(environment, time_t, mktime, (tm * time), (time), "TZ")
@@ -49,7 +49,7 @@ REHEARSE_NOTED(environment, void, tzset, (), (), "TZ")
 
 REHEARSE_INTERPOSED(char*, setlocale, (int category, const char* name)) {
   if (watching()) {
-    char text[128];  // with a null it only asks; for "" the environment answers
+    char text[128];  // null is a query; for "" the environment determines the locale
     snprintf(text, sizeof text, name ? "%s, \"%s\"" : "%s, NULL", name_of_category(category), name);
     note(Source::locale, "setlocale", text, __builtin_return_address(0));
   }
@@ -73,12 +73,12 @@ REHEARSE_NOTED(process, int, raise, (int number), (number), Digits(number))
 REHEARSE_NOTED(process, int, kill, (pid_t process, int number), (process, number), Digits(number))
 REHEARSE_NOTED(process, sighandler_t, signal, (int number, sighandler_t handler), (number, handler), Digits(number))
 
-// Without a new action or mask they only ask.
+// Without a new action or mask they are queries.
 REHEARSE_INTERPOSED(int, sigaction, (int number, const void* action, void* before)) {
   if (watching() && action) note(Source::process, "sigaction", Digits(number), __builtin_return_address(0));
   return next_sigaction.get()(number, action, before);
 }
-// SIGSYS stays open: it tells of system calls, and the kernel ends a process that doesn't take it.
+// SIGSYS is never blocked: it reports system calls, and the kernel ends a process that blocks it.
 #define REHEARSE_MASKED(name)                                                        \
   REHEARSE_INTERPOSED(int, name, (int how, const sigset_t* set, sigset_t* before)) { \
     if (!watching() || !set) return next_##name.get()(how, set, before);             \

@@ -1,6 +1,6 @@
-// System calls by number: those through syscall(), and those of the instruction itself, which a filter of the kernel
-// (seccomp) turns into a signal. What a function of the C library would have done is done by ours for that function; so
-// they are noted under its name, and answered as it is.
+// System calls by number: those through syscall(), and those by the instruction itself, which a filter of the kernel
+// (seccomp) turns into a signal. The interposed function of the same name handles them. So they are logged under its
+// name, and get the same answers.
 #include "system_calls.h"
 
 #include <errno.h>
@@ -38,7 +38,7 @@ struct SystemCall {
   long a, b, c, d, e, f;
 };
 
-/// As the kernel does it: what it returns, which is -errno if it failed.
+/// The result in the kernel's form: -errno after a failure.
 long make(const SystemCall& call) {
   long result = call.number;
   register long d __asm__("r10") = call.d;
@@ -58,7 +58,7 @@ T* to(long address) {
 
 long kernels(long result) { return result == -1 ? -errno : result; }
 
-/// A mask with SIGSYS would be the end of the process at the next system call.
+/// With SIGSYS blocked the next system call would end the process.
 long set_mask(SystemCall call) {
   uint64_t mask = 0;
   if (call.b && call.a != SIG_UNBLOCK) {
@@ -68,7 +68,7 @@ long set_mask(SystemCall call) {
   return make(call);
 }
 
-/// True if it is one that there is a function of ours for. `result` as the kernel's.
+/// True if there is an interposed function for the call. `result` in the kernel's form.
 bool answer(const SystemCall& call, long& result) {
   const auto [number, a, b, c, d, e, f] = call;
   switch (number) {
@@ -94,7 +94,7 @@ bool answer(const SystemCall& call, long& result) {
     case SYS_uname: return result = kernels(uname(to<utsname>(a))), true;
     case SYS_sysinfo: return result = kernels(sysinfo(to<struct sysinfo>(a))), true;
     case SYS_getcpu: return result = kernels(getcpu(to<unsigned>(a), to<unsigned>(b))), true;
-    case SYS_sched_getaffinity: {  // the kernel says how much it wrote
+    case SYS_sched_getaffinity: {  // the kernel returns the number of written bytes
       const long size = b < 128 ? b : 128;
       result = kernels(sched_getaffinity(static_cast<pid_t>(a), static_cast<size_t>(size), to<cpu_set_t>(c)));
       if (result == 0) result = size;
@@ -116,7 +116,7 @@ bool answer(const SystemCall& call, long& result) {
   }
 }
 
-/// Those that only do something, or give nothing that the controller didn't put there itself.
+/// System calls that only have an effect, or return only data that the controller wrote itself.
 bool is_quiet(long number) {
   static constexpr long numbers[] = {SYS_write,       SYS_writev,         SYS_close,   SYS_lseek, SYS_mmap,
                                      SYS_munmap,      SYS_mprotect,       SYS_madvise, SYS_brk,   SYS_futex,
@@ -178,8 +178,8 @@ bool watch_system_calls(uint64_t begin, uint64_t end) {
   if (!holds_system_calls(reinterpret_cast<unsigned char*>(begin), reinterpret_cast<unsigned char*>(end))) return true;
   const auto low = [](uint64_t address) { return static_cast<uint32_t>(address); };
   const auto high = [](uint64_t address) { return static_cast<uint32_t>(address >> 32); };
-  if (high(begin) != high(end)) return false;  // the filter knows halves of addresses only
-  // What begins another thread on its own stack, or comes back from a signal, can't be done for somebody else.
+  if (high(begin) != high(end)) return false;  // the filter only compares halves of addresses
+  // Calls that begin a thread on its own stack, or return from a signal, can't be made by the handler.
   sock_filter code[] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch)),
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AUDIT_ARCH_X86_64, 0, 11),

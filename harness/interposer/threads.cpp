@@ -51,7 +51,8 @@ REHEARSE_INTERPOSED(int, pthread_create,
 
 REHEARSE_NOTED(thread, pid_t, fork, (), (), "")
 
-// A vfork() can't be passed on: its caller must not return before the child is gone. fork() does the same, only slower.
+// The real vfork() can't be called here: its caller must not return before the child has ended. fork() has the same
+// effect, only slower.
 REHEARSE_INTERPOSED(pid_t, vfork, ()) {
   if (watching()) note(Source::thread, "vfork", "", __builtin_return_address(0));
   return next_fork.get()();

@@ -1,5 +1,5 @@
-// What waits for a time. On the thread that calls the controller nothing is worth waiting for under a simulated clock:
-// sleeping ends at once. Threads of the controller's own do sleep, or they would do nothing but spin.
+// Functions that wait for a time. With a simulated clock, sleeping ends at once on the thread that calls the
+// controller. The controller's own threads really sleep, because otherwise they would only spin.
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
@@ -21,11 +21,11 @@ bool slept(const Caller& caller, int64_t nanoseconds) {
   if (!substitution_for(caller).has_clock) return false;
   let_pass(nanoseconds);
   if (thread_state.own_thread) return false;
-  sched_yield();  // it may be waiting for a thread of its own
+  sched_yield();  // the controller may wait for its own thread
   return true;
 }
 
-/// Until when to wait really for a deadline by a simulated clock [the same clock].
+/// The real deadline for a deadline by a simulated clock [the same clock].
 timespec real_deadline(const Substitution& substitution, clockid_t clock, const timespec& deadline) {
   const Busy busy;
   timespec now{};
@@ -34,20 +34,20 @@ timespec real_deadline(const Substitution& substitution, clockid_t clock, const 
   return timespec_of(nanoseconds_of(now) + (left > 0 ? left : 0));
 }
 
-/// It waited in vain: so by the simulated clock, too, the deadline is reached.
+/// After a timeout: advances the simulated clock to the deadline.
 void reach(const Substitution& substitution, clockid_t clock, const timespec& deadline) {
   let_pass(nanoseconds_of(deadline) - peek_clock(substitution, kind_of(clock)));
 }
 
-/// pthread_cond_timedwait() and the like go by CLOCK_REALTIME unless they were made otherwise, which only they know. A
-/// deadline is near its own clock and years from the other.
+/// pthread_cond_timedwait() and similar functions use CLOCK_REALTIME unless they were created otherwise, which can't be
+/// queried. A deadline is near its own clock and years away from the other.
 clockid_t clock_of(const Substitution& substitution, const timespec& deadline) {
   const int64_t to_date = nanoseconds_of(deadline) - peek_clock(substitution, ClockKind::date);
   const int64_t to_uptime = nanoseconds_of(deadline) - peek_clock(substitution, ClockKind::monotonic);
   return llabs(to_date) <= llabs(to_uptime) ? CLOCK_REALTIME : CLOCK_MONOTONIC;
 }
 
-/// `wait` is given the deadline to wait for really, and returns 0 or what went wrong.
+/// `wait` gets the real deadline, and returns 0 or an error number.
 template <class Wait>
 int wait_until(const Caller& caller, clockid_t clock, const timespec& deadline, Wait wait) {
   const Substitution& substitution = substitution_for(caller);

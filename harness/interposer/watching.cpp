@@ -29,7 +29,7 @@ CurrentCall current;
 char current_controller[256];
 char current_library[4096];
 char current_phase[64];
-// What was in the process before the first controller: the host, and the system's libraries.
+// The libraries before the first controller: the host's and the system's.
 const link_map* known[most_known];
 int known_count = 0;
 const link_map* own_map = nullptr;  // the interposer
@@ -64,12 +64,12 @@ void set_place(Caller& caller, const link_map* map, const char* address) {
   caller.offset = offset_in(map, address);
 }
 
-/// A walk up the stack. The innermost frame in the controller's library is the place; without one, the innermost in a
-/// library that came with it.
+/// A walk up the stack. The place is the innermost frame in the controller's library; without one, the innermost frame
+/// in a library that was loaded with it.
 struct Walk {
   Caller caller;
   int frames = 0;
-  uint32_t chain_to_brought = 0;  // length of the chain when a library was met that came with the controller
+  uint32_t chain_to_brought = 0;  // length of the chain at the first library that was loaded with the controller
 };
 
 _Unwind_Reason_Code visit(_Unwind_Context* context, void* argument) {
@@ -92,8 +92,8 @@ _Unwind_Reason_Code visit(_Unwind_Context* context, void* argument) {
   return _URC_NO_REASON;
 }
 
-/// The frames of the same library around a place: a function of the C++ library's headers is compiled into it, and who
-/// called that is of more interest.
+/// The frames of the same library around a place. A function of the C++ library's headers is compiled into the library,
+/// and its caller is more informative.
 struct OuterWalk {
   LogEntry* entry;
   const char* module;
@@ -114,7 +114,7 @@ _Unwind_Reason_Code visit_outer(_Unwind_Context* context, void* argument) {
   return _URC_NO_REASON;
 }
 
-/// Programs that a controller starts are not to be watched; nor is a controller to see that it is.
+/// Programs that a controller starts must not be watched, and a controller must not see that it is watched.
 void leave_environment() {
   unsetenv("REHEARSE_INTERPOSER");
   const char* preloaded = getenv("LD_PRELOAD");
@@ -129,7 +129,7 @@ void leave_environment() {
   }
 }
 
-/// Once, before the first controller.
+/// Called once, before the first controller.
 void look_around() {
   static bool done = false;
   if (done) return;
@@ -234,7 +234,7 @@ extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter
   copy(current_controller, sizeof current_controller, controller);
   copy(current_library, sizeof current_library, library);
   copy(current_phase, sizeof current_phase, function);
-  if (strcmp(function, "load") == 0) {  // a run begins: it gets what each gets
+  if (strcmp(function, "load") == 0) {  // a run begins: all runs get the same state
     restart_streams();
     for (ClockLead& lead : thread_state.lead) lead = {};
   }
@@ -245,13 +245,13 @@ extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter
     const timespec nap{0, settings.everywhere.slow * 1000L};
     nanosleep(&nap, nullptr);
   }
-  thread_state.busy = false;  // a call before this one may have been interrupted anywhere
+  thread_state.busy = false;  // an earlier call may have been interrupted at any instruction
   thread_state.in_call = true;
 }
 
 extern "C" __attribute__((visibility("default"))) void rehearse_interposer_leave() {
   thread_state.in_call = false;
-  if (strcmp(current_phase, "control") == 0) return;  // whoever loads a library does it before, most likely
+  if (strcmp(current_phase, "control") == 0) return;  // libraries are mostly loaded before control()
   const Busy busy;
   dl_iterate_phdr(watch_code_of, nullptr);
 }

@@ -1,4 +1,4 @@
-// Whose call is it? What every interposed function asks first, and how it is noted.
+// Determines the caller of an interposed function, and logs its calls.
 #pragma once
 
 #include <stdint.h>
@@ -11,24 +11,24 @@ namespace rehearse::interposer {
 /// In the order of ObservedCall::Source.
 enum class Source : uint32_t { clock, random, thread, file, network, environment, locale, process };
 
-/// How far readings and sleeping have moved the simulated clocks of a thread ahead of the simulation.
+/// The lead of a thread's simulated clocks over the simulation, caused by readings and sleeping.
 struct ClockLead {
-  uint64_t call = 0;   // number of the call in which this was true
-  int64_t run = 0;     // [ns] that the clocks had run by the simulation alone
-  int64_t passed = 0;  // [ns] more
+  uint64_t call = 0;   // number of the call in which these values were valid
+  int64_t run = 0;     // time that the clocks advanced by the simulation alone [ns]
+  int64_t passed = 0;  // additional time [ns]
 };
 
 struct ThreadState {
   bool in_call = false;     // between enter and leave
   bool own_thread = false;  // a controller created it
-  bool busy = false;        // in our own code: whatever it calls is nobody else's
-  ClockLead lead[2];        // by layer: what happens at one place changes nothing for the others
+  bool busy = false;        // in code of the interposer: calls from it belong to no controller
+  ClockLead lead[2];        // by layer: events at one place don't change the others
 };
 extern __thread ThreadState thread_state;  // NOLINT(bugprone-dynamic-static-initializers): it is constant
 
 inline bool watching() { return (thread_state.in_call || thread_state.own_thread) && !thread_state.busy; }
 
-/// The call into a controller that is under way, or was the last.
+/// The present call into a controller, or the last one.
 struct CurrentCall {
   uint64_t number = 0;
   int64_t tick = -1;
@@ -36,10 +36,10 @@ struct CurrentCall {
 };
 CurrentCall current_call();
 
-/// Who called an interposed function.
+/// The caller of an interposed function.
 struct Caller {
-  bool is_controller = false;  // else it is the host itself, and none of our business
-  bool is_only = false;        // it is the place that was named
+  bool is_controller = false;  // false: the host itself, which is not logged
+  bool is_only = false;        // it is the selected place
   const char* module = "";
   uint64_t offset = 0;  // virtual address in it
   uint32_t chain_length = 0;
@@ -49,24 +49,24 @@ struct Caller {
   } chain[max_chain];
 };
 
-/// Finds out by the stack, notes the call if it is a controller's, and says who it was. `argument` and `digest` may be
-/// null. `return_address`: of the interposed function.
+/// Determines the caller by the stack, and logs the call if it is a controller's. `argument` and `digest` may be null.
+/// `return_address`: of the interposed function.
 Caller note(Source source, const char* function, const char* argument, void* return_address,
             const char* digest = nullptr);
 
-/// The same in two steps: who called, and the note.
+/// The two steps of note(): find the caller, log the call.
 Caller find_caller(void* return_address);
 void note(const Caller& caller, Source source, const char* function, const char* argument,
           const char* digest = nullptr);
 
-/// The folder of the process's own copies of files; empty: it has none.
+/// The folder of the process's copies of files; empty: it has none.
 const char* folder_of_copies();
 
-/// What a call by this caller is given instead of the system's answers.
+/// The answers for calls by this caller, instead of the system's.
 const Substitution& substitution_for(const Caller& caller);
 const Substitution& substitution_of_layer(int layer);
 
-/// While it lives, what this thread calls is passed through.
+/// During its lifetime, calls of this thread are passed through.
 class Busy {
  public:
   Busy() : before_(thread_state.busy) { thread_state.busy = true; }
