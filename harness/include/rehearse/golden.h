@@ -9,11 +9,11 @@
 // Environment:
 //   REHEARSE_GOLDEN      check (the default), new (write goldens that are missing) or accept (replace those that
 //                        differ)
-//   CI                   "true": nothing but check is possible
-//   REHEARSE_GOLDEN_DIR  the folder of goldens, wherever the scenario stands
-//   REHEARSE_PENDING     where traces wait to be accepted; else build/goldens/pending, where there is a build folder,
-//                        or rehearse-pending in the working directory
-//   SOURCE_DATE_EPOCH    the time that acceptances are dated by [s since 1970]; else now
+//   CI                   "true": only check is possible
+//   REHEARSE_GOLDEN_DIR  the folder of goldens, independent of the place of the scenario
+//   REHEARSE_PENDING     the folder of pending traces; else build/goldens/pending if there is a build folder, or
+//                        rehearse-pending in the working directory
+//   SOURCE_DATE_EPOCH    the date of acceptances [s since 1970]; else the present date
 #pragma once
 
 #include <rehearse/compare.h>

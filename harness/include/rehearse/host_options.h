@@ -14,7 +14,7 @@ struct GivenController {
   std::string library;    // a name or an absolute path
   std::string options;    // its own option string
   bool delay = true;      // commands act one tick late
-  bool optional = false;  // the run goes on without it if it refuses to take part
+  bool optional = false;  // the run continues without it if it refuses to take part
 };
 
 struct HostOptions {

@@ -37,7 +37,7 @@ class RunFolder {
   RunFolder(std::filesystem::path path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
 
   std::filesystem::path path_;
-  int descriptor_;  // locked while the run goes on
+  int descriptor_;  // locked during the run
 };
 
 /// A run that is compared with a golden, in a separate folder. When the run is over, its complete results (its trace,
