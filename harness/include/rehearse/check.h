@@ -159,10 +159,9 @@ std::string to_json(const CheckReport& report);
 // in seconds. Other data that a controller reads may still be equal by accident; `rehearse audit` examines that.
 
 struct ReproductionOptions : HostOptions {
-  int spans =
-      /// Number of spans to simulate, each from one checkpoint to the next, evenly distributed over the recording; the
-      /// first and the last one are included.
-      5;
+  /// Number of spans to simulate, each from one checkpoint to the next, evenly distributed over the recording; the
+  /// first and the last one are included.
+  int spans = 5;
   /// Called about every hundredth with the amount done and the total; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };

@@ -114,8 +114,8 @@ struct ChannelComparison {
   std::int64_t differing = 0;  // values with different bits
   std::int64_t in_noise = 0;   // differing values up to the noise floor
   std::int64_t beyond = 0;     // differing values beyond tolerance
-  std::int64_t blanked =
-      0;  // differing values that were not judged, because an event nearby is early or late within its tolerance
+  /// Differing values that were not judged, because an event nearby is early or late within its tolerance.
+  std::int64_t blanked = 0;
   std::int64_t missing = 0;             // messages that only the golden contains, in ticks of both traces
   std::int64_t extra = 0;               // messages that only the other trace contains, likewise
   std::optional<Divergence> first;      // beyond tolerance, or missing

@@ -301,7 +301,7 @@ struct Tolerance {
 ///   rad/s                                   1e-7                3e-10   its turntable
 ///   m/s                                     1e-7                8e-11   its fingers
 ///   rad/s², m/s²                            1e-4                3e-8    SR1 in free fall
-///   N·m                                     1e-3                5e-5    effort of the grasping arm under position control
+///   N·m                                     1e-3                5e-5    the grasping arm under position control
 ///   N                                       1e-4                1e-7    SR1 in free fall
 ///   range: of a laser [m]                   1e-9, rtol 2^-23    a last bit of single precision, if it is on the edge
 ///   depth: a distance in a picture [m]      rtol 1e-3, share    1e-4 of it: a step of the depth buffer, 5 m away

@@ -37,8 +37,8 @@ struct LogTopicReport {
   std::string use;            // "joints", "WaistIMU", "commands"
   std::int64_t messages = 0;  // in the log
   std::int64_t used = 0;      // used in at least one tick
-  std::int64_t skipped =
-      0;  // that came and were replaced between two ticks, or came before the first or after the last
+  /// Messages that were replaced between two ticks, or came before the first or after the last.
+  std::int64_t skipped = 0;
   std::int64_t out_of_order = 0;   // messages after one of a later log time in the file
   std::int64_t same_stamp = 0;     // messages with the time of the one before them
   std::int64_t backwards = 0;      // messages with an earlier time than the one before them; they are not used
