@@ -3,7 +3,7 @@
 // A payload begins with four bytes that state the byte order. Each value is aligned to a multiple of its size; offsets
 // are counted from the end of these four bytes. A string begins with its length, which includes the final zero. A
 // sequence begins with its count. The writer writes little-endian. The reader reads both byte orders, and the plain
-// form of XCDR version 2, in which values of eight bytes are aligned to multiples of four. Writer and reader reuse
+// form of XCDR version 2. In this form values of eight bytes are aligned to multiples of four. Writer and reader reuse
 // their memory for all messages.
 #pragma once
 

@@ -101,8 +101,8 @@ class ControllerBench {
   void update_links();
 
   /// Copies inputs, calls control(), reads outputs, and advances the time by one step. Returns the result of control().
-  /// Throws std::runtime_error if the controller throws, crashes or hangs, std::invalid_argument if a sensor has a
-  /// wrong number of values, or if the position of an axis is out of its range.
+  /// Throws std::runtime_error if the controller throws, crashes or hangs. Throws std::invalid_argument if a sensor has
+  /// a wrong number of values, or if an axis is out of its range.
   bool tick();
 
   /// Time that the controller sees in the next tick [s].

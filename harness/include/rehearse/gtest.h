@@ -83,10 +83,10 @@ inline Trace record(const std::string& scenario) {
 }  // namespace rehearse
 
 /// Passes if the recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its
-/// horizon, and if the expectations of the scenario hold. More arguments change this: Exact{}, Near{"SR1/*/q", 1e-6},
-/// Until{2.0}, Levels{Level::controller, ...} (test_support.h). With REHEARSE_GOLDEN=new and =accept the golden is
-/// written instead. The failure message states the place and size of the first difference, and the responsible part of
-/// the loop.
+/// horizon. The expectations of the scenario must hold, too. More arguments change this: Exact{}, Near{"SR1/*/q",
+/// 1e-6}, Until{2.0}, Levels{Level::controller, ...} (test_support.h). With REHEARSE_GOLDEN=new and =accept the golden
+/// is written instead. The failure message states the place and size of the first difference, and the responsible part
+/// of the loop.
 #define EXPECT_MATCHES_GOLDEN(...) \
   EXPECT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, ::rehearse::internal::golden_question(__VA_ARGS__))
 #define ASSERT_MATCHES_GOLDEN(...) \

@@ -168,8 +168,8 @@ inline constexpr ChunkGroup pictures{1, Compression::none};
 /// that is killed, leaves a file without summary, readable up to the last finished chunk.
 class Writer {
  public:
-  /// Creates the file, or replaces it: processes that have the old file open keep its contents, unless it has more than
-  /// one name or owner. Links, pipes and devices are written into. Fails if the file can't be opened.
+  /// Creates the file, or replaces it: processes that have the old file open keep its contents, unless it has a second
+  /// name or a different owner. Links, pipes and devices are written into. Fails if the file can't be opened.
   static Result<std::unique_ptr<Writer>> create(const std::filesystem::path& file, WriterOptions options = {});
   /// Appends to bytes that outlive the Writer, and that the caller doesn't touch before close() or flush() has
   /// returned.

@@ -1,7 +1,7 @@
 // Pinning: a process whose arithmetic doesn't depend on the processor it runs on.
 //
-// The C library chooses its implementation of sin, exp and so on by the features of the processor, and the renderer
-// compiles its shaders for it. So both round differently on different machines. Both read settings from the
+// The C library chooses its implementation of sin, exp and so on by the features of the processor. The renderer
+// compiles its shaders for the processor. So both round differently on different machines. Both read settings from the
 // environment, before a program starts. A program that needs the same bits everywhere therefore starts itself once more
 // with these settings.
 #pragma once

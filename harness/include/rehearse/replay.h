@@ -1,6 +1,6 @@
 // Replay: feeds recorded inputs to the controllers, without physics and without a renderer, and compares their commands
-// with the recorded ones, bit for bit. The hash of all inputs in each tick verifies that the inputs are equal to the
-// recorded ones, as long as the controllers read the same quantities as in the recording.
+// with the recorded ones, bit for bit. In each tick the hash of all inputs is compared with the recorded one, as long
+// as the controllers read the same quantities as in the recording.
 //
 // The controllers run from the beginning of the recording, because their memory is part of the replay. The libraries
 // may differ from the recorded ones. Links neither ODE nor OSMesa.

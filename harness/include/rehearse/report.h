@@ -1,8 +1,8 @@
 // Report: an HTML file that shows a run in a browser, beside its golden if there is one. It needs no other file.
 //
-// A report contains the verdict, a time line, the robots in motion, plots of all series, the pictures, the messages of
-// controllers, and the provenance of both runs. npm builds the page from tools/report; it is installed in
-// share/rehearse. tools/report/FORMAT.md describes its data. No simulation and no controller is run.
+// A report contains the verdict, a time line, the robots in motion and plots of all series. It also has the pictures,
+// the messages of controllers, and the provenance of both runs. npm builds the page from tools/report; it is installed
+// in share/rehearse. tools/report/FORMAT.md describes its data. No simulation and no controller is run.
 #pragma once
 
 #include <rehearse/check.h>

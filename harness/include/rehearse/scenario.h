@@ -267,10 +267,10 @@ Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& 
 // series; for a vector with elements x, y and z, the largest norm, so that an axis without motion is not judged by its
 // own noise. A scenario states rules (`tolerances:`). A series without a rule has the default of its unit.
 //
-// A rule may allow for time, with `lead` and `lag`. Then x passes at time t if it is within that bound of any value
-// between the least and the greatest of the golden from t - lag to t + lead. An orientation passes if it is within the
-// bound of any orientation of the golden in this span. The span ends where the recording ends. With both 0, which is
-// the default, only the same tick counts.
+// A rule may allow for time, with `lead` and `lag`. At time t the golden's values from t - lag to t + lead have a least
+// and a greatest one. x passes if it is within that bound of any value between these two. An orientation passes if it
+// is within the bound of any orientation of the golden in this span. The span ends where the recording ends. With both
+// 0, which is the default, only the same tick counts.
 //
 // Events (contacts, limits, what control() returns, messages) may be off by whole `ticks`.
 

@@ -52,8 +52,8 @@ class Session {
 /// Runs the scenario's world under the recorded commands and writes the results into a trace: state, sensors, frames
 /// and the hash of the state. It runs from the start without checkpoints, and reports this, in three cases: the
 /// recording has no checkpoints, it states that they aren't exact, or this version can't restore their format. Fails if
-/// the recording commands something that the scenario doesn't have, if the scenario has a different time step or parts
-/// whose state the checkpoints lack, or if the run can't begin.
+/// the run can't begin, or if the scenario doesn't fit the recording: it lacks something that the recording commands,
+/// has a different time step, or has parts without state in the checkpoints.
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options = {});
 

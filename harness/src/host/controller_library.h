@@ -18,9 +18,9 @@ namespace rehearse {
 
 /// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
 /// working directory. Any other name is searched as NAME.so and libNAME.so in three places: the folders of
-/// REHEARSE_CONTROLLER_PATH (separated by colons), the builds of the project that contains `directory` or the working
-/// directory (the newest first), and lib/rehearse/controllers beside this library. A program that was built in the
-/// project searches its own build alone. Fails with the list of searched places.
+/// REHEARSE_CONTROLLER_PATH (separated by colons), the builds of the project (the newest first), and
+/// lib/rehearse/controllers beside this library. The project is that of `directory` or of the working directory. A
+/// program that was built in the project searches its own build alone. Fails with the list of searched places.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
 /// The hash of a library's file in the provenance: 16 hexadecimal digits (XXH3) of its bytes.

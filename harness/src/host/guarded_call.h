@@ -3,7 +3,7 @@
 // A controller may throw, access a null pointer, call abort, overflow its stack or never return. In each case the call
 // ends with a report, and the process continues, because it must still close its trace. A call of exit is caught in the
 // same way, where it reaches the replacement in process_tripwires.cpp. Signals are caught on a separate stack and left
-// by siglongjmp, so the destructors of the interrupted code don't run, and its memory and locks are not released. After
+// by siglongjmp. So the destructors of the interrupted code don't run, and its memory and locks are not released. After
 // a crash or a hang no further code of that controller may be called. The calls of one process are made by one thread.
 #pragma once
 

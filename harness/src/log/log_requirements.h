@@ -13,7 +13,7 @@
 
 namespace rehearse {
 
-/// An error for each quantity and device that a running controller reads and that has no source in the map, with the
+/// An error for each quantity and device that a running controller reads without a source in the map. It names the
 /// sources that would provide it.
 Diagnostics inputs_not_given(const ControllerHost& host, const Model& model, const LogMap& map,
                              const std::vector<MappedSource>& sources, const LogSurvey& survey);

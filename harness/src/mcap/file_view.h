@@ -76,8 +76,8 @@ bool was_cut(Bytes mapped);
 /// Called now and then with the number of bytes passed and of all; null: not.
 using Progress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
-/// Reports the progress of a pass from front to back, and releases the memory of passed bytes, so that a large file
-/// takes no more memory than a small one.
+/// Reports the progress of a pass from front to back, and releases the memory of passed bytes. So a large file takes no
+/// more memory than a small one.
 class PassedBytes {
  public:
   /// For the view's own bytes; the memory of other bytes isn't released.

@@ -128,7 +128,8 @@ class FileThere {
   bool being_written_ = false;
 };
 
-/// Replaces a file that only this process uses by a new, empty file; -1 if others use it, or if it can't be replaced.
+/// Replaces a file with one name that belongs to this user by a new, empty file; -1 for other files, or if it can't be
+/// replaced.
 int replace(const std::filesystem::path& file) {
   struct stat old {};
   if (::lstat(file.c_str(), &old) != 0 || !S_ISREG(old.st_mode)) return -1;

@@ -25,8 +25,8 @@ class Sink {
   virtual int descriptor() const { return -1; }
 };
 
-/// A file, created or emptied. If it has one name and one owner, it is replaced by a new one with the same permissions,
-/// so that readers keep the old contents. Links, pipes and devices are written into.
+/// A file, created or emptied. A file with one name that belongs to this user is replaced by a new one with the same
+/// permissions. So readers keep the old contents. Links, pipes and devices are written into.
 Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file);
 
 std::unique_ptr<Sink> make_memory_sink(std::vector<std::byte>& out);

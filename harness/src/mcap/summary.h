@@ -35,8 +35,8 @@ class SummaryComposer {
 };
 
 /// Collects the ChunkIndex records of a file for the summary. An hour with cameras has half a million. So above a
-/// certain size they are dropped, and at the end made again from the file's chunks and message indexes, which contain
-/// the same data.
+/// certain size they are dropped. At the end they are made again from the file's chunks and message indexes, which
+/// contain the same data.
 class ChunkIndexes {
  public:
   /// `most`: limit of the memory [bytes].

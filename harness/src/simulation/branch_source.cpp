@@ -30,8 +30,8 @@ void find_ticks(BranchSource& source) {
   if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
 }
 
-/// The number of ticks before a moment that cameras and range sensors must run, so that all captures that arrive at it
-/// or later are captured again. It is twice the longest cycle, which is a second at most (renderer/vision.h).
+/// The number of ticks that cameras and range sensors must run before a moment. Then all captures that arrive at the
+/// moment or later are captured again. It is twice the longest cycle, which is a second at most (renderer/vision.h).
 std::int64_t lead_of(const Scenario& scenario) {
   double longest = 0.0;
   for (const ScenarioBody& body : scenario.bodies) {

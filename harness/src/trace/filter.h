@@ -43,8 +43,8 @@ struct Filtered {
 /// Writes `target`, under a temporary name until it is complete. Messages keep their bytes, their numbers, both times
 /// and their order; selected channels are kept even without messages. If something is left out, the metadata record
 /// `rehearse.filter` states the source and the selection. Private records aren't kept. Fails, and writes nothing, if
-/// the source is damaged (it must be recovered first), if the selection names something that the file doesn't contain,
-/// or if `target` can't be written.
+/// the source is damaged (it must be recovered first), if the file lacks something in the selection, or if `target`
+/// can't be written.
 Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
                         const FilterOptions& options);
 

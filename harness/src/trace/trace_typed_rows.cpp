@@ -18,7 +18,7 @@ namespace {
 using Bytes = std::span<const std::byte>;
 
 /// Reads the rows of JointState and JointAccelerations: arrays that belong to an array of names. Names are nearly
-/// always equal to those of the message before, so their bytes are compared and skipped, and the arrays are copied as a
+/// always equal to those of the message before. So their bytes are compared and skipped, and the arrays are copied as a
 /// whole.
 class NamedArraysReader : public RowReader {
  public:
