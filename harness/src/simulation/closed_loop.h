@@ -41,8 +41,8 @@ struct ClosedLoop {
 
   /// Creates plant and controllers, and the file with the data known before the run. `trace` is that file.
   Result<void> create(const std::filesystem::path& trace, const HostOptions& options);
-  /// Calls initialize() of the controllers. Afterwards the quantities that they read are enabled, and the run's command
-  /// is at rest.
+  /// Calls initialize() of the controllers. Afterwards the world watches the links whose contacts they read, and the
+  /// run's command is at rest.
   void initialize();
   /// Adds the channels of the recording and calls start() of the controllers.
   void start();
