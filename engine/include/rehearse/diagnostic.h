@@ -1,8 +1,8 @@
-// Diagnostics: how every part of Rehearse says that something is wrong with the data it was given.
+// Diagnostics: every part of Rehearse reports errors in its input data with them.
 //
 // A data error (a bad file, a bad argument, a controller that failed) is a value: a function that can meet one
-// returns Result<T>, which holds either the value or at least one Diagnostic. A programmer error (a broken invariant of
-// ours) is REHEARSE_ASSERT, which stays on in every build. Nothing here throws.
+// returns Result<T>, which contains either the value or at least one Diagnostic. A programmer error (a broken invariant
+// of Rehearse itself) is REHEARSE_ASSERT, which is checked in every build. Nothing here throws.
 #pragma once
 
 #include <optional>
@@ -16,19 +16,19 @@ namespace rehearse {
 
 enum class Severity {
   note,     // something was ignored, and nothing depends on it
-  repair,   // the data was changed on the way in; the text says how
-  warning,  // it works, but it is probably not what the author meant
-  error,    // it can't be used
+  repair,   // the loader changed the data; the message states how
+  warning,  // the data is usable, but the author probably meant something else
+  error,    // the data can't be used
 };
 
-/// One finding about somebody's data, with its place.
+/// One finding about input data, with its place in the file.
 struct Diagnostic {
   Severity severity = Severity::error;
   std::string file;     // as the user named it; empty when there is none
   int line = 0;         // 1-based; 0 when unknown
   int column = 0;       // 1-based; 0 when unknown
-  std::string message;  // what is wrong
-  std::string hint;     // what would be right; may be empty
+  std::string message;  // the mistake
+  std::string hint;     // how to correct it; may be empty
 };
 
 using Diagnostics = std::vector<Diagnostic>;
@@ -36,29 +36,29 @@ using Diagnostics = std::vector<Diagnostic>;
 /// "error", "warning", "repair" or "note".
 std::string_view to_string(Severity severity);
 
-/// One line in the form compilers use: `file:line:column: severity: message (hint)`, parts that are unknown left out.
+/// One line in the form compilers use: `file:line:column: severity: message (hint)`, without the unknown parts.
 std::string to_string(const Diagnostic& diagnostic);
 
-/// All of them, one a line, each with its newline.
+/// All diagnostics, one per line, each with its newline.
 std::string to_string(const Diagnostics& diagnostics);
 
-/// A diagnostic of severity error without a place.
+/// Returns a diagnostic of severity error without a place.
 Diagnostic error(std::string message, std::string hint = {});
 
-/// The same of a file, as the user named it.
+/// Returns a diagnostic of severity error about a file; `file` is its name as the user gave it.
 Diagnostic error_in(std::string file, std::string message, std::string hint = {});
 
-/// True if any is of severity error.
+/// True if any diagnostic has the severity error.
 bool has_error(const Diagnostics& diagnostics);
 
 /// Prints the place and the message to stderr and aborts. The body of REHEARSE_ASSERT.
 [[noreturn]] void assertion_failed(const char* expression, const char* file, int line, const char* message);
 
-/// An invariant of ours; checked in every build type.
+/// Checks an invariant of Rehearse itself, in every build type.
 #define REHEARSE_ASSERT(condition, message) \
   ((condition) ? static_cast<void>(0) : ::rehearse::assertion_failed(#condition, __FILE__, __LINE__, message))
 
-/// A value, or the diagnostics that say why there is none (never empty then).
+/// A value, or the diagnostics that state why there is no value (then at least one).
 template <class T>
 class [[nodiscard]] Result {
  public:

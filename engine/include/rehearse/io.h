@@ -1,8 +1,9 @@
-// Observation and Command: all that goes from a robot to its controllers in one tick, and all that comes back.
+// Observation and Command: all data that controllers read from a robot in one tick, and all data that they write to it.
 //
-// This is the one boundary. World produces an Observation and takes a Command; a recording is made of both; a replay
-// feeds recorded Observations to the same code and compares Commands. Whatever a controller can read of a robot, and of
-// the person at its joystick, is in here. World frame unless said otherwise; SI units.
+// This is the only boundary between robot and controllers. World produces an Observation and takes a Command; a
+// recording contains both; a replay feeds recorded Observations to the same code and compares Commands. An Observation
+// contains everything that a controller can read of a robot and of the joystick. Values are in the world frame unless
+// stated otherwise, in SI units.
 #pragma once
 
 #include <rehearse/image.h>
@@ -29,8 +30,8 @@ inline constexpr std::array<std::string_view, 8> joystick_axes{"L_STICK_H", "L_S
 inline constexpr std::array<std::string_view, 11> joystick_buttons{"A",      "B",     "X",       "Y",       "L",   "R",
                                                                    "SELECT", "START", "L_STICK", "R_STICK", "LOGO"};
 
-/// What a person does with a joystick at one moment. Untouched until somebody sets it. Single precision, as ROS carries
-/// it: what was recorded is what was read.
+/// The state of a joystick at one moment. By default nothing is moved or pressed. Axes have single precision, as in
+/// ROS messages, so the recorded value is exactly the value that was read.
 struct JoystickReading {
   std::array<float, joystick_axes.size()> axes{};       // -1 to 1, up and left negative; triggers 0 to 1
   std::array<bool, joystick_buttons.size()> buttons{};  // true while pressed
@@ -38,7 +39,7 @@ struct JoystickReading {
   bool operator==(const JoystickReading&) const = default;
 };
 
-/// Where an axis begins; it ends at 1.
+/// The lowest value of an axis; the highest is 1.
 constexpr double lowest_position(std::size_t axis) { return joystick_axes[axis].ends_with("_TRIGGER") ? 0.0 : -1.0; }
 
 /// The index of an axis (of joystick_axes) or a button (of joystick_buttons) by its name or its number, "1" or
@@ -68,11 +69,11 @@ struct LinkReading {
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // [rad/s²]
 };
 
-/// What a device says, if it said anything since the last tick.
+/// The last measurement of a device, and whether it is new since the last tick.
 /// `values` by kind: ForceSensor force [N] then torque about the sensor's origin [N·m]; Gyro angular velocity [rad/s];
 /// Accelerometer specific force [m/s²]; Imu angular velocity then specific force; ContactSensor number of points, then
 /// force on the link [N]; all in the device frame.
-/// A camera has no values but pictures, a range sensor none but ranges.
+/// A camera has pictures and no values, a range sensor has ranges and no values.
 struct DeviceReading {
   bool fresh = false;        // new since the last tick
   double measured_at = 0.0;  // time of the measurement [s]; of a camera or range sensor: of its capture
@@ -82,16 +83,16 @@ struct DeviceReading {
   std::shared_ptr<const std::vector<float>> ranges;  // by beam [m], +inf for none; null until the first scan
 };
 
-/// A point where a link touched something in the last step. In the world.
+/// A point where a link touched another shape in the last step. All vectors are in world axes.
 struct ContactReading {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // from the other one into the link, unit length
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();     // of the other one on the link [N]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the link's point relative to the other's [m/s]
-  double depth = 0.0;                                  // how far they overlap [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // from the other shape into the link, unit length
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();     // of the other shape on the link [N]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the link's point relative to the other shape's [m/s]
+  double depth = 0.0;                                  // how far the two shapes overlap [m]
 };
 
-/// Two links that touch. The link of the earlier body comes first; of one body the earlier link.
+/// Two links that touch. The link of the earlier body comes first; within one body the earlier link comes first.
 struct LinkPair {
   int body = 0;  // index into the world's bodies
   int link = 0;  // index into its model's links
@@ -115,10 +116,10 @@ struct BodyObservation {
 /// The state at the beginning of a tick.
 struct Observation {
   std::vector<BodyObservation> bodies;      // in scenario order
-  std::optional<JoystickReading> joystick;  // one for all controllers; nullopt: there is none
+  std::optional<JoystickReading> joystick;  // one for all controllers; nullopt: no joystick
 };
 
-/// What drives a joint: bits, so that a later step may combine them.
+/// The quantity that drives a joint. The values are bits, so that they can be combined later.
 enum Drive : std::uint8_t {
   drive_none = 0,
   drive_effort = 1,        // u
@@ -139,14 +140,14 @@ struct Wrench {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // [N·m]
 };
 
-/// A controller's word to a device. Only fresh ones mean anything.
+/// A controller's command to a device. It has an effect only if it is fresh.
 struct DeviceCommand {
   bool fresh = false;
   bool on = true;
-  std::vector<double> values;  // its whole state, as cnoid's writeState() gives it; a light's is told at Light
+  std::vector<double> values;  // the device's whole state, as cnoid's writeState() gives it; for lights see Light
 };
 
-/// Where a link's frame is to be, in the world.
+/// The commanded pose of a link's frame in the world.
 struct LinkPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -154,7 +155,7 @@ struct LinkPlace {
 
 struct BodyCommand {
   std::vector<JointCommand> joints;    // by joint id
-  std::optional<LinkPlace> root;       // of a kinematic body's root link; none: it stays
+  std::optional<LinkPlace> root;       // of a kinematic body's root link; nullopt: the link stays where it is
   std::vector<Wrench> external;        // by link index
   std::vector<DeviceCommand> devices;  // by device index
 };

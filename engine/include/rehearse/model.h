@@ -1,9 +1,10 @@
 // Model: one robot or object as its author described it. Immutable after loading.
 //
-// A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It knows nothing of where it
-// stands or how it moves: that is World's. Units are SI, angles [rad]. Links stand in depth-first order, children of a
-// link in the document order of their joints, so a parent always comes before its children and links[0] is the root. A
-// link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent * origin * motion(axis, q).
+// A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It contains neither a position
+// in the world nor a state of motion: World stores both. Units are SI, angles [rad]. Links are in depth-first order,
+// children of a link in the document order of their joints, so a parent always comes before its children and links[0]
+// is the root. A link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent * origin *
+// motion(axis, q).
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -22,15 +23,15 @@
 
 namespace rehearse {
 
-// Meshes: the triangles of a model's shapes, as they were read from files. Immutable, and shared by all shapes, models
-// and worlds that use the same file at the same scale.
+// Meshes: the triangles of a model's shapes, as read from files. A mesh is immutable; all shapes, models and worlds
+// that use the same file at the same scale share it.
 
-/// A picture that is laid on a mesh. Pixels are red, green, blue, opacity, row by row, the top row first.
+/// A picture on the surface of a mesh. Pixels are red, green, blue, opacity, row by row, the top row first.
 struct Texture {
   int width = 0;   // [pixels]
   int height = 0;  // [pixels]
   std::vector<std::uint8_t> rgba;
-  std::string file;  // where it comes from, for messages
+  std::string file;  // the file it was read from, for messages
 };
 
 /// Triangles of one material. Counter-clockwise seen from outside.
@@ -40,13 +41,13 @@ struct MeshPart {
   std::vector<Eigen::Vector3f> normals;   // one a vertex, unit length
   std::vector<Eigen::Vector2f> texture_coordinates;     // one a vertex, (0, 0) is the picture's lower left; empty: none
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of vertices
-  std::optional<Eigen::Vector4f> color;    // the file's own: red, green, blue, opacity, 0 to 1; none: the shape's
-  std::shared_ptr<const Texture> texture;  // null: none. Its pixels are multiplied with the colour
+  std::optional<Eigen::Vector4f> color;    // red, green, blue, opacity, 0 to 1, as in the file; nullopt: the shape's
+  std::shared_ptr<const Texture> texture;  // its pixels are multiplied with the colour; null: no texture
 };
 
 struct MeshData {
-  std::string file;    // its real path
-  std::string digest;  // of its bytes, then of the files it names (XXH3, 16 hexadecimal digits)
+  std::string file;    // real path of the mesh file
+  std::string digest;  // of the file's bytes, then of the files it names (XXH3, 16 hexadecimal digits)
   std::vector<MeshPart> parts;
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  // corners of the box around all vertices, along the axes [m]
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();
@@ -58,7 +59,7 @@ struct MeshData {
   }
 };
 
-/// What contact takes an object of a mesh for.
+/// The convex hull of one object of a mesh. Contacts are computed with it instead of the object's triangles.
 struct ConvexHull {
   std::vector<Eigen::Vector3d> vertices;  // in the shape's frame [m]
   std::vector<std::vector<int>> faces;    // indices of vertices, flat polygons, counter-clockwise seen from outside
@@ -80,17 +81,17 @@ struct Capsule {  // along z; length without the caps
 };
 struct Mesh {
   std::shared_ptr<const MeshData> data;                  // null only if the model was loaded without its meshes
-  std::shared_ptr<const std::vector<ConvexHull>> hulls;  // of a collision shape, one an object; null: a visual
+  std::shared_ptr<const std::vector<ConvexHull>> hulls;  // of a collision shape, one per object; null for a visual
   std::string file = {};                                 // as the model's file names it
-  Eigen::Vector3d scale = Eigen::Vector3d::Ones();       // per axis; `data` has it already
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();       // per axis; already applied to `data`
 };
 using Geometry = std::variant<Box, Sphere, Cylinder, Capsule, Mesh>;
 
 /// Red, green, blue, opacity, each 0 to 1.
 using Color = Eigen::Vector4f;
 
-/// Squares of a second colour on a shape of a single colour, as on a chess board: about the shape's own axes, from its
-/// centre.
+/// Squares of a second colour on a shape of a single colour, as on a chess board. They are aligned with the shape's
+/// axes and begin at its centre.
 struct Checker {
   Color color;
   double size = 1.0;  // of a square [m]
@@ -100,7 +101,7 @@ struct Shape {
   std::string name;  // as in the file; may be empty
   Geometry geometry;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of the shape in its link's frame
-  std::optional<Color> color;                              // visuals only; none: the renderer's default
+  std::optional<Color> color;                              // visuals only; nullopt: the renderer's default
   std::optional<Checker> checker;                          // visuals only; not of meshes
 };
 
@@ -110,20 +111,20 @@ struct Inertial {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the link's axes [kg·m²]
 };
 
-/// A track is a belt around its link (Choreonoid's pseudo continuous track): the link is as firm on its parent as
-/// behind a fixed joint, and its surface runs about the axis, in the sense in which a wheel with that axis would turn.
+/// A track is a belt around its link (Choreonoid's pseudo continuous track). The link is fixed to its parent, as by a
+/// fixed joint. Its surface runs about the axis, in the direction in which a wheel with that axis would turn.
 enum class JointType { free, fixed, revolute, continuous, prismatic, track };
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-/// Says that a joint follows another one: displacement = multiplier * (the leader's displacement) + offset.
+/// Makes a joint follow a leader joint: displacement = multiplier * (the leader's displacement) + offset.
 struct Mimic {
   int leader = -1;  // id of a joint that follows no other
   double multiplier = 1.0;
   double offset = 0.0;  // [rad] or [m]
 };
 
-/// What joins a link to its parent; the root link has one too, free or fixed to the world.
+/// The joint between a link and its parent. The root link has one, too: free, or fixed to the world.
 struct Joint {
   std::string name;  // empty for the root
   JointType type = JointType::free;
@@ -137,19 +138,19 @@ struct Joint {
   double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
   double friction = 0.0;                                     // [N·m] or [N]
   std::optional<Mimic> mimic;
-  int line = 0;  // where the file states it; 0: it doesn't
+  int line = 0;  // of the URDF file; 0: the file doesn't contain this joint
 };
 
-/// What a link is to those who touch it. What isn't given is as the world's solver has it.
+/// Contact properties of a link's surface. For a property that isn't given, the world's solver settings apply.
 struct Surface {
   std::optional<double> friction;                     // coefficient, in the first direction or in all
   std::optional<double> second_friction;              // coefficient across `friction_direction`
   std::optional<Eigen::Vector3d> friction_direction;  // in the link frame, unit length
   std::optional<double> stiffness;                    // of a contact [N/m]
   std::optional<double> damping;                      // of a contact [N·s/m]
-  std::optional<double> min_depth;                    // that contacts keep [m]
-  std::optional<double> max_velocity;                 // at which contacts push apart what overlaps [m/s]
-  std::optional<double> restitution;                  // share of the speed that a bounce keeps, 0 to 1
+  std::optional<double> min_depth;                    // penetration that contacts leave uncorrected [m]
+  std::optional<double> max_velocity;                 // at which contacts separate shapes that overlap [m/s]
+  std::optional<double> restitution;                  // ratio of the speeds after and before a bounce, 0 to 1
 };
 
 struct Link {
@@ -160,9 +161,9 @@ struct Link {
   std::vector<Shape> visuals;
   std::vector<Shape> collisions;
   Surface surface;
-  bool has_weight = true;          // gravity pulls at it
-  bool collides_with_own = false;  // with other such links of its body
-  int line = 0;                    // where the file states it; 0: it doesn't
+  bool has_weight = true;          // gravity acts on the link
+  bool collides_with_own = false;  // with other links of its body that have this flag
+  int line = 0;                    // of the URDF file; 0: the file doesn't contain this link
 };
 
 struct ForceSensor {};
@@ -178,11 +179,11 @@ struct Camera {
   double near_clip = 0.04;          // [m]
   double far_clip = 200.0;          // [m]
   double frame_rate = 30.0;         // [Hz] of simulated time
-  bool depth = false;               // also measures depth (a RangeCamera)
+  bool depth = false;               // the camera also measures depth (a RangeCamera)
 };
 
-/// One direction of a range sensor's grid: beams from the lower to the upper angle, both included, evenly apart. A
-/// single beam has both angles alike.
+/// One direction of a range sensor's grid: evenly spaced beams from the lower to the upper angle, both included. For a
+/// single beam both angles are equal.
 struct Sweep {
   double lower = 0.0;  // [rad]
   double upper = 0.0;  // [rad]
@@ -198,41 +199,41 @@ struct Sweep {
 struct RangeSensor {
   Sweep yaw;
   Sweep pitch;
-  double min_distance = 0.1;   // what is nearer is looked through [m]
-  double max_distance = 10.0;  // what is beyond isn't seen [m]
+  double min_distance = 0.1;   // beams pass through nearer shapes [m]
+  double max_distance = 10.0;  // beams end here [m]
   double scan_rate = 10.0;     // [Hz] of simulated time
 
   int beams() const { return yaw.samples * pitch.samples; }
 };
 
-/// What makes a light a spot. Angles are measured from the direction.
+/// The cone of a spot light. Angles are measured from the direction.
 struct LightCone {
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  // in the device frame; of any length but 0
-  float beam_width = 1.570796f;                           // within it the light is at full strength [rad]
-  float cut_off_angle = 0.785398f;                        // beyond it there is none [rad]
-  float cut_off_exponent = 1.0f;                          // kept for controllers; no picture depends on it
+  float beam_width = 1.570796f;                           // the light has its full strength up to this angle [rad]
+  float cut_off_angle = 0.785398f;                        // no light beyond this angle [rad]
+  float cut_off_exponent = 1.0f;                          // stored for controllers; no picture depends on it
 };
 
 /// A lamp that shines into pictures, from its device frame's origin. At a distance d [m] its light is divided by
-/// constant + linear * d + quadratic * d². The figures are float because a controller's are.
+/// constant + linear * d + quadratic * d². The values are float because the controller interface uses float.
 ///
-/// Its state as numbers is on (1 or 0), red, green, blue, intensity, constant, linear, quadratic; a spot's goes on with
-/// direction x, y, z, beam width, cut-off angle, cut-off exponent.
+/// The state of a light as numbers: on (1 or 0), red, green, blue, intensity, constant, linear, quadratic; for a spot
+/// also direction x, y, z, beam width, cut-off angle, cut-off exponent.
 struct Light {
   bool on = true;
   Eigen::Vector3f color = Eigen::Vector3f::Ones();  // red, green, blue, 0 to 1
-  float intensity = 1.0f;                           // times the colour: its strength
+  float intensity = 1.0f;                           // multiplied with the colour
   float constant = 1.0f;
-  float linear = 0.0f;       // [1/m]
-  float quadratic = 0.0f;    // [1/m²]
-  double range = unlimited;  // beyond it there is no light [m]
-  std::optional<LightCone> cone;  // none: it shines in all directions
+  float linear = 0.0f;            // [1/m]
+  float quadratic = 0.0f;         // [1/m²]
+  double range = unlimited;       // no light beyond this distance [m]
+  std::optional<LightCone> cone;  // nullopt: the light shines in all directions
 };
 
-/// Feels whether its link touches anything. In each step it measures four numbers: at how many points, and the force
-/// on the link at all of them, x, y, z in the device frame [N].
+/// Measures whether its link touches anything. In each step it measures four numbers: the number of contact points, and
+/// the sum of the forces on the link at these points, x, y, z in the device frame [N].
 struct ContactSensor {
-  int collision = -1;  // the one shape that feels, an index into the link's collisions; -1: all
+  int collision = -1;  // the only shape whose contacts count, an index into the link's collisions; -1: all shapes
 };
 
 using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor>;
@@ -240,20 +241,20 @@ using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, R
 /// A sensor or light fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
   std::string name;
-  int id = -1;                                             // as in the file; -1 if it gives none
+  int id = -1;                                             // as in the file; -1 if the file gives none
   int link = 0;                                            // index into Model::links
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // device frame in the link frame; see the kind for its axes
   DeviceKind kind;
-  int line = 0;  // where the file states it; 0: it doesn't
+  int line = 0;  // of the URDF file; 0: the file doesn't contain this device
 };
 
 /// True if a joint of this type has a displacement.
 bool is_movable(JointType type);
 
-/// True if it has an id: it is movable or a track.
+/// True if a joint of this type has an id: it is movable or a track.
 bool has_id(JointType type);
 
-/// True if its displacement, or a track's speed, is in [m] and [m/s] and not in radians.
+/// True if the displacement of a joint of this type, or a track's speed, is in [m] and [m/s] and not in radians.
 bool is_linear(JointType type);
 
 /// "free", "fixed", "revolute", "continuous", "prismatic" or "track".
@@ -263,11 +264,11 @@ std::string_view type_name(JointType type);
 /// "SpotLight" or "ContactSensor".
 std::string_view type_name(const Device& device);
 
-/// `light` with the state of these numbers; as it is if they are too few.
+/// Returns `light` with the state given by `values` (see Light), or unchanged if there are too few values.
 Light light_of_state(Light light, const std::vector<double>& values);
 
-/// How many values a device measures in each step (see DeviceReading); 0 for those that measure at times of their own,
-/// or nothing.
+/// The number of values that a device measures in each step (see DeviceReading). It is 0 for devices that don't measure
+/// in each step (cameras, range sensors) or measure nothing (lights).
 int value_count(const Device& device);
 
 /// Unit vectors along the beams, in the sensor's device frame and in the order of their numbers.
@@ -279,7 +280,7 @@ struct Model {
   std::vector<int> joints;  // by joint id: the index of the link it moves
   std::vector<Device> devices;
   std::string source_file;  // as the user named it; empty for a single shape
-  std::string source_text;  // the file's bytes, for the record; empty for a single shape
+  std::string source_text;  // the file's bytes, for recordings; empty for a single shape
   Diagnostics report;       // the load report: repairs, warnings and notes in document order
 
   /// Index of the link, or -1.
@@ -288,11 +289,11 @@ struct Model {
   int find_joint(std::string_view name) const;
   /// Index of the device, or -1.
   int find_device(std::string_view name) const;
-  /// Of all links [kg].
+  /// Mass of all links [kg].
   double mass() const;
 };
 
-/// An object of one link named like the model, one shape for looks and contact.
+/// A model with one link, which has the model's name and one shape that is both visual and collision shape.
 /// `mass` [kg], spread evenly over the shape; 0 is allowed only if the body will be fixed.
 Model single_shape_model(std::string name, const Geometry& geometry, double mass, std::optional<Color> color);
 
@@ -302,7 +303,7 @@ Model single_shape_model(std::string name, const Geometry& geometry, double mass
 Inertial solid_inertial(const Geometry& geometry, double mass);
 
 /// World poses of all links by forward kinematics.
-/// `root`: pose of links[0]; `q`: by joint id, size Model::joints.size() [rad or m]. Returns one pose a link.
+/// `root`: pose of links[0]; `q`: by joint id, size Model::joints.size() [rad or m]. Returns one pose per link.
 std::vector<Eigen::Isometry3d> forward_kinematics(const Model& model, const Eigen::Isometry3d& root,
                                                   const std::vector<double>& q);
 

@@ -1,19 +1,19 @@
 // Renderer: pictures of a scene, drawn in software by OSMesa, the same bits every time.
 //
-// A scene is a list of shapes; each has a pose that may change between pictures. Nothing of a picture influences the
-// next one, whatever their sizes. One thread per Renderer; several Renderers may stand beside each other.
+// A scene is a list of shapes; each has a pose that may change between pictures. A picture never influences the next
+// one, whatever their sizes. Each Renderer belongs to one thread; a process may have several Renderers.
 //
-// Solid shapes hide what is behind them; one with an opacity below 1 lets it shine through, and one of opacity 0 isn't
-// there at all. Of solids only outsides are drawn: a camera inside of one looks out of it. An object of a mesh is a
-// solid if it is closed and faces outwards; of others, open or wound the wrong way round, both sides are drawn, and
-// whichever is seen is lit. The parts of a mesh have their own colours and textures; those that let light through are
-// mixed like shapes. Squares of a checkered shape have its opacity; where they are smaller than pixels, their mean is
-// seen. Light comes from the sky, from a sun that stands still in the world, from the camera, and from the lights that
-// were added; these cast no shadows. A picture without lights, or with all of them off, has the same pixels as if
-// there were no such thing.
+// Opaque shapes hide the shapes behind them. A shape with an opacity below 1 is translucent; a shape with opacity 0 is
+// not drawn. Only the outside of a solid is drawn, so a camera inside a solid sees the scene around it. An object of a
+// mesh is a solid if it is closed and its faces are wound outwards. Of other objects (open, or wound the wrong way
+// round) both sides are drawn, and the visible side is lit. The parts of a mesh have their own colours and textures;
+// translucent parts are blended like translucent shapes. The squares of a checkered shape have the shape's opacity;
+// where they are smaller than pixels, a pixel shows their mean. Light comes from the sky, from a sun at a constant
+// direction in the world, from the camera, and from the lights that were added, which cast no shadows. If no light was
+// added, or all are off, a picture has the same pixels as a renderer without lights would draw.
 //
-// Boxes are exact. Round shapes are made of flat faces whose distance from the axis or centre is within 0.08 % of the
-// radius of the true one, half of it inside and half outside.
+// Boxes are exact. Round shapes consist of flat faces. Their distance from the axis or centre differs from the true
+// radius by at most 0.08 % of it, half of it inside and half outside.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -27,14 +27,14 @@
 
 namespace rehearse {
 
-/// What one camera sees at one moment.
+/// The picture of one camera at one moment.
 struct Frame {
   Image color;
   DepthImage depth;  // empty unless asked for
 };
 
 enum class Quality {
-  plain,  // what sensors see: no shadows, one sample a pixel
+  plain,  // for sensors: no shadows, one sample per pixel
   fine,   // for people to look at: the sun casts shadows of solid shapes up to 6 m across, and edges are smooth
 };
 
@@ -42,7 +42,7 @@ class Renderer {
  public:
   /// The largest width and height of a plain picture [pixels]; a fine one has at most a third of it.
   static constexpr int max_size = 8192;
-  /// How many lights there may be.
+  /// The largest number of lights.
   static constexpr int max_lights = 64;
 
   /// Fails if OSMesa can't make a context of OpenGL 3.3 with clip control (Mesa has both since 2017).
@@ -51,31 +51,31 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Adds a shape; returns its number. `color` is used where the shape, or the part of its mesh, has none of its own. A
-  /// mesh was loaded, and is kept alive, as are its textures, of at most 16384 pixels each way; shapes that share a
-  /// mesh share its memory.
+  /// Adds a shape; returns its number. `color` is used where neither the shape nor the part of its mesh has a colour. A
+  /// mesh must be loaded, with textures of at most 16384 pixels each way. The renderer keeps the mesh and its textures
+  /// alive; shapes that share a mesh share its memory.
   int add(const Shape& shape, const Color& color);
-  /// Where the shape's link is in the world (at first: at its origin); the shape's own pose comes on top.
+  /// Sets the pose of the shape's link in the world (initially the identity); the shape's own pose is relative to it.
   void set_link_pose(int number, const Eigen::Isometry3d& link_pose);
 
-  /// Adds a light; returns its number among the lights. There are fewer than max_lights.
+  /// Adds a light; returns its number among the lights. Precondition: fewer than max_lights were added before.
   int add_light(const Light& light);
-  /// Gives a light other figures. Those that no lamp can have are brought to the nearest possible ones.
+  /// Sets the values of a light. Impossible values are replaced by the nearest possible ones.
   void set_light(int number, const Light& light);
-  /// Where the light's device frame is in the world (at first: at its origin).
+  /// Sets the pose of the light's device frame in the world (initially the identity).
   void set_light_pose(int number, const Eigen::Isometry3d& pose);
 
-  /// Draws what `camera` sees from `pose` (its device frame in the world: it looks along -z, +y is up).
+  /// Draws the picture of `camera` at `pose` (its device frame in the world: it looks along -z, +y is up).
   /// Depth [m] along the optical axis if `camera.depth`, at the centre of each pixel, accurate to 1 mm + 0.1 % up to
-  /// 200 m; +inf where nothing is between near_clip and far_clip.
+  /// 200 m; +inf where no surface is between near_clip and far_clip.
   /// The camera must be possible: a size as above, 0 < field_of_view < pi, 0 < near_clip < far_clip.
   Frame draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality = Quality::plain);
 
-  /// The drawing of a plain picture alone: waits until it is complete and leaves it where it is. For measuring what
-  /// draw() adds.
+  /// Draws a plain picture and waits until it is complete, but doesn't read the pixels back. For measuring how much
+  /// time the rest of draw() takes.
   void draw_only(const Camera& camera, const Eigen::Isometry3d& pose);
 
-  /// "OSMesa, Mesa 22.3.6, llvmpipe (LLVM 15.0.6, 128 bits)": what a golden's pixels depend on.
+  /// The versions on which a golden's pixels depend: "OSMesa, Mesa 22.3.6, llvmpipe (LLVM 15.0.6, 128 bits)".
   std::string description() const;
 
  private:

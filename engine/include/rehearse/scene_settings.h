@@ -1,4 +1,4 @@
-// Settings of a scene that are no body's: how the physics engine solves a step, and how pictures look.
+// Settings of a scene that belong to no body: how the physics engine solves a step, and how pictures look.
 #pragma once
 
 #include <rehearse/model.h>
@@ -23,10 +23,10 @@ struct SolverSettings {
   int max_contacts = 100;                 // per pair of shapes
 };
 
-/// How a scene looks beside its bodies.
+/// The appearance of a scene apart from its bodies.
 
 struct Look {
-  Color sky{0.55f, 0.68f, 0.82f, 1.0f};  // what is seen where nothing is
+  Color sky{0.55f, 0.68f, 0.82f, 1.0f};  // colour of pixels that show no body
 };
 
 }  // namespace rehearse

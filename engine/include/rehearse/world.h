@@ -1,16 +1,16 @@
 // World: the simulated bodies, their joints and contacts, in ODE.
 //
-// A World is made of Models, each with a pose, and goes forward in steps of a fixed length. In: a Command (what the
-// controllers want of the joints) and pushes. Out: an Observation (what the sensors and the state say). It owns all
-// that the next step depends on, its random generator included: two worlds in one process never influence each other,
-// and the same calls give the same bits. One thread at a time. Cameras are not here, nor is the
-// cycle in which range sensors scan.
+// A World is made of Models, each with a pose, and advances in steps of a fixed length. Input: a Command (the
+// controllers' commands to the joints) and pushes. Output: an Observation (sensor readings and state). A World stores
+// everything that the next step depends on, including its random generator: two worlds in one process never influence
+// each other, and the same calls give the same bits. Use a World from one thread at a time. Cameras and the scan cycle
+// of range sensors are not part of it.
 //
 // Links joined by fixed joints are one rigid body for the physics; each keeps its own frame in the Observation.
-// Links of one body touch each other only if they or the body's description say so, and never those that one joint or
-// fixed joints hold together, nor those that overlap when all joints are at zero. Contacts are found pair by pair in
-// the order of the bodies and their shapes, so that their order, which the solver depends on, is that of the scenario
-// and of nothing else.
+// Links of one body touch each other only if the links or the body's description enable it. Links that are connected by
+// one joint or by fixed joints never touch each other, nor do links that overlap when all joints are at zero. Contacts
+// are found pair by pair in the order of the bodies and their shapes. So the order of contacts, on which the solver
+// depends, is determined by the scenario alone.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -35,7 +35,7 @@ struct WorldSettings {
   SolverSettings solver;
 };
 
-/// One body and where it starts, at rest.
+/// One body and its initial pose. It starts at rest.
 struct WorldBody {
   std::string name;
   std::shared_ptr<const Model> model;
@@ -43,20 +43,20 @@ struct WorldBody {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            // of the root link [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of the root link, unit
   std::vector<double> joints;                                    // displacement by joint id [rad] or [m]
-  bool kinematic = false;                                        // it moves as it is commanded, without dynamics
+  bool kinematic = false;                                        // the body moves as commanded, without dynamics
   bool joint_limits = false;                                     // joints stop at their limits
   bool effort_limits = false;                                    // commanded efforts are clamped to their limits
-  bool trimesh = false;         // meshes of links that never move are touched as they are, not as their hulls
-  bool self_collision = false;  // all its links touch each other, not only those that say so
+  bool trimesh = false;         // contacts of links that never move use the mesh's triangles, not its convex hulls
+  bool self_collision = false;  // all links of the body touch each other, not only those with collides_with_own
 };
 
 class World {
  public:
-  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a count of joints that
-  /// doesn't fit, a mesh that wasn't loaded.
+  /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a count of joints
+  /// that doesn't fit, a mesh that wasn't loaded.
   static Result<std::unique_ptr<World>> create(const WorldSettings& settings, std::vector<WorldBody> bodies);
-  /// What was done with the bodies that their authors may not expect, as warnings: links that touch nothing of their
-  /// own body because they overlap with it at the zero pose.
+  /// Warnings about behaviour that the bodies' authors may not expect: links that touch no other link of their body
+  /// because they overlap with it at the zero pose.
   Diagnostics remarks() const;
   ~World();
   World(const World&) = delete;
@@ -68,54 +68,60 @@ class World {
   /// none). Valid until the next call of step() or restore(). Its cameras and range sensors are empty.
   const Observation& sense() const;
 
-  /// What a range sensor measures now: for each beam the distance of the nearest collision shape [m], rounded to float;
-  /// +inf if there is none up to the maximum distance. Nearer than the minimum distance nothing is seen, nor a shape
-  /// that holds that point of the beam. The sensor's link, and links that fixed joints hold to it, aren't seen.
+  /// The measurement of a range sensor now: for each beam the distance of the nearest collision shape [m], rounded to
+  /// float; +inf if there is none up to the maximum distance. A beam begins at the minimum distance: it passes through
+  /// nearer shapes, and through shapes that contain its beginning. The sensor doesn't see its own link, nor links that
+  /// fixed joints connect to it.
   std::vector<float> measure_ranges(int body, int device) const;
 
-  /// From now on the body's observation tells what touches the link's collision shapes: BodyObservation::contacts, one
-  /// list a link, empty for those that nobody watches. Points and depths are those at the beginning of the last step,
-  /// where ODE found them; the force is what the contact did in the step, the velocity that of the two surfaces after
-  /// it, running belts included. Two things that no force moves have no contacts. Watching changes nothing in the
-  /// simulation, and contacts are not part of its state: after restore() the lists are empty until the next step.
+  /// From now on the body's observation contains the contacts of the link's collision shapes:
+  /// BodyObservation::contacts, one list per link, empty for links that are not watched. Points and depths are those at
+  /// the beginning of the last step, where ODE found them. The force acted during the step; the velocity is that of the
+  /// two surfaces after the step, running belts included. Two links that no force moves have no contacts. Watching
+  /// changes nothing in the simulation, and contacts are not part of its state: after restore() the lists are empty
+  /// until the next step.
   void watch(int body, int link);
 
-  /// Which links touched in the last step, where they were at its beginning; ascending, each pair once. Two things that
-  /// no force moves don't touch. It is no part of the state: before the first step, and after restore() until the next
-  /// one, there are none. Valid until the next call of step() or restore().
+  /// The pairs of links that touched in the last step, at their poses at its beginning; ascending, each pair once. Two
+  /// links that no force moves don't touch. The list is not part of the state: it is empty before the first step, and
+  /// after restore() until the next step. Valid until the next call of step() or restore().
   const std::vector<LinkPair>& touching() const;
 
-  /// What drives the joints from the coming step on, until another command comes, and the external wrenches that act on
-  /// the links during the coming step only. Every number in it must be finite.
+  /// Sets the joint commands, which apply from the coming step on until the next call, and the external wrenches, which
+  /// act on the links during the coming step only. Every number in `command` must be finite.
   void actuate(const Command& command);
 
-  /// A force [N] at a point of the link [m, link frame] and a torque [N·m], both in world axes, during the coming step.
+  /// Applies a force [N] at a point of the link [m, link frame] and a torque [N·m], both in world axes, during the
+  /// coming step.
   void push(int body, int link, const Eigen::Vector3d& force, const Eigen::Vector3d& point,
             const Eigen::Vector3d& torque);
 
-  /// One step. False if the state is no longer finite (the simulation has exploded): the world can only be destroyed
-  /// then.
+  /// Simulates one step. Returns false if the state is no longer finite (the simulation has exploded); the world can
+  /// then only be destroyed.
   bool step();
 
-  /// Steps done, and their number divided by the rate [s].
+  /// Number of steps done.
   std::int64_t tick() const;
+  /// Simulated time: tick() divided by the rate [s].
   double time() const;
 
-  /// 64-bit hash (XXH3) of all that save() saves.
+  /// 64-bit hash (XXH3) of the bytes that save() returns.
   std::uint64_t state_hash() const;
-  /// Everything the next step depends on, raw, but for what is handed in for each step: the command and the pushes.
-  /// Restored into this world, or one made from the same settings and bodies, the run goes on with the same bits.
+  /// The raw state: everything that the next step depends on, except its inputs (the command and the pushes). If the
+  /// state is restored into this world, or into one made from the same settings and bodies, the run continues with the
+  /// same bits.
   std::vector<std::byte> save() const;
-  /// Fails if `state` is not of a world like this one.
+  /// Restores a state that save() returned. Fails if `state` is not from a world like this one.
   Result<void> restore(std::span<const std::byte> state);
-  /// The same from another world, whose bodies, links, joints and devices may be others or stand in another order: each
-  /// part is taken from the one of its name. Links come to be where they are there, whatever their centres of mass.
-  /// Fails, naming them, if parts of this world aren't in the other; its state is good for nothing then. A device that
-  /// the other hasn't keeps its last measurement.
+  /// Takes the state of another world, whose bodies, links, joints and devices may differ or have a different order:
+  /// parts are matched by name. Each link gets the pose that it has in `other`, even if the centres of mass differ.
+  /// Fails, naming them, if parts of this world are missing in `other`; the state of this world is then unusable. A
+  /// device that is missing in `other` keeps its last measurement.
   Result<void> take_state(const World& other);
 
-  /// Moves what moves freely by a last bit: each coordinate of each rigid body's position to the next number above or
-  /// below, as the bits of a hash of `pattern` say; zeros stay. What that makes of a run is what rounding can make of it.
+  /// Changes the last bit of the positions of free bodies: each coordinate of each rigid body's position becomes the
+  /// next number above or below, depending on the bits of a hash of `pattern`; zeros stay. The effect on a run shows
+  /// how much rounding can change it.
   void nudge(std::uint32_t pattern);
 
   /// The version of ODE that was linked and its precision, for provenance.

@@ -1,4 +1,4 @@
-// What contact takes a mesh for: one convex hull an object. Private to the engine.
+// Convex hulls of meshes, one per object. Contacts use them instead of the triangles. Private to the engine.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,25 +9,25 @@
 
 namespace rehearse {
 
-/// A hull has no more vertices than that. Two hulls of 128 vertices that touch cost up to 0.1 ms a step, of 64 about
-/// 10 µs; on a box 0.04 and 0.014 ms, a cylinder 0.05 and 0.02 ms, a sphere 2 and 1 µs.
+/// The largest number of vertices of a hull. Contact of two hulls of 128 vertices takes up to 0.1 ms per step, of 64
+/// about 10 µs; with a box 0.04 and 0.014 ms, with a cylinder 0.05 and 0.02 ms, with a sphere 2 and 1 µs.
 inline constexpr std::size_t max_hull_vertices = 128;
-/// What is as flat as a sheet is taken to be that thick [m].
+/// Thickness of the hull of a flat object [m].
 inline constexpr double sheet_thickness = 1e-3;
 
 struct ConvexHulls {
-  std::vector<ConvexHull> hulls;  // one a number of MeshPart::object, ascending
-  Diagnostics remarks;            // objects that contact takes for something else than they are: notes and warnings
+  std::vector<ConvexHull> hulls;  // one per number of MeshPart::object, ascending
+  Diagnostics remarks;            // notes and warnings about objects whose hull differs from their true hull
 };
 
 /// The convex hull of each object of a mesh. Triangles of a hull that lie in one plane, to a millionth of its size, are
-/// one polygon. The same bits whatever the order of the mesh's triangles and vertices.
+/// merged into one polygon. The result's bits don't depend on the order of the mesh's triangles and vertices.
 ///
-/// A hull with more than `max_hull_vertices` is thinned: of its vertices some stay, round by round those that are
-/// farthest outside of the hull of those before. So it lies inside of the true hull, and a remark tells how far a
-/// vertex sticks out of it (of a sphere's radius about 3 %). An object without thickness gets `sheet_thickness`, with a
-/// remark; one that is only a line or a point is an error. Messages speak of "it", or of "object 1" if there are several,
-/// and don't say which mesh.
+/// A hull with more than `max_hull_vertices` is thinned: in each round it takes the vertices that are farthest outside
+/// the hull of the vertices taken before. So it lies inside the true hull, and a remark reports how far a vertex is
+/// outside the thinned hull (about 3 % of the radius for a sphere). An object without thickness gets `sheet_thickness`,
+/// with a remark; an object that is only a line or a point is an error. Messages use "it", or "object 1" if there are
+/// several objects, and don't name the mesh.
 Result<ConvexHulls> convex_hulls(const MeshData& mesh);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// Meshes in memory, each once: whoever has the same file at the same scale shares it, in whatever model or world.
+// Cache of meshes: all models and worlds that use the same file at the same scale share one mesh in memory.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -16,18 +16,18 @@ namespace rehearse {
 
 struct SharedMesh {
   std::shared_ptr<const MeshData> data;
-  std::vector<std::string> warnings;  // those of its reading, each time anew
+  std::vector<std::string> warnings;  // from reading the file; also returned when the mesh is already in memory
 };
 
-/// As read_mesh(), but a mesh that somebody still holds isn't read again, unless the size or the time of change of its
-/// file is another. Keys are real paths, so that two files of one name stay two. May be called from any thread.
+/// Like read_mesh(), but a mesh that is still in use isn't read again, unless the size or the modification time of its
+/// file has changed. Keys are real paths, so files of the same name are different. May be called from any thread.
 Result<SharedMesh> shared_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale);
 
-/// What contact takes that mesh for: as convex_hulls(), shared in the same way.
+/// The convex hulls of the mesh, as from convex_hulls(), shared in the same way.
 Result<std::shared_ptr<const ConvexHulls>> shared_hulls(const std::filesystem::path& file,
                                                         const Eigen::Vector3d& scale);
 
-/// How many meshes this process has read from files so far.
+/// The number of meshes that this process has read from files.
 std::uint64_t meshes_read();
 
 }  // namespace rehearse

@@ -1,15 +1,15 @@
 // Reads a mesh from a file, by assimp.
 //
-// - STL, binary or ASCII: binary is what has the size of a binary one. Normals follow from the winding, a triangle at a
-//   time: those in the file are often wrong or zero. Colours in it don't count.
-// - DAE: the up axis is ignored, as RViz and Gazebo do, and the unit applied. Transforms of nodes are applied; cameras,
-//   lights, lines and points passed over.
+// - STL, binary or ASCII: a file is binary if it has the size of a binary one. Normals are computed per triangle from
+//   the winding, because the file's normals are often wrong or zero. Colours in the file are ignored.
+// - DAE: the up axis is ignored, as in RViz and Gazebo, and the unit is applied. Transforms of nodes are applied;
+//   cameras, lights, lines and points are ignored.
 // - OBJ: polygons become triangles; each object or group with faces has an `object` number of its own. In all other
 //   formats the whole file is one object.
 // - glTF and GLB: y is up by the standard, so they are turned: (x, y, z) becomes (x, -z, y).
 // Vertices keep the bits of the file's floats where no transform and no scale changes them. Mirrored nodes and scales
-// turn the winding with them, so that the outside stays outside. Normals that a file doesn't have are those of the
-// triangles. mesh_materials.h says what colours there are.
+// reverse the winding as well, so that the outside stays outside. If a file has no normals, those of the triangles are
+// used. mesh_materials.h describes the colours.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -23,7 +23,7 @@ namespace rehearse {
 
 struct MeshReading {
   MeshData data;
-  std::vector<std::string> warnings;  // what of its looks couldn't be had. No path of the machine stands in them
+  std::vector<std::string> warnings;  // missing textures and the like; without absolute paths
 };
 
 /// `scale` per axis, of the shape's frame; negative mirrors. Never throws. Fails if the file can't be read, is of no

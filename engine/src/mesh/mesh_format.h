@@ -1,5 +1,5 @@
-// The formats of meshes that are read, and what of their bytes is looked at before assimp sees them: assimp takes many
-// a truncated file for a whole one.
+// The supported mesh formats, and checks of a file's bytes before assimp reads them: assimp accepts many truncated
+// files without an error.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -13,15 +13,15 @@ enum class MeshFormat { stl, dae, obj, gltf, glb };
 
 inline constexpr std::size_t max_mesh_triangles = 10'000'000;  // of a file
 
-/// By the extension of the file's name, of any case.
+/// The format by the extension of the file's name, in upper or lower case.
 Result<MeshFormat> mesh_format_of(const std::filesystem::path& file);
 
-/// Refuses what is empty, a git-lfs pointer, or shorter than it says of itself, an OBJ with faces that can't be, and a
-/// DAE with indices that aren't numbers. Brings into the form that assimp reads: an STL without what follows after its
-/// last triangle, an OBJ without a byte order mark. A diagnostic has the line if it knows one.
+/// Refuses an empty file, a git-lfs pointer, a file shorter than its header states, an OBJ with impossible faces, and a
+/// DAE with indices that aren't numbers. Converts `bytes` to the form that assimp reads: removes bytes after the last
+/// triangle of an STL and the byte order mark of an OBJ. A diagnostic contains the line if it is known.
 Result<void> check_mesh_bytes(MeshFormat format, std::string& bytes);
 
-/// True if an STL's bytes are binary: not if they merely begin with "solid", which many a binary one does.
+/// True if an STL's bytes are binary. Many binary files begin with "solid", too, so that word doesn't decide.
 bool is_binary_stl(const std::string& bytes);
 
 }  // namespace rehearse

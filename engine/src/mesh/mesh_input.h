@@ -1,4 +1,4 @@
-// The files that a mesh is read from: its own, and those that it names (materials, buffers, pictures).
+// The files that a mesh is read from: the mesh file, and the files that it names (materials, buffers, pictures).
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -15,10 +15,11 @@ namespace rehearse {
 
 inline constexpr std::size_t max_mesh_bytes = std::size_t{512} << 20;  // 512 MiB, of each file
 
-/// The bytes of a regular file. Errors carry the path as their file.
+/// The bytes of a regular file. Errors contain the path as their file.
 Result<std::string> read_mesh_file(const std::filesystem::path& file);
 
-/// What assimp may open. Each file is read once and as a whole, and only if it is a regular one of bearable size.
+/// The only files that assimp may open. Each file is read once and as a whole, and only if it is a regular file of at
+/// most max_mesh_bytes.
 class MeshInput : public Assimp::IOSystem {
  public:
   /// `bytes`: the content of `file`, whatever is on the disk.
@@ -27,7 +28,7 @@ class MeshInput : public Assimp::IOSystem {
   MeshInput(const MeshInput&) = delete;
   MeshInput& operator=(const MeshInput&) = delete;
 
-  /// Puts `bytes` in the place of the file's own, for assimp alone: the digest stays that of what was there.
+  /// Replaces the file's bytes for assimp. The digest stays that of the original bytes.
   void replace(std::string bytes);
 
   /// The content of a file that the mesh names, relative to the mesh; null if it can't be read.
@@ -36,13 +37,13 @@ class MeshInput : public Assimp::IOSystem {
   const std::string& bytes() const { return *own_; }
   const std::filesystem::path& file() const { return file_; }
 
-  /// What was named and couldn't be read, in the order in which it was asked for.
+  /// The named files that couldn't be read, in the order of the attempts.
   const std::vector<std::string>& missing() const { return missing_; }
-  /// By real path: what was read beside the mesh itself.
+  /// The files that were read in addition to the mesh itself, by real path.
   const std::map<std::string, std::unique_ptr<std::string>>& others() const { return others_; }
 
-  /// XXH3 of the mesh's bytes; of each file that was read for it, in the order in which they were asked for, with the
-  /// hash so far as the seed. 16 hexadecimal digits.
+  /// XXH3 of the mesh's bytes, then of each file that was read for it, in the order of reading, with the previous hash
+  /// as the seed. 16 hexadecimal digits.
   std::string digest() const;
 
   bool Exists(const char* path) const override;

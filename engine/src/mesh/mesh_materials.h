@@ -1,4 +1,4 @@
-// What a mesh file says of colours and pictures.
+// The colours and textures of a mesh file.
 #pragma once
 
 #include <rehearse/model.h>
@@ -18,19 +18,19 @@ struct aiScene;
 
 namespace rehearse {
 
-/// What is laid on the triangles of one material.
+/// The colour and texture of the triangles of one material.
 struct Paint {
-  std::optional<Eigen::Vector4f> color;    // red, green, blue, opacity; none: the file states none
-  std::shared_ptr<const Texture> texture;  // null: none
-  unsigned channel = 0;                    // of texture coordinates that it uses
+  std::optional<Eigen::Vector4f> color;    // red, green, blue, opacity; nullopt: the file states no colour
+  std::shared_ptr<const Texture> texture;  // null: no texture
+  unsigned channel = 0;                    // of the texture coordinates that the texture uses
 };
 
 /// The materials of a scene. Diffuse colours, or glTF's base colours, and the pictures in their place:
-/// - STL has none: the colour that some programs write into its head is not one.
+/// - STL has no colours: the colour that some programs write into the file's header is ignored.
 /// - OBJ states a colour if the material has a Kd; it is multiplied with the picture, unless it is black.
 /// - A DAE states a colour or a picture. A colour without any opacity is taken for opaque, with a warning: exporters
 ///   disagree on which end of the scale is opaque.
-/// - A glTF's base colour is linear and becomes sRGB like all others; its opacity counts only if it says BLEND or MASK.
+/// - A glTF's base colour is linear and is converted to sRGB; its opacity counts only if its mode is BLEND or MASK.
 /// Other maps and vertex colours aren't read. A picture that can't be read is a warning.
 class MeshMaterials {
  public:
@@ -52,7 +52,7 @@ class MeshMaterials {
   MeshInput& input_;
   std::vector<std::string>& warnings_;
   std::set<std::string> stated_;                                    // OBJ: names of the materials that have a Kd
-  std::map<std::string, std::shared_ptr<const Texture>> textures_;  // by path; null: can't be read, and that was told
+  std::map<std::string, std::shared_ptr<const Texture>> textures_;  // by path; null: unreadable, already reported
   std::vector<Paint> paints_;
 };
 

@@ -1,17 +1,17 @@
-// Where a mesh is that a model file names.
+// Finds the mesh file that a model file names.
 //
-// package://NAME/REST (and model://NAME/REST, the same) is looked for, until REST is there, in
+// For package://NAME/REST (and likewise model://NAME/REST) these places are searched in order until REST exists:
 //   1. the directory that the user gives for NAME, and then nowhere else,
 //   2. the directories above the model file that are called NAME,
 //   3. ABOVE/NAME for each directory above it,
-//   4. the directories whose package.xml says <name>NAME</name>, at most 4 levels below one of the 6 nearest
+//   4. the directories whose package.xml contains <name>NAME</name>, at most 4 levels below one of the 6 nearest
 //      directories above it,
 //   5. the entries of ROS_PACKAGE_PATH, themselves or below them as in 3 and 4, and share/NAME in those of
 //      AMENT_PREFIX_PATH,
 //   6. ABOVE/REST, without NAME: a guess, with a warning.
 // A path without a scheme is relative to the model file, and then tried as in 6; file:// is absolute. Of directories
-// above, the nearest counts first, up to the root. What is percent-encoded is tried as written first.
-// PackageSearch says what bounds the search of 4.
+// above, the nearest is tried first, up to the root. A percent-encoded path is tried as written first.
+// The limits of search 4 are in PackageSearch.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -29,7 +29,7 @@ namespace rehearse {
 
 struct MeshPlace {
   std::filesystem::path file;
-  std::string warning;  // how it was guessed; empty: it wasn't. No path of the machine stands in it
+  std::string warning;  // how the place was guessed, without absolute paths; empty: it wasn't guessed
 };
 
 class MeshPaths {
@@ -39,7 +39,7 @@ class MeshPaths {
   /// `model_file` as the user names it; `packages`: directories by the name of the package.
   MeshPaths(const std::filesystem::path& model_file, Packages packages);
 
-  /// `written` as the model file has it. Of the result only that it exists is known.
+  /// `written`: the path as in the model file. The result exists, but may be anything, for example a directory.
   Result<MeshPlace> find(const std::string& written);
 
  private:
@@ -47,7 +47,7 @@ class MeshPaths {
   Result<MeshPlace> find_relative(const std::string& written);
   std::optional<MeshPlace> find_above(const std::string& rest) const;
 
-  // Where the package may be, most likely first; not all of them need be there.
+  // Possible directories of the package, the most likely first; they need not exist.
   std::vector<std::filesystem::path> places_above(const std::string& name);
   std::vector<std::filesystem::path> places_searched(const std::string& name);
   std::vector<std::filesystem::path> places_of_environment(const std::string& name);
@@ -55,17 +55,17 @@ class MeshPaths {
   Diagnostic not_found(const std::string& name, const std::string& rest,
                        const std::vector<std::filesystem::path>& looked_in) const;
 
-  std::vector<std::filesystem::path> above_;  // the nearest first, without the root
+  std::vector<std::filesystem::path> above_;  // directories above the model file, the nearest first, without the root
   Packages given_;
   std::vector<std::filesystem::path> ros_paths_;
   std::vector<std::filesystem::path> ament_prefixes_;
   PackageSearch search_;
 };
 
-/// "%20" becomes a blank, and so on; what isn't two hexadecimal digits stays.
+/// Decodes "%20" to a blank, and so on; a '%' without two hexadecimal digits stays as it is.
 std::string percent_decoded(std::string_view text);
 
-/// Says that it isn't there, from where on, and if only the case of a name differs.
+/// Reports a missing file: the first part of its path that is missing, and whether only the case of a name differs.
 Diagnostic no_such_file(const std::filesystem::path& file);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// From what assimp has read to the parts of a mesh.
+// Converts assimp's scene to the parts of a mesh.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -14,7 +14,7 @@ struct aiScene;
 namespace rehearse {
 
 /// The triangles of all nodes in the order of the tree, in the shape's frame: one part for each object and material,
-/// in the order in which they come.
+/// in the order of their first triangles.
 Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format, const MeshMaterials& materials,
                                          const Eigen::Vector3d& scale);
 

@@ -1,4 +1,4 @@
-// What an OBJ's lines must hold so that nothing of it is lost.
+// Checks an OBJ file, so that assimp drops no face of it.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -7,8 +7,9 @@
 
 namespace rehearse {
 
-/// Each `v` has three numbers, each `f` three corners or more, and each corner refers to vertices, texture coordinates
-/// and normals that are there. assimp drops a face with fewer corners without a word. Else an error with its line.
+/// Checks that each `v` has three numbers and each `f` at least three corners, and that each corner refers to existing
+/// vertices, texture coordinates and normals. Else an error with its line. (assimp drops a face with fewer corners
+/// without a message.)
 Result<void> check_obj(std::string_view text);
 
 }  // namespace rehearse

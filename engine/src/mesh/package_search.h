@@ -9,22 +9,22 @@
 
 namespace rehearse {
 
-/// A search costs the same everywhere: it reads at most `most_entries` directory entries, `most_levels` levels deep. It
+/// The cost of a search is bounded: it reads at most `most_entries` directory entries, `most_levels` levels deep. It
 /// doesn't enter hidden or linked directories, and starts neither at nor above the user's home nor at the first level
-/// below the root: a model file there makes nobody read the disk.
+/// below the root: so a model file in such a directory doesn't cause a search of the whole disk.
 class PackageSearch {
  public:
   static constexpr int most_entries = 20'000;
   static constexpr int most_levels = 4;
 
-  /// Looks into `root` and below, level by level, names in alphabetical order. What was seen isn't seen again.
+  /// Searches `root` and below, level by level, names in alphabetical order. Each directory is read only once.
   void look_into(const std::filesystem::path& root);
 
-  /// Those whose package.xml has that name, in the order in which they were found.
+  /// The directories whose package.xml contains that name, in the order in which they were found.
   std::vector<std::filesystem::path> packages(const std::string& name) const;
-  /// Those that are called so.
+  /// The directories of that name, in the order in which they were found.
   std::vector<std::filesystem::path> directories(const std::string& name) const;
-  /// There may be more, beyond the limit.
+  /// True if the search reached its limit; there may be more directories.
   bool gave_up() const { return entries_ > most_entries; }
 
  private:

@@ -1,9 +1,9 @@
-// CaptureCycle: when a vision sensor captures, and when what it captured arrives. Private to the engine.
+// CaptureCycle: the ticks at which a vision sensor captures, and at which its captures arrive. Private to the engine.
 //
 // A sensor that is on captures at tick 0 and then at the first tick at or after each multiple of its period. A capture
 // arrives one period, but at most a second, after that multiple, at the first tick at or after it: at 30 Hz and 1 ms,
 // captures of ticks 0, 34, 67 and 100 arrive at ticks 34, 67, 100 and 134 (Choreonoid's vision cycle, which always
-// waits and carries over what a capture was late). All of it follows from the tick number alone.
+// waits and carries over the delay of a capture). The cycle depends on the tick number alone.
 #pragma once
 
 #include "clock.h"
@@ -16,7 +16,7 @@
 
 namespace rehearse {
 
-/// `Capture` is what one capture gives; a default one is nothing.
+/// `Capture` is the result of one capture; a default-constructed one means no result.
 template <class Capture>
 class CaptureCycle {
  public:
@@ -25,7 +25,8 @@ class CaptureCycle {
       : period_(1.0 / std::max(0.1, rate)),  // Choreonoid's longest period is 10 s
         time_step_(time_step) {}
 
-  /// What arrives at this tick becomes current(). True if that is news: a capture has arrived, or was taken away.
+  /// Makes the capture that arrives at this tick current(). Returns true if current() has changed: a capture arrived or
+  /// was removed.
   bool deliver(std::int64_t tick) {
     bool news = std::exchange(cleared_, false);
     if (!under_way_.empty() && under_way_.front().arrives <= tick) {
@@ -38,7 +39,7 @@ class CaptureCycle {
   const Capture& current() const { return current_.what; }
   double captured_at() const { return time_of(current_.captured, time_step_); }  // [s]
 
-  /// Whether the sensor captures at this tick. Then capture() takes what it sees.
+  /// True if the sensor captures at this tick. The caller then passes the result to capture().
   bool is_due(std::int64_t tick) const {
     return on_ && tick - first_tick_ >= tick_at_or_after(static_cast<double>(captures_) * period_);
   }
@@ -49,7 +50,8 @@ class CaptureCycle {
     ++captures_;
   }
 
-  /// As if it had captured since the beginning of its series until this tick, in the state that it was switched to, but nothing of it will arrive.
+  /// Continues the cycle at this tick, as if the sensor had made all earlier captures of its series; earlier captures
+  /// don't arrive. The sensor stays on or off.
   void begin_at(std::int64_t tick) {
     under_way_.clear();
     current_ = {};
@@ -58,7 +60,7 @@ class CaptureCycle {
       if (is_due(past)) ++captures_;
   }
 
-  /// In this tick. Off: what it captured is taken away. On again: it captures at the next tick.
+  /// Switches the sensor in this tick. Off: its captures are removed. On again: it captures at the next tick.
   void switch_to(bool on, std::int64_t tick) {
     if (on == on_) return;
     on_ = on;
@@ -76,7 +78,7 @@ class CaptureCycle {
     Capture what{};
   };
 
-  /// First tick at or after `time`, which may be off by the rounding of its own computation.
+  /// First tick at or after `time` [s]. `time` may contain a rounding error.
   std::int64_t tick_at_or_after(double time) const {
     return static_cast<std::int64_t>(std::ceil(time / time_step_ - 1e-9));
   }
@@ -84,7 +86,7 @@ class CaptureCycle {
   double period_;     // [s]
   double time_step_;  // [s]
   bool on_ = true;
-  bool cleared_ = false;         // it was just switched off
+  bool cleared_ = false;         // the sensor was switched off after the last deliver()
   std::int64_t first_tick_ = 0;  // of its current series of captures
   std::int64_t captures_ = 0;    // done in this series
   std::deque<Arrival> under_way_;

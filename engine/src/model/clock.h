@@ -1,4 +1,4 @@
-// Simulated time. It is counted in ticks and never summed up.
+// Simulated time. It is computed from the tick number and never accumulated.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace rehearse {
 /// bit.
 inline double time_of(std::int64_t tick, double time_step) { return static_cast<double>(tick) / (1.0 / time_step); }
 
-/// The same, rounded to whole nanoseconds: the log time of the tick's messages.
+/// Time of a tick, rounded to whole nanoseconds: the log time of the tick's messages [ns].
 inline std::uint64_t nanoseconds_of(std::int64_t tick, double time_step) {
   return static_cast<std::uint64_t>(std::llround(time_of(tick, time_step) * 1e9));
 }

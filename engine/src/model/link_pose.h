@@ -1,4 +1,4 @@
-// Where a LinkReading says that its link is. Private to the engine.
+// The pose of a link as a matrix, from its LinkReading. Private to the engine.
 #pragma once
 
 #include <rehearse/io.h>

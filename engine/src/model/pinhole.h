@@ -14,9 +14,9 @@ namespace rehearse {
 double vertical_field_of_view(const Camera& camera);
 
 /// The point behind each pixel, row by row from the top left, in the camera's device frame [m]: it looks along -z, +y
-/// is up. Taken on the ray through the pixel's centre, where depth is drawn (Choreonoid takes the corner, half a pixel
-/// aside). Where nothing was hit, as in Choreonoid: z is +inf, x and y are +inf or -inf by the pixel's side of the
-/// centre, 0 on it. `points` is resized to width * height.
+/// is up. The point is on the ray through the pixel's centre, where depth is drawn (Choreonoid uses the corner, half a
+/// pixel aside). For a pixel without a surface, as in Choreonoid: z is +inf; x and y are +inf or -inf, depending on the
+/// pixel's side of the centre, and 0 at the centre. `points` is resized to width * height.
 void points_from_depth(const Camera& camera, const DepthImage& depth, std::vector<Eigen::Vector3f>& points);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// RigidGroups: the links of a model that fixed joints and tracks hold together, which physics takes for one rigid body.
+// RigidGroups: the links of a model that fixed joints and tracks connect; the physics simulates each group as one body.
 // Private to the engine.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// Where a link sits in its group, whose frame is that of its first link.
+/// The pose of a link in its group. The group's frame is the frame of its first link.
 struct GroupedLink {
   int group = 0;
   Eigen::Isometry3d in_group = Eigen::Isometry3d::Identity();
@@ -28,13 +28,13 @@ RigidGroups group_links(const Model& model);
 /// The sum of two inertials given in one frame.
 Inertial sum(const Inertial& a, const Inertial& b);
 
-/// An inertial given in a frame that has this pose, in the frame in which the pose is given.
+/// Transforms an inertial from a frame with this pose into the frame in which the pose is given.
 Inertial moved(const Inertial& inertial, const Eigen::Isometry3d& pose);
 
 /// Principal moments, ascending [kg·m²].
 Eigen::Vector3d principal_moments(const Eigen::Matrix3d& inertia);
 
-/// Whether a body with that inertia can be turned, beyond doubt by rounding.
+/// True if the inertia matrix is positive definite by more than rounding errors.
 bool is_positive_definite(const Eigen::Matrix3d& inertia);
 
 }  // namespace rehearse

@@ -7,8 +7,8 @@
 
 namespace rehearse {
 
-/// The smallest box around a shape, along the axes of the frame in which `pose` places it [m]; around a mesh, that of
-/// its own box. Empty if the model was loaded without the mesh.
+/// The smallest box around a shape, along the axes of the frame in which `pose` is given [m]. For a mesh it is the box
+/// around the mesh's bounding box. Empty if the model was loaded without the mesh.
 Eigen::AlignedBox3d bounds(const Geometry& geometry, const Eigen::Isometry3d& pose);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// Text from somebody's file, on its way into a message.
+// Quotes text from input files in messages.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@ inline constexpr std::size_t longest_quote = 60;  // [bytes]
 /// True if the bytes are UTF-8 (RFC 3629: no overlong forms, no surrogates).
 bool is_utf8(std::string_view text);
 
-/// The text fit for one line of a message: shortened, without control characters and broken UTF-8.
+/// The text in a form for one line of a message: shortened, without control characters and broken UTF-8.
 std::string printable(std::string_view text, std::size_t longest = longest_quote);
 
-/// The same in single quotes, for names and values.
+/// printable(text, longest) in single quotes, for names and values.
 std::string in_quotes(std::string_view text, std::size_t longest = longest_quote);
 
 }  // namespace rehearse

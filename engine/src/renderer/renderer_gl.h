@@ -1,7 +1,7 @@
-// OpenGL as the renderer needs it: a context, a target to draw into, and the pictures in it.
+// OpenGL for the renderer: a context, and targets for colour, depth and shadows.
 //
-// Knows nothing of shapes and cameras. OpenGL lives in a thread's current context, so whoever calls anything here calls
-// Context::make_current() first.
+// This part is independent of shapes and cameras. OpenGL works on a thread's current context, so call
+// Context::make_current() before any other function here.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -17,7 +17,7 @@ struct osmesa_context;
 
 namespace rehearse::gl {
 
-/// An OSMesa context; frees all that was made in it when it goes.
+/// An OSMesa context. Its destructor frees all OpenGL objects that were created in it.
 class Context {
  public:
   static Result<std::unique_ptr<Context>> create();
@@ -37,14 +37,14 @@ class Context {
   std::string description_;
 };
 
-/// Where pictures are drawn: colour, z buffer and, if wanted, a float for the distance of each pixel.
+/// The framebuffer of a picture: colour, z buffer and, on request, a float for the distance of each pixel.
 class Target {
  public:
-  /// Makes it the place that is drawn into, of the given size, and empties it.
+  /// Makes this the current framebuffer, with the given size, and clears it.
   void begin(int width, int height, bool depth, const Color& background);
-  /// The picture; with a factor (a divisor of its size, odd) smaller by that, each pixel a mean.
+  /// Reads the picture, reduced by `factor` (an odd divisor of its size); each pixel is a mean.
   Image read_color(int factor);
-  /// The distances, if they were wanted; with a factor smaller by that, each that of the middle.
+  /// Reads the distances (empty if not requested), reduced by `factor`; each is that of the pixel in the middle.
   DepthImage read_depth(int factor) const;
 
  private:
@@ -55,14 +55,14 @@ class Target {
   bool depth_ = false;
   unsigned framebuffer_ = 0;
   std::array<unsigned, 3> buffers_{};  // colour, z, distance
-  std::vector<std::uint8_t> pixels_;   // as OpenGL hands them out, four bytes a pixel
+  std::vector<std::uint8_t> pixels_;   // as OpenGL returns them, four bytes per pixel
 };
 
-/// How far from the sun the nearest surfaces are.
+/// The framebuffer of a shadow map: for each texel the distance of the nearest surface from the sun.
 class ShadowMap {
  public:
   static constexpr int size = 2048;  // [texels] each way
-  /// Makes it the place that is drawn into, and empties it.
+  /// Makes this the current framebuffer and clears it.
   void begin();
 
  private:
@@ -70,10 +70,10 @@ class ShadowMap {
   unsigned texture_ = 0;
 };
 
-/// Waits until everything is drawn.
+/// Waits until all drawing is complete.
 void finish();
 
-/// A mistake in a call is ours; what remains is memory.
+/// Aborts if OpenGL reports an error: a wrong call (an error in Rehearse) or too little memory.
 void check_errors();
 
 }  // namespace rehearse::gl

@@ -1,4 +1,4 @@
-// What a shape becomes in a picture: one item of a single surface, or, of a mesh, one for each of its parts. Internal.
+// The drawable items of a shape: one for a box or round shape, one per part for a mesh. Internal.
 #pragma once
 
 #include "renderer_painter.h"
@@ -11,7 +11,7 @@
 
 namespace rehearse {
 
-/// A mesh of the Painter, and what it is drawn with. Its items differ in colour, scale and place only.
+/// A mesh of the Painter and its skin. Items of one batch differ only in colour, scale and pose.
 struct Batch {
   std::size_t mesh;
   gl::Skin skin;
@@ -21,16 +21,16 @@ struct Item {
   std::size_t batch;
   std::array<float, 4> scale;  // as gl::Instance has it
   std::array<float, 4> color;
-  bool shines_through;           // its texture does
-  Eigen::Vector3d centre;        // of the sphere that holds all of it, in the shape's frame [m]
-  double radius;                 // of that sphere, a little more than needed [m]
+  bool shines_through;           // the texture is translucent
+  Eigen::Vector3d centre;        // of the bounding sphere, in the shape's frame [m]
+  double radius;                 // of the bounding sphere, rounded up a little [m]
   Eigen::Isometry3d shape_pose;  // in the link's frame
   Eigen::Isometry3d world_pose = shape_pose;
   Eigen::Vector3d world_centre = world_pose * centre;
 
   bool solid() const { return color[3] >= 1.0f && !shines_through; }
   bool translucent() const { return color[3] > 0.0f && !solid(); }
-  /// Grounds, walls and rooms only receive shadows: a map that holds them has no resolution left for robots.
+  /// Grounds, walls and rooms only receive shadows: a shadow map that covers them would be too coarse for robots.
   bool casts_shadow() const { return solid() && radius < 3.0; }
   void place(const Eigen::Isometry3d& link_pose) {
     world_pose = link_pose * shape_pose;
@@ -38,14 +38,14 @@ struct Item {
   }
 };
 
-/// Makes items of shapes, and batches for them. Meshes and textures that are shared by shapes are there once.
+/// Makes items of shapes, and batches for them. Meshes and textures that several shapes share are stored once.
 class ItemMaker {
  public:
   explicit ItemMaker(gl::Painter& painter);
 
-  /// The shape's items; `color` is used where neither the shape nor a part of its mesh has one of its own.
+  /// The shape's items; `color` is used where neither the shape nor the part of its mesh has a colour.
   std::vector<Item> items_of(const Shape& shape, const Color& color);
-  /// Those of the solid shapes come first, numbered as Geometry's alternatives.
+  /// All batches. Those of boxes and round shapes come first, numbered as Geometry's alternatives.
   const std::vector<Batch>& batches() const { return batches_; }
 
  private:
@@ -72,7 +72,7 @@ class ItemMaker {
 
   gl::Painter& painter_;
   std::vector<Batch> batches_;
-  std::vector<KnownTexture> textures_;  // in the order in which they came, as the next; kept alive, so none comes twice
+  std::vector<KnownTexture> textures_;  // in the order of their first use; kept alive, so that each is stored once
   std::vector<KnownMesh> meshes_;
 };
 

@@ -1,6 +1,6 @@
 // Meshes of the shapes in unit size, so that one mesh serves all shapes of a kind.
 //
-// A vertex stands at `position` times the shape's scale (per axis), then moved along z by `shift` times the shape's
+// The place of a vertex is `position` times the shape's scale (per axis), moved along z by `shift` times the shape's
 // stretch. Only a capsule is stretched: its caps are scaled by the radius, then moved apart by half the length.
 #pragma once
 

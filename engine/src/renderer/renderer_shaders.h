@@ -28,7 +28,7 @@ void main() {
 }
 )";
 
-// What the fragment shader needs beside; one of these follows.
+// Defines hand_on() of the vertex shader, which passes more data to the fragment shader. One of these follows.
 inline constexpr char hands_on_nothing[] = R"(
 void hand_on(vec3 local) {}
 )";
@@ -54,9 +54,9 @@ void hand_on(vec3 local) {
 
 // Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light
 // is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from
-// being dark. A surface that faces sun and sky has about its own colour.
-// In three parts: with lamps, a line stands between the second and the third. Without, not a bit is different. Then
-// follow the parts of the skin, and that of the shadows.
+// being dark. A surface that faces sun and sky shows about its own colour.
+// The shader consists of three parts. With lamps, one line is inserted between the second and the third part; without
+// lamps the pixels are exactly those of a shader without lamp code. The parts of skin and shadows follow.
 inline constexpr char fragment_shader_head[] = R"(#version 330 core
 in vec3 surface_point;
 in vec3 surface_normal;
@@ -86,8 +86,8 @@ inline constexpr char fragment_shader_color[] = R"(  vec4 base = base_color();
 }
 )";
 
-// The lamps that are on, four vectors each; renderer_gl.h says what is in them. Only arithmetic whose results are the
-// same on every processor: no powers, no angles.
+// The lamps that are on, four vectors each; struct Lamp (renderer_painter.h) describes them. The shader uses only
+// arithmetic whose results are the same on every processor: no powers, no angles.
 inline constexpr char lamp_function[] = R"(
 uniform vec4 lamps[MOST_LAMPS * 4];
 uniform int lamp_count;
@@ -119,14 +119,15 @@ vec3 lamp_light(vec3 normal) {
 inline constexpr char with_lamps[] = R"(  light += lamp_light(normal);
 )";
 
-// Of a solid, whose inside is never seen.
+// For a solid, whose inside is never drawn.
 inline constexpr char one_sided[] = R"(
 vec3 facing_normal() { return normalize(surface_normal); }
 float height_of_shadow() { return 0.0; }
 )";
 
-// Of a mesh, which may be open, or have its normals turned: whichever side is seen is the outside. The triangle tells
-// which that is; a vertex's normal, being a mean, may look away from a viewer who sees its triangle.
+// For a mesh, which may be open or have reversed normals: the visible side counts as the outside. The triangle
+// determines the visible side; a vertex's normal is a mean and may point away from the camera although the triangle is
+// visible.
 inline constexpr char two_sided[] = R"(
 uniform float shadow_lift;
 
@@ -142,9 +143,9 @@ inline constexpr char one_color[] = R"(
 vec4 base_color() { return surface_color; }
 )";
 
-// Along each axis a wave of 1 and -1, as a pixel sees it: exactly these away from the edges, a mean of both where an
-// edge crosses the pixel, 0 where squares are smaller than half a pixel. The product of three waves is the pattern. It
-// is looked up a little inside, so that a face that lies on an edge has one of both colours.
+// Along each axis a wave of 1 and -1, averaged over the pixel: exactly 1 or -1 away from the edges, a mean of both
+// where an edge crosses the pixel, 0 where squares are smaller than half a pixel. The product of three waves is the
+// pattern. It is evaluated a little inside the shape, so that a face that lies on an edge has only one of both colours.
 inline constexpr char two_colors[] = R"(
 in vec3 shape_point;
 in vec3 shape_normal;
@@ -188,7 +189,7 @@ inline constexpr char without_shadows[] = R"(
 float sun_share(vec3 normal) { return 1.0; }
 )";
 
-// The mean of a square of samples, because the sun isn't a point. Outside the map nothing casts a shadow.
+// The mean of a square of samples, because the sun isn't a point. Outside the shadow map there are no shadows.
 inline constexpr char with_shadows[] = R"(
 uniform sampler2DShadow shadow_map;
 uniform mat4 shadow_from_view;  // to the map's coordinates: 0 to 1 across, and 1 down to 0 away from the sun

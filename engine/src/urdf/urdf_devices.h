@@ -1,9 +1,8 @@
-// Reading sensors and lights: one function for each kind of device that has figures of its own. Private to the URDF
-// loader.
+// Reading sensors and lights: one function for each kind of device that has parameters. Private to the URDF loader.
 //
-// A sensor stands in a <gazebo> block, in SDF's words, or in <robot> itself. There its figures have SDF's words too, or
-// they are attributes, as http://wiki.ros.org/urdf/XML/sensor has it and Choreonoid reads it; the axes of those that
-// see are then z ahead, x to the right and y down, else x ahead and z up.
+// A sensor is described in a <gazebo> block, with SDF's elements, or in <robot> itself. In <robot> its parameters are
+// SDF's elements, too, or attributes, as described in http://wiki.ros.org/urdf/XML/sensor and read by Choreonoid. With
+// attributes, the axes of cameras and range sensors are z ahead, x to the right and y down, else x ahead and z up.
 #pragma once
 
 #include <rehearse/model.h>
@@ -24,7 +23,7 @@ namespace rehearse::urdf {
 
 struct DeviceDraft;
 
-/// Counts the children that nobody reads.
+/// Reports the children that the loader ignores, with their counts.
 void report_ignored(const tinyxml2::XMLElement& element, const std::vector<std::string_view>& known,
                     Findings& findings);
 
@@ -33,31 +32,31 @@ void report_ignored(const tinyxml2::XMLElement& element, const std::vector<std::
 double read_positive_or(const tinyxml2::XMLElement* element, const char* child, double fallback, double most,
                         Findings& findings);
 
-/// The same for whole numbers.
+/// Like read_positive_or(), for whole numbers.
 int read_count_or(const tinyxml2::XMLElement* element, const char* child, int fallback, int most, Findings& findings);
 
-/// The attribute's number; an error, and nothing, if it isn't there, not above 0 or above `most`.
+/// The attribute's number; an error and nullopt if it is missing, not above 0, or above `most`.
 std::optional<double> read_positive(const tinyxml2::XMLElement& element, const char* attribute, double most,
                                     Findings& findings);
 
-/// The same for whole numbers, which may be written as 640.0.
+/// Like read_positive(), for whole numbers, which may be written as 640.0.
 std::optional<int> read_count(const tinyxml2::XMLElement& element, const char* attribute, int most, Findings& findings);
 
-/// From SDF's axes of a sensor (x forward, z up) to a Device's (-z forward, y up): its columns are right, up and back.
+/// Rotation from SDF's axes of a sensor (x forward, z up) to a Device's (-z forward, y up): columns right, up and back.
 Eigen::Matrix3d device_axes();
 
-/// The same from x to the right, y down and z ahead.
+/// Rotation to a Device's axes from x to the right, y down and z ahead.
 Eigen::Matrix3d device_axes_of_optical();
 
-/// Reads `element`, a <camera> of the sensor, and turns `pose` from SDF's axes to ours.
+/// Reads `element`, a <camera> of the sensor, and turns `pose` from SDF's axes to a Device's.
 void read_camera(const tinyxml2::XMLElement& sensor, const tinyxml2::XMLElement& element, Camera& camera,
                  Eigen::Isometry3d& pose, Findings& findings);
 
-/// The same with attributes.
+/// Reads a <camera> with attributes and turns `pose` to a Device's axes.
 void read_optical_camera(const tinyxml2::XMLElement& sensor, const tinyxml2::XMLElement& element, Camera& camera,
                          Eigen::Isometry3d& pose, Findings& findings);
 
-/// Reads <ray>, or <lidar>, and turns `pose` from SDF's axes to ours.
+/// Reads <ray>, or <lidar>, and turns `pose` from SDF's axes to a Device's.
 void read_range_sensor(const tinyxml2::XMLElement& sensor, RangeSensor& laser, Eigen::Isometry3d& pose,
                        Findings& findings);
 
@@ -65,7 +64,7 @@ void read_range_sensor(const tinyxml2::XMLElement& sensor, RangeSensor& laser, E
 void read_optical_range_sensor(const tinyxml2::XMLElement& sensor, const tinyxml2::XMLElement& ray, RangeSensor& laser,
                                Eigen::Isometry3d& pose, Findings& findings);
 
-/// Reads <force_torque>: along which axes it measures, and in which direction. After the draft's pose.
+/// Reads <force_torque>: the axes and the direction of the measurement. Call it after the draft's pose is read.
 void read_force_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, Findings& findings);
 
 /// Reads the names of collision shapes in <contact>.
@@ -83,17 +82,17 @@ class ShapeNames {
   std::map<std::string_view, int> shapes_;
 };
 
-/// Index of the one collision shape of the link that a contact sensor means, or -1 for all of them; a warning where it
-/// means something else.
+/// Index of the link's collision shape that a contact sensor refers to, or -1 for all shapes; a warning if it refers to
+/// something else.
 int find_feeling_shape(const DeviceDraft& draft, const Link& link, const ShapeNames& names, Findings& findings);
 
-/// A light of that type as it is without figures; null if we have no such type.
+/// A light of that type with default parameters; nullopt for an unknown type.
 std::optional<Light> light_of_type(std::string_view type);
 
-/// Reads the figures of a light. SDF's frame is kept: a spot shines along its -z unless told otherwise.
+/// Reads the parameters of a light. SDF's frame is kept: a spot shines along its -z unless the file gives a direction.
 void read_light(const tinyxml2::XMLElement& element, Light& light, Findings& findings);
 
-/// What messages call it: "sensor" or "light".
+/// The noun for the device in messages: "sensor" or "light".
 std::string_view word_for(const Device& device);
 
 }  // namespace rehearse::urdf

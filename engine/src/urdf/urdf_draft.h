@@ -1,4 +1,4 @@
-// Draft: what our own pass has read of a URDF file, before the parts are joined to a Model.
+// Draft: the result of Rehearse's own URDF reader, before the parts are joined to a Model.
 #pragma once
 
 #include <rehearse/model.h>
@@ -23,10 +23,10 @@ namespace rehearse::urdf {
 struct LinkDraft {
   Link link;  // name, inertial, shapes, line
   bool has_inertial = false;
-  bool has_broken_inertial = false;  // it has one, but it couldn't be read
+  bool has_broken_inertial = false;  // its <inertial> couldn't be read
 };
 
-/// What <mimic> says, with the leader's name as written.
+/// The content of <mimic>, with the leader's name as written.
 struct MimicDraft {
   std::string leader;
   double multiplier = 1.0;
@@ -41,32 +41,32 @@ struct JointDraft {
   std::optional<MimicDraft> mimic;
 };
 
-/// What a name in a sensor's place means: a link; or a joint, which stands for its child link.
+/// The meaning of a name that gives a sensor's place: a link, or a joint, which means its child link.
 enum class Reference { link_else_joint, joint_else_link, link, joint };
 
 struct DeviceDraft {
-  Device device;  // all but the link; its pose is in the frame of what `reference` names
+  Device device;  // all but the link; its pose is in the frame of the link or joint that `reference` names
   std::string reference;
   Reference meaning = Reference::link_else_joint;
-  bool is_of_robot = false;             // it stands in <robot> itself, not in a <gazebo> block
+  bool is_of_robot = false;             // a child of <robot> itself, not of a <gazebo> block
   bool has_parents_axes = false;        // a force sensor that measures along the axes of the joint's parent link
-  std::vector<std::string> collisions;  // of a contact sensor: the shapes that feel, as written; empty: all
+  std::vector<std::string> collisions;  // names of a contact sensor's collision shapes, as written; empty: all
 };
 
 /// A <pseudo_continuous_track> of a <gazebo> block.
 struct TrackDraft {
-  std::string reference;  // a joint, or a link, which stands for the joint above it
+  std::string reference;  // a joint, or a link, which means the joint above it
   int line = 0;
 };
 
-/// What a <gazebo> block says of touching a link; what it doesn't say stays as it is.
+/// The contact properties that a <gazebo> block sets for a link; properties that it doesn't set are empty.
 struct SurfaceDraft {
   std::string reference;  // a link
   Surface surface;
   std::optional<bool> has_weight;
   std::optional<bool> collides_with_own;
-  bool says_something = false;  // of the above
-  bool has_devices = false;     // sensors, lights or tracks, which say themselves whether the reference is right
+  bool says_something = false;  // the block sets at least one of the properties above
+  bool has_devices = false;     // sensors, lights or tracks; their readers report a wrong reference
   int line = 0;
 };
 
@@ -77,23 +77,23 @@ struct Draft {
   std::vector<DeviceDraft> devices;       // in document order
   std::vector<TrackDraft> tracks;         // in document order
   std::vector<SurfaceDraft> surfaces;     // in document order
-  std::optional<bool> collides_with_own;  // of links that don't say it themselves
+  std::optional<bool> collides_with_own;  // of links that don't set it themselves
   bool is_static = false;                 // the root is fixed to the world
-  int static_line = 0;                    // where that is said
+  int static_line = 0;                    // line of <static>
   bool is_complete = true;                // no link or joint had to be left out
 };
 
 class Materials;
 class Meshes;
 
-// Each reads one kind of element. What it mends for urdfdom's sake it changes in the document as well, so that both
-// readers see the same robot.
+// Each function reads one kind of element. Repairs that urdfdom needs are also made in the document, so that both
+// readers read the same robot.
 
-/// Null if the link has no name. A shape that can't be read is left out, with an error.
+/// Returns nullopt if the link has no name. A shape that can't be read is left out, with an error.
 std::optional<LinkDraft> read_link(tinyxml2::XMLElement& element, const Materials& materials, Meshes& meshes,
                                    Findings& findings);
 
-/// Null if the joint has no name, type, parent or child.
+/// Returns nullopt if the joint has no name, type, parent or child.
 std::optional<JointDraft> read_joint(tinyxml2::XMLElement& element, Findings& findings);
 
 /// The sensors of <robot>, and the sensors and lights of its <gazebo> blocks.
@@ -102,42 +102,42 @@ std::vector<DeviceDraft> read_devices(const tinyxml2::XMLElement& robot, Finding
 /// The tracks of all <gazebo> blocks.
 std::vector<TrackDraft> read_tracks(const tinyxml2::XMLElement& robot, Findings& findings);
 
-/// The surfaces of all <gazebo> blocks, and what blocks without a reference say of the whole robot. Notes what no
-/// reader of <gazebo> blocks knows.
+/// Reads the surfaces of all <gazebo> blocks, and the properties of the whole robot in blocks without a reference. Adds
+/// notes about elements that no reader of <gazebo> blocks reads.
 void read_surfaces(const tinyxml2::XMLElement& robot, Draft& draft, Findings& findings);
 
-/// A <contact> of a <link>.
+/// Reads a <contact> of a <link>.
 void read_contact(const tinyxml2::XMLElement& contact, Surface& surface, Findings& findings);
 
-/// One note of all <transmission> elements, with their joints and hardware interfaces.
+/// Adds one note about all <transmission> elements, with their joints and hardware interfaces.
 void note_transmissions(const tinyxml2::XMLElement& robot, Findings& findings);
 
-/// Gives the links what the draft's surfaces say; a warning for a reference to what isn't a link.
+/// Copies the draft's surfaces to the links; a warning for a reference that isn't a link.
 void apply_surfaces(const Draft& draft, Model& model, Findings& findings);
 
-/// An undeclared "world" as parent is added to the draft and to the document: a repair.
+/// Adds an undeclared "world" that is a parent to the draft and to the document: a repair.
 void declare_world(tinyxml2::XMLElement& robot, Draft& draft, Findings& findings);
 
-/// Joins links, joints and devices into a tree: depth-first links, joint ids, the root's joint. Null, with an error for
-/// each reason, if they don't form one.
+/// Joins links, joints and devices into a tree: depth-first links, joint ids, the root's joint. Returns nullopt, with
+/// an error for each reason, if they don't form a tree.
 std::optional<Model> join(const Draft& draft, Findings& findings);
 
-/// Puts the draft's devices onto the model's links. An error for one whose link isn't there.
+/// Puts the draft's devices onto the model's links. An error for a device whose link doesn't exist.
 void place_devices(const Draft& draft, Model& model, Findings& findings);
 
-/// Sets Joint::mimic of the joints that follow another one, chains resolved. An error for a leader that isn't there or
-/// doesn't move, and for joints that follow each other in a circle.
+/// Sets Joint::mimic of the joints that follow a leader, with chains resolved. An error for a leader that doesn't exist
+/// or doesn't move, and for joints that follow each other in a circle.
 void resolve_mimics(const Draft& draft, Model& model, Findings& findings);
 
-/// What moves without mass: a root is fixed to the world, others get the default mass, if there is one: repairs. Else
-/// an error.
+/// Handles moving links without mass: a root is fixed to the world, others get the default mass, if there is one; both
+/// are repairs. Else an error.
 void complete_masses(Model& model, const UrdfOptions& options, Findings& findings);
 
-/// What physics can't take: a moving link without inertia or with one that isn't positive definite; and warnings about
-/// the improbable. After complete_masses.
+/// Checks what the physics engine requires: an error for a moving link without inertia or with one that isn't positive
+/// definite; warnings about improbable values. Call it after complete_masses().
 void check_dynamics(const Model& model, const UrdfOptions& options, Findings& findings);
 
-/// Lets urdfdom parse the document and compares its robot with ours; each difference is an error.
+/// Parses the document with urdfdom and compares its robot with the draft; each difference is an error.
 void compare_with_urdfdom(const tinyxml2::XMLDocument& document, const Draft& draft, Findings& findings);
 
 }  // namespace rehearse::urdf

@@ -1,4 +1,4 @@
-// Findings: everything the URDF loader has to say about one file, brought into document order.
+// Findings: everything that the URDF loader reports about one file, in document order.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -23,16 +23,17 @@ class Findings {
   void warning(int line, std::string message, std::string hint = {});
   void note(int line, std::string message, std::string hint = {});
 
-  /// Something of this kind was passed over. Becomes one note a kind, with a count, at the first such place.
+  /// Records that an element of this kind was ignored. The report has one note per kind, with a count, at the first
+  /// place.
   void ignored(int line, const std::string& kind) { counted(line, kind + " is ignored"); }
 
-  /// The same with a sentence of its own.
+  /// Like ignored(), but with a complete sentence.
   void counted(int line, const std::string& sentence);
 
   bool has_error() const { return error_count_ > 0; }
   int error_count() const { return error_count_; }
 
-  /// The errors in document order, at most max_urdf_errors and a note that says how many more there are.
+  /// The errors in document order, at most max_urdf_errors, and a note with the number of the remaining ones.
   Diagnostics errors() const;
 
   /// Repairs, warnings and notes in document order.
@@ -55,7 +56,7 @@ class Findings {
 
 inline constexpr std::size_t longest_path = 1000;  // [bytes]
 
-/// The name fit for one line of a message, as a tag: <name>.
+/// The name as a tag, <name>, in a form for one line of a message.
 std::string tag(std::string_view name);
 
 }  // namespace rehearse::urdf

@@ -16,15 +16,15 @@ namespace rehearse::urdf {
 
 class Materials {
  public:
-  /// Reads every <material> of the robot. One that only refers to a name takes the last definition before it, else the
-  /// first one after it.
+  /// Reads every <material> of the robot. A <material> that only refers to a name has the colour of the last definition
+  /// before it, else of the first definition after it.
   Materials(const tinyxml2::XMLElement& robot, Findings& findings);
 
-  /// The colour of a <visual>; none if it has no material or that has no colour.
+  /// The colour of a <visual>; nullopt if it has no material or its material has no colour.
   std::optional<Color> of(const tinyxml2::XMLElement& visual) const;
 
  private:
-  std::map<const tinyxml2::XMLElement*, Color> colors_;  // by <material>; only looked up, never walked
+  std::map<const tinyxml2::XMLElement*, Color> colors_;  // by <material>; never iterated, since keys are addresses
 };
 
 }  // namespace rehearse::urdf

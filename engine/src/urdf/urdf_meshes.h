@@ -16,13 +16,13 @@ namespace rehearse::urdf {
 
 class Meshes {
  public:
-  /// `model_file`: what relative paths are relative to. `findings` has to outlive it.
+  /// `model_file`: relative paths are relative to it. `findings` must outlive this object.
   Meshes(const std::string& model_file, const UrdfOptions& options, Findings& findings);
 
   enum class Use { visual, collision };
 
-  /// Null with an error, or, where missing meshes are allowed, with a warning. A scale of one number is repaired in the
-  /// document too, because urdfdom doesn't take it.
+  /// Returns nullopt with an error, or, where missing meshes are allowed, with a warning. A scale of one number is
+  /// repaired in the document, too, because urdfdom refuses it.
   std::optional<Mesh> read(tinyxml2::XMLElement& element, Use use);
 
  private:

@@ -1,4 +1,4 @@
-// The first two gates of the URDF loader: are the bytes a text that can be meant as URDF, and is it XML?
+// The first two checks of the URDF loader: that the bytes are text that may be URDF, and that the text is XML.
 #pragma once
 
 #include "urdf_findings.h"
@@ -15,8 +15,8 @@ namespace rehearse::urdf {
 /// Blanks of XML.
 inline constexpr std::string_view blanks = " \t\r\n";
 
-/// Looks at the bytes before any parser does: empty, too large, git-lfs pointer, merge conflict, UTF-16, document type,
-/// nesting too deep, too many tags or attributes. False if there is an error.
+/// Checks the bytes before any parser reads them: empty, too large, git-lfs pointer, merge conflict, UTF-16, document
+/// type, nesting too deep, too many tags or attributes. False if there is an error.
 bool text_is_sound(std::string_view text, Findings& findings);
 
 /// Parses the text into `document`, and checks that there is one root element <robot> and

@@ -1,4 +1,4 @@
-// What contacts are like where links have surfaces of their own. Private to the world library.
+// Contact parameters from the surfaces of two links and the solver's settings. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -14,17 +14,18 @@ struct TouchedSurface {
   Eigen::Vector3d friction_direction;  // in the world; zero: none
 };
 
-/// What one side states holds; of what both state, the smaller, but stiffness and damping act in series. What neither
-/// states is as the solver's settings have it.
+/// Combines two surfaces. A property that one side states applies; if both state it, the smaller value applies, but
+/// stiffness and damping act in series. For a property that neither side states, the solver's settings apply.
 class ContactLaw {
  public:
   ContactLaw(const WorldSettings& settings, const std::vector<WorldBody>& bodies);
 
-  /// What ODE limits the correcting velocity of all contacts to [m/s]. ODE has one limit for the whole world: if any
-  /// surface has one of its own, or springs, it is infinite, and apply() limits each contact.
+  /// ODE's limit of the correcting velocity of all contacts [m/s]. ODE has one limit for the whole world: if any
+  /// surface states a limit or stiffness, ODE's limit is infinite, and apply() limits each contact.
   double ode_correcting_velocity() const;
 
-  /// A contact's surface, and as the depth of contact.geom what makes ODE push apart as it should.
+  /// Sets the contact's surface parameters, and changes the depth of contact.geom so that ODE applies the wanted
+  /// correcting velocity.
   void apply(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const;
 
  private:
@@ -34,7 +35,7 @@ class ContactLaw {
 
   SolverSettings solver_;
   double time_step_;
-  double bounce_speed_;  // what comes slower doesn't bounce [m/s]
+  double bounce_speed_;  // slower contacts don't bounce [m/s]
   bool each_has_its_limit_ = false;
 };
 

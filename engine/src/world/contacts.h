@@ -1,4 +1,4 @@
-// Contacts between the bodies of a world, in an order that is the scenario's alone. Private to the world library.
+// Contacts between the bodies of a world, in an order that depends on the scenario alone. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -12,11 +12,11 @@
 
 namespace rehearse {
 
-/// Finds the contacts of the bodies where they are now and adds a contact joint for each to `group`, at most
-/// `max_contacts` a pair of shapes. Pairs are visited body by body and shape by shape in the order they were made, of
-/// each body its own first; ODE's spaces would visit them in the
-/// order in which shapes last moved, and the solver's result depends on the order of its rows.
-/// `touches` keeps those of links that feel; `pairs` becomes the links that touch, ascending, each pair once.
+/// Finds the contacts of the bodies at their current poses and adds a contact joint for each to `group`, at most
+/// `max_contacts` per pair of shapes. Pairs are visited body by body and shape by shape in the order of their creation;
+/// for each body, pairs within the body come first. ODE's spaces would visit them in the order in which shapes last
+/// moved, and the solver's result depends on the order of its rows. `touches` receives the contacts of links with
+/// contact measurement (SimulatedBody::feels). `pairs` becomes the list of links that touch, ascending, each pair once.
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
                   const ContactLaw& law, int max_contacts, Touches& touches, std::vector<LinkPair>& pairs);
 

@@ -1,5 +1,6 @@
-// A cut: a fixed joint (or a track's) taken apart in thought, to find what the links behind it do to those before it.
-// ODE has no joint there whose force could be read: both sides are one rigid body. Private to the world library.
+// A cut: an imaginary separation at a fixed joint (or a track's), to compute the wrench of the links behind it on the
+// links before it. ODE has no joint there that could report a force: both sides are one rigid body. Private to the
+// world library.
 #pragma once
 
 #include <rehearse/io.h>
@@ -12,14 +13,14 @@
 
 namespace rehearse {
 
-/// The links of a rigid group that hang on it by the joint of one of them.
+/// The part of a rigid group behind a cut: the links that are connected to the rest only by the joint of one of them.
 struct PartBehind {
-  std::vector<bool> holds;  // by link index
-  Inertial inertial;        // of all of them, in the group's frame
-  Inertial weight;          // of those that gravity pulls at
+  std::vector<bool> holds;  // by link index; true if the link is in the part
+  Inertial inertial;        // of all links of the part, in the group's frame
+  Inertial weight;          // of the links on which gravity acts
 };
 
-/// `link` is held by its parent in a group of links that never move against each other.
+/// The part behind the joint of `link`, which connects it to its parent in the same rigid group.
 PartBehind part_behind(const Model& model, const RigidGroups& groups, int link);
 
 /// How a rigid group moves in a step. World axes.
@@ -31,8 +32,9 @@ struct GroupMotion {
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // [rad/s²]
 };
 
-/// What else than gravity [m/s²] has to act on the part, so that it moves with its group. The torque is about `origin`
-/// [m, world]. The equations of Newton and Euler for a rigid body: R. Featherstone, Rigid Body Dynamics Algorithms, 2.
+/// The wrench that must act on the part in addition to gravity [m/s²], so that the part moves with its group. The
+/// torque is about `origin` [m, world]. Computed by the equations of Newton and Euler for a rigid body: R.
+/// Featherstone, Rigid Body Dynamics Algorithms, 2.
 Wrench wrench_to_move(const PartBehind& part, const GroupMotion& motion, const Eigen::Vector3d& gravity,
                       const Eigen::Vector3d& origin);
 

@@ -14,12 +14,12 @@ namespace rehearse {
 struct MadeGeom {
   dGeomID geom = nullptr;
   std::shared_ptr<const Polytope> polytope;          // of boxes and hulls, in the geom's frame
-  std::shared_ptr<const void> kept;                  // what ODE has pointers to: has to live as long as the geom
+  std::shared_ptr<const void> kept;                  // data that ODE points to: must live as long as the geom
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the geom's frame in the shape's, whose axes it has [m]
 };
 
-/// The geoms of a shape. A mesh gives one a hull, each about its own middle (ODE's convex geoms hold their origin), or,
-/// as a `trimesh`, one of all its triangles; what it is made of must be there.
+/// Makes the geoms of a shape. A mesh gives one geom per hull, each about its own middle (the origin of an ODE convex
+/// geom is inside it), or, as a `trimesh`, one geom of all its triangles. The mesh must be loaded.
 std::vector<MadeGeom> make_geoms(const Geometry& geometry, bool trimesh);
 
 }  // namespace rehearse

@@ -1,7 +1,7 @@
-// Where a convex hull touches another shape. Private to the world library.
+// Contact points of a convex hull and another shape. Private to the world library.
 //
-// ODE 0.16.2 gives one point for a pair with a convex hull, another one in each step: what rests on it rocks at
-// 0.05 rad/s. Here such a pair has the points of the whole touching face, as boxes have in ODE.
+// ODE 0.16.2 gives one point for a pair with a convex hull, a different one in each step: a body that rests on it rocks
+// at 0.05 rad/s. This file computes the points of the whole touching face, as ODE does for boxes.
 //
 // The direction in which two shapes overlap least is found by the separating axis theorem (S. Gottschalk, Separating
 // axis theorem, TR96-024; edges as D. Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013); the
@@ -15,17 +15,17 @@
 
 namespace rehearse {
 
-/// A point where a hull touches something.
+/// A point where a hull touches another shape.
 struct TouchPoint {
   Eigen::Vector3d position;  // half way between both surfaces [m]
-  Eigen::Vector3d normal;    // out of the hull into the other one, unit length
-  double depth;              // how far they overlap, at least 0 [m]
+  Eigen::Vector3d normal;    // out of the hull into the other shape, unit length
+  double depth;              // how far the shapes overlap, at least 0 [m]
 };
 
-/// No more points than that stay of a touching face, spread over it.
+/// The largest number of points of a touching face; they are spread over the face.
 inline constexpr std::size_t max_touches = 8;
 
-/// What stands about its own z axis: a cylinder, and a capsule without its caps.
+/// A shape that is round about its own z axis: a cylinder, or a capsule without its caps.
 struct Round {
   Eigen::Vector3d center;
   Eigen::Matrix3d axes;  // columns: its x, y, z

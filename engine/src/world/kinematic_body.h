@@ -1,7 +1,8 @@
-// KinematicBody: a body that moves as it is told, without dynamics. Private to the world library.
+// KinematicBody: a body that moves as commanded, without dynamics. Private to the world library.
 //
-// Joint commands (displacement over velocity) and the root's pose say where it is at the end of the coming step; link
-// poses follow by forward kinematics. It pushes others with the velocity that takes it there, and nothing pushes it.
+// Joint commands (displacement before velocity) and the root's pose determine its configuration at the end of the
+// coming step; link poses follow by forward kinematics. It pushes other bodies with the velocity that takes it there,
+// and no body pushes it.
 #pragma once
 
 #include <ode/ode.h>
@@ -26,11 +27,11 @@ class KinematicBody final : public SimulatedBody {
   bool finite() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override { place(); }
-  void take_centers(const SimulatedBody&) override {}  // its links are where they are, whatever their masses
-  void nudge(std::uint64_t) override {}                // it moves exactly as it is told
+  void take_centers(const SimulatedBody&) override {}  // its state contains link poses, not centres of mass
+  void nudge(std::uint64_t) override {}                // it moves exactly as commanded
 
  private:
-  std::vector<double> force_reading(std::size_t) const override { return std::vector<double>(6, 0.0); }  // none acts
+  std::vector<double> force_reading(std::size_t) const override { return std::vector<double>(6, 0.0); }  // no force
   void create_shapes(dWorldID world);
   std::vector<Eigen::Isometry3d> poses() const;
   void place();
@@ -38,7 +39,7 @@ class KinematicBody final : public SimulatedBody {
   double kept(const Joint& joint, double displacement) const;
 
   double time_step_;
-  std::vector<dBodyID> bodies_;  // by link index; null: it has no shapes
+  std::vector<dBodyID> bodies_;  // by link index; null: the link has no shapes
   // state
   std::vector<JointReading> joints_;  // by joint id
   std::vector<LinkReading> links_;    // by link index

@@ -12,15 +12,15 @@
 
 namespace rehearse {
 
-/// Links that fixed joints hold together, as one body of ODE. Its axes are those of its first link; ODE's origin is at
-/// the centre of mass.
+/// Links that fixed joints connect, as one body of ODE. Its axes are those of its first link; ODE's origin is at the
+/// centre of mass.
 struct RigidGroup {
   dBodyID body = nullptr;  // null: fixed to the world
   int first_link = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, in the group's frame [m]
   Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
-  double weightless_mass = 0.0;                                    // of links that gravity doesn't pull at [kg]
-  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();     // that mass times its place from the centre [kg·m]
+  double weightless_mass = 0.0;                                    // of links on which gravity doesn't act [kg]
+  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();     // that mass times its place from `center` [kg·m]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // of the centre, over the last step [m/s²]
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
   Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
@@ -28,13 +28,13 @@ struct RigidGroup {
   GroupMotion motion;  // before the last step, without accelerations; only if the body has cuts; scratch, not state
 };
 
-/// A force sensor whose link a fixed joint or a track holds.
+/// A force sensor whose link is connected by a fixed joint or a track.
 struct CutSensor {
   std::size_t device = 0;  // index into the model's devices
   PartBehind part;
-  std::vector<int> joints;  // ids of those that hang on the part
+  std::vector<int> joints;  // ids of movable joints whose parent link is in the part
   // scratch within a step
-  Wrench external;  // on the part, from outside of the simulation
+  Wrench external;  // external wrench on the part, from pushes and commands
 };
 
 /// A link whose surface runs as a belt.
@@ -79,7 +79,7 @@ class OdeBody final : public SimulatedBody {
   void measure_cut(const CutSensor& cut);
   LinkReading reading_of(int link) const;
 
-  /// A joint id's place among the joints or among the tracks.
+  /// The index of a joint id in joints_ or in tracks_.
   struct Slot {
     bool is_track;
     int index;

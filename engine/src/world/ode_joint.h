@@ -1,4 +1,4 @@
-// OdeJoint: one movable joint as ODE simulates it, a hinge or a slider, with its drive, its stops and its losses.
+// OdeJoint: one movable joint in ODE, a hinge or a slider, with its drive, its stops, damping and friction.
 // Private to the world library.
 #pragma once
 
@@ -13,13 +13,13 @@
 
 namespace rehearse {
 
-/// One end of a joint; body null: the world.
+/// One end of a joint; if `body` is null, the end is the world.
 struct JointEnd {
   dBodyID body = nullptr;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of mass, in the link's frame [m]
 };
 
-/// Which of its limits a joint keeps.
+/// The limits that are applied to a joint.
 struct KeptLimits {
   bool displacement = false;  // stops at lower and upper
   bool effort = false;        // commanded efforts are clamped
@@ -27,7 +27,7 @@ struct KeptLimits {
 
 class OdeJoint {
  public:
-  /// `joint` must outlive this. `frame`: the child link's pose at displacement 0, where the two bodies are now.
+  /// `joint` must outlive this. `frame`: the child link's pose at displacement 0, which is the bodies' current pose.
   OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dBodyID parent, const Eigen::Isometry3d& frame,
            KeptLimits kept);
   OdeJoint(OdeJoint&&) = default;
@@ -37,21 +37,23 @@ class OdeJoint {
   double rate() const;          // [rad/s] or [m/s]
   JointReading reading() const { return {displacement(), rate(), acceleration_, effort_}; }
 
-  /// ODE's angle is wrapped: `displacement`, where the bodies have just been put, says how often.
+  /// Sets the number of whole turns, which ODE's wrapped angle doesn't contain. `displacement`: of the bodies' current
+  /// poses.
   void count_turns(double displacement);
   void before_step() { previous_rate_ = rate(); }
   /// Sets motor and force for the coming step.
   void drive(const JointCommand& command, double time_step);
-  /// The same for a joint that follows `leader`: it is driven to where the leader's motion takes it in the step.
+  /// Sets motor and force for a joint that follows `leader`: it is driven to the displacement to which the leader's
+  /// motion takes it in the step.
   void follow(const OdeJoint& leader, double time_step);
   void after_step(double time_step);
 
-  /// From now on child_wrench() tells.
+  /// From now on child_wrench() returns measurements.
   void measure_wrench();
-  /// What the joint did to its child in the last step; the torque is about the child's centre of mass. World axes.
+  /// The joint's wrench on its child in the last step; the torque is about the child's centre of mass. World axes.
   Wrench child_wrench() const;
 
-  // The parts of the state, in groups, because a body saves all of its joints' turns, then all efforts...
+  // The parts of the state, in groups: a body saves the turns of all its joints, then all efforts, and so on.
   void visit_turns(StateVisitor& visitor);
   void visit_effort(StateVisitor& visitor) { visitor.visit(effort_); }
   void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
@@ -70,7 +72,7 @@ class OdeJoint {
   JointEnd child_;
   KeptLimits kept_;
   bool revolute_;
-  bool far_stops_ = false;  // beyond half a turn, so that they move with the turns
+  bool far_stops_ = false;  // the stops are beyond half a turn, so they are moved when turns_ changes
   dJointID ode_ = nullptr;  // destroyed with its world
   std::unique_ptr<dJointFeedback> feedback_;
   // state
@@ -83,7 +85,7 @@ class OdeJoint {
   double applied_ = 0.0;                                   // effort added as an external force, damping included
   Eigen::Vector3d even_torque_ = Eigen::Vector3d::Zero();  // that ODE adds on both sides of a slider's force [N·m]
   bool motor_on_ = false;                                  // ODE's joint motor has a force limit above zero
-  bool motor_drives_ = false;                              // and it is the actuator, not dry friction
+  bool motor_drives_ = false;                              // the motor is the actuator, not dry friction
 };
 
 }  // namespace rehearse

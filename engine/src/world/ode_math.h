@@ -1,4 +1,4 @@
-// Between ODE's numbers and Eigen's. Private to the world library.
+// Conversions between ODE's and Eigen's types. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>

@@ -1,4 +1,4 @@
-// What ODE has to say while it steps: that it found no solution, and goes on with what it has.
+// ODE's messages during a step: they report that ODE found no solution and continues with an approximation.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 namespace rehearse {
 
 /// The messages since the last call, each text once, the first 16: "ODE message 3: LCP internal error, s <= 0". ODE
-/// doesn't say of which world they are: to be asked after each step. Costs a look at an empty vector.
+/// doesn't report the world of a message, so call this after each step. Without messages a call is cheap.
 std::vector<std::string> take_ode_messages();
 
 }  // namespace rehearse

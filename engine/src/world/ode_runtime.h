@@ -1,4 +1,4 @@
-// What ODE keeps once for the whole process, made safe for several worlds in it. Private to the world library.
+// ODE's data that exist once per process, made safe for several worlds. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -10,7 +10,8 @@ namespace rehearse {
 /// ODE's process-wide set-up, once, before the first world.
 void initialise_ode();
 
-/// ODE has one random generator for the process. While this lives, it is the world's; after it, it is as it was.
+/// ODE has one random generator for the process. During the lifetime of this object the generator has the world's seed;
+/// the destructor restores the previous one.
 class OwnRandom {
  public:
   explicit OwnRandom(std::uint64_t& seed) : seed_(seed), outside_(dRandGetSeed()) {
@@ -28,8 +29,9 @@ class OwnRandom {
   unsigned long outside_;
 };
 
-/// The jobs into which ODE divides a step, done one after the other by the thread that steps. ODE shares one such list
-/// between all worlds; with a list of its own, a world whose step broke off leaves nothing in the others' way.
+/// The list of jobs into which ODE divides a step; the stepping thread executes them one after the other. By default
+/// ODE shares one list between all worlds. With a separate list, an aborted step of one world doesn't affect other
+/// worlds.
 class OwnJobs {
  public:
   explicit OwnJobs(dWorldID world);
@@ -41,8 +43,8 @@ class OwnJobs {
   dThreadingImplementationID jobs_;
 };
 
-/// Calls dWorldQuickStep or dWorldStep. False if ODE broke off because its numbers were no longer finite, where it
-/// would abort the process; the world must not be stepped or destroyed then, only left alone.
+/// Calls dWorldQuickStep or dWorldStep. Returns false if ODE stopped because its numbers were no longer finite (ODE
+/// itself would abort the process). Then the world must be neither stepped nor destroyed.
 bool step_ode(dWorldID world, double time_step, bool quick);
 
 }  // namespace rehearse

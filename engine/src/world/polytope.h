@@ -1,4 +1,4 @@
-// Polytope: a convex hull with all that contact and beams ask of it. Private to the world library.
+// Polytope: a convex hull with planes, edges and a centre, for contacts and beams. Private to the world library.
 #pragma once
 
 #include <rehearse/model.h>
@@ -8,12 +8,12 @@
 
 namespace rehearse {
 
-/// Its points x with normal·x <= offset are behind it.
+/// A plane. Points x with normal·x <= offset are behind it.
 struct Plane {
   Eigen::Vector3d normal;  // unit length
   double offset;           // [m]
 
-  /// Of a point before it, positive [m].
+  /// Distance of a point from the plane; positive before it, negative behind it [m].
   double distance(const Eigen::Vector3d& point) const { return normal.dot(point) - offset; }
 };
 
@@ -45,7 +45,7 @@ class Polytope {
   Eigen::Vector3d center_;
 };
 
-/// A polytope as it is seen from another frame.
+/// A polytope transformed into a different frame.
 struct PlacedPolytope {
   PlacedPolytope(const Polytope& of, const Eigen::Isometry3d& pose);
 

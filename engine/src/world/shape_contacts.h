@@ -1,4 +1,4 @@
-// Where two shapes touch: by ODE, and with convex hulls by our own. Private to the world library.
+// Contact points of two shapes: by ODE, and with convex hulls by hull_contacts.h. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// The points where they touch, as dCollide tells them, at most found.size(). Returns how many were filled in.
+/// Writes the contact points in the form of dCollide, at most found.size(). Returns the number of points.
 int collide_shapes(const BodyShape& a, const BodyShape& b, std::vector<dContactGeom>& found);
 
 }  // namespace rehearse

@@ -1,7 +1,7 @@
-// SimulatedBody: one WorldBody in the world's loop, whatever moves it. Private to the world library.
+// SimulatedBody: interface of one WorldBody in the world's loop. Private to the world library.
 //
 // A step is before_step(), drive(), add_wrench() as often as wanted, contacts, ODE's step, after_step(). OdeBody moves
-// by its dynamics, KinematicBody as it is told.
+// by its dynamics, KinematicBody as commanded.
 #pragma once
 
 #include <ode/ode.h>
@@ -18,7 +18,7 @@
 
 namespace rehearse {
 
-/// What an owner has of the state.
+/// The parts of the state that an owner (world, link, joint or device) can have.
 enum class StatePart {
   clock,         // of the world: ticks and random numbers
   motion,        // of a rigid group, by its first link, or of a kinematic link
@@ -26,16 +26,16 @@ enum class StatePart {
   effort,        // of a joint
   acceleration,  // of a joint
   belt,          // of a track
-  wrench,        // that a force sensor measured in the last step; the next step doesn't depend on it
-  contact,       // that a contact sensor measured in the last step, likewise
+  wrench,        // measured by a force sensor in the last step; the next step doesn't depend on it
+  contact,       // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
 
 /// Reads or writes pieces of state.
 class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
-  /// What follows, until the next call, is this part of the body of that name: `owner` is one of its links, joints or
-  /// devices. A part has the same name and size in every world that has that owner.
+  /// Begins a part: the visits until the next call belong to it. `body` and `owner` are names; `owner` is a link, joint
+  /// or device of the body. A part has the same name and size in every world that has that owner.
   virtual void begin_part(const std::string& body, const std::string& owner, StatePart part) = 0;
   virtual void visit(void* data, std::size_t size) = 0;
 
@@ -47,10 +47,10 @@ class StateVisitor {
 /// How the surface of a track runs in the coming step.
 struct Belt {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, world
-  double speed = 0.0;                               // of the surface [m/s], about the axis as that of a wheel
+  double speed = 0.0;                               // of the surface [m/s], positive as of a wheel about the axis
 
-  /// Where the surface runs if it is crossed by this normal: axis x normal, unit length. Zero on a flank, which has no
-  /// direction.
+  /// The direction in which the surface runs at a point with this normal: axis x normal, unit length. Zero on a flank,
+  /// where there is no direction.
   Eigen::Vector3d along(const Eigen::Vector3d& normal) const;
 };
 
@@ -60,11 +60,11 @@ struct BodyShape {
   int link = 0;                              // index into the model's links
   int belt = -1;                             // index for SimulatedBody::belt(); -1: its surface doesn't run
   int collision = 0;                         // index into the link's collisions
-  std::shared_ptr<const Polytope> polytope;  // of boxes and hulls, in the geom's frame; null: it is none
-  std::shared_ptr<const void> kept;          // what ODE has pointers to
+  std::shared_ptr<const Polytope> polytope;  // of boxes and hulls, in the geom's frame; null for other shapes
+  std::shared_ptr<const void> kept;          // data that ODE points to
 };
 
-/// A contact of the last step, as one of the two links that met in it saw it.
+/// A contact of the last step from the side of one of its two links.
 struct Touch {
   int link = 0;       // index into the model's links
   int collision = 0;  // index into the link's collisions
@@ -78,27 +78,27 @@ class SimulatedBody {
   SimulatedBody(const SimulatedBody&) = delete;
   SimulatedBody& operator=(const SimulatedBody&) = delete;
 
-  /// Keeps the velocities of now, to take the difference after the step.
+  /// Stores the current velocities, to compute accelerations after the step.
   virtual void before_step() = 0;
-  /// Adds forces and sets motors for the coming step, or motions.
+  /// Adds forces and sets motors, or motions, for the coming step.
   virtual void drive(const BodyCommand& command) = 0;
   virtual void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) = 0;
   virtual Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const = 0;
   virtual Belt belt(int index) const = 0;
-  /// Takes what the step did. What touched the body comes before it: take_touches().
+  /// Reads the results of the step. Call take_touches() before it.
   virtual void after_step() = 0;
   /// Fills the readings from the state.
   virtual void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const = 0;
   virtual bool finite() const = 0;
 
-  /// Hands every piece of state to the visitor, in a fixed order; the one place that says what state is. The visitor
+  /// Passes every piece of state to the visitor, in a fixed order. This function alone defines the state. The visitor
   /// may read or write. After writing, call after_restore().
   virtual void visit_state(StateVisitor& visitor) = 0;
   virtual void after_restore() = 0;
-  /// The state was taken part by part from another body, whose links may have other centres of mass: moves the links to
-  /// where the other's links are. Before after_restore().
+  /// Call it after the state was taken part by part from `other`, whose links may have different centres of mass, and
+  /// before after_restore(). Moves the links to the poses of the other's links.
   virtual void take_centers(const SimulatedBody& other) = 0;
-  /// Moves its rigid bodies by a last bit, up or down as the bits say.
+  /// Changes the last bit of the positions of its rigid bodies, up or down depending on `bits`.
   virtual void nudge(std::uint64_t bits) = 0;
 
   const WorldBody& description() const { return description_; }
@@ -106,16 +106,17 @@ class SimulatedBody {
   const std::vector<BodyShape>& shapes() const { return shapes_; }
   /// Pairs of shapes, by index, that may touch each other; ascending.
   const std::vector<std::pair<std::size_t, std::size_t>>& own_pairs() const { return own_pairs_; }
-  /// What was done with it that its author may not expect.
+  /// Warnings about behaviour that the body's author may not expect.
   const Diagnostics& remarks() const { return remarks_; }
-  /// From now on observe() tells the contacts of the link.
+  /// From now on observe() reports the contacts of the link.
   void watch(int link);
-  /// True if something in the body wants to know what touches the link: take_touches() then wants to hear of it.
+  /// True if contacts of the link are needed (it is watched, or a sensor measures them): pass them to take_touches().
   bool feels(int link) const { return feels_[link]; }
+  /// True if contacts of any link are needed.
   bool feels() const { return feels_something_; }
-  /// The contacts of the last step with links that feel, in the order in which they were found.
+  /// Sets the contacts of the last step of the links for which feels() is true, in the order in which they were found.
   void take_touches(std::vector<Touch> touches);
-  /// The state is another one: what touched the body is not known.
+  /// Removes the contacts of the last step, because the state was replaced.
   void forget_touches() { touches_.clear(); }
   /// True if the links never move against each other.
   bool move_together(int link, int other) const { return groups_[link] == groups_[other]; }
@@ -133,16 +134,17 @@ class SimulatedBody {
   void pair_own_shapes();
   void feel(int link);
   const std::vector<Touch>& touches() const { return touches_; }
-  /// What sensors with values read, from the links that are in the observation, and what touched the links.
+  /// Fills the readings of sensors with values, from the links in the observation and the contacts of the last step.
   void observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const;
-  /// The state of contact sensors; the last that visit_state() visits.
+  /// Visits the state of contact sensors; the last part of visit_state().
   void visit_contact_sensors(StateVisitor& visitor);
 
  private:
   /// Force, then torque, of a force sensor by device index.
   virtual std::vector<double> force_reading(std::size_t device) const = 0;
 
-  /// What a contact sensor measured in the last step. World axes, so that it is turned like what other sensors measure.
+  /// The measurement of a contact sensor in the last step, in world axes, like the measurements of other sensors; it is
+  /// turned into the device frame later.
   struct ContactSum {
     double points = 0.0;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the link [N]
@@ -155,16 +157,16 @@ class SimulatedBody {
   std::vector<std::pair<std::size_t, std::size_t>> own_pairs_;
   Diagnostics remarks_;
   std::vector<bool> feels_;    // by link index
-  std::vector<bool> watched_;  // by link index; empty: none is
+  std::vector<bool> watched_;  // by link index; empty: no link is watched
   bool feels_something_ = false;
   std::vector<Touch> touches_;
   std::vector<ContactSum> contact_sums_;  // by device index; state of the contact sensors
 };
 
-/// Checks all that ODE would abort on. The messages begin with "body 'SR1': ".
+/// Checks everything on which ODE would abort. The messages begin with "body 'SR1': ".
 Diagnostics check_dynamics(const WorldBody& description);
 
-/// True if the root link never moves: the scenario or the model says so.
+/// True if the root link never moves: the scenario or the model fixes it.
 bool root_is_fixed(const WorldBody& description);
 
 }  // namespace rehearse

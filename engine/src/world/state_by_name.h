@@ -1,4 +1,4 @@
-// The state of a world by the names of what has it. Private to the world library.
+// The state of a world by the names of bodies and owners. Private to the world library.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -14,7 +14,7 @@
 
 namespace rehearse {
 
-/// Reads the state of a world.
+/// Reads the state of a world and stores its parts by name.
 class StateByName final : public StateVisitor {
  public:
   using Name = std::tuple<std::string, std::string, StatePart>;  // body, owner, part
@@ -23,7 +23,7 @@ class StateByName final : public StateVisitor {
   void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
   void visit(void* data, std::size_t size) override;
 
-  /// Null: there is no such part.
+  /// The bytes of a part; null if there is no such part.
   const std::vector<std::byte>* find(const Name& name) const;
   bool has_body(const std::string& body) const;
 
@@ -32,7 +32,8 @@ class StateByName final : public StateVisitor {
   std::vector<std::byte>* current_ = nullptr;
 };
 
-/// Writes it into another world. A part that the state hasn't, or that has another size, stays as it is.
+/// Writes the state into another world. A part that is missing in the state, or has a different size there, stays
+/// unchanged.
 class StateTaker final : public StateVisitor {
  public:
   explicit StateTaker(StateByName state) : state_(std::move(state)) {}
@@ -41,7 +42,7 @@ class StateTaker final : public StateVisitor {
   void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
   void visit(void* data, std::size_t size) override;
 
-  /// What the next step depends on and the state hasn't: an error for each body, link or joint.
+  /// Errors about missing parts on which the next step depends: one for each body, link or joint.
   const Diagnostics& missing();
 
  private:
@@ -50,7 +51,7 @@ class StateTaker final : public StateVisitor {
   StateByName state_;
   StateByName::Name name_{"", "", StatePart::clock};  // of the current part
   const std::vector<std::byte>* current_ = nullptr;
-  std::size_t at_ = 0;  // bytes of the current part that were asked for
+  std::size_t at_ = 0;  // bytes of the current part visited so far
   std::set<std::string> told_;
   Diagnostics missing_;
 };

@@ -1,4 +1,4 @@
-// Touches: the contacts of a step of which somebody wants to know what they did. Private to the world library.
+// Touches: the contacts of a step whose forces are measured. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -22,8 +22,8 @@ class Touches {
   /// Before ODE's step: `joint` has just been attached to the parties' bodies, `a` first; the normal of `geom` points
   /// into a.
   void keep(dJointID joint, const dContactGeom& geom, const Party& a, const Party& b);
-  /// After ODE's step, while the velocities are as it left them: what touched the links of the body that feel, in the
-  /// order of keep(). Places are where the contacts were found, at the beginning of the step.
+  /// The contacts of the body's links for which feels() is true, in the order of keep(). Call it after ODE's step,
+  /// before velocities change. Places are those at the beginning of the step, where the contacts were found.
   std::vector<Touch> of(const SimulatedBody& body) const;
   void clear() { kept_.clear(); }
 
@@ -31,7 +31,7 @@ class Touches {
   struct Side {
     const SimulatedBody* body;
     const BodyShape* shape;
-    dBodyID ode;           // null: it never moves
+    dBodyID ode;           // null: the body never moves
     Eigen::Vector3d arm;   // from the centre of mass to the point, at the beginning of the step [m]
     Eigen::Vector3d belt;  // velocity of its surface relative to it [m/s]
 
