@@ -1,8 +1,7 @@
-// Brings the tool of an arm to one pose after another: inverse kinematics says where the joints have to be, a smooth
-// trajectory brings them there, and the pose that the tool then has is compared with the one that was asked for.
-//
-// Inverse kinematics moves the body that it works on, so it has a copy. Of a target that can't be reached a message is
-// written, and the arm stays for as long as it would have travelled.
+// Moves the tool of an arm to one pose after another. Inverse kinematics computes the joint displacements, and the
+// joints follow a smooth trajectory to them. At the end the tool's pose is compared with the target.
+// | Inverse kinematics moves the body that it works on, so it works on a copy. For a target that can't be reached the
+// controller writes a message, and the arm stays for the time of the movement.
 //
 // Options: the targets, each "X Y Z ROLL PITCH YAW" in quotes, [m] and [deg], in the world frame.
 
@@ -19,9 +18,9 @@
 namespace {
 
 constexpr double travel_time = 0.8;  // [s]
-constexpr double leg_time = 1.0;     // until the tool is measured, and the next leg begins [s]
+constexpr double leg_time = 1.0;     // until the tool is measured and the next leg begins [s]
 
-/// From 0 to 1, with neither speed nor acceleration at the ends.
+/// From 0 to 1; speed and acceleration are zero at both ends.
 double smooth(double s) { return s * s * s * (10.0 + s * (-15.0 + s * 6.0)); }
 
 class ArmReachController : public cnoid::SimpleController {
@@ -79,7 +78,7 @@ class ArmReachController : public cnoid::SimpleController {
     return !targets_.empty();
   }
 
-  /// From where the last leg ended.
+  /// Begins a leg at the end of the last one.
   void begin_leg() {
     from_ = to_;
     if (leg_ == targets_.size()) return;
@@ -94,7 +93,7 @@ class ArmReachController : public cnoid::SimpleController {
     for (cnoid::Link* joint : path_->joints()) to_[static_cast<std::size_t>(joint->jointId())] = joint->q();
   }
 
-  /// Rounded up: what is below a micrometre is rounding, and says something else on another machine.
+  /// Rounded up: less than a micrometre is rounding, which differs between machines.
   void tell_deviation() {
     const cnoid::Isometry3 deviation = targets_[leg_].inverse() * tool_->T();
     const double micrometres = std::ceil(1e6 * deviation.translation().norm());
@@ -106,10 +105,10 @@ class ArmReachController : public cnoid::SimpleController {
   cnoid::SimpleControllerIO* io_ = nullptr;
   cnoid::BodyPtr body_;
   cnoid::Link* tool_ = nullptr;
-  cnoid::BodyPtr thought_;  // where the arm would be
+  cnoid::BodyPtr thought_;  // copy of the body for inverse kinematics
   std::shared_ptr<cnoid::JointPath> path_;
   std::vector<cnoid::Isometry3> targets_;
-  std::size_t leg_ = 0;  // the target that it goes to
+  std::size_t leg_ = 0;  // index of the current target
   bool is_on_its_way_ = false;
   double leg_began_ = 0.0;    // [s]
   std::vector<double> from_;  // joint displacements at the ends of the leg [rad]

@@ -1,8 +1,8 @@
-// Keeps a red ball in the middle of what a camera on a pan-tilt head sees.
+// Keeps a red ball in the middle of the picture of a camera on a pan-tilt head.
 //
-// A picture is old when it arrives: it shows the ball as it was one period of the camera before, seen from where the
-// head looked then. So the controller remembers where it has looked, finds out in which direction the ball was at that
-// time, and how fast that direction changes; then it aims at where the ball must be by now.
+// A picture is old when it arrives: it was captured one camera period earlier, with the head's direction at that time.
+// So the controller stores its earlier directions and computes the direction of the ball at the time of the capture,
+// and the rate of change of this direction. Then it aims at the predicted present direction of the ball.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ using cnoid::Vector2;
 using cnoid::Vector3;
 
 constexpr double gain = 8.0;       // of the aim's error [1/s]
-constexpr double smoothing = 0.4;  // share of a new measurement in the ball's rate
+constexpr double smoothing = 0.4;  // weight of a new measurement in the ball's rate
 constexpr int fewest_pixels = 4;
 
 bool is_red(const unsigned char* pixel) { return pixel[0] > 60 && pixel[0] > 2 * pixel[1] && pixel[0] > 2 * pixel[2]; }
@@ -64,7 +64,7 @@ class CameraFollowerController : public cnoid::SimpleController {
       rate_.setZero();
       return;
     }
-    // delay() tells how old the picture was at the end of the last step
+    // delay() is the age of the picture at the end of the last step
     const double captured_at = io_->currentTime() - io_->timeStep() - camera_->delay();
     const Vector2 aim = aims_[static_cast<std::size_t>(std::lround(captured_at / io_->timeStep()))];
     const Vector3 to_ball = cnoid::rotFromRpy(0.0, aim.y(), aim.x()) * camera_->R_local() * *ray;
@@ -76,7 +76,7 @@ class CameraFollowerController : public cnoid::SimpleController {
     seen_at_ = captured_at;
   }
 
-  /// Through the middle of all red pixels, in the camera's frame: it looks along -z, with y up.
+  /// The ray through the middle of all red pixels, in the camera's frame: it looks along -z, with y up.
   std::optional<Vector3> ray_to_ball() const {
     const cnoid::Image& image = camera_->constImage();
     const unsigned char* pixel = image.pixels();

@@ -1,7 +1,7 @@
-// Keeps the tray level that an arm carries: the child of ParentController. It drives the wrist alone, but reads the
-// shoulder's angle as well: the body is its parent's, and the parent has enabled it.
+// Keeps the tray of an arm level: the child of ParentController. It drives only the wrist, but also reads the
+// shoulder's angle: it shares the body with its parent, which has enabled that input.
 //
-// How firmly it holds depends on how much there is to hold; the parent has weighed it.
+// Its stiffness is proportional to the load, which the parent has weighed.
 //
 // Options: "{stiffness: 15, damping: 1}", for each kilogram of load [N·m/rad/kg], [N·m·s/rad/kg].
 

@@ -1,8 +1,8 @@
 // Lets an arm grasp a block, lift it, and carry it aside: joints go by position through a few postures.
 //
-// Between two postures each joint moves along a cubic without a jump of speed. The gripper is told to close farther
-// than the block lets it: what holds the block is the effort limit of the fingers' joints. Whether both fingers touch
-// something when the lift begins is said.
+// Between two postures each joint follows a cubic without a jump of speed. The commanded closing of the gripper is
+// farther than the block allows: the effort limit of the fingers' joints determines the grasping force. At the
+// beginning of the lift the controller writes a message whether both fingers touch something.
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Where the joints are to be at a time.
+/// The joint displacements at a time.
 struct Posture {
   double time;                     // [s]
   double pan, lift, elbow, wrist;  // [rad]

@@ -1,4 +1,4 @@
-// What ParentController tells its child, ChildController, beside the body that they share.
+// The data that ParentController shares with its child, ChildController, in addition to the body.
 #pragma once
 
 #include <cnoid/Referenced>
@@ -7,6 +7,6 @@ class TrayState : public cnoid::Referenced {
  public:
   static constexpr const char* name = "TrayState";
 
-  double load = 0.0;         // of the tray and of all that is on it [kg]
-  bool has_arrived = false;  // it no longer moves
+  double load = 0.0;         // mass of the tray and of everything on it [kg]
+  bool has_arrived = false;  // the arm no longer moves
 };

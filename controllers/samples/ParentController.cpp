@@ -1,11 +1,11 @@
-// Raises an arm and lowers it again: the parent of a family of two. Its child, ChildController, holds the tray at the
-// end of the arm. They share one body and what the parent knows of the tray; the parent comes first in all that is
-// called.
+// Raises an arm and lowers it again: a parent controller. Its child, ChildController, keeps the tray at the end of the
+// arm level. They share one body and the parent's data about the tray; each function of the parent is called before
+// that of the child.
 //
-// It isn't told what is on the tray, but weighs it by the force at the wrist, and gives the shoulder the torque that
-// carries it. The weighing is slow, or the torque would answer to forces that it has made itself.
+// The load on the tray is not given: the parent weighs it by the force at the wrist, and sets the shoulder's torque
+// accordingly. The weighing is slow; otherwise the torque would respond to forces that it causes itself.
 //
-// Options: "{raise: 60, period: 2}": by how much [deg], and how long up and down take together [s].
+// Options: "{raise: 60, period: 2}": the angle [deg], and the duration of up and down together [s].
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr double gravity = 9.80665;    // [m/s²]
 constexpr double p_gain = 60.0;        // [N·m/rad]
 constexpr double d_gain = 8.0;         // [N·m·s/rad]
 constexpr double weighing_time = 0.2;  // [s]
-constexpr double rest_time = 0.8;      // until it has weighed what no longer moves [s]
+constexpr double rest_time = 0.8;      // after this time the arm is at rest and the load is weighed [s]
 
 class ParentController : public cnoid::SimpleController {
  public:
@@ -47,7 +47,7 @@ class ParentController : public cnoid::SimpleController {
 
   bool start() override {
     lowest_ = shoulder_->q();
-    tray_->load = wrist_->m();  // to begin with
+    tray_->load = wrist_->m();  // initial value
     return true;
   }
 
@@ -68,14 +68,14 @@ class ParentController : public cnoid::SimpleController {
   }
 
  private:
-  /// The sensor reads zero in the first step: it has measured nothing yet.
+  /// The sensor reads zero in the first step, before its first measurement.
   void weigh() {
     if (io_->currentTime() == 0.0) return;
     const double measured = -scale_->f().z() / gravity;  // the tray presses down
     tray_->load += io_->timeStep() / weighing_time * (measured - tray_->load);
   }
 
-  /// About the shoulder [N·m].
+  /// The load's torque about the shoulder [N·m].
   double torque_of_weights() const {
     const double moment = shoulder_->m() * shoulder_->c().x() + tray_->load * wrist_->b().x();  // [kg·m]
     return gravity * moment * std::cos(shoulder_->q());
@@ -88,7 +88,7 @@ class ParentController : public cnoid::SimpleController {
   TrayState* tray_ = nullptr;
   double raise_ = 0.0;   // [deg]
   double period_ = 0.0;  // [s]
-  double lowest_ = 0.0;  // where it begins [rad]
+  double lowest_ = 0.0;  // initial angle [rad]
 };
 
 }  // namespace

@@ -1,14 +1,15 @@
 // Swings a pendulum up with a motor that is too weak to lift it, and balances it at the top.
 //
-// Swinging up: a torque along the motion adds energy, one against it takes energy away. Far from the top the torque is
-// what the energy still lacks, times a gain, in the direction of the motion (K. J. Åström, K. Furuta: Swinging up a
-// pendulum by energy control, 2000).
+// Swinging up: a torque along the motion adds energy, a torque against it removes energy. Far from the top the torque
+// is the missing energy times a gain, in the direction of the motion (K. J. Åström, K. Furuta: Swinging up a pendulum
+// by energy control, 2000).
 //
-// Balancing: with x the angle from the upright and w² = m g l / J the pendulum falls like J x'' = m g l x + u. What
-// grows in it is x + x' / w; the motor can bring that back as long as it is below u_max / (m g l). State feedback
-// u = -(m g l + J p²) x - 2 J p x' puts both poles at -p.
+// Balancing: with x the angle from the upright and w² = m g l / J the pendulum falls like J x'' = m g l x + u. The
+// unstable mode is x + x' / w; the motor can stabilise it as long as it is below u_max / (m g l). State feedback u =
+// -(m g l + J p²) x - 2 J p x' puts both poles at -p.
 //
-// All figures come from the model: mass, centre of mass, inertia, and the effort limit, which nobody else enforces.
+// All parameters come from the model: mass, centre of mass, inertia, and the effort limit, which only this controller
+// enforces.
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +21,8 @@ namespace {
 constexpr double gravity = 9.80665;    // [m/s²]
 constexpr double energy_gain = 2.0;    // torque per missing energy [1/rad]
 constexpr double pole = 8.0;           // [rad/s]
-constexpr double hold_share = 0.8;     // of what the motor can hold, when balancing begins
-constexpr double near_upright = 0.5;   // where x stands for sin(x) [rad]
+constexpr double hold_share = 0.8;     // share of the motor's largest stabilisable deviation at which balancing begins
+constexpr double near_upright = 0.5;   // where sin(x) is about x [rad]
 constexpr double resting_rate = 0.01;  // [rad/s]
 
 class PendulumSwingUpController : public cnoid::SimpleController {
@@ -42,7 +43,7 @@ class PendulumSwingUpController : public cnoid::SimpleController {
   }
 
   bool control() override {
-    // the angle counts its turns: only what is left of full ones matters
+    // the angle counts its turns; only the rest modulo full turns matters
     const double x = std::remainder(hinge_->q() - cnoid::PI, 2.0 * cnoid::PI);
     const double dx = hinge_->dq();
     const double growing = x + dx * std::sqrt(inertia_ / weight_torque_);
@@ -58,10 +59,10 @@ class PendulumSwingUpController : public cnoid::SimpleController {
     return -(weight_torque_ + inertia_ * pole * pole) * x - 2.0 * inertia_ * pole * dx;
   }
 
-  /// The energy is zero at rest at the top.
+  /// Swinging-up torque. The energy is zero at rest at the top.
   double swing(double x, double dx) const {
     const double energy = 0.5 * inertia_ * dx * dx + weight_torque_ * (std::cos(x) - 1.0);  // [J]
-    const double direction = dx < -resting_rate ? -1.0 : 1.0;  // from rest to the positive side
+    const double direction = dx < -resting_rate ? -1.0 : 1.0;  // at rest, towards the positive side
     return -energy_gain * energy * direction;
   }
 

@@ -1,10 +1,10 @@
-// Plays a motion back without dynamics: the root link goes where the motion's LinkPosition says, the joints where its
-// JointDisplacement says. For a body that the scenario calls kinematic.
+// Plays a motion back without dynamics: the root link follows the motion's LinkPosition, the joints follow its
+// JointDisplacement. For a body that is kinematic in the scenario.
 //
-// Between two frames everything goes in a straight line, rotations about a fixed axis. Joints that mimic others come by
-// themselves.
+// Between two frames positions and angles are interpolated linearly, rotations about a fixed axis. Joints that mimic
+// others need no commands.
 //
-// Option: the motion's file, as seen from the share folder.
+// Option: the motion's file, relative to the share folder.
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ class PlaybackController : public cnoid::SimpleController {
       io->os() << "the motion is of another robot than " << io->body()->modelName() << "\n";
       return false;
     }
-    io->setNoDelayMode(true);  // where the motion is after a step, the body is after that step
+    io->setNoDelayMode(true);  // so that the body has the motion's pose of a step at the end of the same step
     io->enableOutput(root_, LinkPosition);
     for (int id = 0; id < joints_->numParts(); ++id) io->enableOutput(io->body()->joint(id), JointDisplacement);
     return true;

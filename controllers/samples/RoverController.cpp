@@ -1,9 +1,9 @@
-// Drives a four-wheeled rover ahead and stops it before whatever its range sensor sees in the way.
+// Drives a four-wheeled rover ahead and stops it before an obstacle that its range sensor measures.
 //
-// It slows down in time to brake evenly: at a distance d from the place to stop, v = sqrt(2 a d). What counts is what
-// lies in the lane that the rover takes up; a beam that brings nothing back counts as free.
+// It slows down in time to brake evenly: at a distance d from the place to stop, v = sqrt(2 a d). Only obstacles in the
+// rover's lane count; a beam without a hit counts as free.
 //
-// Options: how far from the obstacle to stop [m], 0.5 if nothing is said.
+// Options: the distance from the obstacle at which to stop [m]; default 0.5.
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,7 @@ class RoverController : public cnoid::SimpleController {
   }
 
  private:
-  /// To the nearest thing in the lane, straight ahead [m]. Nothing was measured yet: no way is free.
+  /// Distance to the nearest obstacle in the lane, straight ahead [m]; 0 before the first measurement.
   double free_way() const {
     const std::vector<double>& ranges = sensor_->constRangeData();
     if (ranges.empty()) return 0.0;

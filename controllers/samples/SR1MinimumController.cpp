@@ -50,7 +50,7 @@ class SR1MinimumController : public cnoid::SimpleController {
   cnoid::BodyPtr body_;
   double time_step_ = 0.0;           // [s]
   std::vector<double> q_reference_;  // [rad]
-  std::vector<double> q_before_;     // of the last step [rad]
+  std::vector<double> q_before_;     // in the last step [rad]
 };
 
 }  // namespace

@@ -1,10 +1,10 @@
 // Lets SR1 squat: its joints follow a motion from a .seq file, each by a proportional-derivative torque.
 //
-// The motion has a few frames a second. Between them each joint goes along a cubic through the frames (Catmull and
-// Rom's spline), so that its speed, which the torque follows as well, has no jumps. The motion goes on only while the
-// feet carry the robot: held in the air, it would stand still.
+// The motion has a few frames per second. Between them each joint follows a cubic through the frames (Catmull and Rom's
+// spline), so that its speed, which the torque also follows, has no jumps. The motion advances only while the feet
+// carry the robot: if the robot is lifted, the motion pauses.
 //
-// Option: the motion's file, as seen from the share folder.
+// Option: the motion's file, relative to the share folder.
 
 #include <cmath>
 #include <cnoid/BodyMotion>
@@ -19,7 +19,7 @@ constexpr double gravity = 9.80665;  // [m/s²]
 constexpr double p_gain = 8000.0;    // [N·m/rad]
 constexpr double d_gain = 60.0;      // [N·m·s/rad]
 
-/// Of a joint at a time.
+/// The planned state of a joint at a time.
 struct Reference {
   double q;   // [rad]
   double dq;  // [rad/s]
@@ -60,7 +60,7 @@ class SR1SquatController : public cnoid::SimpleController {
   }
 
  private:
-  /// Whether the feet carry most of the weight.
+  /// True if the feet carry most of the weight.
   bool stands() const {
     double force = 0.0;  // [N]
     for (const cnoid::ForceSensor* foot : feet_) force += foot->f().z();

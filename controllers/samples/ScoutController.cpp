@@ -1,11 +1,11 @@
-// Lets a scout wander through a room without touching anything: towards where its laser finds most space, and
-// around what is too low for the laser and only its depth camera sees.
+// Drives a scout through a room without touching anything: towards the most free space in its laser scan, and around
+// low obstacles that only its depth camera sees.
 //
-// The way ahead is divided into sectors. A sector is as free as the nearest thing in it, by laser or by camera; a wide
-// sector that needs little turning is the best one. What the camera takes for a thing are points above the floor,
-// which its place and tilt on the robot tell from the floor itself.
+// The area ahead is divided into sectors. The free distance of a sector is that of its nearest obstacle, by laser or by
+// camera; the best sector is wide and needs little turning. Camera points above the floor count as obstacles; the
+// height of a point follows from the camera's pose on the robot.
 //
-// Options: the cruising speed [m/s], 0.5 if nothing is said.
+// Options: the cruising speed [m/s]; default 0.5.
 
 #include <algorithm>
 #include <array>
@@ -20,10 +20,10 @@ namespace {
 constexpr double wheel_radius = 0.1;  // [m]
 constexpr double track = 0.32;        // between the wheels [m]
 constexpr double axle = 0.1;          // above the floor [m]
-constexpr double lowest = 0.03;       // what is higher above the floor is in the way [m]
+constexpr double lowest = 0.03;       // points that are higher above the floor are obstacles [m]
 constexpr double widest = 1.3;        // of the sectors, to either side [rad]
-constexpr double keep_away = 0.35;    // from what is ahead [m]
-constexpr double horizon = 3.0;       // farther is free enough [m]
+constexpr double keep_away = 0.35;    // distance from obstacles ahead [m]
+constexpr double horizon = 3.0;       // a larger distance counts as this [m]
 constexpr int sectors = 13;
 
 class ScoutController : public cnoid::SimpleController {
@@ -48,7 +48,7 @@ class ScoutController : public cnoid::SimpleController {
   }
 
   bool control() override {
-    if (laser_->constRangeData().empty()) return true;  // nothing was seen yet
+    if (laser_->constRangeData().empty()) return true;  // no measurement yet
     std::array<double, sectors> free = laser_space();
     limit_by_camera(free);
     const int best = best_sector(free);
@@ -63,7 +63,7 @@ class ScoutController : public cnoid::SimpleController {
   }
 
  private:
-  /// Of a sector's middle, left is positive [rad].
+  /// Angle of a sector's middle, left is positive [rad].
   static double angle_of(int sector) { return widest * (2.0 * sector / (sectors - 1) - 1.0); }
 
   static int sector_of(double angle) {
@@ -73,7 +73,7 @@ class ScoutController : public cnoid::SimpleController {
 
   static void approach(double& value, double wanted, double step) { value += std::clamp(wanted - value, -step, step); }
 
-  /// How far it is to the nearest thing in each sector [m].
+  /// Distance of the nearest obstacle in each sector [m].
   std::array<double, sectors> laser_space() const {
     std::array<double, sectors> free;
     free.fill(horizon);
@@ -85,7 +85,7 @@ class ScoutController : public cnoid::SimpleController {
     return free;
   }
 
-  /// Things that stand on the floor and don't reach the laser's height.
+  /// Reduces the distances by obstacles on the floor that are below the laser's height.
   void limit_by_camera(std::array<double, sectors>& free) const {
     const cnoid::Isometry3 in_base = camera_->link()->offsetPosition() * camera_->T_local();
     for (const cnoid::Vector3f& point : camera_->constPoints()) {
@@ -97,7 +97,7 @@ class ScoutController : public cnoid::SimpleController {
     }
   }
 
-  /// The one with the most space in it and beside it; between equal ones the one with the least turning.
+  /// Index of the sector with the most space in it and beside it; of equal sectors the one with the least turning.
   int best_sector(const std::array<double, sectors>& free) {
     int best = last_best_;
     double most = -1.0;

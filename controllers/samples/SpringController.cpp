@@ -1,10 +1,10 @@
 // A spring made of software: it pulls a sliding mass back with its stiffness times the displacement.
 //
-// Ordinarily a command acts one step after the control() that gave it. A spring that is one step late pulls too hard on
-// the way in and too little on the way out, so that each swing gains energy. In no-delay mode the force belongs to the
-// displacement of the same step, and the swing keeps its height.
+// By default a command takes effect one step after its control(). A spring that is one step late pulls too hard on the
+// way in and too little on the way out, so that each swing gains energy. In no-delay mode the force belongs to the
+// displacement of the same step, and the amplitude stays constant.
 //
-// Options: "{stiffness: 80}" [N/m]; with "late: true" as well it leaves the ordinary mode on, to show the difference.
+// Options: "{stiffness: 80}" [N/m]; with "late: true" the default mode stays on, to show the difference.
 
 #include <cnoid/SimpleController>
 

@@ -1,8 +1,8 @@
 // A person drives a tank by joystick: its tracks by the left stick, its turret and gun by the right one, its light by
 // buttons.
 //
-// A switches the light on and off, X narrows its beam and Y widens it. Option: how turret and gun are driven, "torque"
-// (the default: a proportional-derivative law here) or "position".
+// A switches the light on and off, X narrows its beam and Y widens it. Option: the drive of turret and gun, "torque"
+// (the default: a proportional-derivative law in this file) or "position".
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr float beam_rate = 0.4f;       // [rad/s]
 constexpr float narrowest_beam = 0.1f;  // [rad]
 constexpr float widest_beam = 0.7f;     // [rad]
 
-/// A joint that goes where a stick moves its target.
+/// A joint whose target is moved by a stick.
 struct Aim {
   const char* name;
   int axis;

@@ -1,11 +1,11 @@
 // Lets a quadruped stand up from its knees and trot ahead: diagonal pairs of legs step in turn.
 //
-// Each foot follows a path in its leg's plane: on the ground it goes straight back, in the air it comes forward over
+// Each foot follows a path in its leg's plane: on the ground it moves straight back, in the air it moves forward along
 // half a wave. Inverse kinematics of the two-link leg gives the joints' angles, which proportional-derivative torques
-// follow. It does not begin to step before all feet feel the ground. The Imu's turning rates, summed up with a short
-// memory, level the trunk: what leans is lifted by its legs.
+// follow. Stepping begins when all feet have ground contact. The Imu's angular velocities, integrated with a short
+// memory, are used to level the trunk: the legs on the lower side push up.
 //
-// Options: the speed [m/s], 0.3 if nothing is said.
+// Options: the speed [m/s]; default 0.3.
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ constexpr double lift = 0.06;         // of a foot in the air [m]
 constexpr double p_gain = 180.0;      // [N·m/rad]
 constexpr double d_gain = 2.0;        // [N·m·s/rad]
 
-/// From 0 to 1, without a jump of speed at either end.
+/// From 0 to 1, with zero speed at both ends.
 double smooth(double s) {
   s = std::clamp(s, 0.0, 1.0);
   return s * s * (3.0 - 2.0 * s);
@@ -81,7 +81,7 @@ class TrotController : public cnoid::SimpleController {
 
   struct Leg {
     std::string name;
-    double phase;  // both of a diagonal pair are alike
+    double phase;  // equal for both legs of a diagonal pair
     double side;   // 1: left, -1: right
     double end;    // 1: front, -1: rear
     std::array<cnoid::Link*, 3> joints{};
@@ -135,8 +135,8 @@ class TrotController : public cnoid::SimpleController {
   cnoid::Imu* imu_ = nullptr;
   double speed_ = 0.3;               // [m/s]
   double time_step_ = 0.0;           // [s]
-  double roll_ = 0.0, pitch_ = 0.0;  // of the trunk, of late [rad]
-  double rise_ = 0.0;                // how far it has stood up, 0 to 1
+  double roll_ = 0.0, pitch_ = 0.0;  // of the trunk, integrated with a short memory [rad]
+  double rise_ = 0.0;                // progress of standing up, 0 to 1
   bool walks_ = false;
   double cycles_ = 0.0;  // of all legs
 };

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double noLimit = std::numeric_limits<double>::max();
 
-/// Copies a vector of a device's state out of, or into, the flat form, and returns the place after it.
+/// Copies a vector of a device's state from, or into, the flat buffer, and returns a pointer behind it.
 template <class Vector>
 const double* readVector(const double* buffer, Vector& vector) {
   vector = Eigen::Map<const Vector>(buffer);

@@ -48,7 +48,7 @@ void BodyMotion::copyExtraSeqs(const BodyMotion& other) {
   for (const auto& entry : other.extraSeqs_) extraSeqs_[entry.first] = entry.second->cloneSeq();
 }
 
-// --- Rate, time and size: of the motion and of all that comes along
+// --- Rate, time and size: of the motion and of its additional sequences
 
 void BodyMotion::setFrameRate(double rate) {
   stateSeq_->setFrameRate(rate);
@@ -145,7 +145,7 @@ void BodyMotion::updateBodyStateSeqWithLinkPosSeqAndJointPosSeq() {
   }
 }
 
-// --- Other sequences
+// --- Additional sequences
 
 void BodyMotion::setExtraSeq(std::shared_ptr<AbstractSeq> seq) {
   if (seq->seqContentName().empty()) return;

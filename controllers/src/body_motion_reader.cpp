@@ -1,13 +1,13 @@
 // Reading a BodyMotion from a .seq file.
 //
-// The names of things changed with the format's versions:
+// The names in a file changed with the format's versions:
 //   version         1                                  2                   3                           4
 //   type            BodyMotion                         CompositeSeq        CompositeSeq                CompositeSeq
 //   joints          JointPosition                      JointDisplacement   MultiJointDisplacementSeq JointDisplacement
 //   links           LinkPosition                       LinkPosition        MultiLinkPositionSeq        LinkPosition
 //   ZMP             ZMP, RelativeZMP, RelativeZmp      ZMP                 ZMPSeq                      ZMP
-//   said by         content or purpose                 content             content                     content
-// A component inherits what it does not say itself (frame rate, version) from the file's top level.
+//   named by        content or purpose                 content             content                     content
+// A component inherits values that it does not state itself (frame rate, version) from the file's top level.
 
 #include <cnoid/BodyMotion>
 #include <cnoid/YAMLReader>
@@ -59,7 +59,7 @@ std::string contentOf(const Mapping& component, double version) {
 MappingPtr withInherited(const Mapping& component, const Mapping& top) {
   const MappingPtr merged = component.clone();
   const MappingPtr inherited = top.clone();
-  inherited->remove("content");  // what the whole is, and consists of, says nothing about a part
+  inherited->remove("content");  // the content of the whole file doesn't apply to a part
   inherited->remove("purpose");
   inherited->remove("components");
   inherited->remove("frames");

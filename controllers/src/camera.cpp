@@ -10,7 +10,7 @@ namespace {
 
 constexpr int cameraStateSize = 5;
 
-/// The angle whose half-tangent is `ratio` times that of `angle`: fields of view across and along a flat image.
+/// The angle whose half-tangent is `ratio` times that of `angle`: converts fields of view across and along an image.
 double scaleFieldOfView(double angle, double ratio) { return 2.0 * std::atan(ratio * std::tan(angle / 2.0)); }
 
 }  // namespace

@@ -54,7 +54,7 @@ class OptionSplitter {
 
   const std::string& text_;
   std::size_t place_ = 0;
-  std::size_t quote_ = std::string::npos;  // where the open one began
+  std::size_t quote_ = std::string::npos;  // position of the opening quote
   std::string option_;
   std::vector<std::string> options_;
 };
@@ -99,7 +99,7 @@ SignalProxy<void()> ControllerIO::sigLogFlushRequested() { return {}; }
 bool ControllerIO::enableLog() { return false; }
 
 void ControllerIO::outputLogFrame(Referenced* logFrame) {
-  const ReferencedPtr owner(logFrame);  // the caller gave it away: it ends here
+  const ReferencedPtr owner(logFrame);  // takes ownership, so that the object is deleted here if nothing else owns it
 }
 
 std::string ControllerIO::getIntegratedOptionString(const std::string& first, const std::string& second) {

@@ -7,7 +7,7 @@ DeviceState::~DeviceState() = default;
 
 Device::Device() : T_local_(Isometry3::Identity()), info_(new Mapping) {}
 
-// Signals are not copied: what listens to one device does not listen to its copies.
+// Signals are not copied: a slot that is connected to one device is not connected to its copies.
 Device::Device(const Device& other)
     : DeviceState(other),
       id_(other.id_),

@@ -1,4 +1,4 @@
-// How a device takes over the state of another: only of exactly the same type.
+// Copies the state of one device to another of exactly the same type.
 #pragma once
 
 #include <cnoid/Device>

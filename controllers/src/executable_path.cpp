@@ -35,7 +35,7 @@ fs::path shareDirPath() {
 fs::path executableTopDirPath() { return programFile().parent_path().parent_path(); }
 
 const std::string& shareDir() {
-  static std::string dir;  // asked for anew each time: the environment may have changed
+  static std::string dir;  // read anew at each call, because the environment may have changed
   dir = shareDirPath().string();
   return dir;
 }

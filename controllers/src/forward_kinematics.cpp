@@ -7,7 +7,7 @@
 namespace cnoid {
 
 void Body::calcForwardKinematics(bool calcVelocity, bool calcAcceleration) {
-  for (const auto& link : links_) {  // a parent always stands before its children
+  for (const auto& link : links_) {  // a parent always comes before its children
     if (link->isRoot()) continue;
     setPose(*link, *link->parent());
     if (calcVelocity) setVelocity(*link, *link->parent());

@@ -47,8 +47,8 @@ void solveDamped(const Jacobian& J, const Error& e, double damping, VectorXd& dq
   dq.noalias() = J.transpose().lazyProduct(x);
 }
 
-/// The displacement, or of a revolute joint the equal angle nearest to where it started, within its limits if any of
-/// the equal angles is.
+/// The displacement; for a revolute joint the equivalent angle nearest to its start, within its limits if one of the
+/// equivalent angles is.
 double nearestPhase(const Link& joint, double q, double q_start) {
   if (!joint.isRevoluteJoint()) return q;
   constexpr double turn = 2.0 * PI;
@@ -123,8 +123,8 @@ void JointPath::reset() {
 }
 
 void JointPath::extractJoints() {
-  // A link's joint lies between it and its parent: on the way up it is the joint of the link that is left, on the way
-  // down that of the link that is reached. The joint above the topmost link is none of the path's.
+  // A link's joint connects it to its parent: on the way up the path uses the joint of the link that it leaves, on the
+  // way down that of the link that it reaches. The joint above the topmost link is not part of the path.
   joints_.clear();
   int index = 0;
   for (; index + 1 < linkPath_.numLinks() && !linkPath_.isDownward(index); ++index) addJoint(linkPath_[index]);
@@ -160,7 +160,7 @@ JointPath& JointPath::setBaseLinkGoal(const Isometry3& T) {
 
 bool JointPath::calcInverseKinematics(const Isometry3& T) {
   if (joints_.empty()) return moveWithoutJoints(T);
-  const Isometry3 goal = T;  // which may be the pose of a link that moves
+  const Isometry3 goal = T;  // a copy, because T may refer to the pose of a link that moves
   if (!iterate(&goal)) return false;
   if (isExactEndPositionEnabled_) endLink()->T() = goal;
   return true;
@@ -249,7 +249,7 @@ void JointPath::writePoseJacobian() {
   const Vector3 end = endLink()->p();
   for (int i = 0; i < numJoints(); ++i) {
     const Link& link = *joint(i);
-    // A joint that the path climbs moves all that follows the other way round.
+    // If the path climbs through a joint, the links behind it move in the opposite direction.
     const Vector3 axis = (isJointDownward(i) ? 1.0 : -1.0) * (link.R() * link.a());
     if (link.isRevoluteJoint()) {
       J.col(i) << axis.cross(end - link.p()), axis;
@@ -268,7 +268,7 @@ void JointPath::restore() {
 }
 
 void JointPath::calcJacobian(Eigen::MatrixXd& out_J) const {
-  const_cast<JointPath*>(this)->writePoseJacobian();  // a workspace, no state
+  const_cast<JointPath*>(this)->writePoseJacobian();  // writes a workspace only, no state
   out_J = ik_->poseJacobian;
 }
 

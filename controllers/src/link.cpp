@@ -59,8 +59,8 @@ Link::Link(const Link& other)
       info_(other.info_->deepClone()) {}
 
 Link::~Link() {
-  // A child that somebody still holds must not keep pointers to this link or to its former siblings. Taking the
-  // children one by one also keeps a long row of siblings from being deleted recursively.
+  // A child that has other owners must not keep pointers to this link or to its former siblings. Removing the children
+  // one by one also prevents a recursive deletion of a long row of siblings.
   LinkPtr child = std::move(child_);
   while (child) {
     LinkPtr next = std::move(child->sibling_);

@@ -1,4 +1,4 @@
-// One link's pose, velocity and acceleration from its parent's, and the parent's from the link's.
+// Computes one link's pose, velocity and acceleration from its parent's, and the parent's from the link's.
 //
 // With s the joint axis in world axes and r from the parent's origin to the link's, a rigid parent gives its link
 //   v = v_p + w_p x r,  w = w_p,  dv = dv_p + dw_p x r + w_p x (w_p x r),  dw = dw_p
@@ -15,9 +15,9 @@ void setVelocity(Link& link, const Link& parent);
 void setAcceleration(Link& link, const Link& parent);
 
 void setPoseOfParent(Link& parent, const Link& link);
-/// After setPoseOfParent.
+/// Call it after setPoseOfParent.
 void setVelocityOfParent(Link& parent, const Link& link);
-/// After setVelocityOfParent.
+/// Call it after setVelocityOfParent.
 void setAccelerationOfParent(Link& parent, const Link& link);
 
 }  // namespace cnoid

@@ -26,7 +26,7 @@ bool LinkPath::setPath(Link* base, Link* end) {
     numUpwardSteps_ = 0;
     return false;
   }
-  // What both ways have in common above the link where they meet is no part of the path.
+  // The common part of both ways above the link where they meet does not belong to the path.
   LinkPtr meeting;
   while (!links_.empty() && !down.empty() && links_.back() == down.back()) {
     meeting = links_.back();

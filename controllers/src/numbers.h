@@ -1,4 +1,4 @@
-// Numbers as text, the same in every locale.
+// Conversion of numbers to and from text, independent of the locale.
 #pragma once
 
 #include <array>
@@ -17,10 +17,11 @@ std::string printNumber(Number number) {
   return std::string(buffer.data(), end.ptr);
 }
 
-/// False, the number untouched, if the text is not one number from end to end.
+/// Returns false and leaves the number unchanged if the text is not exactly one number.
 template <class Number>
 bool parseNumber(std::string_view text, Number& number) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);  // from_chars knows no plus sign
+  // from_chars doesn't accept a plus sign
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   Number parsed{};
   const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), parsed);
   if (end.ec != std::errc() || end.ptr != text.data() + text.size()) return false;

@@ -71,7 +71,7 @@ std::string encodePng(int width, int height, int components, const std::vector<u
   std::string header;
   appendBigEndian(header, static_cast<std::uint32_t>(width));
   appendBigEndian(header, static_cast<std::uint32_t>(height));
-  header += '\x08';  // bits a component
+  header += '\x08';  // bits per component
   header += colorTypes.at(static_cast<std::size_t>(components));
   header.append(3, '\0');  // deflate, the standard filters, no interlacing
 

@@ -1,4 +1,4 @@
-// PNG without compression: what Image::save needs, without a library that every controller would then depend on.
+// PNG without compression: enough for Image::save, without a library on which every controller would then depend.
 #pragma once
 
 #include <string>

@@ -44,7 +44,7 @@ void RangeCamera::setPoints(std::shared_ptr<PointData>& points) { points_ = take
 void RangeCamera::clearPoints() { newPoints(); }
 
 void RangeCamera::setOrganized(bool on) {
-  if (on != organized_) clearState();  // what is there has the other form
+  if (on != organized_) clearState();  // the stored points have the other form
   organized_ = on;
 }
 

@@ -26,7 +26,7 @@ void RangeSensor::Sweep::setStep(double newStep) {
   if (!(newStep >= 0.0)) return;
   step = newStep;
   stepDecides = true;
-  // The last beam belongs to the range even if the division comes out a little below a whole number.
+  // The last beam is included even if rounding makes the quotient a little less than a whole number.
   samples = step == 0.0 ? 1 : static_cast<int>((maxAngle - minAngle) / step + 1.0e-7) + 1;
 }
 
@@ -40,7 +40,7 @@ void RangeSensor::Sweep::setSamples(int newSamples) {
 RangeSensor::RangeSensor() : rangeData_(std::make_shared<RangeData>()) {
   setScanRate(10.0);
   yaw_.setRange(radian(-60.0), radian(60.0));
-  yaw_.setStep(1.0);  // [rad]: Choreonoid's default, and certainly meant as a degree there
+  yaw_.setStep(1.0);  // [rad]: Choreonoid's default, although one degree was probably intended there
 }
 
 RangeSensor::RangeSensor(const RangeSensor& other) = default;

@@ -9,7 +9,8 @@ namespace cnoid {
 
 namespace {
 
-constexpr double maxFrames = 1.0e6;  // of a sequence whose frames have times: a wrong time must not fill the memory
+// of a sequence whose frames have times: limits the memory that a wrong time can cost
+constexpr double maxFrames = 1.0e6;
 
 int frameOfTime(const ValueNode& node, const AbstractSeq& seq) {
   const double time = node.toDouble();

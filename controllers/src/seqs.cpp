@@ -1,4 +1,4 @@
-// The kinds of sequences that stand in a .seq file.
+// The kinds of sequences in a .seq file.
 
 #include <cnoid/EigenUtil>
 #include <cnoid/MultiSE3Seq>
@@ -35,7 +35,7 @@ bool MultiValueSeq::doReadSeq(const Mapping* archive, std::ostream&) {
 
 namespace {
 
-/// In which order a pose is written.
+/// The order of the numbers of a pose in the file.
 enum class PoseFormat { XYZQWQXQYQZ, XYZQXQYQZQW, XYZRPY };
 
 PoseFormat readPoseFormat(const Mapping& archive, double formatVersion) {

@@ -5,14 +5,14 @@
 
 namespace cnoid {
 
-/// For writing: a copy of one's own first, if anybody else holds the data.
+/// Prepares data for writing: makes a copy first if the data have other owners.
 template <class Data>
 Data& ownData(std::shared_ptr<Data>& data) {
   if (data.use_count() > 1) data = std::make_shared<Data>(*data);
   return *data;
 }
 
-/// Takes over what the caller gives away; copies it if others hold it too, since they could still change it.
+/// Takes the caller's data; copies them if they have other owners, which could still change them.
 template <class Data>
 std::shared_ptr<Data> takeData(std::shared_ptr<Data>& given) {
   std::shared_ptr<Data> taken = std::move(given);

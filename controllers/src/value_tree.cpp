@@ -38,7 +38,7 @@ T valueOf(const ValueNode& node, const char* expected) {
   return value;
 }
 
-/// A copy of a node with copies of all below it.
+/// A copy of a node with copies of all nodes below it.
 ValueNode* deepCopy(const ValueNode& node) {
   if (node.isMapping()) return node.toMapping()->deepClone();
   if (node.isListing()) return node.toListing()->deepClone();

@@ -1,5 +1,5 @@
-// yaml-cpp's parser tells what it reads as events; they build the tree here. Its own nodes are not used: they know no
-// sharing of aliases, and are slow for motions of a million numbers.
+// yaml-cpp's parser reports events; this file builds the tree from them. yaml-cpp's nodes are not used, because they
+// don't represent shared aliases and are slow for motions of a million numbers.
 
 #include <cnoid/YAMLReader>
 
@@ -24,14 +24,14 @@ ValueNode::SyntaxException problemAt(const YAML::Mark& mark, const std::string& 
 
 class TreeBuilder : public YAML::EventHandler {
  public:
-  /// Throws what was wrong with it. Not earlier: to a parser that has lost its way much looks wrong before it finds
-  /// out.
+  /// Throws the stored error. Not earlier: after a syntax error the parser may report several wrong events before it
+  /// reports the error itself.
   ValueNodePtr takeDocument() {
     if (!problems_.empty()) throw problems_.front();
     return std::move(document_);
   }
 
-  /// yaml-cpp does not get past some stray characters: it finds an empty document before them again and again.
+  /// yaml-cpp does not get past some stray characters: it reports an empty document before them again and again.
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (mark.pos == start_) throw problemAt(mark, "this can't stand here");
     start_ = mark.pos;
@@ -69,7 +69,7 @@ class TreeBuilder : public YAML::EventHandler {
  private:
   struct Level {
     ValueNodePtr collection;
-    std::string key;  // of a mapping: the one whose value comes next
+    std::string key;  // of a mapping: the key of the next value
     bool hasKey;
   };
 
@@ -112,7 +112,7 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<Level> open_;
   std::map<YAML::anchor_t, ValueNodePtr> anchors_;
   ValueNodePtr document_;
-  int start_ = -1;  // of the document, in the text
+  int start_ = -1;  // start of the document in the text
   std::vector<ValueNode::SyntaxException> problems_;
 };
 
@@ -120,7 +120,7 @@ std::string readFile(const std::string& filename) {
   std::ifstream file(filename, std::ios::binary);
   std::ostringstream text;
   if (file) text << file.rdbuf();
-  if (file) file.peek();  // a folder opens like a file, and only fails when it is read
+  if (file) file.peek();  // a folder can be opened like a file; only reading it fails
   if (!file.is_open() || file.bad()) {
     ValueNode::FileException problem;
     problem.setMessage("the file can't be read");

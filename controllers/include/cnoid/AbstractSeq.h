@@ -1,4 +1,4 @@
-// AbstractSeq: a sequence of frames at a fixed rate, of whatever kind.
+// AbstractSeq: interface of all sequences of frames at a fixed rate.
 #pragma once
 
 #include "Config.h"
@@ -17,19 +17,19 @@ class CNOID_GENERAL_EXPORT AbstractSeq {
 
   virtual std::shared_ptr<AbstractSeq> cloneSeq() const = 0;
 
-  /// As .seq files name the kind: "MultiValueSeq", "Vector3Seq" ...
+  /// The kind of sequence, as .seq files name it: "MultiValueSeq", "Vector3Seq" ...
   const std::string& seqType() const { return seqType_; }
-  /// What the numbers are: "JointDisplacement", "ZMP" ...
+  /// The meaning of the values: "JointDisplacement", "ZMP" ...
   const std::string& seqContentName() const { return contentName_; }
   void setSeqContentName(const std::string& name) { contentName_ = name; }
 
   virtual double getFrameRate() const = 0;  // [Hz]
   virtual void setFrameRate(double rate) = 0;
   static double defaultFrameRate() { return 100.0; }
-  /// 0 if there is no frame rate [s].
+  /// Length of a frame [s]; 0 if there is no frame rate.
   double getTimeStep() const;
   void setTimeStep(double step);
-  /// Of frame 0 [s].
+  /// Time of frame 0 [s].
   virtual double getOffsetTime() const = 0;
   virtual void setOffsetTime(double time) = 0;
   double getTimeOfFrame(int frame) const;
@@ -40,7 +40,8 @@ class CNOID_GENERAL_EXPORT AbstractSeq {
   /// With fillNewElements: new frames are copies of the last one, or default values if there is none.
   virtual void setNumFrames(int n, bool fillNewElements = false) = 0;
 
-  /// From a node of a .seq file. False, with a message that says what is wrong and where, if that is not possible.
+  /// Reads the sequence from a node of a .seq file. On failure returns false; seqMessage() then states the error and
+  /// its place.
   bool readSeq(const Mapping* archive, std::ostream& os = nullout());
   /// The messages of the last readSeq(), or load(); empty if there were none. (In Choreonoid it is always empty.)
   const std::string& seqMessage() const { return message_; }
@@ -50,15 +51,15 @@ class CNOID_GENERAL_EXPORT AbstractSeq {
   AbstractSeq(const AbstractSeq&) = default;
   AbstractSeq& operator=(const AbstractSeq&) = default;
 
-  /// What readSeq() does. May throw a ValueNode::Exception. By default: refuses.
+  /// Implementation of readSeq(). May throw a ValueNode::Exception. The default implementation refuses every node.
   virtual bool doReadSeq(const Mapping* archive, std::ostream& os);
-  /// doReadSeq() of another sequence, for one that consists of several.
+  /// Calls doReadSeq() of a different sequence, for a sequence that consists of several.
   static bool readPart(AbstractSeq& part, const Mapping* archive, std::ostream& os);
-  /// readSeq() with a file's name for messages.
+  /// Calls readSeq() with a file's name for messages.
   bool readSeqOf(const std::string& file, const Mapping* archive, std::ostream& os);
-  /// "file:line:column: " of a place in what is being read.
+  /// "file:line:column: " of a place in the text that is being read.
   std::string placeOf(int line, int column) const;
-  /// Says why nothing of a file could be read. Returns false.
+  /// Adds a message with the reason why nothing of a file could be read. Returns false.
   bool refuse(const std::string& file, const ValueNode::Exception& problem, std::ostream& os);
 
  private:

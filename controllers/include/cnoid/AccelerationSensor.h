@@ -1,7 +1,7 @@
 // AccelerationSensor: specific force, in the sensor frame.
 //
-// What a real accelerometer shows: acceleration less gravity. At rest and level z reads +9.80665 m/s², in free fall 0.
-// The acceleration is that of the link's origin.
+// The reading of a real accelerometer: acceleration minus gravity. At rest and level z reads +9.80665 m/s², in free
+// fall 0. The acceleration is that of the link's origin.
 #pragma once
 
 #include "Device.h"
@@ -23,7 +23,7 @@ class CNOID_GENERAL_EXPORT AccelerationSensor : public Device {
   Vector3& dv() { return dv_; }
   const Vector3& dv() const { return dv_; }
 
-  /// What the sensor is made for [m/s²]. Stored only: readings are not clipped.
+  /// Range of the sensor [m/s²]. Stored only: readings are not clipped.
   Vector3& dv_max() { return dv_max_; }
   const Vector3& dv_max() const { return dv_max_; }
 

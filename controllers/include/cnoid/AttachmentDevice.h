@@ -1,4 +1,4 @@
-// AttachmentDevice: the place by which an object is held by a HolderDevice.
+// AttachmentDevice: the place at which a HolderDevice can hold an object.
 #pragma once
 
 #include "Device.h"
@@ -25,7 +25,7 @@ class CNOID_GENERAL_EXPORT AttachmentDevice : public Device {
   bool on() const override;
   void on(bool on) override;
 
-  /// What holds it, or null.
+  /// The holder to which it is attached, or null.
   HolderDevice* holder() const;
   bool isAttaching() const { return holder() != nullptr; }
   void detach();
@@ -33,11 +33,11 @@ class CNOID_GENERAL_EXPORT AttachmentDevice : public Device {
   const std::string& category() const { return category_; }
   void setCategory(const std::string& category) { category_ = category; }
   void clearCategory() { category_.clear(); }
-  /// A holder of another body that has no categories, or this one's.
+  /// True for a holder of a different body that has no category or the category of this attachment.
   bool isAttachableTo(const HolderDevice* holder) const;
 
  protected:
-  /// A copy is attached to nothing.
+  /// A copy is not attached.
   AttachmentDevice(const AttachmentDevice& other);
   Referenced* doClone(CloneMap* cloneMap) const override;
 
@@ -47,7 +47,7 @@ class CNOID_GENERAL_EXPORT AttachmentDevice : public Device {
 
   bool on_ = true;
   std::string category_;
-  HolderDevice* holder_ = nullptr;  // which forgets us when it goes
+  HolderDevice* holder_ = nullptr;  // its destructor resets this pointer
 };
 
 using AttachmentDevicePtr = ref_ptr<AttachmentDevice>;

@@ -1,4 +1,4 @@
-// The sensors that measure numbers rather than pictures.
+// Includes the headers of all sensors that measure numbers.
 #pragma once
 
 #include "AccelerationSensor.h"

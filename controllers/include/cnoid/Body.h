@@ -1,7 +1,8 @@
 // Body: a robot or object as a tree of links, with its joints and devices.
 //
-// The body that a controller gets is its own copy: reading it never shows what was not enabled as input, and writing to
-// it changes nothing in the simulation but what is sent as output. Links, joints and devices live as long as the body.
+// The body that a controller gets is a separate copy: reading it shows only quantities that were enabled as input, and
+// writing to it changes the simulation only through enabled outputs. Links, joints and devices live as long as the
+// body.
 #pragma once
 
 #include "ClonableReferenced.h"
@@ -20,14 +21,15 @@ using BodyPtr = ref_ptr<Body>;
 
 class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
  public:
-  /// A body of one free link without a name.
+  /// Creates a body of one free link without a name.
   Body();
   explicit Body(const std::string& name);
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
   ~Body() override;
 
-  /// A deep copy with state and devices, owned by nobody yet. Caches stay behind, and so do images (see Camera).
+  /// A deep copy with state and devices; the caller becomes its first owner. Caches and images are not copied (see
+  /// Camera).
   Body* clone() const { return static_cast<Body*>(doClone(nullptr)); }
 
   /// In a scenario: the body's name there. modelName() is the name in the model file.
@@ -37,9 +39,9 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   // --- Links: depth first, children of a link in order; link 0 is the root
 
   int numLinks() const { return static_cast<int>(links_.size()); }
-  /// Null if there is none.
+  /// Null if the index is out of range.
   Link* link(int index) const;
-  /// Null if there is none. Of several links of that name: the last.
+  /// Null if there is no link of that name. Of several links of that name: the last.
   Link* link(const std::string& name) const;
   const std::vector<LinkPtr>& links() const { return links_; }
   Link* rootLink() const { return rootLink_; }
@@ -48,10 +50,10 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
 
   /// The largest joint id plus one.
   int numJoints() const { return numIdentifiedJoints_; }
-  /// Null if the number is out of range (Choreonoid does not check). Where no link has that id: a dummy, a fixed link
-  /// with index -1 that belongs to no body; it can't be enabled on an IO object.
+  /// Null if the number is out of range (Choreonoid does not check). If no link has that id: a dummy, a fixed link with
+  /// index -1 that belongs to no body; it can't be enabled on an IO object.
   Link* joint(int id) const;
-  /// By the name of the joint, then by that of the link; null if there is neither.
+  /// Finds a link by the name of its joint, then by its own name; null if there is neither.
   Link* joint(const std::string& name) const;
 
   class JointRange {
@@ -76,7 +78,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   // --- Devices: in the order of the model, those of a link before those of the next
 
   int numDevices() const { return static_cast<int>(devices_.size()); }
-  /// Null if there is none.
+  /// Null if the index is out of range.
   Device* device(int index) const;
   const DeviceList<>& devices() const { return devices_; }
   template <class DeviceType>
@@ -84,14 +86,14 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
     return devices_;
   }
 
-  /// Null if there is none. Of several devices of that name: the last.
+  /// Null if there is no device of that name. Of several devices of that name: the last.
   Device* findDevice(const std::string& name) const;
-  /// Null as well if the device of that name is of another type.
+  /// Also null if the device of that name has a different type.
   template <class DeviceType>
   DeviceType* findDevice(const std::string& name) const {
     return dynamic_cast<DeviceType*>(findDevice(name));
   }
-  /// The first device of the type, if a predicate is given: the first that it accepts.
+  /// The first device of the type; with a predicate, the first one for which it returns true.
   template <class DeviceType>
   DeviceType* findDevice(std::function<bool(DeviceType* device)> accepts = nullptr) const {
     for (const auto& device : devices_) {
@@ -111,30 +113,31 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
 
   // --- The whole body
 
-  /// The root link is fixed to the world.
+  /// True if the root link is fixed to the world.
   bool isFixedRootModel() const { return rootLink_->isFixedJoint(); }
-  /// Nothing in it moves.
+  /// True if no link of the body can move.
   bool isStaticModel() const;
   bool hasMovableJoints() const;
 
   double mass() const;  // [kg]
   /// Centre of mass in the world [m], from the links' T(). Updates Link::wc().
   const Vector3& calcCenterOfMass();
-  /// Of the last calcCenterOfMass().
+  /// The result of the last calcCenterOfMass().
   const Vector3& centerOfMass() const { return centerOfMass_; }
   /// Momentum [kg·m/s] and angular momentum about the world's origin [kg·m²/s], from the links' T(), v(), w(), and
   /// wc(): call calcCenterOfMass() first.
   void calcTotalMomentum(Vector3& P, Vector3& L);
 
-  /// Poses (and velocities, accelerations) of all links from the root's and the joints' q (dq, ddq).
+  /// Computes poses (and velocities, accelerations) of all links from the root's and the joints' q (dq, ddq).
   void calcForwardKinematics(bool calcVelocity = false, bool calcAcceleration = false);
 
-  /// The root's pose in the model.
+  /// The root link's pose in the model.
   const Isometry3& defaultPosition() const { return rootLink_->Tb(); }
   void resetDefaultPosition(const Isometry3& pose) { rootLink_->setOffsetPosition(pose); }
-  /// Root at defaultPosition(), joints at q_initial(), then as initializeState().
+  /// Puts the root at defaultPosition() and the joints at q_initial(), then does the same as initializeState().
   void initializePosition();
-  /// All links at rest where they are (Link::initializeState), forward kinematics, devices cleared.
+  /// Sets all links to rest at their current poses (Link::initializeState), computes forward kinematics, clears
+  /// devices.
   void initializeState();
   void initializeDeviceStates();
   void clearExternalForces();
@@ -143,7 +146,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   double currentTime() const { return currentTimeFunction_ ? currentTimeFunction_() : 0.0; }
   void setCurrentTimeFunction(std::function<double()> function) { currentTimeFunction_ = std::move(function); }
 
-  // --- What the model gives beyond all this
+  // --- Additional information in the model
 
   /// Never null.
   Mapping* info() { return info_; }
@@ -163,7 +166,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   }
   void resetInfo(Mapping* newInfo) { info_ = newInfo; }
 
-  // --- Objects kept with the body under a name; the IO object's shared objects live here
+  // --- Objects stored with the body under a name; also used for the IO object's shared objects
 
   template <class T>
   T* findCache(const std::string& name) {
@@ -173,7 +176,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   const T* findCache(const std::string& name) const {
     return dynamic_cast<const T*>(findCacheEntry(name));
   }
-  /// Makes a new T if there is none of that name, or one of another type.
+  /// Makes a new T if there is no object of that name, or one of a different type.
   template <class T>
   T* getOrCreateCache(const std::string& name) {
     if (T* existing = findCache<T>(name)) return existing;
@@ -191,12 +194,12 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   /// Replaces the whole tree.
   void setRootLink(Link* link);
   void setRootLinkFixed(bool on) { rootLink_->setJointType(on ? Link::FixedJoint : Link::FreeJoint); }
-  /// To be called after the tree, or a link's name or joint id, was changed: numbers links and joints anew.
+  /// Numbers links and joints anew. To be called after a change of the tree, or of a link's name or joint id.
   void updateLinkTree();
 
-  /// False if the link belongs to another body. Devices get their index here.
+  /// False if the link belongs to a different body. Sets the index of the device.
   bool addDevice(Device* device, Link* link);
-  /// False if it is none of this body's.
+  /// False if the device doesn't belong to this body.
   bool removeDevice(Device* device);
   void removeDevicesOfLink(Link* link);
   void clearDevices();
@@ -215,7 +218,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   std::string modelName_;
   LinkPtr rootLink_;
   std::vector<LinkPtr> links_;
-  std::vector<LinkPtr> joints_;  // by joint id, then those without one
+  std::vector<LinkPtr> joints_;  // by joint id, then joints without an id
   int numIdentifiedJoints_ = 0;
   std::map<std::string, Link*> linksByName_;
   std::map<std::string, Link*> linksByJointName_;

@@ -1,13 +1,13 @@
-// BodyMotion: a motion of a body, as .seq files have it: joint displacements, poses of links, and what else comes
-// along.
+// BodyMotion: a motion of a body, as stored in .seq files: joint displacements, poses of links, and additional
+// sequences.
 //
 //   cnoid::BodyMotion motion;
 //   if (!motion.load(filename)) { io->os() << motion.seqMessage(); return false; }
 //   auto q = motion.jointPosSeq();            // numFrames() x numParts() numbers [rad, m]
 //   joint->q_target() = q->clampedFrame(tick)[joint->jointId()];
 //
-// stateSeq() is the motion. jointPosSeq() and linkPosSeq() are tables made from it when they are first asked for;
-// after changing the one or the other call the update function of that direction.
+// stateSeq() contains the motion. jointPosSeq() and linkPosSeq() are tables that are made from it at the first call;
+// after changing a table or stateSeq(), call the update function of that direction.
 #pragma once
 
 #include "BodyStateSeq.h"
@@ -34,8 +34,8 @@ class CNOID_GENERAL_EXPORT BodyMotion : public AbstractSeq {
 
   std::shared_ptr<AbstractSeq> cloneSeq() const override;
 
-  /// Reads a .seq file: YAML, type CompositeSeq, content BodyMotion, format version 1 to 4. False, and no frames, if
-  /// that is not possible; `os` and seqMessage() then say why, with file, line and column.
+  /// Reads a .seq file: YAML, type CompositeSeq, content BodyMotion, format version 1 to 4. On failure returns false
+  /// and leaves no frames; `os` and seqMessage() then state the reason, with file, line and column.
   bool load(const std::string& filename, std::ostream& os = nullout());
 
   double frameRate() const { return stateSeq_->frameRate(); }
@@ -64,7 +64,7 @@ class CNOID_GENERAL_EXPORT BodyMotion : public AbstractSeq {
   void updateJointPosSeqWithBodyStateSeq();
   void updateLinkPosSeqWithBodyStateSeq();
   void updateLinkPosSeqAndJointPosSeqWithBodyStateSeq();
-  /// Throws std::logic_error if both tables exist with different numbers of frames. No effect if neither does.
+  /// Throws std::logic_error if both tables exist with different numbers of frames. No effect if neither exists.
   void updateBodyStateSeqWithLinkPosSeqAndJointPosSeq();
   [[deprecated("Use stateSeq.")]] std::shared_ptr<BodyStateSeq> positionSeq() { return stateSeq_; }
   [[deprecated("Use updateJointPosSeqWithBodyStateSeq.")]] void updateJointPosSeqWithBodyPositionSeq() {
@@ -100,14 +100,14 @@ class CNOID_GENERAL_EXPORT BodyMotion : public AbstractSeq {
   Frame frame(int index) { return Frame(*this, index); }
   ConstFrame frame(int index) const { return ConstFrame(*this, index); }
 
-  // --- Other sequences, by their content name, in alphabetical order
+  // --- Additional sequences, by their content name, in alphabetical order
 
   using ExtraSeqMap = std::map<std::string, std::shared_ptr<AbstractSeq>>;
   using ConstSeqIterator = ExtraSeqMap::const_iterator;
   bool hasExtraSeqs() const { return !extraSeqs_.empty(); }
   ConstSeqIterator extraSeqBegin() const { return extraSeqs_.begin(); }
   ConstSeqIterator extraSeqEnd() const { return extraSeqs_.end(); }
-  /// Null if there is none of that name and type.
+  /// Null if there is no sequence of that name and type.
   template <class SeqType>
   std::shared_ptr<SeqType> extraSeq(const std::string& contentName) const {
     const auto entry = extraSeqs_.find(contentName);
@@ -126,7 +126,7 @@ class CNOID_GENERAL_EXPORT BodyMotion : public AbstractSeq {
     setExtraSeq(seq);
     return seq;
   }
-  /// Under its content name; without one it is not taken.
+  /// Stores the sequence under its content name; a sequence without one is not stored.
   void setExtraSeq(std::shared_ptr<AbstractSeq> seq);
   void clearExtraSeqs();
   void clearExtraSeq(const std::string& contentName);

@@ -1,4 +1,4 @@
-// BodyState: poses of links, displacements of joints and states of devices, kept apart from any body.
+// BodyState: poses of links, displacements of joints and states of devices, independent of a body.
 #pragma once
 
 #include "Config.h"
@@ -20,7 +20,7 @@ class CNOID_GENERAL_EXPORT BodyState {
     static constexpr int size = 7;
     explicit LinkPosition(double* data) : data_(data) {}
     LinkPosition(const LinkPosition&) = default;
-    LinkPosition& operator=(const LinkPosition&) = delete;  // of the view, or of the pose? Say set(other.T()).
+    LinkPosition& operator=(const LinkPosition&) = delete;  // ambiguous: the view or the pose? Use set(other.T()).
 
     Eigen::Map<Vector3> translation() const { return Eigen::Map<Vector3>(data_); }
     Eigen::Map<Quaternion> rotation() const { return Eigen::Map<Quaternion>(data_ + 3); }
@@ -71,11 +71,11 @@ class CNOID_GENERAL_EXPORT BodyState {
   DeviceState* deviceState(int index) const { return deviceStates_[static_cast<std::size_t>(index)]; }
   void setDeviceState(int index, DeviceState* state) { deviceStates_[static_cast<std::size_t>(index)] = state; }
 
-  /// Takes over all of a body's links and joints, and the states of its devices.
+  /// Copies the state of all links and joints of a body, and the states of its devices.
   void storeStateOfBody(const Body* body) { store(*body, true); }
   void storePositionOfBody(const Body* body) { store(*body, false); }
-  /// Gives the body what there is: joints, the root's pose, forward kinematics, poses of other links, then devices,
-  /// which are notified. False if there is neither a joint nor a link.
+  /// Copies this state to the body: joints, the root's pose, forward kinematics, poses of other links, then devices,
+  /// which are notified. False if the state contains neither a joint nor a link.
   bool restoreStateToBody(Body* body) const { return restore(*body, true); }
   bool restorePositionToBody(Body* body) const { return restore(*body, false); }
 

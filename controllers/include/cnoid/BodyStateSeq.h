@@ -15,7 +15,7 @@ class CNOID_GENERAL_EXPORT BodyStateSeq : public Seq<BodyState> {
 
   std::shared_ptr<AbstractSeq> cloneSeq() const override;
 
-  /// How many of each a frame is meant to have; frames may have others.
+  /// The default numbers of links, joints and devices per frame; single frames may have different numbers.
   int numLinkPositionsHint() const { return numLinks_; }
   void setNumLinkPositionsHint(int n) { numLinks_ = n; }
   int numJointDisplacementsHint() const { return numJoints_; }
@@ -23,7 +23,7 @@ class CNOID_GENERAL_EXPORT BodyStateSeq : public Seq<BodyState> {
   int numDeviceStatesHint() const { return numDevices_; }
   void setNumDeviceStatesHint(int n) { numDevices_ = n; }
 
-  /// A frame of that many; the sequence grows as needed.
+  /// Allocates frame `index` with these numbers of links, joints and devices; the sequence grows as needed.
   BodyState& allocateFrame(int index) { return allocateFrame(index, numLinks_, numJoints_, numDevices_); }
   BodyState& allocateFrame(int index, int numLinks, int numJoints, int numDevices) {
     if (index >= numFrames()) setNumFrames(index + 1);

@@ -1,8 +1,8 @@
-// Camera: colour images, three bytes a pixel, top row first.
+// Camera: colour images, three bytes per pixel, top row first.
 //
-// Images are shared between the simulated camera, the controller's and whoever keeps one: constImage() and
-// sharedImage() never copy. image() of a camera that is not const copies first if anybody else holds it, so that
-// writing to it is safe.
+// The simulated camera, the controller's camera and other owners share images: constImage() and sharedImage() never
+// copy. image() of a camera that is not const makes a copy first if the image has other owners, so that writing to it
+// is safe.
 #pragma once
 
 #include "Image.h"
@@ -54,19 +54,19 @@ class CNOID_GENERAL_EXPORT Camera : public VisionSensor {
   double horizontalFieldOfView() const;
   void setHorizontalFieldOfView(double angle);
 
-  /// Empty as long as nothing has been delivered.
+  /// Empty until the first image is delivered.
   const Image& image() const { return *image_; }
   const Image& constImage() const { return *image_; }
   Image& image();
   std::shared_ptr<const Image> sharedImage() const { return image_; }
 
-  /// A fresh, empty image to be filled.
+  /// Creates a new, empty image to be filled.
   Image& newImage();
-  /// Takes the image over without copying if the caller is its only owner, else copies it. Leaves `image` null.
+  /// Takes the image without copying if the caller is its only owner, else copies it. Leaves `image` null.
   void setImage(std::shared_ptr<Image>& image);
   void clearImage();
 
-  /// Whether clone() takes the image along; false by default.
+  /// If true, clone() copies the image, too; false by default.
   bool isImageStateClonable() const { return imageStateClonable_; }
   void setImageStateClonable(bool on) { imageStateClonable_ = on; }
 

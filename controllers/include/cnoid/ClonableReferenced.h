@@ -1,4 +1,4 @@
-// A Referenced that can make a copy of itself without being asked by its exact type.
+// A Referenced that can be copied through a pointer to its base class.
 #pragma once
 
 #include "Referenced.h"
@@ -11,7 +11,8 @@ class CNOID_GENERAL_EXPORT ClonableReferenced : public Referenced {
  public:
   ~ClonableReferenced() override;
 
-  /// A new copy, owned by nobody yet. The map is part of Choreonoid's signature; Rehearse always passes null.
+  /// A new copy; the caller becomes its first owner. The map is part of Choreonoid's signature; Rehearse always passes
+  /// null.
   virtual Referenced* doClone(CloneMap* cloneMap) const = 0;
 };
 

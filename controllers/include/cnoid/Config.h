@@ -1,11 +1,11 @@
-// How symbols of this API are exported, and which Choreonoid it speaks like.
+// Export of this API's symbols, and the version of Choreonoid that it corresponds to.
 #pragma once
 
-/// Default visibility, whatever -fvisibility a controller is compiled with: its classes and ours must agree on type
-/// information, or dynamic_cast fails across the boundary.
+/// Default visibility, whatever -fvisibility a controller is compiled with. Type information must be shared between
+/// controller and Rehearse, or dynamic_cast fails across the library boundary.
 #define CNOID_GENERAL_EXPORT __attribute__((visibility("default")))
 
-/// The release of Choreonoid whose SimpleController API this is.
+/// The release of Choreonoid with this SimpleController API.
 #define CNOID_MAJOR_VERSION 2
 #define CNOID_MINOR_VERSION 5
 #define CNOID_PATCH_VERSION 0

@@ -1,8 +1,8 @@
-// Device: a sensor, light or other element fixed to a link. What it measures or does is its state.
+// Device: a sensor, light or other element fixed to a link. Its measurements or settings are its state.
 //
-// A controller has its own copy of each device (see Body). Input: after enableInput(device) on the IO object the copy
-// is refreshed before a control step whenever the simulated one has something new. Output: change the copy, then call
-// notifyStateChange(); without it nothing is sent.
+// A controller has a separate copy of each device (see Body). Input: after enableInput(device) on the IO object the
+// copy is refreshed before a control step whenever the simulated device has a new state. Output: change the copy, then
+// call notifyStateChange(); without this call nothing is sent.
 #pragma once
 
 #include "ClonableReferenced.h"
@@ -17,7 +17,7 @@ namespace cnoid {
 class Body;
 class Link;
 
-/// The part of a device that changes: copied between the controller's device and the simulated one, and recorded.
+/// The variable part of a device: copied between the controller's device and the simulated one, and recorded.
 class CNOID_GENERAL_EXPORT DeviceState : public ClonableReferenced {
  public:
   ~DeviceState() override;
@@ -25,21 +25,21 @@ class CNOID_GENERAL_EXPORT DeviceState : public ClonableReferenced {
   /// The class's name, as in "ForceSensor".
   virtual const char* typeName() const = 0;
 
-  /// Takes over the state of a device of exactly the same type; throws std::invalid_argument if it is another.
-  /// Images, points and ranges are shared, not copied.
+  /// Copies the state of a device of exactly the same type; throws std::invalid_argument for a different type. Images,
+  /// points and ranges are shared, not copied.
   virtual void copyStateFrom(const DeviceState& other) = 0;
 
-  /// A new copy, owned by nobody yet.
+  /// A new copy; the caller becomes its first owner.
   virtual DeviceState* cloneState(DeviceState* existingClone = nullptr) const = 0;
 
-  /// How many doubles writeState writes. Images, points and ranges are not among them.
+  /// The number of doubles that writeState writes. They do not include images, points and ranges.
   virtual int stateSize() const = 0;
 
-  /// Writes stateSize() doubles and returns the place after the last one.
+  /// Writes stateSize() doubles and returns a pointer behind the last one.
   virtual double* writeState(double* buffer) const = 0;
 
-  /// Reads what writeState wrote and returns the place after it. Reads nothing, and returns `buffer`, if `size` (the
-  /// number of doubles there are) is less than stateSize().
+  /// Reads doubles in the form of writeState and returns a pointer behind the last one. If `size` (the number of
+  /// available doubles) is less than stateSize(), reads nothing and returns `buffer`.
   virtual const double* readState(const double* buffer, int size) = 0;
 
  protected:
@@ -61,17 +61,17 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
 
   /// Position in Body::devices(); -1 outside a body.
   int index() const { return index_; }
-  /// As the model gives it; -1 if it gives none.
+  /// The id in the model; -1 if the model gives none.
   int id() const { return id_; }
   const std::string& name() const { return name_; }
 
   Link* link() { return link_; }
   const Link* link() const { return link_; }
-  /// The body of the link, or null.
+  /// The body of the device's link, or null.
   Body* body();
   const Body* body() const;
 
-  /// Device frame in the link frame.
+  /// The pose of the device frame in the link frame.
   Isometry3& T_local() { return T_local_; }
   const Isometry3& T_local() const { return T_local_; }
   const Isometry3& localPosition() const { return T_local_; }
@@ -95,25 +95,25 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
     T_local_.translation() = translation.template cast<double>();
   }
 
-  /// Whether it works. Devices that can't be switched are always on, and switching them has no effect.
+  /// True if the device is switched on. Devices without a switch are always on, and switching them has no effect.
   virtual bool on() const;
   virtual void on(bool on);
 
-  /// State of a device that has measured nothing yet: zeros, no image, no points. Lights have nothing to clear.
+  /// Resets the state to that of a device without measurements: zeros, no image, no points. Lights have nothing to
+  /// clear.
   virtual void clearState();
 
   SignalProxy<void()> sigStateChanged() { return sigStateChanged_; }
-  /// Says that the state has changed. On a controller's device: sends the whole state to the simulation after
-  /// control().
+  /// Marks the state as changed. On a controller's device: the whole state is sent to the simulation after control().
   void notifyStateChange() { sigStateChanged_(); }
 
-  /// Named values beside the state: what the model gives beyond the device's own properties, and what a controller and
-  /// a simulation agree on. Never null. A device's copy has its own.
+  /// Named values in addition to the state: additional information in the model, and values on which a controller and a
+  /// simulation agree. Never null. A copy of the device has separate values.
   Mapping* info() { return info_; }
   const Mapping* info() const { return info_; }
   void resetInfo(Mapping* info) { info_ = info; }
   SignalProxy<void()> sigInfoChanged() { return sigInfoChanged_; }
-  /// Says that info() has changed: sends it, as notifyStateChange() sends the state.
+  /// Marks info() as changed: it is sent like the state after notifyStateChange().
   void notifyInfoChange() { sigInfoChanged_(); }
 
   // For building a body

@@ -1,4 +1,4 @@
-// DeviceList: a vector of devices of one type, that picks its elements out of other lists.
+// DeviceList: a vector of devices of one type, which can be filled from lists of all types.
 //
 //   DeviceList<ForceSensor> sensors(body->devices());  // only the force sensors
 //   sensors << body->devices();                        // the same, appended
@@ -23,21 +23,21 @@ class DeviceList : public std::vector<ref_ptr<DeviceType>> {
     *this << others;
   }
 
-  /// Appends those of the others that are of this list's type, in their order.
+  /// Appends the devices of this list's type from the other list, in their order.
   template <class Other>
   DeviceList& operator<<(const DeviceList<Other>& others) {
     for (const auto& other : others) try_push_back(other);
     return *this;
   }
 
-  /// Appends the device if it is of this list's type, and says whether it was.
+  /// Appends the device if it is of this list's type; returns whether it did.
   bool try_push_back(Device* device) {
     auto* matching = dynamic_cast<DeviceType*>(device);
     if (matching) this->push_back(matching);
     return matching != nullptr;
   }
 
-  /// Becomes the selection from another list.
+  /// Replaces the content by the devices of this list's type from the other list.
   template <class Other>
   DeviceList& assign(const DeviceList<Other>& others) {
     this->clear();
@@ -45,7 +45,7 @@ class DeviceList : public std::vector<ref_ptr<DeviceType>> {
   }
   using Vector::assign;
 
-  /// Moves those of the other list that are of this list's type over here. True if there were any.
+  /// Moves the devices of this list's type from the other list to this one. True if there were any.
   template <class Other>
   bool extractFrom(DeviceList<Other>& others) {
     const std::size_t sizeBefore = this->size();
@@ -57,7 +57,7 @@ class DeviceList : public std::vector<ref_ptr<DeviceType>> {
     return this->size() > sizeBefore;
   }
 
-  /// Takes those of type T out of this list and returns them.
+  /// Removes the devices of type T from this list and returns them.
   template <class T>
   DeviceList<T> extract() {
     DeviceList<T> extracted;
@@ -65,7 +65,8 @@ class DeviceList : public std::vector<ref_ptr<DeviceType>> {
     return extracted;
   }
 
-  /// By id: element i is the device with id i, null where there is none. Devices without an id are left out.
+  /// The devices by id: element i is the device with id i, null if no device has this id. Devices without an id are
+  /// left out.
   DeviceList getSortedById() const {
     DeviceList sorted;
     for (const auto& device : *this) {

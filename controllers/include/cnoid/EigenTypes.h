@@ -1,7 +1,8 @@
-// The vector, matrix and transform types of the API. All are Eigen's; double where the name does not say otherwise.
+// The vector, matrix and transform types of the API. All are Eigen's; double unless the name states a different type.
 //
-// Objects that hold them cross from the harness into a controller that somebody else compiled, so their alignment must
-// not depend on compiler flags: with -mavx2 Eigen would align to 32 bytes and move every member behind an Isometry3.
+// Rehearse passes objects that contain these types to a controller that was compiled separately, so their alignment
+// must not depend on compiler flags: with -mavx2 Eigen would align to 32 bytes and move every member behind an
+// Isometry3.
 #pragma once
 
 #ifndef EIGEN_MAX_ALIGN_BYTES

@@ -1,8 +1,8 @@
-// Where Choreonoid's files would be, for controllers that read motions from its share folder.
+// The folders of a Choreonoid installation, for controllers that read motions from its share folder.
 //
-// Rehearse has none of its own. The share folder is the one that the environment variable REHEARSE_CHOREONOID_SHARE
-// names; without it, share/choreonoid beside the folder of this library (PREFIX/lib/librehearse_cnoid.so and
-// PREFIX/share/choreonoid). Whether it exists is not checked. A controller that reads a file from there is as
+// Rehearse itself has no share folder. The environment variable REHEARSE_CHOREONOID_SHARE names it; without the
+// variable, it is share/choreonoid beside the folder of this library (PREFIX/lib/librehearse_cnoid.so and
+// PREFIX/share/choreonoid). Its existence is not checked. A controller that reads a file from there is only as
 // deterministic as that file.
 #pragma once
 

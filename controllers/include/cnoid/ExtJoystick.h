@@ -1,6 +1,6 @@
-// ExtJoystick: a joystick that no driver provides, registered under a name. Every Joystick that finds one uses it.
+// ExtJoystick: a joystick implemented in software, registered under a name. Every Joystick that finds one uses it.
 //
-// This is where a host plugs in its scripted joystick: it registers one before it creates its controllers, since a
+// A host provides its scripted joystick through this class: it registers one before it creates its controllers, since a
 // Joystick is usually a member that looks for its device when it is constructed.
 #pragma once
 
@@ -16,13 +16,13 @@ class CNOID_GENERAL_EXPORT ExtJoystick {
   ExtJoystick() = default;
   ExtJoystick(const ExtJoystick&) = delete;
   ExtJoystick& operator=(const ExtJoystick&) = delete;
-  /// Leaves the register, and every Joystick that uses it.
+  /// Removes the joystick from the register and from every Joystick that uses it.
   virtual ~ExtJoystick();
 
-  /// Borrows the joystick until it is destroyed. Of two with one name the later counts; a Joystick that has found the
-  /// earlier keeps it. Null: the name is free again.
+  /// Registers the joystick, without owning it, until it is destroyed. Of two with one name the later one is used; a
+  /// Joystick that has found the earlier one keeps it. Null removes the name from the register.
   static void registerJoystick(const std::string& name, ExtJoystick* joystick);
-  /// Null if there is none. "*" finds the first in the order of names.
+  /// Null if there is no joystick of that name. "*" finds the first in the order of names.
   static ExtJoystick* findJoystick(const std::string& name);
 
   SignalProxy<void()> sigDestroyed() { return sigDestroyed_; }
@@ -30,10 +30,10 @@ class CNOID_GENERAL_EXPORT ExtJoystick {
   virtual int numAxes() const = 0;
   virtual int numButtons() const = 0;
   virtual bool readCurrentState() = 0;
-  /// Asked only for axes and buttons that exist.
+  /// Called only with axes and buttons that exist.
   virtual double getPosition(int axis) const = 0;
   virtual bool getButtonState(int button) const = 0;
-  /// Whether anybody moves it.
+  /// True if the joystick is in use.
   virtual bool isActive() const = 0;
   virtual SignalProxy<void(int id, double position)> sigAxis() = 0;
   virtual SignalProxy<void(int id, bool isPressed)> sigButton() = 0;

@@ -1,4 +1,4 @@
-// Paths of files. Most of it is older than std::filesystem, which says the same.
+// Paths of files. std::filesystem contains most of these functions; they exist here for older sources.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ inline constexpr const char* EXEC_SUFFIX = "";
 inline constexpr const char* EXEC_EXTENSION = "";
 inline constexpr const char* PATH_DELIMITER = ":";
 
-/// The path as seen from `base`; none if there is no such way, as from a relative path to an absolute one.
+/// The path relative to `base`; nullopt if there is none, as from a relative path to an absolute one.
 inline std::optional<std::filesystem::path> getRelativePath(const std::filesystem::path& path,
                                                             const std::filesystem::path& base) {
   const std::filesystem::path relative = path.lexically_relative(base);
@@ -22,7 +22,7 @@ inline std::optional<std::filesystem::path> getRelativePath(const std::filesyste
   return relative;
 }
 
-/// Whether the path lies within the folder `base`.
+/// True if the path is inside the folder `base`.
 inline bool checkIfSubFilePath(const std::filesystem::path& path, const std::filesystem::path& base) {
   const auto relative = getRelativePath(path.lexically_normal(), base.lexically_normal());
   return relative && *relative != "." && *relative->begin() != "..";
@@ -32,7 +32,7 @@ inline bool checkIfSubFilePath(const std::filesystem::path& path, const std::fil
     const std::filesystem::path& path) {
   return path.lexically_normal();
 }
-/// Without the dot.
+/// The file name extension without the dot.
 [[deprecated("Use path.extension.")]] inline std::string getExtension(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   return extension.empty() ? extension : extension.substr(1);

@@ -37,7 +37,7 @@ class CNOID_GENERAL_EXPORT ForceSensor : public Device {
   Vector6::FixedSegmentReturnType<3>::Type torque() { return F_.tail<3>(); }
   Vector6::ConstFixedSegmentReturnType<3>::Type torque() const { return F_.tail<3>(); }
 
-  /// What the sensor is made for. Stored only: readings are not clipped.
+  /// Range of the sensor. Stored only: readings are not clipped.
   Vector6& F_max() { return F_max_; }
   const Vector6& F_max() const { return F_max_; }
   Vector6& maxWrench() { return F_max_; }

@@ -1,7 +1,7 @@
 // HolderDevice: a gripper that, while on, holds objects that can be attached to it.
 //
-// Its state is on(); what holding does is the simulation's matter. In Rehearse's dynamics nothing is attached: a
-// gripper holds by contact.
+// Its state is on(); the simulation implements the holding. In Rehearse's dynamics objects are never attached: a
+// gripper holds them by contact.
 #pragma once
 
 #include "Device.h"
@@ -30,7 +30,7 @@ class CNOID_GENERAL_EXPORT HolderDevice : public Device {
   bool on() const override;
   void on(bool on) override;
 
-  /// Which attachments it can hold: those of a category it has; without any: all.
+  /// The categories of attachments that it can hold; without categories: all.
   const std::vector<std::string>& categories() const { return categories_; }
   bool hasCategories() const { return !categories_.empty(); }
   bool hasCategory(const std::string& category) const;
@@ -38,7 +38,7 @@ class CNOID_GENERAL_EXPORT HolderDevice : public Device {
   void addCategory(const std::string& category);
   void clearCategories() { categories_.clear(); }
 
-  /// What must hold for an object to be held: it is near, it is touched, it has the name.
+  /// The condition for holding an object: it is near, it is touched, or it has the given name.
   enum HoldCondition { Distance, Collision, Name };
   int holdCondition() const { return holdCondition_; }
   void setHoldCondition(int condition) { holdCondition_ = condition; }
@@ -48,17 +48,17 @@ class CNOID_GENERAL_EXPORT HolderDevice : public Device {
   void setHoldTargetName(const std::string& name) { holdTargetName_ = name; }
 
   int numAttachments() const { return static_cast<int>(attachments_.size()); }
-  /// Null if there is none.
+  /// Null if the index is out of range.
   AttachmentDevice* attachment(int index);
-  /// False if it is attached already.
+  /// False if the attachment is already attached.
   bool addAttachment(AttachmentDevice* attachment);
-  /// No effect, or false, if there is none such.
+  /// No effect, or false, if there is no such attachment.
   void removeAttachment(int index);
   bool removeAttachment(AttachmentDevice* attachment);
   void clearAttachments();
 
  protected:
-  /// A copy holds nothing.
+  /// A copy has no attachments.
   HolderDevice(const HolderDevice& other);
   Referenced* doClone(CloneMap* cloneMap) const override;
 

@@ -1,4 +1,4 @@
-// Image: pixels as a camera delivers them. Row 0 is the top row; no padding between rows.
+// Image: pixels of a camera's picture. Row 0 is the top row; no padding between rows.
 #pragma once
 
 #include "Config.h"
@@ -19,7 +19,7 @@ class CNOID_GENERAL_EXPORT Image {
   bool empty() const { return pixels_.empty(); }
   int width() const { return width_; }    // [pixels]
   int height() const { return height_; }  // [pixels]
-  /// Bytes a pixel: 1 gray, 2 gray and opacity, 3 red-green-blue, 4 with opacity. A camera delivers 3.
+  /// Bytes per pixel: 1 gray, 2 gray and opacity, 3 red-green-blue, 4 with opacity. A camera delivers 3.
   int numComponents() const { return components_; }
   bool hasAlphaComponent() const { return components_ % 2 == 0; }
 
@@ -29,16 +29,17 @@ class CNOID_GENERAL_EXPORT Image {
 
   /// Throws std::invalid_argument for a negative size or a number of components outside 1 to 4.
   void setSize(int width, int height, int numComponents);
-  /// Keeps the number of components.
+  /// Changes the size and keeps the number of components.
   void setSize(int width, int height);
-  /// No pixels and no size; the number of components stays.
+  /// Removes the pixels and sets the size to 0; the number of components stays.
   void reset();
-  /// All bytes zero; the size stays.
+  /// Sets all bytes to zero; the size stays.
   void clear();
   void applyVerticalFlip();
 
   /// Writes a PNG file. False if the name does not end in .png, the image is empty or the file can't be written; the
-  /// second form says which. Pixels are stored without compression, so that this library needs no other.
+  /// second form reports the reason. Pixels are stored without compression, so that this library needs no other
+  /// library.
   bool save(const std::string& filename) const;
   bool save(const std::string& filename, std::ostream& os) const;
 

@@ -1,4 +1,4 @@
-// Imu: a gyro and an accelerometer in one. See RateGyroSensor and AccelerationSensor for what they measure.
+// Imu: a gyro and an accelerometer in one. See RateGyroSensor and AccelerationSensor for their measurements.
 #pragma once
 
 #include "Device.h"
@@ -24,7 +24,7 @@ class CNOID_GENERAL_EXPORT Imu : public Device {
   Vector3& dv() { return dv_; }
   const Vector3& dv() const { return dv_; }
 
-  /// What the sensor is made for. Stored only: readings are not clipped.
+  /// Range of the sensor. Stored only: readings are not clipped.
   Vector3& w_max() { return w_max_; }
   const Vector3& w_max() const { return w_max_; }
   Vector3& dv_max() { return dv_max_; }

@@ -1,4 +1,4 @@
-// InverseKinematics: whatever can bring a link to a pose.
+// InverseKinematics: interface of classes that can move a link to a pose.
 #pragma once
 
 #include "Config.h"
@@ -10,14 +10,14 @@ class CNOID_GENERAL_EXPORT InverseKinematics {
  public:
   virtual ~InverseKinematics();
 
-  /// Brings the end link to the pose T in the world. False if that was not possible.
+  /// Moves the joints so that the end link has the pose T in the world. False if that was not possible.
   virtual bool calcInverseKinematics(const Isometry3& T) = 0;
   [[deprecated("Use calcInverseKinematics(const Isometry3& T).")]] bool calcInverseKinematics(const Vector3& p,
                                                                                               const Matrix3& R);
-  /// Forward kinematics of the links that a solution moved without being on its path. False if it can't do that.
+  /// Computes forward kinematics of the links that a solution moved without being on its path. False if not supported.
   virtual bool calcRemainingPartForwardKinematicsForInverseKinematics();
 
-  /// Best effort: where the goal can't be reached, stay at the nearest posture instead of returning to the start.
+  /// Best effort: if the goal can't be reached, stay at the nearest posture instead of returning to the start.
   virtual bool isBestEffortIkAvailable() const;
   virtual bool isBestEffortIkEnabled() const;
   virtual void setBestEffortIkEnabled(bool on);

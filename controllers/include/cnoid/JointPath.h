@@ -3,13 +3,13 @@
 //   auto arm = cnoid::JointPath::getCustomPath(body->rootLink(), body->link("HAND"));
 //   if (arm->calcInverseKinematics(goal)) command(body->joint(0)->q(), ...);
 //
-// It works on the links themselves: they move. Give it a body of its own (body()->clone()) unless that is wanted. The
-// solution starts from the joints' q and the links' T, which must fit together: call calcForwardKinematics() if q was
-// written since.
+// It works on the links of the body and moves them. Use a separate copy of the body (body()->clone()) unless that is
+// intended. The solution starts from the joints' q and the links' T, which must be consistent: call
+// calcForwardKinematics() if q was written since.
 //
 // Inverse kinematics is damped least squares, one pose at a time: the step is
 //   dq = scale * J^T (J J^T + damping² I)^-1 e,   e = (position error [m], rotation vector of the rotation error [rad])
-// until |e| is below the tolerance, until it has not become smaller for some steps in a row, or until the number of
+// until |e| is below the tolerance, until it has not decreased for some steps in a row, or until the maximum number of
 // steps is reached. Y. Nakamura, H. Hanafusa: Inverse Kinematic Solutions With Singularity Robustness for Robot
 // Manipulator Control, 1986.
 #pragma once
@@ -32,8 +32,8 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   using iterator = std::vector<LinkPtr>::iterator;
   using const_iterator = std::vector<LinkPtr>::const_iterator;
 
-  /// The path from base to end. Bodies with inverse kinematics of their own don't exist here, so it is never another
-  /// class. Throws std::invalid_argument if a link is null.
+  /// The path from base to end. Rehearse has no bodies with custom inverse kinematics, so the result is always a
+  /// JointPath itself. Throws std::invalid_argument if a link is null.
   static std::shared_ptr<JointPath> getCustomPath(Link* baseLink, Link* endLink);
   [[deprecated("Use the form without a body.")]] static std::shared_ptr<JointPath> getCustomPath(Body* body,
                                                                                                  Link* baseLink,
@@ -41,21 +41,21 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
 
   JointPath();
   JointPath(Link* base, Link* end);
-  /// From the root.
+  /// Sets the path from the root link to `end`.
   explicit JointPath(Link* end);
   JointPath(const JointPath&) = delete;
   JointPath& operator=(const JointPath&) = delete;
   ~JointPath() override;
 
-  /// False, and an empty path, if there is no way. Settings return to their defaults.
+  /// False, and an empty path, if no path exists. Settings return to their defaults.
   bool setPath(Link* base, Link* end);
 
-  // --- The joints: those of the path that turn or slide and have a joint id
+  // --- The joints: revolute and prismatic joints of the path that have a joint id
 
   bool empty() const { return joints_.empty(); }
   int size() const { return static_cast<int>(joints_.size()); }
   int numJoints() const { return size(); }
-  /// Not checked: 0 to numJoints() - 1.
+  /// 0 to numJoints() - 1; not checked.
   Link* joint(int index) const { return joints_[static_cast<std::size_t>(index)]; }
   Link* operator[](int index) const { return joint(index); }
   const std::vector<LinkPtr>& joints() const { return joints_; }
@@ -63,12 +63,12 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   iterator end() { return joints_.end(); }
   const_iterator begin() const { return joints_.begin(); }
   const_iterator end() const { return joints_.end(); }
-  /// -1 if it is none of them.
+  /// -1 if the path doesn't contain the joint.
   int indexOf(const Link* link) const;
   /// The path's joints in the order of their ids.
   int jointIndexAtIdOrder(int index) const;
   Link* jointAtIdOrder(int index) const { return joint(jointIndexAtIdOrder(index)); }
-  /// Whether the path goes through the joint from its parent link to its child link.
+  /// True if the path passes the joint from its parent link to its child link.
   bool isJointDownward(int index) const { return index >= numUpwardJoints_; }
 
   Link* baseLink() const { return linkPath_.baseLink(); }
@@ -85,23 +85,23 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
     linkPath_.calcForwardKinematics(calcVelocity, calcAcceleration);
   }
 
-  /// Where the base link is to be at the next inverse kinematics. The base link is moved there at once.
+  /// Sets the pose of the base link for the next inverse kinematics. The base link is moved there at once.
   JointPath& setBaseLinkGoal(const Isometry3& T);
 
   using InverseKinematics::calcInverseKinematics;
   /// Moves the path's joints and links so that the end link is at T in the world.
   ///
-  /// True: joints and links are there, and the end link's pose is exactly T (see
-  /// setNumericalIkExactEndPositionEnabled). False: q and the end link's pose are as they were or, with best effort, as
-  /// near as they came. Of the equal angles of a revolute joint the one nearest to its start is taken, within its
-  /// limits if it has some. Limits are not kept otherwise, unless setIkJointLimitEnabled(true). A path without joints
-  /// solves only base == end: it moves that link.
+  /// True: joints and links have reached the goal, and the end link's pose is exactly T (see
+  /// setNumericalIkExactEndPositionEnabled). False: q and the end link's pose are unchanged or, with best effort, as
+  /// near to the goal as possible. Of the equivalent angles of a revolute joint the one nearest to its start is chosen,
+  /// within its limits if it has limits. Otherwise limits are ignored, unless setIkJointLimitEnabled(true) was called.
+  /// A path without joints solves only base == end: it moves that link.
   bool calcInverseKinematics(const Isometry3& T) override;
 
-  /// For a path with customizeTarget().
+  /// The same for a path with customizeTarget().
   bool calcInverseKinematics();
-  /// Another task than the end link's pose. `errorFunc` writes what is missing, numTargetElements numbers, and returns
-  /// its squared norm; `jacobianFunc` writes numTargetElements x numJoints() derivatives.
+  /// Replaces the end link's pose by a different task. `errorFunc` writes the remaining error, numTargetElements
+  /// numbers, and returns its squared norm; `jacobianFunc` writes numTargetElements x numJoints() derivatives.
   void customizeTarget(int numTargetElements, std::function<double(VectorXd& out_error)> errorFunc,
                        std::function<void(MatrixXd& out_Jacobian)> jacobianFunc);
 
@@ -109,12 +109,12 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   /// base.
   void calcJacobian(Eigen::MatrixXd& out_J) const;
 
-  /// Steps of the last inverse kinematics.
+  /// The number of steps of the last inverse kinematics.
   int numIterations() const;
 
   bool hasCustomIK() const { return false; }
   bool isCustomIkDisabled() const { return isCustomIkDisabled_; }
-  /// No effect.
+  /// Has no effect.
   void setCustomIkDisabled(bool on) { isCustomIkDisabled_ = on; }
 
   bool isBestEffortIkAvailable() const override;
@@ -125,7 +125,7 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   // --- Tuning
 
   bool isIkJointLimitEnabled() const { return isIkJointLimitEnabled_; }
-  /// Every step is cut at the joints' limits.
+  /// In every step, joint displacements are clamped to the joints' limits.
   void setIkJointLimitEnabled(bool on) { isIkJointLimitEnabled_ = on; }
   bool isNumericalIkExactEndPositionEnabled() const { return isExactEndPositionEnabled_; }
   /// Off: the end link's pose is that of forward kinematics, which differs from the goal by up to the tolerance.

@@ -1,7 +1,8 @@
-// Joystick: what a controller reads a person's input from.
+// Joystick: a controller reads a person's input from it.
 //
-// No hardware is ever opened: what it would say could not be replayed. A Joystick uses the one that its host has
-// registered (see ExtJoystick); without one it has no axes and no buttons, and everything reads zero. That is no error.
+// It never opens hardware, because input from hardware couldn't be replayed. A Joystick uses the device that its host
+// has registered (see ExtJoystick); without a device it has no axes and no buttons, and everything reads zero. This is
+// not an error.
 #pragma once
 
 #include "Config.h"
@@ -42,35 +43,35 @@ class CNOID_GENERAL_EXPORT Joystick : public JoystickInterface {
     NUM_STD_BUTTONS
   };
 
-  /// Finds its device at once, if it is there.
+  /// Looks for its device at once.
   Joystick();
-  /// One of that name if there is one, else any.
+  /// Uses the device of that name if there is one, else any device.
   explicit Joystick(const char* device);
   Joystick(const Joystick&) = delete;
   Joystick& operator=(const Joystick&) = delete;
   ~Joystick() override;
 
   std::string device() const { return device_; }
-  /// -1: there is no file behind it.
+  /// Returns -1: there is no file descriptor.
   int fileDescriptor() const { return -1; }
 
-  /// Looks for a device if it has none. False if there is none.
+  /// Looks for a device if none was found before. False if there is none.
   bool makeReady();
   bool isReady() const { return ext_ != nullptr; }
-  /// Empty: a missing joystick is no error.
+  /// Always empty: a missing joystick is not an error.
   const char* errorMessage() const { return ""; }
 
   int numAxes() const override;
   int numButtons() const override;
   /// False without a device.
   bool readCurrentState() override;
-  /// 0 for an axis that the device has not.
+  /// 0 if the device doesn't have this axis.
   double getPosition(int axis) const override;
-  /// False for a button that the device has not.
+  /// False if the device doesn't have this button.
   bool getButtonState(int button) const override;
   bool isActive() const;
 
-  /// Of the device; without one: never emitted.
+  /// The signal of the device; without a device it is never emitted.
   SignalProxy<void(int id, bool isPressed)> sigButton();
   SignalProxy<void(int id, double position)> sigAxis();
 

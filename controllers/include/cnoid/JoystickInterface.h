@@ -1,4 +1,4 @@
-// What a joystick can be asked, whoever plays it.
+// JoystickInterface: the state of a joystick, independent of its implementation.
 #pragma once
 
 #include "Config.h"
@@ -12,9 +12,9 @@ class CNOID_GENERAL_EXPORT JoystickInterface {
   virtual ~JoystickInterface() = default;
   virtual int numAxes() const = 0;
   virtual int numButtons() const = 0;
-  /// Takes over what the device reports now; the questions below answer from it.
+  /// Reads the current state of the device; the functions below return this state.
   virtual bool readCurrentState() = 0;
-  /// Sticks -1 to 1, up and left negative; triggers 0 to 1.
+  /// Position of an axis: sticks -1 to 1, up and left negative; triggers 0 to 1.
   virtual double getPosition(int axis) const = 0;
   virtual bool getButtonState(int button) const = 0;
 };

@@ -1,4 +1,4 @@
-// Light: what all lights have in common. Its values are float, as in Choreonoid, whose sources rely on it.
+// Light: base class of all lights. Its values are float, as in Choreonoid, because controller sources rely on it.
 #pragma once
 
 #include "Device.h"

@@ -1,8 +1,8 @@
 // Link: a rigid body of a robot together with the joint that moves it.
 //
-// Of a controller's link only that is fresh which was enabled as input on the IO object, and only that is sent which
-// the actuation mode names; everything else keeps the value that was last written. In particular T() of a moving link
-// is not updated from q() unless LinkPosition is enabled for it.
+// In a controller's link, only quantities that were enabled as input on the IO object are refreshed, and only
+// quantities of the actuation mode are sent; everything else keeps the value that was last written. In particular T()
+// of a moving link is not updated from q() unless LinkPosition is enabled for it.
 //
 // The link frame is the joint's frame after its motion: T = T(parent) * Tb() * motion(jointAxis(), q()).
 //
@@ -29,7 +29,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   EIGEN_MAKE_ALIGNED_OPERATOR_NEW
 
   Link();
-  /// Everything but its place in a tree (parent, children, body, index) and its contacts.
+  /// Copies everything except its place in a tree (parent, children, body, index) and its contacts.
   Link(const Link& other);
   Link& operator=(const Link&) = delete;
   ~Link() override;
@@ -38,7 +38,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   // --- Names and place in the body
 
   const std::string& name() const { return name_; }
-  /// Position in Body::links(); -1 outside a body and for the dummies that fill holes among the joint ids.
+  /// Position in Body::links(); -1 outside a body and for the dummies at unused joint ids.
   int index() const { return index_; }
   bool isValid() const { return index_ >= 0; }
   Body* body() { return body_; }
@@ -48,11 +48,11 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   Link* sibling() const { return sibling_; }  // the next child of the same parent
   bool isRoot() const { return !parent_; }
   bool isEndLink() const { return !child_; }
-  /// Nothing between it and the world moves.
+  /// True if no joint between this link and the world can move.
   bool isStatic() const;
-  /// Nothing between it and the root link moves.
+  /// True if no joint between this link and the root link can move.
   bool isFixedToRoot() const;
-  /// True if `link` is this link or one that carries it.
+  /// True if `link` is this link or an ancestor of it.
   bool isOwnerOf(const Link* link) const;
 
   // --- The joint
@@ -76,22 +76,22 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   JointType jointType() const { return jointType_; }
   /// "revolute", "prismatic", "free", "fixed" or "pseudo continuous track".
   const char* jointTypeLabel() const;
-  /// The same, with underscores for spaces.
+  /// The same names, with underscores instead of spaces.
   const char* jointTypeSymbol() const;
   bool isRevoluteJoint() const { return jointType_ == RevoluteJoint; }
   bool isPrismaticJoint() const { return jointType_ == PrismaticJoint; }
   bool isFreeJoint() const { return jointType_ == FreeJoint; }
-  /// True for a pseudo continuous track as well.
+  /// True for a pseudo continuous track, too.
   bool isFixedJoint() const { return jointType_ >= FixedJoint; }
-  /// Revolute or prismatic.
+  /// True for revolute and prismatic joints.
   bool hasActualJoint() const { return jointType_ <= PrismaticJoint; }
   [[deprecated("Use isRevoluteJoint.")]] bool isRotationalJoint() const { return isRevoluteJoint(); }
   [[deprecated("Use isPrismaticJoint.")]] bool isSlideJoint() const { return isPrismaticJoint(); }
   [[deprecated("Use hasActualJoint.")]] bool hasJoint() const { return hasActualJoint(); }
 
-  /// -1 if it has none.
+  /// -1 if the joint has no id.
   int jointId() const { return jointId_; }
-  /// The joint's own name, or the link's if it has none.
+  /// The joint's name, or the link's name if the joint has none.
   const std::string& jointName() const { return jointSpecificName_.empty() ? name_ : jointSpecificName_; }
   const std::string& jointSpecificName() const { return jointSpecificName_; }
 
@@ -100,7 +100,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   const Vector3& d() const { return a_; }
   const Vector3& jointAxis() const { return a_; }
 
-  /// Pose of this link's frame in its parent's at q = 0.
+  /// Pose of this link's frame in its parent's frame at q = 0.
   const Isometry3& Tb() const { return Tb_; }
   const Isometry3& offsetPosition() const { return Tb_; }
   Isometry3::ConstTranslationPart b() const { return Tb_.translation(); }
@@ -108,7 +108,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   Isometry3::ConstLinearPart Rb() const { return Tb_.linear(); }
   Isometry3::ConstLinearPart offsetRotation() const { return Tb_.linear(); }
 
-  // --- Which quantities go in and out
+  // --- Input and output quantities
 
   enum StateFlag {
     StateNone = 0,
@@ -122,7 +122,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
     LinkPosition = 1 << 4,      // in: T()      out: T()
     LinkTwist = 1 << 5,         // in: v(), w()    out: the same
     LinkAcceleration = 1 << 6,  // in: dv(), dw()  out: the same
-    LinkExtWrench = 1 << 7,     // in: F_ext()  out: F_ext(), added to what others exert
+    LinkExtWrench = 1 << 7,     // in: F_ext()  out: F_ext(), added to other external forces
     LinkContactState = 1 << 8,  // in: contactPoints()
 
     HighGainActuation = 1 << 9,  // an option of other simulators
@@ -143,11 +143,12 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   [[deprecated("Use JointVelocity on a PseudoContinuousTrackJoint.")]] static constexpr int JOINT_SURFACE_VELOCITY =
       DeprecatedJointSurfaceVelocity;
 
-  /// What drives the joint: StateFlags, usually one. Decides what enableInput(link) and enableOutput(link) mean.
+  /// The quantities that drive the joint: StateFlags, usually one. They determine the effect of enableInput(link) and
+  /// enableOutput(link).
   short actuationMode() const { return actuationMode_; }
   void setActuationMode(short mode) { actuationMode_ = mode; }
 
-  /// What is read from it: StateFlags. The IO object's enableInput adds to it.
+  /// The quantities that are read from the link: StateFlags. The IO object's enableInput adds to them.
   short sensingMode() const { return sensingMode_; }
   void setSensingMode(short mode) { sensingMode_ = mode; }
   void mergeSensingMode(short mode) { sensingMode_ = static_cast<short>(sensingMode_ | mode); }
@@ -169,7 +170,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   double dq_target() const { return dq_target_; }
   double& dq_target() { return dq_target_; }
 
-  /// dq = ddq = u = 0, targets where the joint is, no motion, no external force. q and T stay.
+  /// Sets dq = ddq = u = 0, targets to the joint's displacement, no motion, no external force. q and T stay.
   void initializeState();
 
   // --- Limits
@@ -210,7 +211,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   void setPosition(const Eigen::Transform<Scalar, 3, Mode, Options>& pose) {
     T_ = pose.template cast<double>();
   }
-  /// From a 4x4 or 3x4 matrix.
+  /// Sets the pose from a 4x4 or 3x4 matrix.
   template <class Derived>
   void setPosition(const Eigen::MatrixBase<Derived>& pose) {
     T_.matrix().template topRows<3>() = pose.template topRows<3>().template cast<double>();
@@ -255,13 +256,13 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   /// Centre of mass in the link frame [m].
   const Vector3& c() const { return c_; }
   const Vector3& centerOfMass() const { return c_; }
-  /// Centre of mass in the world [m]; of the last Body::calcCenterOfMass().
+  /// Centre of mass in the world [m], as computed by the last Body::calcCenterOfMass().
   Vector3& wc() { return wc_; }
   const Vector3& wc() const { return wc_; }
   const Vector3& centerOfMassGlobal() const { return wc_; }
-  /// About the centre of mass, along the link's axes [kg·m²].
+  /// Inertia about the centre of mass, along the link's axes [kg·m²].
   const Matrix3& I() const { return I_; }
-  /// Rotor inertia as the joint feels it [kg·m²].
+  /// Rotor inertia at the joint [kg·m²].
   double Jm2() const { return Jm2_; }
 
   // --- External force: world axes, torque about the world's origin [N, N·m]
@@ -294,7 +295,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
 
   // --- Contacts
 
-  /// A point where another object touches this link; everything in world axes.
+  /// A point where a different object touches this link; everything in world axes.
   class ContactPoint {
    public:
     ContactPoint(const Vector3& position, const Vector3& normal, const Vector3& force, const Vector3& velocity,
@@ -316,7 +317,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   std::vector<ContactPoint>& contactPoints() { return contactPoints_; }
   const std::vector<ContactPoint>& contactPoints() const { return contactPoints_; }
 
-  // --- What the model gives beyond all this
+  // --- Additional information in the model
 
   /// Never null.
   Mapping* info() { return info_; }
@@ -376,10 +377,10 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   void setInertia(const Matrix3& inertia) { I_ = inertia; }
   void setEquivalentRotorInertia(double inertia) { Jm2_ = inertia; }
 
-  /// Takes the link, and all below it, from where it is and makes it the last, or first, child of this one.
+  /// Moves the link, with all links below it, from its place and makes it the last, or first, child of this link.
   void appendChild(Link* link);
   void prependChild(Link* link);
-  /// With all below it; their devices leave the body. False if it is no child of this link.
+  /// Removes a child link with all links below it; their devices leave the body. False if it is no child of this link.
   bool removeChild(Link* link);
 
  protected:

@@ -17,17 +17,17 @@ class CNOID_GENERAL_EXPORT LinkPath {
 
   LinkPath() = default;
   LinkPath(Link* base, Link* end) { setPath(base, end); }
-  /// From the root.
+  /// Sets the path from the root link to `end`.
   explicit LinkPath(Link* end) { setPath(end); }
 
-  /// False, and no path, if the two belong to different trees. Throws std::invalid_argument if one is null.
+  /// False, and an empty path, if the links belong to different trees. Throws std::invalid_argument if one is null.
   bool setPath(Link* base, Link* end);
   void setPath(Link* end);
 
   bool empty() const { return links_.empty(); }
   std::size_t size() const { return links_.size(); }
   int numLinks() const { return static_cast<int>(links_.size()); }
-  /// Not checked: 0 to numLinks() - 1.
+  /// 0 to numLinks() - 1; not checked.
   Link* link(int index) const { return links_[static_cast<std::size_t>(index)]; }
   Link* operator[](int index) const { return link(index); }
   const std::vector<LinkPtr>& links() const { return links_; }
@@ -36,16 +36,17 @@ class CNOID_GENERAL_EXPORT LinkPath {
   const_iterator begin() const { return links_.begin(); }
   const_iterator end() const { return links_.end(); }
 
-  /// Null of an empty path.
+  /// Null if the path is empty.
   Link* baseLink() const { return empty() ? nullptr : links_.front().get(); }
   Link* endLink() const { return empty() ? nullptr : links_.back().get(); }
   Link* rootLink() const { return baseLink(); }
   Body* body() const { return empty() ? nullptr : links_.front()->body(); }
 
-  /// Whether the step from this link to the next goes from a parent to its child.
+  /// True if the step from this link to the next goes from a parent to its child.
   bool isDownward(int index) const { return index >= numUpwardSteps_; }
 
-  /// Poses (and velocities, accelerations) of the path's links from those of the base link and the joints' q (dq, ddq).
+  /// Computes poses (and velocities, accelerations) of the path's links from those of the base link and the joints' q
+  /// (dq, ddq).
   void calcForwardKinematics(bool calcVelocity = false, bool calcAcceleration = false);
 
  private:

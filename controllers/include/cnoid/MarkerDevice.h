@@ -1,4 +1,4 @@
-// MarkerDevice: a sign that a picture shows at its place, for people.
+// MarkerDevice: a sign that a picture shows at the device's place, for people.
 #pragma once
 
 #include "Device.h"
@@ -14,7 +14,7 @@ class CNOID_GENERAL_EXPORT MarkerDevice : public Device {
   const char* typeName() const override;
   void copyStateFrom(const DeviceState& other) override;
   int stateSize() const override;
-  /// on; type; size; colour r, g, b; emission; transparency; offset x, y, z; its rotation as a quaternion w, x, y, z.
+  /// on; type; size; colour r, g, b; emission; transparency; offset x, y, z; rotation as a quaternion w, x, y, z.
   double* writeState(double* buffer) const override;
   const double* readState(const double* buffer, int size) override;
 
@@ -34,7 +34,7 @@ class CNOID_GENERAL_EXPORT MarkerDevice : public Device {
   float transparency() const { return transparency_; }
   void setTransparency(float transparency) { transparency_ = transparency; }
 
-  /// Of the sign in the device frame.
+  /// The pose of the sign in the device frame.
   const Isometry3& offsetPosition() const { return offsetPosition_; }
   void setOffsetPosition(const Isometry3& T) { offsetPosition_ = T; }
   void setOffsetTranslation(const Vector3& p) { offsetPosition_.translation() = p; }

@@ -1,4 +1,4 @@
-// Degrees and radians.
+// Conversions between degrees and radians.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // MessageOut: messages to people, each of a kind: normal, highlighted, a warning, an error.
 //
-// All go to one stream. A warning begins with "Warning: " and an error with "Error: "; a message that already says so
-// is not marked twice.
+// All messages go to one stream. A warning begins with "Warning: " and an error with "Error: "; a message that already
+// begins so gets no second prefix.
 #pragma once
 
 #include "Config.h"
@@ -16,16 +16,16 @@ class CNOID_GENERAL_EXPORT MessageOut : public Referenced {
  public:
   enum MessageType { Normal, Highlighted, Warning, Error };
 
-  /// Writes to `stream`, which must live longer.
+  /// Writes to `stream`, which must outlive this object.
   explicit MessageOut(std::ostream& stream) : stream_(stream) {}
   ~MessageOut() override;
 
-  /// To standard output.
+  /// A MessageOut that writes to standard output.
   static MessageOut* master();
 
   void put(const std::string& message, int type = Normal);
   void putln(const std::string& message, int type = Normal) { put(message + "\n", type); }
-  /// As putln: there is nobody at a screen to be alerted.
+  /// Does the same as putln: there is no screen for an alert.
   void notify(const std::string& message, int type = Normal) { putln(message, type); }
 
   void putHighlighted(const std::string& message) { put(message, Highlighted); }
@@ -42,7 +42,7 @@ class CNOID_GENERAL_EXPORT MessageOut : public Referenced {
   std::ostream& cerr() { return stream_; }
   void flush() { stream_.flush(); }
 
-  /// Whether an error was among the messages.
+  /// True if an error was among the messages.
   bool hasErrors() const { return hasErrors_; }
 
  private:

@@ -1,4 +1,4 @@
-// MultiSE3Seq: several poses a frame, as one for each link.
+// MultiSE3Seq: several poses per frame, for example one for each link.
 #pragma once
 
 #include "EigenTypes.h"
@@ -9,7 +9,7 @@ namespace cnoid {
 class CNOID_GENERAL_EXPORT MultiSE3Seq : public MultiSeq<SE3> {
  public:
   MultiSE3Seq();
-  /// All at the origin.
+  /// All poses are at the origin.
   explicit MultiSE3Seq(int numFrames, int numParts = 1);
   MultiSE3Seq(const MultiSE3Seq&) = default;
   MultiSE3Seq& operator=(const MultiSE3Seq&) = default;
@@ -19,7 +19,7 @@ class CNOID_GENERAL_EXPORT MultiSE3Seq : public MultiSeq<SE3> {
 
  protected:
   SE3 defaultValue() const override;
-  /// SE3Format: XYZQWQXQYQZ, XYZRPY; in format version 1: format: XYZQXQYQZQW, too.
+  /// SE3Format: XYZQWQXQYQZ, XYZRPY; in format version 1 also: format: XYZQXQYQZQW.
   bool doReadSeq(const Mapping* archive, std::ostream& os) override;
 };
 

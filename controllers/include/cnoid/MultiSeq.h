@@ -1,4 +1,5 @@
-// MultiSeq: frames of several values each, as MultiValueSeq (a number a joint) and MultiSE3Seq (a pose a link) are.
+// MultiSeq: frames of several values each; base of MultiValueSeq (one number per joint) and MultiSE3Seq (one pose per
+// link).
 #pragma once
 
 #include "AbstractSeq.h"
@@ -18,7 +19,7 @@ class MultiSeq : public AbstractMultiSeq {
   using value_type = ElementType;
   using Element = ElementType;
 
-  /// A view of one frame. It is valid until the number of frames or parts changes, or the sequence goes.
+  /// A view of one frame. It is valid until the number of frames or parts changes, or the sequence is destroyed.
   class Frame {
    public:
     using iterator = ElementType*;
@@ -28,7 +29,7 @@ class MultiSeq : public AbstractMultiSeq {
     int size() const { return size_; }
     iterator begin() const { return first_; }
     iterator end() const { return first_ + size_; }
-    /// Not checked.
+    /// The index is not checked.
     ElementType& operator[](int part) const { return first_[part]; }
     ElementType& at(int part) const {
       if (part < 0 || part >= size_) throw std::out_of_range("a frame has no part " + std::to_string(part));
@@ -40,7 +41,7 @@ class MultiSeq : public AbstractMultiSeq {
     int size_ = 0;
   };
 
-  /// A view of one value of all frames, valid as long as a Frame.
+  /// A view of one value in all frames. It is valid as long as a Frame.
   class Part {
    public:
     Part(ElementType* first, int stride, int size) : first_(first), stride_(stride), size_(size) {}
@@ -72,8 +73,8 @@ class MultiSeq : public AbstractMultiSeq {
   void setNumFrames(int n, bool fillNewElements = false) override { setDimension(n, numParts_, fillNewElements); }
   void setNumParts(int n, bool fillNewElements = false) override { setDimension(numFrames_, n, fillNewElements); }
 
-  /// New elements have the default value, or with fillNewElements those of the last frame. A change of the number of
-  /// parts sets all to the default.
+  /// New elements have the default value, or with fillNewElements the values of the last frame. A change of the number
+  /// of parts sets all elements to the default.
   void setDimension(int newNumFrames, int newNumParts, bool fillNewElements = false) override {
     const int oldNumFrames = numFrames_;
     const std::size_t size = static_cast<std::size_t>(newNumFrames) * static_cast<std::size_t>(newNumParts);
@@ -88,7 +89,7 @@ class MultiSeq : public AbstractMultiSeq {
     }
   }
 
-  /// Throws std::out_of_range if there is no such frame (Choreonoid does not check).
+  /// Throws std::out_of_range if the frame doesn't exist (Choreonoid does not check).
   Frame frame(int index) const {
     if (index < 0 || index >= numFrames_) {
       throw std::out_of_range("frame " + std::to_string(index) + " is asked for in a sequence of " +
@@ -97,7 +98,8 @@ class MultiSeq : public AbstractMultiSeq {
     return Frame(data() + static_cast<std::ptrdiff_t>(index) * numParts_, numParts_);
   }
   Frame lastFrame() const { return frame(numFrames_ - 1); }
-  /// The first frame for what lies before it, the last for what lies behind. Throws std::out_of_range without frames.
+  /// The frame at the index; the first frame for a smaller index, the last for a larger one. Throws std::out_of_range
+  /// without frames.
   Frame clampedFrame(int index) const { return frame(clampFrameIndex(index)); }
   Frame clampedFrame(int index, bool& out_isWithinRange) const {
     return frame(clampFrameIndex(index, out_isWithinRange));
@@ -112,7 +114,7 @@ class MultiSeq : public AbstractMultiSeq {
     return Part(data() + index, numParts_, numFrames_);
   }
 
-  /// Views of frames are not valid afterwards.
+  /// Invalidates views of frames.
   Frame appendFrame() {
     setNumFrames(numFrames_ + 1);
     return lastFrame();
@@ -133,7 +135,7 @@ class MultiSeq : public AbstractMultiSeq {
   virtual ElementType defaultValue() const { return ElementType(); }
 
  private:
-  /// Views of a constant sequence can be written through, as in Choreonoid.
+  /// As in Choreonoid, a view of a constant sequence allows writing.
   ElementType* data() const { return const_cast<ElementType*>(values_.data()); }
 
   std::vector<ElementType> values_;  // frame after frame

@@ -1,4 +1,4 @@
-// MultiValueSeq: several numbers a frame, as one joint displacement [rad, m] for each joint.
+// MultiValueSeq: several numbers per frame, for example one joint displacement [rad, m] for each joint.
 #pragma once
 
 #include "MultiSeq.h"
@@ -8,7 +8,7 @@ namespace cnoid {
 class CNOID_GENERAL_EXPORT MultiValueSeq : public MultiSeq<double> {
  public:
   MultiValueSeq();
-  /// All zero.
+  /// All values are zero.
   explicit MultiValueSeq(int numFrames, int numParts = 1);
   MultiValueSeq(const MultiValueSeq&) = default;
   MultiValueSeq& operator=(const MultiValueSeq&) = default;

@@ -1,4 +1,4 @@
-// A stream that forgets what is written to it.
+// A stream that discards all output.
 #pragma once
 
 #include "Config.h"

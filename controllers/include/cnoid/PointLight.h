@@ -1,4 +1,4 @@
-// PointLight: shines in all directions from its frame's origin.
+// PointLight: a light that shines in all directions from its frame's origin.
 //
 // At a distance d its light is divided by constant + linear * d + quadratic * d².
 #pragma once

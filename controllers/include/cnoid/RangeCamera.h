@@ -1,7 +1,8 @@
 // RangeCamera: a camera that also measures a point cloud.
 //
-// Points are in the device frame. An organized cloud has one point a pixel, row by row from the top left; where nothing
-// was hit z is +infinity and x, y are infinite or 0. An unorganized one leaves those out. Sharing is as in Camera.
+// Points are in the device frame. An organized cloud has one point per pixel, row by row from the top left; for a pixel
+// without a surface z is +infinity and x, y are infinite or 0. An unorganized cloud leaves these points out. Sharing is
+// as in Camera.
 #pragma once
 
 #include "Camera.h"
@@ -27,26 +28,26 @@ class CNOID_GENERAL_EXPORT RangeCamera : public Camera {
   PointData& points();
   std::shared_ptr<const PointData> sharedPoints() const { return points_; }
 
-  /// A fresh, empty cloud to be filled.
+  /// Creates a new, empty cloud to be filled.
   PointData& newPoints();
-  /// Takes the points over without copying if the caller is their only owner, else copies them. Leaves `points` null.
+  /// Takes the points without copying if the caller is their only owner, else copies them. Leaves `points` null.
   void setPoints(std::shared_ptr<PointData>& points);
   void clearPoints();
 
-  /// One point a pixel? Changing it clears image and points.
+  /// True if the cloud has one point per pixel. Changing it clears image and points.
   bool isOrganized() const { return organized_; }
   void setOrganized(bool on);
-  /// No invalid points?
+  /// True if the cloud contains no invalid points.
   bool isDense() const { return dense_; }
   void setDense(bool on) { dense_ = on; }
 
-  /// What the sensor is made for [m]. Stored only: the clip distances of the camera decide.
+  /// Range of the sensor [m]. Stored only: the clip distances of the camera decide.
   double minDistance() const { return minDistance_; }
   void setMinDistance(double distance) { minDistance_ = distance; }
   double maxDistance() const { return maxDistance_; }
   void setMaxDistance(double distance) { maxDistance_ = distance; }
 
-  /// Share of the points that are found, 0 to 1.
+  /// Ratio of the detected points, 0 to 1.
   double detectionRate() const { return detectionRate_; }
   void setDetectionRate(double rate) { detectionRate_ = rate; }
   /// Standard deviation of the distance [m].

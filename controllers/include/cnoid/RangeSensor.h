@@ -2,7 +2,7 @@
 //
 // In the optical frame (see VisionSensor) pitch turns about +x, up is positive, and yaw about +y, left is positive.
 // Index = pitch index * numYawSamples() + yaw index; yaw index 0 is the right-most beam, pitch index 0 the lowest.
-// A value is the distance from the sensor's origin [m]; +infinity means that nothing came back.
+// A value is the distance from the sensor's origin [m]; +infinity means that the beam hit nothing.
 #pragma once
 
 #include "VisionSensor.h"
@@ -29,9 +29,9 @@ class CNOID_GENERAL_EXPORT RangeSensor : public VisionSensor {
   double yawRange() const { return yaw_.maxAngle - yaw_.minAngle; }  // [rad]
   double yawStep() const { return yaw_.step; }                       // [rad]
   int numYawSamples() const { return yaw_.samples; }
-  /// Ignored if the maximum is below the minimum. Of step and samples the one set last stays, the other follows.
+  /// Ignored if the maximum is below the minimum. Of step and samples the one set last is kept, the other is computed.
   void setYawRange(double minAngle, double maxAngle) { yaw_.setRange(minAngle, maxAngle); }
-  /// Symmetric about straight ahead.
+  /// Sets a range that is symmetric about the forward direction.
   void setYawRange(double angle);
   /// Both ends of the range are sampled. Ignored if negative; 0 means a single sample.
   void setYawStep(double step) { yaw_.setStep(step); }
@@ -58,7 +58,7 @@ class CNOID_GENERAL_EXPORT RangeSensor : public VisionSensor {
   double scanRate() const { return frameRate(); }  // [Hz]
   void setScanRate(double hertz) { setFrameRate(hertz); }
 
-  /// Share of the beams that come back, 0 to 1.
+  /// Ratio of the beams that return a distance, 0 to 1.
   double detectionRate() const { return detectionRate_; }
   void setDetectionRate(double rate) { detectionRate_ = rate; }
   /// Standard deviation of the distance [m].
@@ -67,17 +67,17 @@ class CNOID_GENERAL_EXPORT RangeSensor : public VisionSensor {
 
   using RangeData = std::vector<double>;  // [m]
 
-  /// Empty as long as nothing has been delivered. Sharing is as in Camera.
+  /// Empty until the first data are delivered. Sharing is as in Camera.
   const RangeData& rangeData() const { return *rangeData_; }
   const RangeData& constRangeData() const { return *rangeData_; }
   RangeData& rangeData();
   std::shared_ptr<const RangeData> sharedRangeData() const { return rangeData_; }
   RangeData& newRangeData();
-  /// Takes the data over without copying if the caller is its only owner, else copies it. Leaves `rangeData` null.
+  /// Takes the data without copying if the caller is its only owner, else copies it. Leaves `rangeData` null.
   void setRangeData(std::shared_ptr<RangeData>& rangeData);
   void clearRangeData();
 
-  /// Whether clone() takes the range data along; false by default.
+  /// If true, clone() copies the range data, too; false by default.
   bool isRangeDataStateClonable() const { return rangeDataStateClonable_; }
   void setRangeDataStateClonable(bool on) { rangeDataStateClonable_ = on; }
 
@@ -89,7 +89,7 @@ class CNOID_GENERAL_EXPORT RangeSensor : public VisionSensor {
   Referenced* doClone(CloneMap* cloneMap) const override;
 
  private:
-  /// One direction of the grid: a range of angles and where in it the beams are.
+  /// One direction of the grid: a range of angles and the beams in it.
   struct CNOID_GENERAL_EXPORT Sweep {
     double minAngle = 0.0;
     double maxAngle = 0.0;

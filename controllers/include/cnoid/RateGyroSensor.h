@@ -20,7 +20,7 @@ class CNOID_GENERAL_EXPORT RateGyroSensor : public Device {
   Vector3& w() { return w_; }
   const Vector3& w() const { return w_; }
 
-  /// What the sensor is made for [rad/s]. Stored only: readings are not clipped.
+  /// Range of the sensor [rad/s]. Stored only: readings are not clipped.
   Vector3& w_max() { return w_max_; }
   const Vector3& w_max() const { return w_max_; }
 

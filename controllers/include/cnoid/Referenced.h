@@ -1,8 +1,8 @@
-// Objects that count their owners, and the pointers that own them.
+// Objects that count their owners, and the smart pointers for them.
 //
-// A Referenced is deleted when its last ref_ptr goes. Raw pointers of the API are borrowed: whoever keeps one beyond
-// the call keeps a ref_ptr (BodyPtr, LinkPtr, DevicePtr ...) instead. Counting is safe from several threads; making and
-// locking a weak_ref_ptr is not.
+// A Referenced is deleted when its last ref_ptr is destroyed. Raw pointers of the API are borrowed: to use one after
+// the call, store a ref_ptr (BodyPtr, LinkPtr, DevicePtr ...) instead. Counting is safe from several threads; making
+// and locking a weak_ref_ptr is not.
 #pragma once
 
 #include "Config.h"
@@ -28,7 +28,7 @@ class CNOID_GENERAL_EXPORT Referenced {
 
  protected:
   Referenced() = default;
-  /// A copy starts with no owners of its own.
+  /// A copy starts without owners.
   Referenced(const Referenced&) {}
   Referenced& operator=(const Referenced&) { return *this; }
 
@@ -44,7 +44,7 @@ class CNOID_GENERAL_EXPORT Referenced {
   }
   void releaseRefWithoutDeleting() const { owners_.fetch_sub(1, std::memory_order_acq_rel); }
 
-  /// Whether this object still exists, for its weak pointers; made when the first of them asks.
+  /// Records for weak pointers whether this object still exists; made for the first weak pointer.
   const std::shared_ptr<bool>& life() const {
     if (!life_) life_ = std::make_shared<bool>(true);
     return life_;
@@ -104,7 +104,7 @@ class ref_ptr {
     return object_;
   }
 
-  /// Gives the object up without deleting it: for a function that returns a new object by raw pointer.
+  /// Releases the object without deleting it: for a function that returns a new object by raw pointer.
   T* retn() {
     if (object_) object_->releaseRefWithoutDeleting();
     return std::exchange(object_, nullptr);
@@ -142,7 +142,7 @@ template <class T, class U>
 bool operator!=(T* a, const ref_ptr<U>& b) {
   return a != b.get();
 }
-/// By address: for containers only. An order of addresses differs from run to run.
+/// Compares addresses: for containers only. An order of addresses differs from run to run.
 template <class T>
 bool operator<(const ref_ptr<T>& a, const ref_ptr<T>& b) {
   return std::less<T*>()(a.get(), b.get());
@@ -161,7 +161,7 @@ template <class T, class U>
 ref_ptr<T> const_pointer_cast(const ref_ptr<U>& pointer) {
   return const_cast<T*>(pointer.get());
 }
-/// Null if the object is no T.
+/// Null if the object is not a T.
 template <class T, class U>
 ref_ptr<T> dynamic_pointer_cast(const ref_ptr<U>& pointer) {
   return dynamic_cast<T*>(pointer.get());
@@ -172,7 +172,7 @@ std::ostream& operator<<(std::ostream& os, const ref_ptr<T>& pointer) {
   return os << pointer.get();
 }
 
-/// Knows an object without keeping it alive.
+/// Refers to an object without owning it.
 template <class T>
 class weak_ref_ptr {
  public:
@@ -187,9 +187,9 @@ class weak_ref_ptr {
   template <class U>
   weak_ref_ptr(const weak_ref_ptr<U>& other) : weak_ref_ptr(static_cast<T*>(other.lock().get())) {}
 
-  /// The object, or null if it is gone.
+  /// The object, or null if it was deleted.
   ref_ptr<T> lock() const { return life_ && *life_ ? ref_ptr<T>(object_) : ref_ptr<T>(); }
-  /// True once an object was known and is gone.
+  /// True if the pointer referred to an object that was deleted.
   bool expired() const { return life_ && !*life_; }
   void reset() { *this = weak_ref_ptr(); }
   explicit operator bool() const { return object_ != nullptr; }

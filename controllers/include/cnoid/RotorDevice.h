@@ -1,7 +1,7 @@
-// RotorDevice: a propeller that pushes its link. In the namespace in which Choreonoid has it.
+// RotorDevice: a propeller that pushes its link. It is in the same namespace as in Choreonoid.
 //
 // A controller sets value(), the thrust along direction(), and torque(), the reaction about it, then calls
-// notifyStateChange(). Both are held within their ranges, -100 to 100 by default.
+// notifyStateChange(). Both are clamped to their ranges, -100 to 100 by default.
 #pragma once
 
 #include "Device.h"
@@ -18,14 +18,14 @@ class CNOID_GENERAL_EXPORT RotorDevice : public cnoid::Device {
   void copyStateFrom(const cnoid::DeviceState& other) override;
   int stateSize() const override;
   /// active; position; direction; value, its range; torque, its range; wall effect's distance, middle value, maximum
-  /// rate; the same of the ground effect.
+  /// rate; ground effect's distance, middle value, maximum rate.
   double* writeState(double* buffer) const override;
   const double* readState(const double* buffer, int size) override;
 
   bool isActive() const { return isActive_; }
   void setActive(bool on) { isActive_ = on; }
 
-  /// In the link frame [m]. Sets the device's place, too.
+  /// The position in the link frame [m]. Sets the device's place, too.
   const cnoid::Vector3& position() const { return position_; }
   void setPosition(const cnoid::Vector3& position);
   /// Unit vector, +z by default.
@@ -44,7 +44,7 @@ class CNOID_GENERAL_EXPORT RotorDevice : public cnoid::Device {
   void setTorqueRange(double min, double max) { torque_.setRange(min, max); }
   double applyTorqueRange(double torque) const { return torque_.clamped(torque); }
 
-  /// How a near wall, or the ground, changes the thrust: for a simulation of them.
+  /// The effect of a near wall, or of the ground, on the thrust: stored for a simulation of them.
   double wallEffectDistance() const { return wallEffect_.distance; }
   void setWallEffectDistance(double distance) { wallEffect_.distance = distance; }
   double wallEffectNormMiddleValue() const { return wallEffect_.normMiddleValue; }

@@ -1,4 +1,4 @@
-// The old name of BasicSensors.
+// Former name of BasicSensors.h.
 #pragma once
 
 #include "BasicSensors.h"

@@ -1,4 +1,4 @@
-// Seq: one value a frame.
+// Seq: one value per frame.
 #pragma once
 
 #include "AbstractSeq.h"
@@ -36,7 +36,7 @@ class Seq : public AbstractSeq {
   void resize(int n) { setNumFrames(n); }
   void clear() { frames_.clear(); }
 
-  /// These throw std::out_of_range if there is no such frame (Choreonoid does not check).
+  /// These functions throw std::out_of_range if the frame doesn't exist (Choreonoid does not check).
   ElementType& frame(int index) { return frames_.at(static_cast<std::size_t>(index)); }
   const ElementType& frame(int index) const { return frames_.at(static_cast<std::size_t>(index)); }
   ElementType& at(int index) { return frame(index); }
@@ -59,7 +59,7 @@ class Seq : public AbstractSeq {
     frames_.push_back(defaultValue());
     return back();
   }
-  /// No effect on an empty sequence.
+  /// Has no effect on an empty sequence.
   void popFront() {
     if (!empty()) frames_.pop_front();
   }

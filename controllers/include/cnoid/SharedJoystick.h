@@ -1,8 +1,8 @@
-// SharedJoystick: one joystick for a controller and its child controllers, which take turns.
+// SharedJoystick: one joystick for a controller and its child controllers, which use it in turn.
 //
-// Got by io->getOrCreateSharedObject<SharedJoystick>("joystick"). Each user takes a mode of its own with addMode(),
-// calls updateState(its mode) every step, and asks with its mode: it gets zeros while another mode is on. The LOGO or
-// the SELECT button steps to the next mode. Only the user with mode 0 polls the device.
+// Obtained by io->getOrCreateSharedObject<SharedJoystick>("joystick"). Each user gets a mode from addMode(), calls
+// updateState(its mode) every step, and passes its mode to the reading functions: they return zeros while a different
+// mode is active. The LOGO or the SELECT button switches to the next mode. Only the user with mode 0 polls the device.
 #pragma once
 
 #include "Joystick.h"
@@ -17,16 +17,17 @@ class CNOID_GENERAL_EXPORT SharedJoystick : public Referenced {
   static constexpr Joystick::ButtonID MODE_BUTTON1 = Joystick::LOGO_BUTTON;
   static constexpr Joystick::ButtonID MODE_BUTTON2 = Joystick::SELECT_BUTTON;
 
-  /// Another device than the default one; it must live longer.
+  /// Replaces the default device; the new device must outlive this object.
   void setJoystick(JoystickInterface* joystick) { joystick_ = joystick; }
 
-  /// A new mode; the first is 0.
+  /// Adds a mode; the first is 0.
   int addMode() { return numModes_++; }
   int mode() const { return mode_; }
   bool isMode(int mode) const { return mode_ == mode; }
   void setMode(int mode) { mode_ = mode; }
 
-  /// Of mode 0: polls the device, and steps the mode if its button was just pressed. Of others: nothing.
+  /// With mode 0: polls the device, and switches to the next mode if a mode button was just pressed. With other modes:
+  /// does nothing.
   void updateState(int mode) {
     if (mode != 0) return;
     const bool isPressed = getModeButtonState();
@@ -39,8 +40,8 @@ class CNOID_GENERAL_EXPORT SharedJoystick : public Referenced {
     return joystick_->getButtonState(MODE_BUTTON1) || joystick_->getButtonState(MODE_BUTTON2);
   }
 
-  /// 0 if the stick is out by less than the threshold. With two whole numbers the first is a mode: write the threshold
-  /// with a decimal point.
+  /// Position of an axis; 0 if its magnitude is below the threshold. With two whole numbers the first is a mode: write
+  /// the threshold with a decimal point.
   double getPosition(int axis, double threshold = 0.0) const {
     const double position = joystick_->getPosition(axis);
     return std::fabs(position) >= threshold ? position : 0.0;

@@ -1,8 +1,8 @@
-// Signal: a list of functions to be called when something happens.
+// Signal: a list of functions that are called at an event.
 //
-// Slots are called in the order in which they were connected. A slot that is connected while the signal is being
-// emitted is first called by the next emission; one that is disconnected meanwhile is not called any more. An emission
-// from within a slot of the same signal waits until the running one is over. One thread only.
+// Slots are called in the order of connection. A slot that is connected during an emission is first called by the next
+// emission; a slot that is disconnected during an emission is no longer called. An emission inside a slot of the same
+// signal waits until the running emission is complete. One thread only.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace cnoid {
 
 namespace signal_private {
 
-/// What a Connection and its signal both know of a slot.
+/// The data of a slot that a Connection and its signal share.
 struct SlotState {
   bool connected = true;
   int blocks = 0;
@@ -24,7 +24,7 @@ struct SlotState {
 
 }  // namespace signal_private
 
-/// One slot's place in a signal. Letting go of it does not disconnect the slot: ScopedConnection does.
+/// A slot's connection to a signal. Its destruction does not disconnect the slot; that of a ScopedConnection does.
 class Connection {
  public:
   Connection() = default;
@@ -36,7 +36,7 @@ class Connection {
   }
   bool connected() const { return state_ && state_->connected; }
 
-  /// A blocked slot stays connected and is passed over. Blocks count: unblock as often.
+  /// A blocked slot stays connected but is not called. Blocks are counted: unblock as often.
   void block() {
     if (state_) ++state_->blocks;
   }
@@ -45,7 +45,7 @@ class Connection {
   }
   bool isBlocked() const { return state_ && state_->blocks > 0; }
 
-  /// Blocks as long as it lives.
+  /// Blocks a connection during its lifetime.
   class ScopedBlock {
    public:
     explicit ScopedBlock(Connection& connection) : connection_(connection) { connection_.block(); }
@@ -62,7 +62,7 @@ class Connection {
   std::shared_ptr<signal_private::SlotState> state_;
 };
 
-/// A connection that ends with its owner.
+/// A connection that its destructor disconnects.
 class ScopedConnection {
  public:
   ScopedConnection() = default;
@@ -92,7 +92,7 @@ class ScopedConnection {
   Connection connection_;
 };
 
-/// Many of them under one roof.
+/// A set of scoped connections.
 class ScopedConnectionSet {
  public:
   void add(const Connection& connection) { connections_.emplace_back(connection); }
@@ -106,7 +106,7 @@ class ScopedConnectionSet {
 template <typename Signature>
 class Signal;
 
-/// Only slots that return nothing exist here: Choreonoid's combiners of return values are not part of this API.
+/// Only slots without a return value are supported: Choreonoid's combiners of return values are not part of this API.
 template <typename... Args>
 class Signal<void(Args...)> {
  public:
@@ -150,7 +150,7 @@ class Signal<void(Args...)> {
     std::shared_ptr<signal_private::SlotState> state;
   };
 
-  /// Also when a slot throws the signal must be usable again.
+  /// Keeps the signal usable if a slot throws.
   struct EmissionScope {
     explicit EmissionScope(Signal& owner) : signal(owner) { signal.emitting_ = true; }
     ~EmissionScope() {
@@ -182,12 +182,11 @@ class Signal<void(Args...)> {
   bool emitting_ = false;
 };
 
-/// Lets others connect to a signal without letting them emit it. Borrowed: don't keep it longer than the signal's
-/// owner.
+/// Allows connecting to a signal, but not emitting it. Borrowed: it must not outlive the signal's owner.
 template <typename Signature>
 class SignalProxy {
  public:
-  /// A proxy of nothing: connecting is accepted, and nothing will ever be called.
+  /// A proxy without a signal: connecting is accepted, and no slot will ever be called.
   SignalProxy() = default;
   SignalProxy(Signal<Signature>& signal) : signal_(&signal) {}
 

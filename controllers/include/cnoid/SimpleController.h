@@ -33,19 +33,19 @@ class CNOID_GENERAL_EXPORT SimpleController {
 
   /// Once, before the simulation. False: the controller can't run. Default: true.
   virtual bool configure(SimpleControllerConfig* config);
-  /// Enable inputs and outputs here. False: the controller takes no part in the run. Default: true.
+  /// Enable inputs and outputs here. False: the controller does not take part in the run. Default: true.
   virtual bool initialize(SimpleControllerIO* io);
-  /// After initialize() of every controller. False: the controller takes no part in the run. Default: true.
+  /// Called after initialize() of every controller. False: the controller does not take part in the run. Default: true.
   virtual bool start();
-  /// Inputs are in the body, commands go there. False says that it has nothing more to do; it is called again
-  /// nevertheless. Default: false.
+  /// Read inputs from the body and write commands to it. False means that the controller has finished; it is called
+  /// again nevertheless. Default: false.
   virtual bool control();
-  /// After the last step.
+  /// Called after the last step.
   virtual void stop();
-  /// Around a pause. Rehearse never pauses a run.
+  /// Called before and after a pause. Rehearse never pauses a run.
   virtual void pause();
   virtual bool resume();
-  /// Pairs with configure().
+  /// The counterpart of configure().
   virtual void unconfigure();
 
   /// Link's flags, for use without `Link::` in a controller.
@@ -84,15 +84,15 @@ class CNOID_GENERAL_EXPORT SimpleController {
 
 #define CNOID_SIMPLE_CONTROLLER_EXPORT CNOID_GENERAL_EXPORT
 
-/// Changes with the memory layout of these classes. A library that was compiled with another number, or with the
-/// headers of Choreonoid itself, reads and writes at wrong places; it is refused instead.
+/// This number changes with the memory layout of these classes. A library that was compiled with a different number, or
+/// with the headers of Choreonoid itself, would read and write at wrong places; it is refused.
 #define REHEARSE_CNOID_ABI 1
 
-/// What a controller's library exports: its factory, and the number it was compiled with.
+/// The exported symbols of a controller's library: its factory, and the number it was compiled with.
 extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController();
 extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT int rehearseCnoidAbi();
 
-/// Defines both. Written once in a library, without a semicolon.
+/// Defines both symbols. Write it once in a library, without a semicolon.
 #define CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(ControllerClass)                                \
   extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT int rehearseCnoidAbi() { return REHEARSE_CNOID_ABI; } \
   extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController() {   \

@@ -1,6 +1,6 @@
-// SimpleControllerConfig: what a controller is given in configure(), before there is a simulation.
+// SimpleControllerConfig: the argument of configure(), before the simulation exists.
 //
-// Its body is the model as loaded, not the copy that initialize() will give. Options are the controller's own, without
+// Its body is the loaded model, not the copy that initialize() provides. Options are those of the controller, without
 // those of the run.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace cnoid {
 
 class CNOID_GENERAL_EXPORT SimpleControllerConfig {
  public:
-  /// Answers from `io`, which must live longer. A host may override instead.
+  /// Returns data of `io`, which must outlive this object. A host may override the functions instead.
   explicit SimpleControllerConfig(SimpleControllerIO* io);
   SimpleControllerConfig(const SimpleControllerConfig&) = delete;
   SimpleControllerConfig& operator=(const SimpleControllerConfig&) = delete;
@@ -27,7 +27,7 @@ class CNOID_GENERAL_EXPORT SimpleControllerConfig {
   std::vector<std::string> options() const;
   virtual std::ostream& os() const;
 
-  /// Null: there is no graphical interface.
+  /// Returns null: there is no graphical interface.
   virtual Referenced* bodyItem();
   /// Never emitted: nothing changes between configure() and initialize().
   SignalProxy<void()> sigChanged() { return sigChanged_; }

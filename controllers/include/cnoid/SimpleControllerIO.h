@@ -1,4 +1,4 @@
-// SimpleControllerIO: where a controller says which quantities it wants to read and which it commands.
+// SimpleControllerIO: a controller enables here the quantities that it reads and commands.
 //
 // Enabling counts in initialize() only: after it the tables are fixed, and later calls have no effect.
 //
@@ -10,8 +10,9 @@
 //   any of these on a PseudoContinuousTrackJoint    nothing                as above
 //   LinkPosition                                    nothing                T
 //   LinkExtWrench                                   T                      F_ext
-// Modes may be combined; so then are inputs and outputs. The input is decided by the mode at the call, the output by
-// the mode at the end of initialize(). A null pointer throws std::invalid_argument. (Choreonoid would crash.)
+// Modes may be combined; then inputs and outputs are combined, too. The mode at the call determines the input, the mode
+// at the end of initialize() determines the output. A null pointer throws std::invalid_argument. (Choreonoid would
+// crash.)
 #pragma once
 
 #include "ControllerIO.h"
@@ -24,13 +25,13 @@ class CNOID_GENERAL_EXPORT SimpleControllerIO : public ControllerIO {
  public:
   ~SimpleControllerIO() override;
 
-  /// enableInput(link) and enableOutput(link).
+  /// Does the same as enableInput(link) and enableOutput(link).
   virtual void enableIO(Link* link) = 0;
   /// Inputs by the link's actuation mode, see above.
   virtual void enableInput(Link* link) = 0;
   /// `stateFlags`: Link::StateFlags, added to those of earlier calls.
   virtual void enableInput(Link* link, int stateFlags) = 0;
-  /// The controller's device is refreshed before a control step whenever the simulated one has something new.
+  /// The controller's device is refreshed before a control step whenever the simulated device has a new state.
   virtual void enableInput(Device* device) = 0;
   /// Outputs by the link's actuation mode, see above.
   virtual void enableOutput(Link* link) = 0;
@@ -42,7 +43,7 @@ class CNOID_GENERAL_EXPORT SimpleControllerIO : public ControllerIO {
   T* getOrCreateSharedObject(const std::string& name) {
     return body()->getOrCreateCache<T>(name);
   }
-  /// Null if there is none of that name and type.
+  /// Null if there is no object of that name and type.
   template <class T>
   T* findSharedObject(const std::string& name) {
     return body()->findCache<T>(name);

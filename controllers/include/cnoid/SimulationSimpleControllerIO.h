@@ -1,5 +1,4 @@
-// SimulationSimpleControllerIO: the names that no-delay mode had before; sources reach them by a cast of their IO
-// object.
+// SimulationSimpleControllerIO: former names of no-delay mode; sources reach them by a cast of their IO object.
 #pragma once
 
 #include "SimpleControllerIO.h"

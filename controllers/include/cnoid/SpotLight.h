@@ -1,4 +1,4 @@
-// SpotLight: a cone of light.
+// SpotLight: a light that shines in a cone.
 #pragma once
 
 #include "PointLight.h"
@@ -17,17 +17,17 @@ class CNOID_GENERAL_EXPORT SpotLight : public PointLight {
   double* writeState(double* buffer) const override;  // PointLight's; direction, beam width, cut-off angle, exponent
   const double* readState(const double* buffer, int size) override;
 
-  /// In the device frame; -z by default.
+  /// The direction in the device frame; -z by default.
   const Vector3& direction() const { return direction_; }
   void setDirection(const Vector3& direction) { direction_ = direction; }
 
-  /// Within it the light is at full strength [rad].
+  /// The light has its full strength up to this angle [rad].
   float beamWidth() const { return beamWidth_; }
   void setBeamWidth(float angle) { beamWidth_ = angle; }
-  /// Beyond it there is none [rad].
+  /// No light beyond this angle [rad].
   float cutOffAngle() const { return cutOffAngle_; }
   void setCutOffAngle(float angle) { cutOffAngle_ = angle; }
-  /// How fast it fades in between.
+  /// The exponent of the decrease between the two angles.
   float cutOffExponent() const { return cutOffExponent_; }
   void setCutOffExponent(float exponent) { cutOffExponent_ = exponent; }
 

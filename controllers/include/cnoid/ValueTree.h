@@ -1,9 +1,9 @@
-// ValueTree: data as YAML has it: scalars, mappings from keys to nodes, listings of nodes.
+// ValueTree: data in the form of YAML: scalars, mappings from keys to nodes, listings of nodes.
 //
-// A model's extra information (Link::info, Device::info), structured options and .seq files come in this form. Nodes
-// that were read from a text know their line and column. A missing key gives a node that is not valid, never null, so
-// that questions may be chained: `info->findMapping("a")->findListing("b")->isValid()`. What asks for a value that is
-// not there, or not of that type, throws a ValueNode::Exception that names the place.
+// A model's extra information (Link::info, Device::info), structured options and .seq files use this form. Nodes that
+// were read from a text store their line and column. A missing key gives a node that is not valid, never null, so that
+// calls can be chained: `info->findMapping("a")->findListing("b")->isValid()`. A function that requires a value throws
+// a ValueNode::Exception, which names the place, if the value is missing or has a different type.
 #pragma once
 
 #include "ClonableReferenced.h"
@@ -24,12 +24,12 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
  public:
   enum NodeType { INVALID_NODE = 0, SCALAR = 1, MAPPING = 2, LISTING = 4 };
 
-  /// A node that stands for "there is none".
+  /// A node that represents a missing value.
   ValueNode() = default;
   ValueNode& operator=(const ValueNode&) = delete;
   ~ValueNode() override;
 
-  /// A new copy. Of a mapping or a listing: with the same children; see deepClone() of those.
+  /// A new copy. A copy of a mapping or a listing has the same children; see deepClone().
   ValueNode* clone() const { return static_cast<ValueNode*>(doClone(nullptr)); }
 
   NodeType nodeType() const { return type_; }
@@ -41,9 +41,9 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   bool isListing() const { return type_ == LISTING; }
   bool isCollection() const { return isMapping() || isListing(); }
 
-  // These throw NotScalarException, NotMappingException, NotListingException if the node is something else, and
-  // ScalarTypeMismatchException if the text is no such value. Numbers always have '.' as their decimal point, and are
-  // decimal; booleans are true, yes, on and false, no, off.
+  // These functions throw NotScalarException, NotMappingException, NotListingException if the node has a different
+  // kind, and ScalarTypeMismatchException if the text can't be converted to the type. Numbers always have '.' as their
+  // decimal point, and are decimal; booleans are true, yes, on and false, no, off.
 
   int toInt() const;
   double toDouble() const;
@@ -58,14 +58,14 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   const Listing* toListing() const;
   Listing* toListing();
 
-  /// The same without exceptions: false, `out` untouched, if it can't be read.
+  /// The same without exceptions: returns false and leaves `out` unchanged if the value can't be read.
   bool read(int& out) const;
   bool read(double& out) const;
   bool read(float& out) const;
   bool read(bool& out) const;
   bool read(std::string& out) const;
 
-  /// Whether the node was read from a text; then line() and column() count from 1.
+  /// True if the node was read from a text; then line() and column() count from 1.
   bool hasLineInfo() const { return line_ > 0; }
   int line() const { return line_; }
   int column() const { return column_; }
@@ -74,11 +74,11 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   class CNOID_GENERAL_EXPORT Exception {
    public:
     virtual ~Exception();
-    /// What is wrong, and with a position: "line L, column C: " before it.
+    /// The error message, with the prefix "line L, column C: " if the place is known.
     std::string message() const;
-    /// The sentence alone.
+    /// The error message without the place.
     const std::string& text() const { return message_; }
-    /// From 1; 0 if the place is not known.
+    /// Counts from 1; 0 if the place is not known.
     int line() const { return line_; }
     int column() const { return column_; }
     void setPosition(int line, int column);
@@ -145,7 +145,7 @@ class CNOID_GENERAL_EXPORT ScalarNode : public ValueNode {
  public:
   explicit ScalarNode(const std::string& value) : ValueNode(SCALAR), value_(value) {}
   explicit ScalarNode(int value);
-  /// As the shortest text that reads back as the same number.
+  /// Stores a number as the shortest text that reads back as the same number.
   explicit ScalarNode(double value);
 
   const std::string& stringValue() const { return value_; }
@@ -184,25 +184,25 @@ class CNOID_GENERAL_EXPORT Mapping : public ValueNode {
   const_iterator begin() const { return values_.begin(); }
   const_iterator end() const { return values_.end(); }
 
-  /// A node that is not valid if there is none. Of several keys: what is found first.
+  /// A node that is not valid if the key is missing. With several keys: the first one that exists.
   ValueNode* find(const std::string& key) const;
   ValueNode* find(std::initializer_list<const char*> keys) const;
-  /// Not valid as well if the value is something else.
+  /// Not valid, too, if the value has a different kind.
   Mapping* findMapping(const std::string& key) const;
   Listing* findListing(const std::string& key) const;
   Listing* findListing(std::initializer_list<const char*> keys) const;
-  /// Throws KeyNotFoundException if there is none.
+  /// Throws KeyNotFoundException if the key is missing.
   ValueNode& get(const std::string& key) const;
   ValueNode& operator[](const std::string& key) const { return get(key); }
 
-  /// Replaces what is there. The node is shared with whoever holds it.
+  /// Replaces an existing value. The mapping shares the node with its other owners.
   void insert(const std::string& key, ValueNode* node);
-  /// Of the other mapping what this one has not.
+  /// Inserts the values of the other mapping whose keys this mapping doesn't contain.
   void insert(const Mapping* other);
   bool remove(const std::string& key) { return values_.erase(key) != 0; }
-  /// What is there, or null, and takes it out.
+  /// Removes a value and returns it, or null if the key is missing.
   ValueNodePtr extract(const std::string& key);
-  /// The mapping, or listing, under the key; open: makes one if there is none, create: makes a new one in any case.
+  /// The mapping, or listing, under the key. open: makes one if there is none; create: always makes a new one.
   Mapping* openMapping(const std::string& key);
   Mapping* createMapping(const std::string& key);
   Listing* openListing(const std::string& key);
@@ -215,7 +215,8 @@ class CNOID_GENERAL_EXPORT Mapping : public ValueNode {
   void write(const std::string& key, double value);
   void write(const std::string& key, ValueNode* node) { insert(key, node); }
 
-  /// Reads a value into `out`. False, `out` untouched, if the key is missing or its value is not of that type.
+  /// Reads a value into `out`. Returns false and leaves `out` unchanged if the key is missing or its value has a
+  /// different type.
   template <typename T>
   bool read(const std::string& key, T& out) const {
     return find(key)->read(out);
@@ -263,7 +264,7 @@ class CNOID_GENERAL_EXPORT Mapping : public ValueNode {
   explicit Mapping(NotThere) : ValueNode(INVALID_NODE) {}
   static Mapping* notThere();
   [[noreturn]] void throwKeyNotFoundException(const std::string& key) const;
-  /// Or the first of all, if none is there.
+  /// Or the first value of all, if none of them exists.
   std::string firstFound(std::initializer_list<const char*> keys) const;
 
   Container values_;
@@ -294,7 +295,7 @@ class CNOID_GENERAL_EXPORT Listing : public ValueNode {
   const_iterator begin() const { return values_.begin(); }
   const_iterator end() const { return values_.end(); }
 
-  /// Throws an Exception if there is no such element (Choreonoid does not check).
+  /// Throws an Exception if the element doesn't exist (Choreonoid does not check).
   ValueNode* at(int index) const;
   ValueNode& get(int index) const { return *at(index); }
   ValueNode& operator[](int index) const { return *at(index); }
@@ -305,7 +306,7 @@ class CNOID_GENERAL_EXPORT Listing : public ValueNode {
   void append(int value);
   void append(double value);
   void append(const std::string& value);
-  /// A new mapping at the end.
+  /// Appends a new mapping.
   Mapping* newMapping();
 
  protected:

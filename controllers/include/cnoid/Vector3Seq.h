@@ -1,4 +1,4 @@
-// Vector3Seq: a vector a frame.
+// Vector3Seq: one vector per frame.
 #pragma once
 
 #include "EigenTypes.h"
@@ -8,7 +8,7 @@ namespace cnoid {
 
 class CNOID_GENERAL_EXPORT Vector3Seq : public Seq<Vector3> {
  public:
-  /// All zero.
+  /// All vectors are zero.
   explicit Vector3Seq(int numFrames = 0);
   Vector3Seq(const Vector3Seq&) = default;
   Vector3Seq& operator=(const Vector3Seq&) = default;

@@ -1,7 +1,7 @@
-// VisionSensor: what cameras and range sensors have in common.
+// VisionSensor: base class of cameras and range sensors.
 //
-// It captures at a rate of its own, in simulated time, and delivers one cycle later. The optical frame is the device
-// frame turned by opticalFrameRotation(): by default it looks along -z with +y up.
+// It captures at its frame rate, in simulated time, and delivers one cycle later. The optical frame is the device frame
+// turned by opticalFrameRotation(): by default it looks along -z with +y up.
 #pragma once
 
 #include "Device.h"
@@ -15,15 +15,15 @@ class CNOID_GENERAL_EXPORT VisionSensor : public Device {
   bool on() const override;
   void on(bool on) override;
 
-  /// Captures a second of simulated time [Hz].
+  /// Captures per second of simulated time [Hz].
   double frameRate() const { return frameRate_; }
   void setFrameRate(double hertz) { frameRate_ = hertz; }
 
-  /// From the capture of the data to its delivery [s].
+  /// Time from the capture of the data to its delivery [s].
   double delay() const { return delay_; }
   void setDelay(double seconds) { delay_ = seconds; }
 
-  /// From the device frame to the optical frame.
+  /// Rotation from the device frame to the optical frame.
   const Matrix3& opticalFrameRotation() const { return R_optical_; }
   template <typename Derived>
   void setOpticalFrameRotation(const Eigen::MatrixBase<Derived>& rotation) {
@@ -32,7 +32,7 @@ class CNOID_GENERAL_EXPORT VisionSensor : public Device {
 
   /// GL looks along -z with +y up, CV along +z with -y up, Robotics along +x with +z up.
   enum OpticalFrameType { GL, CV, Robotics };
-  /// Throws std::invalid_argument for another number.
+  /// Throws std::invalid_argument for a different number.
   static Matrix3 opticalFrameRotationOfType(int opticalFrameType);
   void setOpticalFrame(int opticalFrameType) { R_optical_ = opticalFrameRotationOfType(opticalFrameType); }
 

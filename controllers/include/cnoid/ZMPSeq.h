@@ -1,4 +1,4 @@
-// ZMPSeq: where the zero moment point of a walking robot is to be, as part of its motion.
+// ZMPSeq: the planned zero moment point of a walking robot, as part of its motion.
 #pragma once
 
 #include "BodyMotion.h"
@@ -15,7 +15,7 @@ class CNOID_GENERAL_EXPORT ZMPSeq : public Vector3Seq {
 
   std::shared_ptr<AbstractSeq> cloneSeq() const override;
 
-  /// In the root link's frame, not in the world's.
+  /// True if the ZMP is in the root link's frame; false for the world's frame.
   bool isRootRelative() const { return isRootRelative_; }
   void setRootRelative(bool on) { isRootRelative_ = on; }
 
@@ -26,7 +26,7 @@ class CNOID_GENERAL_EXPORT ZMPSeq : public Vector3Seq {
   bool isRootRelative_ = false;
 };
 
-/// Null if the motion has none.
+/// Null if the motion has no ZMP.
 CNOID_GENERAL_EXPORT std::shared_ptr<ZMPSeq> getZMPSeq(const BodyMotion& motion);
 CNOID_GENERAL_EXPORT std::shared_ptr<ZMPSeq> getOrCreateZMPSeq(BodyMotion& motion);
 CNOID_GENERAL_EXPORT void clearZMPSeq(BodyMotion& motion);
