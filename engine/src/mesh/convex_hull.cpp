@@ -23,7 +23,7 @@ bool before(const Vector3d& a, const Vector3d& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-/// The vertices that triangles use, of each object, each place once, in lexicographic order.
+/// For each object the vertices that its triangles use, each position once, in lexicographic order.
 std::map<int, Points> points_of(const MeshData& mesh) {
   std::map<int, Points> objects;
   for (const MeshPart& part : mesh.parts) {
@@ -47,7 +47,7 @@ double extent_along(const Points& points, const Vector3d& direction) {
   return high - low;
 }
 
-/// How far the points reach along the axes along which they vary least, next, and most.
+/// The extents of the points along three orthogonal axes, ascending.
 struct Spread {
   Eigen::Matrix3d axes;  // columns, unit length
   Vector3d extents;      // [m]
@@ -64,7 +64,7 @@ Spread spread_of(const Points& points) {
   return spread;
 }
 
-/// What two numbers of a vertex may differ by and be the same: floats are rounded.
+/// Two coordinates that differ by at most this much count as equal, because floats are rounded.
 double rounding_of(const Points& points) {
   Vector3d low = points.front(), high = points.front();
   for (const Vector3d& point : points) {
@@ -98,7 +98,7 @@ class Qhull {
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
 
-  /// The triangles around the points; none if its numbers ran out.
+  /// The triangles around the points; nullopt if Qhull failed.
   std::optional<std::vector<Triangle>> hull(const Points& points, std::string options) {
     std::vector<double> numbers;
     for (const Vector3d& point : points) numbers.insert(numbers.end(), point.data(), point.data() + 3);
@@ -119,11 +119,11 @@ class Qhull {
   }
 
  private:
-  std::FILE* silence_;  // it writes what it has to say there
+  std::FILE* silence_;  // receives Qhull's messages, which are discarded
   qhT state_;
 };
 
-/// Six times the volume; negative if the triangles are turned inside out.
+/// Six times the volume; negative if the triangles are wound inwards.
 double volume(const Points& points, const std::vector<Triangle>& triangles) {
   double sum = 0.0;
   const Vector3d& origin = points[static_cast<std::size_t>(triangles.front()[0])];
@@ -132,9 +132,10 @@ double volume(const Points& points, const std::vector<Triangle>& triangles) {
   return sum;
 }
 
-/// The triangles around the points, counter-clockwise seen from outside; none if Qhull gives up.
+/// The triangles around the points, counter-clockwise seen from outside; nullopt if Qhull fails.
 std::optional<std::vector<Triangle>> triangulated_hull(const Points& points) {
-  // merged facets, cut into triangles; where that leaves a crack, triangles of points that are shaken a little
+  // First try merged facets, cut into triangles. If the result isn't closed, try triangles of slightly displaced
+  // points.
   for (const char* options : {"Qt", "QJ"}) {
     auto triangles = Qhull().hull(points, options);
     if (!triangles || !is_closed(*triangles)) continue;
@@ -151,7 +152,7 @@ Vector3d area_vector(const Points& points, const Triangle& t) {
   return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
 }
 
-/// The vertices among `points`, still in order.
+/// The points that are vertices of the triangles, in the same order.
 Points vertices_of(const Points& points, const std::vector<Triangle>& triangles) {
   std::vector<bool> used(points.size(), false);
   for (const Triangle& triangle : triangles)
@@ -162,13 +163,13 @@ Points vertices_of(const Points& points, const std::vector<Triangle>& triangles)
   return vertices;
 }
 
-/// A point outside of a triangle's plane, and how far [m]: not more than its distance from the hull.
+/// A point outside a triangle's plane, and its distance from the plane [m]: at most its distance from the hull.
 struct Outsider {
   std::size_t point = 0;
   double distance = 0.0;
 };
 
-/// Of each triangle the point that is farthest outside of its plane, the farthest first.
+/// For each triangle the point that is farthest outside its plane, sorted, the farthest first.
 std::vector<Outsider> outsiders(const Points& points, const Points& of, const std::vector<Triangle>& triangles) {
   std::vector<Outsider> farthest(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -186,10 +187,10 @@ std::vector<Outsider> outsiders(const Points& points, const Points& of, const st
 
 struct Thinned {
   Points points;
-  double error = 0.0;  // how far the farthest of the others is outside [m]
+  double error = 0.0;  // distance of the farthest left-out point from the hull [m]
 };
 
-/// Four points that span a volume.
+/// Four points whose tetrahedron has a volume.
 std::array<std::size_t, 4> tetrahedron_of(const Points& points) {
   const auto farthest = [&points](const auto& distance) {
     std::size_t best = 0;
@@ -206,8 +207,8 @@ std::array<std::size_t, 4> tetrahedron_of(const Points& points) {
   return {a, b, c, farthest([&](const Vector3d& point) { return std::abs(normal.dot(point - points[a])); })};
 }
 
-/// At most `max_hull_vertices` of the points, which are the vertices of their hull; fewer if the others are not farther
-/// outside than `rounding`.
+/// At most `max_hull_vertices` of the points, which are the vertices of their hull. Fewer if the other points are
+/// outside by at most `rounding`.
 std::optional<Thinned> thinned(const Points& points, double rounding) {
   std::vector<bool> chosen(points.size(), false);
   for (const std::size_t corner : tetrahedron_of(points)) chosen[corner] = true;
@@ -240,7 +241,7 @@ class FaceMerger {
   }
 
   std::vector<std::vector<int>> faces() {
-    std::vector<int> order;  // large ones first: their planes are the surest
+    std::vector<int> order;  // large ones first, because their planes are the most exact
     for (std::size_t i = 0; i < triangles_.size(); ++i) order.push_back(static_cast<int>(i));
     std::stable_sort(order.begin(), order.end(), [this](int a, int b) {
       return area_vector(points_, triangles_[a]).squaredNorm() > area_vector(points_, triangles_[b]).squaredNorm();
@@ -283,7 +284,7 @@ class FaceMerger {
                        [&](int vertex) { return std::abs(normal.dot(points_[vertex]) - offset) <= tolerance_; });
   }
 
-  /// The polygon around the triangles of a region; none if it isn't one.
+  /// The polygon around the triangles of a region; empty if the region has no single outline.
   std::optional<std::vector<int>> outline_of(const std::vector<int>& members, int seed) const {
     std::map<int, int> next;
     for (const int member : members) {
@@ -306,11 +307,11 @@ class FaceMerger {
   const Points& points_;
   const std::vector<Triangle>& triangles_;
   double tolerance_;
-  std::vector<int> region_;    // by triangle: the first of its region; -1: none so far
+  std::vector<int> region_;    // by triangle: the first of its region; -1: not assigned yet
   std::map<Edge, int> sides_;  // the triangle on the left of an edge
 };
 
-/// Leaves out vertices at which only two faces meet: they are in the middle of an edge.
+/// Removes vertices at which only two faces meet: they are in the middle of an edge.
 void straighten(std::vector<std::vector<int>>& faces, std::size_t count) {
   std::vector<int> meeting(count, 0);
   for (const auto& face : faces)
@@ -403,7 +404,7 @@ class HullMaker {
   }
 
   void tell_thinned(const Points& points, const Thinned& fewer) {
-    // a note: most meshes of real robots are finer than contact needs
+    // a note, not a warning: most meshes of real robots are finer than contacts need
     remark(Severity::note,
            fmt::format("has a hull of {} vertices: contact takes {} of them, outside of which the others are up to "
                        "{:.2g} mm",

@@ -15,7 +15,7 @@ using Key = std::tuple<std::string, std::uintmax_t, std::filesystem::file_time_t
 
 struct CachedMesh {
   MeshReading reading;
-  std::optional<Result<ConvexHulls>> hulls;  // none: nobody asked
+  std::optional<Result<ConvexHulls>> hulls;  // nullopt: not requested yet
 };
 
 class MeshCache {

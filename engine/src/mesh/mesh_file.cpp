@@ -35,7 +35,7 @@ bool reads(const Assimp::BaseImporter& importer, const std::string& extension) {
   return false;
 }
 
-/// assimp tries every format it knows on a file that its own reader refuses; what comes of it is no answer.
+/// assimp tries all its other readers on a file that the right reader refuses; their results are meaningless.
 void keep_only(Assimp::Importer& importer, MeshFormat format) {
   constexpr const char* extensions[] = {"stl", "dae", "obj", "gltf", "glb"};
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
@@ -46,7 +46,7 @@ void keep_only(Assimp::Importer& importer, MeshFormat format) {
   }
 }
 
-/// Why assimp refuses the file. It likes to put the file's path in, which is the machine's.
+/// The reason why assimp refuses the file. assimp's message may contain the absolute path, which is removed.
 std::string refusal(const Assimp::Importer& importer, const std::filesystem::path& file) {
   std::string reason = importer.GetErrorString();
   const std::string path = file.string();
@@ -56,18 +56,18 @@ std::string refusal(const Assimp::Importer& importer, const std::filesystem::pat
   return "assimp says: " + reason;
 }
 
-/// Owned by the importer; null: see its GetErrorString().
+/// The scene is owned by the importer; if it is null, see the importer's GetErrorString().
 const aiScene* import(Assimp::Importer& importer, MeshFormat format, MeshInput& input) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetIOHandler(&input);
   keep_only(importer, format);
   const aiScene* scene = importer.ReadFile(input.file().string(), aiProcess_Triangulate | aiProcess_SortByPType);
-  importer.SetIOHandler(nullptr);  // it would delete it
+  importer.SetIOHandler(nullptr);  // the importer would delete it
   return scene;
 }
 
-/// Each once. assimp also asks for an OBJ's MTL by the name of the OBJ if the one that is named isn't there.
+/// The missing files, each once. assimp also looks for an OBJ's MTL by the OBJ's name if the named MTL is missing.
 void warn_of_missing(MeshFormat format, const MeshInput& input, std::vector<std::string>& warnings) {
   const std::vector<std::string>& missing = input.missing();
   const std::string guess = format == MeshFormat::obj ? input.file().stem().string() + ".mtl" : "";

@@ -51,12 +51,12 @@ Result<void> check_glb(const std::string& bytes) {
   return {};
 }
 
-/// assimp 5.2 never comes to the end of a list of indices (<p>) with anything but whole numbers in it.
+/// assimp 5.2 never returns from a list of indices (<p>) that contains anything but whole numbers.
 Result<void> check_dae(const std::string& bytes) {
   for (std::size_t at = bytes.find("<p"); at != std::string::npos; at = bytes.find("<p", at + 1)) {
     const std::size_t after_name = at + 2;
     if (after_name >= bytes.size() || std::string_view("> \t\r\n").find(bytes[after_name]) == std::string_view::npos) {
-      continue;  // another element
+      continue;  // a different element
     }
     const std::size_t start = bytes.find('>', after_name);
     if (start == std::string::npos || bytes[start - 1] == '/') continue;
@@ -97,7 +97,7 @@ Result<void> check_mesh_bytes(MeshFormat format, std::string& bytes) {
       return check_obj(bytes);
     case MeshFormat::glb: return check_glb(bytes);
     case MeshFormat::dae: return check_dae(bytes);
-    case MeshFormat::gltf: return {};  // JSON has an end of its own
+    case MeshFormat::gltf: return {};  // truncated JSON is a syntax error
   }
   REHEARSE_ASSERT(false, "a MeshFormat outside its enumeration");
 }

@@ -20,7 +20,7 @@ Diagnostic of_file(const std::filesystem::path& file, std::string message, std::
   return diagnostic;
 }
 
-/// Bytes in memory. It is in the list of those that are open for as long as it exists.
+/// A stream of bytes in memory. It is in the list of open streams during its lifetime.
 class Stream : public Assimp::MemoryIOStream {
  public:
   Stream(const std::string& bytes, std::vector<Assimp::IOStream*>& open)

@@ -23,7 +23,7 @@ float srgb_of_linear(float linear) {
   return static_cast<float>(value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055);
 }
 
-/// A texture that assimp has found within the file.
+/// A texture that is embedded in the file.
 Result<Texture> decode_embedded(const aiTexture& embedded) {
   const auto* bytes = reinterpret_cast<const char*>(embedded.pcData);
   if (embedded.mHeight == 0) return decode_picture({bytes, embedded.mWidth});
@@ -48,7 +48,7 @@ const Paint& MeshMaterials::operator[](unsigned index) const {
   return index < paints_.size() ? paints_[index] : none;
 }
 
-/// assimp gives every material a colour, stated or not.
+/// The materials for which the file states a colour; assimp gives every material a colour, stated or not.
 void MeshMaterials::find_stated_colors() {
   for (const auto& [path, bytes] : input_.others()) {
     std::string_view rest = *bytes;

@@ -32,7 +32,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-/// The names in a directory that are `name` but for the case, in alphabetical order.
+/// The names in a directory that equal `name` except for upper and lower case, in alphabetical order.
 std::vector<std::string> names_like(const fs::path& directory, const std::string& name) {
   std::vector<std::string> alike;
   std::error_code problem;

@@ -23,7 +23,7 @@ Matrix product(const Matrix& outer, const Matrix& inner) {
   return product;
 }
 
-/// From the file's frame to the shape's.
+/// The transform from the file's frame to the shape's.
 Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   if (format == MeshFormat::gltf || format == MeshFormat::glb) turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -34,15 +34,15 @@ Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale) {
 
 Eigen::Vector3d vector_of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-/// How normals go where vertices go by `linear`, up to their length: by its cofactors, which exist even if it flattens.
-/// A mirror turns the winding, so it has to turn them back.
+/// The transform of normals, up to their length, if vertices are transformed by `linear`: its cofactors, which exist
+/// even if it flattens. A mirror reverses the winding, so the normals are reversed, too.
 Eigen::Matrix3d normal_matrix(const Eigen::Matrix3d& linear) {
   Eigen::Matrix3d cofactors;
   for (int i = 0; i < 3; ++i) cofactors.col(i) = linear.col((i + 1) % 3).cross(linear.col((i + 2) % 3));
   return linear.determinant() < 0.0 ? Eigen::Matrix3d(-cofactors) : cofactors;
 }
 
-/// Of a triangle, by its winding; z if it has no area.
+/// The normal of a triangle, by its winding; z if it has no area.
 Eigen::Vector3f normal_of(const MeshPart& part, const std::array<std::uint32_t, 3>& triangle) {
   const Eigen::Vector3d a = part.vertices[triangle[0]].cast<double>();
   const Eigen::Vector3d b = part.vertices[triangle[1]].cast<double>();
@@ -51,7 +51,7 @@ Eigen::Vector3f normal_of(const MeshPart& part, const std::array<std::uint32_t, 
   return normal.squaredNorm() > 0.5 ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f::UnitZ();
 }
 
-/// Gives each triangle vertices of its own, with its normal.
+/// Gives each triangle separate vertices, with its normal.
 void flatten(MeshPart& part) {
   MeshPart flat;
   for (std::array<std::uint32_t, 3>& triangle : part.triangles) {
@@ -68,7 +68,7 @@ void flatten(MeshPart& part) {
   part.texture_coordinates = std::move(flat.texture_coordinates);
 }
 
-/// Puts a triangle's normal where the file has none that can be used; those are zero so far.
+/// Sets the triangles' normals at vertices without a usable normal in the file; those are zero so far.
 void mend_normals(MeshPart& part) {
   for (const auto& triangle : part.triangles) {
     for (const std::uint32_t corner : triangle) {
@@ -76,7 +76,7 @@ void mend_normals(MeshPart& part) {
       if (normal.isZero(0.0f)) normal = normal_of(part, triangle);
     }
   }
-  for (Eigen::Vector3f& normal : part.normals) {  // of vertices that no triangle has
+  for (Eigen::Vector3f& normal : part.normals) {  // of vertices that belong to no triangle
     if (normal.isZero(0.0f)) normal = Eigen::Vector3f::UnitZ();
   }
 }
@@ -105,7 +105,7 @@ std::optional<Diagnostic> read_triangles(const aiMesh& mesh, bool is_mirrored, M
   return std::nullopt;
 }
 
-/// The triangles of one of assimp's meshes, moved by `place`.
+/// The triangles of one of assimp's meshes, transformed by `place`.
 Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat, const Paint& paint) {
   MeshPart part;
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
@@ -142,7 +142,7 @@ class PartReader {
   PartReader(const aiScene& scene, MeshFormat format, const MeshMaterials& materials)
       : scene_(scene), format_(format), materials_(materials) {}
 
-  /// An error if a mesh of the node can't be used.
+  /// Adds the meshes of a node. An error if one of them can't be used.
   std::optional<Diagnostic> read(const aiNode& node, const Matrix& place) {
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_.mNumMeshes) return error("a node of it refers to a mesh that isn't there");
@@ -161,7 +161,7 @@ class PartReader {
   std::vector<MeshPart> take() { return std::move(parts_); }
 
  private:
-  /// To the part of the same object and material, if there is one: fewer parts are drawn faster.
+  /// Appends to the part of the same object and material, if there is one: fewer parts are drawn faster.
   void add(MeshPart part, unsigned material) {
     part.object = object_;
     const auto key = std::tuple(object_, material, part.texture_coordinates.empty());
@@ -194,11 +194,11 @@ Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format
   if (scene.mRootNode == nullptr) return error("it has no triangles");
   struct Waiting {
     const aiNode* node;
-    Matrix parent;  // from its parent's frame to the shape's
+    Matrix parent;  // from the parent node's frame to the shape's
   };
   PartReader reader(scene, format, materials);
-  std::vector<Waiting> waiting{
-      {scene.mRootNode, placing_of(format, scale)}};  // a stack: files nest as deep as they like
+  std::vector<Waiting> waiting{// a stack instead of recursion, because a file may nest nodes to any depth
+                               {scene.mRootNode, placing_of(format, scale)}};
   while (!waiting.empty()) {
     const auto [node, parent] = waiting.back();
     waiting.pop_back();

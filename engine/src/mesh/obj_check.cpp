@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r";
 
-/// Takes the next word off the front of the rest of a line; empty if there is none.
+/// Removes the next word from the front of the rest of a line and returns it; empty if there is none.
 std::string_view next_word(std::string_view& rest) {
   rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
   const std::string_view word = rest.substr(0, std::min(rest.find_first_of(blanks), rest.size()));
@@ -23,7 +23,7 @@ std::string_view next_word(std::string_view& rest) {
 
 class ObjCheck {
  public:
-  /// An error without its line, if the line is wrong.
+  /// Checks one line. The error doesn't contain the line number.
   std::optional<Diagnostic> read(std::string_view line, int number) {
     const std::string_view word = next_word(line);
     if (word == "v") return read_vertex(line);
@@ -33,7 +33,7 @@ class ObjCheck {
     return std::nullopt;
   }
 
-  /// A corner may refer to what follows only later: known at the end.
+  /// Checks references to elements that follow later in the file; possible only at the end.
   std::optional<Diagnostic> finish() const {
     for (const Kind& kind : kinds_) {
       if (kind.highest > kind.count) return beyond(kind, kind.highest, kind.line);
@@ -45,7 +45,7 @@ class ObjCheck {
   struct Kind {
     const char* name;
     long count = 0;
-    long highest = 0;  // that a face refers to
+    long highest = 0;  // index to which a face refers
     int line = 0;      // of that face
   };
 
@@ -73,7 +73,8 @@ class ObjCheck {
     return std::nullopt;
   }
 
-  /// Vertex, texture coordinate and normal as in 1, 1/2, 1//3 and 1/2/3; negative ones count back from here.
+  /// A corner is vertex, texture coordinate and normal as in 1, 1/2, 1//3 and 1/2/3; negative indices count back from
+  /// the current line.
   std::optional<Diagnostic> read_corner(std::string_view corner, int line) {
     const std::string whole(corner.substr(0, 40));
     for (std::size_t k = 0; k < kinds_.size() && (k == 0 || !corner.empty()); ++k) {
@@ -103,7 +104,7 @@ class ObjCheck {
 
 Result<void> check_obj(std::string_view text) {
   ObjCheck check;
-  std::string joined;  // lines that end with a backslash go on in the next one
+  std::string joined;  // a line that ends with a backslash continues on the next line
   int number = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_bytes = std::size_t{1} << 20;  // of a package.xml
 
-/// True if a search may start there: below the home directory, or two levels or more below the root.
+/// True if a search may start at this directory: below the home directory, or at least two levels below the root.
 bool may_search(const fs::path& directory) {
   const auto levels = std::distance(directory.begin(), directory.end()) - 1;  // without the root
   if (levels < 2) return false;
@@ -24,10 +24,10 @@ bool may_search(const fs::path& directory) {
   const fs::path home = variable == nullptr ? fs::path() : fs::path(variable).lexically_normal();
   if (home.empty()) return true;
   const fs::path from_directory = home.lexically_relative(directory);
-  return from_directory.empty() || *from_directory.begin() == "..";  // home isn't in it
+  return from_directory.empty() || *from_directory.begin() == "..";  // the home directory isn't inside `directory`
 }
 
-/// <name> of a package.xml.
+/// The content of <name> in a package.xml.
 std::optional<std::string> package_name(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string text(most_bytes, '\0');
@@ -69,14 +69,15 @@ void PackageSearch::look_into(const fs::path& root) {
   }
 }
 
-/// Takes note of one directory, and returns those in it.
+/// Registers one directory, and returns its subdirectories.
 std::vector<fs::path> PackageSearch::enter(const fs::path& directory) {
   std::vector<fs::path> inner;
   bool is_package = false;
   std::error_code problem;
   fs::directory_iterator entry(directory, problem);
   for (; !problem && entry != fs::directory_iterator(); entry.increment(problem)) {
-    if (++entries_ > most_entries) return {};  // what came before the limit depends on the file system
+    // the order of entries, and so a partial result, depends on the file system
+    if (++entries_ > most_entries) return {};
     std::error_code ignored;
     const std::string name = entry->path().filename().string();
     if (name == "package.xml") is_package = entry->is_regular_file(ignored);

@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-#include <jpeglib.h>  // needs size_t and FILE from those before it
+#include <jpeglib.h>  // needs size_t and FILE from the headers above
 
 namespace rehearse {
 namespace {
@@ -25,7 +25,7 @@ Texture empty_texture(unsigned width, unsigned height) {
           ""};
 }
 
-/// libpng's reader, freed whatever happens.
+/// libpng's reader; its destructor frees it.
 struct PngReader {
   png_image image{};
   PngReader() { image.version = PNG_IMAGE_VERSION; }
@@ -45,7 +45,7 @@ Result<Texture> decode_png_texture(std::string_view bytes) {
   return texture;
 }
 
-/// libjpeg ends the process at an error unless told otherwise. Here it jumps back to decode(), over C code only.
+/// By default libjpeg ends the process at an error. Here it jumps back to decode(), over C code only.
 class JpegReader {
  public:
   explicit JpegReader(std::string_view bytes) : bytes_(bytes) {
@@ -56,7 +56,7 @@ class JpegReader {
       std::longjmp(self.back_, 1);
     };
     errors_.emit_message = [](j_common_ptr info, int level) {
-      if (level >= 0) return;  // it traces, it doesn't warn
+      if (level >= 0) return;  // a trace message, not a warning
       if (info->err->num_warnings++ == 0)
         info->err->format_message(info, static_cast<JpegReader*>(info->client_data)->message_);
     };
@@ -66,7 +66,7 @@ class JpegReader {
   JpegReader(const JpegReader&) = delete;
   JpegReader& operator=(const JpegReader&) = delete;
 
-  /// Reads the measures. False: see message().
+  /// Reads width and height. False: see message().
   bool begin() {
     if (setjmp(back_) != 0) return false;
     jpeg_create_decompress(&info_);
@@ -75,8 +75,8 @@ class JpegReader {
     return jpeg_read_header(&info_, TRUE) == JPEG_HEADER_OK;
   }
 
-  /// Reads the pixels. False: see message(). libjpeg goes on after damage and fills with grey; here that is a failure.
-  /// The integer transform gives the same pixels on every processor, whether or not it has SIMD (libjpeg-turbo's
+  /// Reads the pixels. False: see message(). libjpeg continues after damaged data and fills with grey; here that is a
+  /// failure. The integer transform gives the same pixels on every processor, with and without SIMD (libjpeg-turbo's
   /// manual, on JDCT_ISLOW).
   bool finish(std::uint8_t* rgba) {
     if (setjmp(back_) != 0) return false;

@@ -43,15 +43,16 @@ Eigen::Vector3d unit_moments(const Cylinder& cylinder) {
 Eigen::Vector3d unit_moments(const Capsule& capsule) {
   const double r = capsule.radius;
   const double l = capsule.length;
-  const double caps_share = (4.0 / 3.0) * r / ((4.0 / 3.0) * r + l);  // of the volume: both are pi r² times a length
+  // of the volume: the volumes of both are pi r² times a length
+  const double caps_share = (4.0 / 3.0) * r / ((4.0 / 3.0) * r + l);
   const Eigen::Vector3d tube = unit_moments(Cylinder{r, l});
-  // Half a sphere has its centre 3r/8 from its flat side, which lies l/2 from the capsule's centre.
+  // The centre of a half sphere is 3r/8 from its flat side, which is l/2 from the capsule's centre.
   const double caps_across = 0.4 * r * r + l * l / 4.0 + 3.0 * l * r / 8.0;
   const Eigen::Vector3d caps(caps_across, caps_across, 0.4 * r * r);
   return (1.0 - caps_share) * tube + caps_share * caps;
 }
 
-/// As the box around it.
+/// Of a mesh: as the box around it.
 Eigen::Vector3d unit_moments(const Mesh& mesh) { return unit_moments(Box{mesh.data->upper - mesh.data->lower}); }
 
 }  // namespace
@@ -105,7 +106,7 @@ int value_count(const Device& device) {
 }
 
 std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor) {
-  std::vector<Eigen::Vector3d> ahead;  // of each yaw, level
+  std::vector<Eigen::Vector3d> ahead;  // horizontal direction of each yaw
   for (int i = 0; i < sensor.yaw.samples; ++i) {
     const double yaw = sensor.yaw.angle(i);
     ahead.emplace_back(-std::sin(yaw), 0.0, -std::cos(yaw));

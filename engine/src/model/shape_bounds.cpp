@@ -5,13 +5,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Half the extents of a shape that is turned by `axes`, about its own centre.
+/// Half the extents of a shape with the orientation `axes`, about its centre.
 struct HalfExtents {
   const Eigen::Matrix3d& axes;
 
   Vector3d operator()(const Box& box) const { return axes.cwiseAbs() * box.size / 2.0; }
   Vector3d operator()(const Sphere& sphere) const { return Vector3d::Constant(sphere.radius); }
-  /// A disk across the unit vector z reaches r sqrt(1 - z_i²) along axis i.
+  /// A disk perpendicular to the unit vector z reaches r sqrt(1 - z_i²) along axis i.
   Vector3d operator()(const Cylinder& cylinder) const {
     const Vector3d along = axes.col(2).cwiseAbs();
     const Vector3d across = (1.0 - along.array().square()).max(0.0).sqrt();

@@ -5,7 +5,7 @@
 namespace rehearse {
 namespace {
 
-/// Length of the UTF-8 sequence at the start of `text`, 0 if there is no good one.
+/// Length of the UTF-8 sequence at the start of `text`, 0 if it is invalid.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned lead = byte(0);

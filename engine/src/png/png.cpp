@@ -1,5 +1,5 @@
-// Encoding is our own few lines around libdeflate, because a camera's frames shall be encoded faster than drawn;
-// decoding is libpng's, because it must take whatever others write.
+// The encoder is a small piece of code around libdeflate, because encoding a camera's frame must take less time than
+// drawing it. The decoder is libpng, because it must read the files of all programs.
 #include "png.h"
 
 #include <fmt/format.h>
@@ -19,14 +19,15 @@ using Bytes = std::vector<std::uint8_t>;
 // Measured on a rendered scene of 640x480 (20 shapes on a floor; drawing it takes 5.1 ms, one core of 2020):
 //   level 1, unfiltered  0.95 ms  32 kB        level 2, filter Up  1.39 ms  27 kB
 //   level 1, filter Up   2.25 ms  27 kB        level 6, filter Up  1.76 ms  24 kB
-// Rendered surfaces are nearly even, so the filters gain little; at level 1 they even defeat the search for long runs.
-// Of textured meshes on a checkered floor, up close (201 kB, 2.6 ms), Sub gains 13 % for 0.5 ms, and Paeth no more for
-// three times as long. The raw pixels through zstd are 20 % larger at level 1, in less than half the time; but every
-// tool shows a PNG, and the time is that of the trace's own thread.
+// Rendered surfaces are nearly even, so the filters gain little; at level 1 they even prevent the search for long runs.
+// For textured meshes on a checkered floor, up close (201 kB, 2.6 ms), Sub gains 13 % for 0.5 ms, and Paeth no more in
+// three times the time. The raw pixels through zstd are 20 % larger at level 1, in less than half the time. But every
+// tool shows a PNG, and encoding runs on the trace's separate thread.
 constexpr int compression_level = 1;
 constexpr std::uint8_t unfiltered = 0;
 
-constexpr std::uint32_t max_decoded_size = 8192;  // width and height [pixels]; no small file may ask for gigabytes
+// width and height [pixels]; prevents a small file from requiring gigabytes
+constexpr std::uint32_t max_decoded_size = 8192;
 
 void append_u32(Bytes& bytes, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
@@ -53,10 +54,10 @@ Bytes header_of(const Image& image, PixelKind kind, int bits_per_sample) {
   return header;
 }
 
-/// Numbers colours in the order in which they come, as long as there are at most 256.
+/// Numbers colours in the order of their first appearance, as long as there are at most 256.
 class Palette {
  public:
-  /// The colour's number, or -1 if it is one too many.
+  /// The colour's number, or -1 if there are too many colours.
   int number_of(const std::uint8_t* color) {
     const std::uint32_t key = (std::uint32_t{color[0]} << 16 | std::uint32_t{color[1]} << 8 | color[2]) + 1;
     std::size_t slot = (key * 0x9e3779b1u) >> 23;
@@ -68,20 +69,20 @@ class Palette {
     colors_.insert(colors_.end(), color, color + 3);
     return numbers_[slot];
   }
-  /// Three bytes a colour.
+  /// The palette, three bytes per colour.
   const Bytes& colors() const { return colors_; }
 
  private:
   static constexpr std::size_t max_colors = 256;
-  std::array<std::uint32_t, 512> keys_{};  // a colour and 1, or 0: free
+  std::array<std::uint32_t, 512> keys_{};  // a colour and 1; 0: unused
   std::array<std::uint8_t, 512> numbers_{};
   Bytes colors_;
 };
 
-/// A picture in numbers of a palette. A camera's pictures are mostly the same pixel again, or the same row.
+/// A picture as numbers of a palette. In a camera's pictures most pixels and rows equal the one before.
 struct IndexedImage {
   Palette palette;
-  Bytes distinct;                   // a byte a pixel; rows that differ from the one above them
+  Bytes distinct;                   // one byte per pixel; rows that differ from the row above them
   std::vector<std::size_t> offset;  // of each row of the picture in `distinct`
 
   /// False if there are too many colours.
@@ -104,13 +105,13 @@ struct IndexedImage {
     return true;
   }
 
-  /// As few as hold every number, of those that PNG knows.
+  /// Bits per pixel: the smallest number that PNG allows and that is enough for every colour number.
   int bits_per_pixel() const {
     const std::size_t colors = palette.colors().size() / 3;
     return colors <= 2 ? 1 : colors <= 4 ? 2 : colors <= 16 ? 4 : 8;
   }
 
-  /// The rows as PNG has them: each behind its filter, the first pixel of a byte in its highest bits.
+  /// The rows in PNG's form: each after its filter byte, the first pixel of a byte in its highest bits.
   Bytes rows(std::size_t width) const {
     const auto bits = static_cast<std::size_t>(bits_per_pixel());
     const std::size_t row_size = 1 + (width * bits + 7) / 8;
@@ -133,7 +134,7 @@ struct IndexedImage {
   }
 };
 
-/// The rows as PNG has them: each behind a byte that names its filter.
+/// The rows in PNG's form: each after a byte that gives its filter.
 Bytes rows_of(const Image& image) {
   const auto row_size = static_cast<std::ptrdiff_t>(image.width) * 3;
   Bytes rows;
@@ -155,7 +156,7 @@ Bytes compressed(const Bytes& bytes) {
   return packed;
 }
 
-/// libpng's reader, freed whatever happens.
+/// libpng's reader; its destructor frees it.
 struct Reader {
   png_image image{};
   Reader() { image.version = PNG_IMAGE_VERSION; }
@@ -199,7 +200,7 @@ Result<Image> decode_png(std::span<const std::uint8_t> bytes) {
     return error(fmt::format("can't decode PNG: it is {} x {} pixels", head.width, head.height),
                  fmt::format("at most {0} x {0} are read", max_decoded_size));
   }
-  reader.image.format = PNG_FORMAT_RGBA;  // asked for RGB, libpng would blend with a background
+  reader.image.format = PNG_FORMAT_RGBA;  // for RGB, libpng would blend with a background
   Bytes rgba(PNG_IMAGE_SIZE(reader.image));
   if (!png_image_finish_read(&reader.image, nullptr, rgba.data(), 0, nullptr)) return not_a_picture(reader);
   Image image{static_cast<int>(head.width), static_cast<int>(head.height), {}};

@@ -11,7 +11,7 @@
 namespace rehearse {
 namespace {
 
-/// The surface of one object, whose parts follow each other.
+/// The surface of one object, which consists of consecutive parts.
 class ObjectSurface {
  public:
   void add(const MeshPart& part) {
@@ -42,8 +42,8 @@ class ObjectSurface {
 
  private:
   struct Edge {
-    int lower, upper;  // numbers of places
-    int direction;     // 1: from the lower to the upper one
+    int lower, upper;  // numbers of positions
+    int direction;     // 1: from the lower to the upper position
   };
 
   int place_of(const Eigen::Vector3f& vertex) {

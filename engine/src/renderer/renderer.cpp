@@ -12,12 +12,12 @@
 namespace rehearse {
 namespace {
 
-// From the front (+x) and the left, so that the sides of a box are lit differently.
+// The sun shines from the front (+x) and the left, so that the sides of a box are lit differently.
 const Eigen::Vector3d sun_direction = Eigen::Vector3d(0.55, 0.45, 1.0).normalized();
 
-constexpr double shadow_blur = 0.006;  // between two of the samples of which a shadow's edge is made [m]
+constexpr double shadow_blur = 0.006;  // distance between two samples of a shadow's edge [m]
 
-/// How much larger, each way, a picture is drawn than it will be.
+/// The factor by which a fine picture is drawn larger, each way, before it is reduced.
 constexpr int shrink_factor(Quality quality) { return quality == Quality::fine ? 3 : 1; }
 
 template <class Vector>
@@ -25,7 +25,7 @@ std::array<float, 3> to_floats(const Vector& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-/// 1 / tan of half the horizontal and half the vertical angle. The field of view is that of the shorter side.
+/// 1 / tan of half the horizontal and half the vertical angle. The field of view belongs to the shorter side.
 Eigen::Vector2d focal_lengths(const Camera& camera) {
   const double shorter = 1.0 / std::tan(0.5 * camera.field_of_view);
   const double aspect = static_cast<double>(camera.width) / camera.height;
@@ -33,7 +33,7 @@ Eigen::Vector2d focal_lengths(const Camera& camera) {
                                        : Eigen::Vector2d(shorter, shorter * aspect);
 }
 
-/// From the camera's frame to the picture, upside down: see gl::Painter.
+/// The projection from the camera's frame to the picture, upside down: see gl::Painter.
 Eigen::Matrix4d projection_of(const Camera& camera) {
   const Eigen::Vector2d focal = focal_lengths(camera);
   const double depth = camera.far_clip - camera.near_clip;
@@ -71,17 +71,17 @@ gl::Instance instance_of(const Item& item, const Eigen::Isometry3d& view) {
 
 struct PlacedLight {
   Light light;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of its device frame
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of the light's device frame
 };
 
-/// The number, brought between both; the lower one if it isn't a number.
+/// The number, limited to the range; the lower bound if it isn't a number.
 float within(double value, double lower, double upper) {
   return static_cast<float>(value > lower ? std::min(value, upper) : lower);
 }
 
 gl::Lamp lamp_of(const PlacedLight& placed, const Eigen::Isometry3d& view) {
   constexpr double brightest = 1e6, shortest = 1e-6;  // shortest range [m]
-  constexpr double steepest_edge = 1e4;               // of a cone, so that no edge is harder than 1e-4 of the cosine
+  constexpr double steepest_edge = 1e4;               // of a cone: its edge is at least 1e-4 wide in the cosine
   const Light& light = placed.light;
   const Eigen::Isometry3d pose = view * placed.pose;
   const std::array<float, 3> place = to_floats(pose.translation());
@@ -90,7 +90,7 @@ gl::Lamp lamp_of(const PlacedLight& placed, const Eigen::Isometry3d& view) {
   for (int i = 0; i < 3; ++i) lamp.strength[i] = within(double{light.color[i]} * light.intensity, 0.0, brightest);
   lamp.fading = {within(light.constant, 0.0, brightest), within(light.linear, 0.0, brightest),
                  within(light.quadratic, 0.0, brightest), 1.0f};
-  lamp.strength[3] = -2.0f;  // no angle from the axis has this cosine: it shines everywhere
+  lamp.strength[3] = -2.0f;  // no angle from the axis has this cosine: the light shines in all directions
   if (!light.cone) return lamp;
   const double length = light.cone->direction.norm();
   const bool has_direction = length > 0.0 && std::isfinite(length);
@@ -105,12 +105,12 @@ gl::Lamp lamp_of(const PlacedLight& placed, const Eigen::Isometry3d& view) {
   return lamp;
 }
 
-/// What a camera can see of the world.
+/// The camera's viewing pyramid.
 struct Sight {
   Eigen::Isometry3d from_world;
   Eigen::Vector2d focal;
 
-  /// False only if nothing of the item is before the camera and between the four sides of its picture.
+  /// False only if no part of the item is in front of the camera and between the four sides of its picture.
   bool may_hold(const Item& item) const {
     const Eigen::Vector3d centre = from_world * item.world_centre;
     const double distance = -centre.z();
@@ -128,14 +128,14 @@ struct Sight {
 struct Renderer::Impl {
   explicit Impl(std::unique_ptr<gl::Context> current) : context(std::move(current)) {}
 
-  std::unique_ptr<gl::Context> context;  // first: what follows lives in it
+  std::unique_ptr<gl::Context> context;  // first, because the members below belong to it
   gl::Painter painter;
   ItemMaker maker{painter};
   gl::Target target;
   gl::ShadowMap shadow_map;
   Look look;
   std::vector<Item> items;
-  std::vector<std::size_t> ends;  // of each shape's items
+  std::vector<std::size_t> ends;  // end of each shape's items
   std::vector<PlacedLight> lights;
 
   Eigen::Matrix4d draw_shadow_map(double& radius);
@@ -145,7 +145,7 @@ struct Renderer::Impl {
   void paint_translucent(const Sight& sight);
 };
 
-/// One call of OpenGL per batch; their order doesn't show.
+/// Draws opaque items with one OpenGL call per batch; the order of batches doesn't change the picture.
 template <class Wanted>
 void Renderer::Impl::paint_solid(const Eigen::Isometry3d& view, Wanted wanted) {
   const std::vector<Batch>& batches = maker.batches();
@@ -158,7 +158,8 @@ void Renderer::Impl::paint_solid(const Eigen::Isometry3d& view, Wanted wanted) {
   }
 }
 
-/// The farthest first, by the distance of their centres; equally far ones in the order in which they were added.
+/// Draws translucent items, the farthest first, by the distance of their centres; equally far ones in the order in
+/// which they were added.
 void Renderer::Impl::paint_translucent(const Sight& sight) {
   std::vector<std::pair<float, const Item*>> sorted;
   for (const Item& item : items) {
@@ -173,7 +174,7 @@ void Renderer::Impl::paint_translucent(const Sight& sight) {
   }
 }
 
-/// Draws what casts shadows as the sun sees it, over a square of 2 `radius` [m] each way.
+/// Draws all items that cast shadows into the shadow map, over a square of 2 `radius` [m] each way.
 /// Returns the transform from the world to the map's coordinates (0 to 1; z from 1 down to 0 away from the sun).
 Eigen::Matrix4d Renderer::Impl::draw_shadow_map(double& radius) {
   Eigen::AlignedBox3d bounds;
@@ -210,7 +211,7 @@ void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Q
     double radius = 0.0;
     view.shadow_from_view = to_floats(Eigen::Matrix4d(draw_shadow_map(radius) * pose.matrix()));
     view.blur = static_cast<float>(shadow_blur / (2.0 * radius));
-    // as far as the farthest sample of the shadow is aside, and the size of a texel: so a surface doesn't shade itself
+    // at least the distance of the farthest shadow sample plus the size of a texel: so a surface doesn't shade itself
     view.lift = static_cast<float>(2.0 * std::numbers::sqrt2 * shadow_blur + 4.0 * radius / gl::ShadowMap::size);
   }
   for (const PlacedLight& light : lights)

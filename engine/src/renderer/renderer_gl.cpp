@@ -25,7 +25,7 @@ void copy_without_alpha(const std::vector<std::uint8_t>& rgba, std::vector<std::
   }
 }
 
-/// `row`: bytes of one row of `rgba`.
+/// Averages squares of `factor` x `factor` pixels and drops the opacity. `row`: bytes of one row of `rgba`.
 void shrink_without_alpha(const std::vector<std::uint8_t>& rgba, std::size_t row, int factor, Image& image) {
   const auto step = static_cast<std::size_t>(factor);
   const unsigned count = static_cast<unsigned>(factor * factor);
@@ -80,7 +80,7 @@ Result<void> Context::check_abilities() {
     return error(fmt::format("{} draws pictures of at most {} pixels", description_, largest),
                  fmt::format("{} are needed", Renderer::max_size));
   }
-  // of OpenGL 4.5, so libOSMesa exports no such symbol
+  // a function of OpenGL 4.5, so libOSMesa exports no such symbol
   const auto clip_control = reinterpret_cast<PFNGLCLIPCONTROLPROC>(OSMesaGetProcAddress("glClipControl"));
   if (!clip_control) return error(fmt::format("{} has no glClipControl", description_), "Mesa 17 or later is needed");
   clip_control(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -170,14 +170,14 @@ DepthImage Target::read_depth(int factor) const {
 void ShadowMap::begin() {
   if (framebuffer_ == 0) {
     glGenTextures(1, &texture_);
-    glActiveTexture(GL_TEXTURE0);  // it stays bound; Painter binds its textures elsewhere
+    glActiveTexture(GL_TEXTURE0);  // it stays bound; Painter binds its textures to a different unit
     glBindTexture(GL_TEXTURE_2D, texture_);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size, size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);  // the border is 0: nothing is there
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);  // the border is 0: no surface
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
     glGenFramebuffers(1, &framebuffer_);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);

@@ -10,9 +10,9 @@
 namespace rehearse {
 namespace {
 
-constexpr double a_little_more = 1.002;  // round shapes are in part outside of their radius
+constexpr double a_little_more = 1.002;  // parts of round shapes are outside their nominal radius
 
-/// How far the unit mesh is scaled along x, y, z, and how far a capsule's caps are from its centre.
+/// The scale of the unit mesh along x, y, z, and the distance of a capsule's caps from its centre.
 std::array<float, 4> mesh_scale(const Geometry& geometry) {
   struct Scale {
     Eigen::Vector4d operator()(const Box& box) const { return {box.size.x(), box.size.y(), box.size.z(), 0.0}; }
@@ -25,14 +25,14 @@ std::array<float, 4> mesh_scale(const Geometry& geometry) {
   return {scale[0], scale[1], scale[2], scale[3]};
 }
 
-/// Of the sphere around the centre of a solid shape that holds all of it [m].
+/// Radius of the sphere around a solid shape's centre that contains the whole shape [m].
 double bounding_radius(const Geometry& geometry) {
   struct Radius {
     double operator()(const Box& box) const { return 0.5 * box.size.norm(); }
     double operator()(const Sphere& sphere) const { return sphere.radius; }
     double operator()(const Cylinder& c) const { return std::hypot(c.radius, 0.5 * c.length); }
     double operator()(const Capsule& c) const { return c.radius + 0.5 * c.length; }
-    double operator()(const Mesh&) const { return 0.0; }  // each of its parts has its own
+    double operator()(const Mesh&) const { return 0.0; }  // each part of a mesh has its own radius
   };
   return a_little_more * std::visit(Radius{}, geometry);
 }

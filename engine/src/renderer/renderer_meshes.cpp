@@ -6,9 +6,9 @@
 namespace rehearse {
 namespace {
 
-// A chord of one of n segments comes as close to the centre as cos(pi / n) of its ends' distance: with 80 segments 0.08
-// %. A sphere loses that along both circles. Each mesh is blown up by half of what it loses, so that it is as much too
-// large at its edges as it is too small between them.
+// The distance of a chord of one of n segments from the centre is cos(pi / n) times that of its ends: with 80 segments
+// the loss is 0.08 %. A sphere has this loss along both circles. Each mesh is enlarged by half of its loss, so that it
+// is as much too large at its edges as it is too small between them.
 constexpr int segments = 80;         // around the axis
 constexpr int rings = segments / 2;  // from pole to pole
 const double sagitta = 1.0 - std::cos(std::numbers::pi / segments);
@@ -17,7 +17,7 @@ std::array<float, 3> to_floats(double x, double y, double z) {
   return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
 }
 
-/// The i-th of `segments` places around the unit circle; the same bits whenever it comes round to it.
+/// The i-th of `segments` points on the unit circle; the same bits after a full turn.
 std::array<double, 2> on_circle(int i) {
   const double around = 2.0 * std::numbers::pi * (i % segments) / segments;
   return {std::cos(around), std::sin(around)};
@@ -42,7 +42,7 @@ void add_ring(UnitMesh& mesh, int ring, double blow_up, float shift) {
 
 enum class Between { poles, upper_pole_and_ring, ring_and_lower_pole };
 
-/// Joins the last two rings, the first of them the upper one. At a pole a quad is a triangle.
+/// Connects the last two rings with triangles; the first of them is the upper one. At a pole a quad is a triangle.
 void join_last_rings(UnitMesh& mesh, Between where = Between::poles) {
   const std::size_t lower = mesh.vertices.size() - (segments + 1);
   const std::size_t upper = lower - (segments + 1);
@@ -52,7 +52,7 @@ void join_last_rings(UnitMesh& mesh, Between where = Between::poles) {
   }
 }
 
-/// A sphere; with a shift its equator is there twice, so that its halves can be moved apart.
+/// A sphere; with a shift its equator exists twice, so that its halves can be moved apart.
 UnitMesh sphere_of_halves(float shift) {
   UnitMesh mesh;
   const double blow_up = 1.0 + sagitta;

@@ -17,7 +17,7 @@ namespace {
 
 using Parts = std::vector<const char*>;  // of a shader's text
 
-constexpr int picture_unit = 1;  // unit 0 is the shadow map's
+constexpr int picture_unit = 1;  // unit 0 contains the shadow map
 
 const void* as_offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
 
@@ -35,7 +35,7 @@ unsigned link_program(const Parts& vertex, const Parts& fragment) {
   const unsigned program = glCreateProgram();
   for (const unsigned shader : {compile(GL_VERTEX_SHADER, vertex), compile(GL_FRAGMENT_SHADER, fragment)}) {
     glAttachShader(program, shader);
-    glDeleteShader(shader);  // once the program goes
+    glDeleteShader(shader);  // it is deleted together with the program
   }
   glLinkProgram(program);
   int linked = 0;
@@ -44,7 +44,7 @@ unsigned link_program(const Parts& vertex, const Parts& fragment) {
   return program;
 }
 
-/// What the vertex shader hands on for a kind of skin.
+/// The part of the vertex shader that passes data for a kind of skin to the fragment shader.
 const char* handed_on(Skin::Kind kind) {
   switch (kind) {
     case Skin::Kind::even:
@@ -56,7 +56,7 @@ const char* handed_on(Skin::Kind kind) {
   REHEARSE_ASSERT(false, "a kind of skin that doesn't exist");
 }
 
-/// The parts of the fragment shader that a kind of skin has of its own.
+/// The parts of the fragment shader that belong to a kind of skin.
 Parts skin_parts(Skin::Kind kind) {
   switch (kind) {
     case Skin::Kind::even: return {one_sided, one_color};
@@ -87,7 +87,7 @@ void set_attribute(unsigned location, int size, std::size_t stride, std::size_t 
   glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), as_offset(offset));
 }
 
-/// Attributes 3 to 8 come from `Instance`s, one per instance drawn.
+/// Sets attributes 3 to 8 from `Instance`s, one per instance drawn.
 void set_instance_attributes() {
   constexpr std::size_t stride = sizeof(Instance);
   for (std::size_t column = 0; column < 3; ++column) {
@@ -100,7 +100,7 @@ void set_instance_attributes() {
   for (unsigned location = 3; location <= 8; ++location) glVertexAttribDivisor(location, 1);
 }
 
-/// Into a new buffer, which stays bound.
+/// Copies data into a new buffer, which stays bound.
 template <class Element>
 void fill_buffer(GLenum target, std::span<const Element> elements) {
   unsigned name = 0;
@@ -115,7 +115,7 @@ Painter::Painter() {
   glGenBuffers(1, &instances_);
   for (const UnitMesh& mesh : {box_mesh(), sphere_mesh(), cylinder_mesh(), capsule_mesh()})
     meshes_.push_back(upload(mesh.vertices, mesh.indices));
-  // Distances are kept as near / distance in a float: the resolution is the same share of the distance everywhere.
+  // The z buffer stores near / distance as a float: the relative resolution is the same at every distance.
   glDepthFunc(GL_GREATER);
   glClearDepth(0.0);
   glEnable(GL_DEPTH_TEST);
@@ -163,7 +163,7 @@ std::size_t Painter::add(const MeshPart& part) {
 unsigned Painter::add(const Texture& texture) {
   const auto pixels = static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
   REHEARSE_ASSERT(pixels > 0 && texture.rgba.size() == 4 * pixels, "a texture has four bytes a pixel");
-  constexpr int largest = 16384;  // what OpenGL asks of implementations of 4.5
+  constexpr int largest = 16384;  // OpenGL 4.5 requires this of implementations
   REHEARSE_ASSERT(std::max(texture.width, texture.height) <= largest, "a texture is larger than 16384 pixels");
   unsigned name = 0;
   glGenTextures(1, &name);
@@ -171,7 +171,7 @@ unsigned Painter::add(const Texture& texture) {
   glBindTexture(GL_TEXTURE_2D, name);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, texture.width, texture.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
                texture.rgba.data());
-  glGenerateMipmap(GL_TEXTURE_2D);  // without, a texture far away is a flicker of single pixels
+  glGenerateMipmap(GL_TEXTURE_2D);  // without mipmaps, a texture far away flickers
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
@@ -197,7 +197,7 @@ Painter::Program& Painter::program_of(Skin::Kind kind) {
 
 void Painter::use(const Skin& skin) {
   Program& program = program_of(pass_ == Pass::shadow ? Skin::Kind::even : skin.kind);
-  // OpenGL passes over the uniforms that a program doesn't have
+  // OpenGL ignores uniforms that a program doesn't have
   const auto uniform = [&](const char* name) { return glGetUniformLocation(program.name, name); };
   glUseProgram(program.name);
   if (!program.is_ready) {
@@ -227,7 +227,7 @@ void Painter::use(const Skin& skin) {
 
 void Painter::paint(std::size_t mesh, const Skin& skin, std::span<const Instance> instances, bool translucent) {
   if (translucent) {
-    glEnablei(GL_BLEND, 0);  // the colour only, never the distance
+    glEnablei(GL_BLEND, 0);  // only the colour, never the distance
   } else {
     glDisablei(GL_BLEND, 0);
   }
@@ -236,7 +236,7 @@ void Painter::paint(std::size_t mesh, const Skin& skin, std::span<const Instance
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size_bytes()), instances.data(), GL_STREAM_DRAW);
   if (!skin.both_sides) {
     glEnable(GL_CULL_FACE);
-    // the far sides of solid shapes cast their shadows: near sides would speckle themselves
+    // far sides of solid shapes cast the shadows: near sides would cause speckles on themselves
     glCullFace(pass_ == Pass::shadow ? GL_FRONT : GL_BACK);
     draw(meshes_[mesh], instances.size());
   } else if (!translucent) {
@@ -244,7 +244,7 @@ void Painter::paint(std::size_t mesh, const Skin& skin, std::span<const Instance
     draw(meshes_[mesh], instances.size());
   } else {
     glEnable(GL_CULL_FACE);
-    for (const GLenum left_out : {GL_FRONT, GL_BACK}) {  // what is behind comes first
+    for (const GLenum left_out : {GL_FRONT, GL_BACK}) {  // the far sides are drawn first
       glCullFace(left_out);
       draw(meshes_[mesh], instances.size());
     }

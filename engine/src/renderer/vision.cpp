@@ -18,7 +18,7 @@ struct Picture {
 struct ShownLight {
   int body = 0;
   int device = 0;
-  int number = 0;  // of the renderer
+  int number = 0;  // in the renderer
 };
 
 struct ActiveCamera {

@@ -24,7 +24,7 @@ using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
 using urdf::Findings;
 
-/// Of the form, not of the robot.
+/// The version of the URDF format, not of the robot.
 void check_version(const XMLElement& robot, Findings& findings) {
   const char* text = robot.Attribute("version");
   const std::string_view version = text == nullptr ? "1.0" : text;
@@ -33,7 +33,7 @@ void check_version(const XMLElement& robot, Findings& findings) {
                    fmt::format("the file is of URDF version {}; it is read as 1.1", in_quotes(version)));
 }
 
-/// Everything of the robot that our own pass reads, with the document brought to what urdfdom may see of it.
+/// Everything that Rehearse's own reader reads of the robot; it also prepares the document for urdfdom.
 urdf::Draft read_draft(XMLElement& robot, urdf::Meshes& meshes, Findings& findings) {
   urdf::Draft draft;
   draft.name = urdf::read_name(robot, "name", findings).value_or("");
@@ -58,7 +58,7 @@ urdf::Draft read_draft(XMLElement& robot, urdf::Meshes& meshes, Findings& findin
   return draft;
 }
 
-/// Single blanks between numbers and none around them: urdfdom takes no others.
+/// Writes single blanks between numbers and none around them: urdfdom accepts no other form.
 void straighten_blanks(XMLElement& element) {
   for (const auto* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
     const std::string_view name = attribute->Name();
@@ -71,7 +71,7 @@ void straighten_blanks(XMLElement& element) {
   }
 }
 
-/// What only our own pass reads.
+/// True for elements that only Rehearse's own reader reads.
 bool is_ours_alone(std::string_view element) {
   for (const char* name : {"gazebo", "sensor", "transmission", "material", "contact"}) {
     if (element == name) return true;
@@ -79,14 +79,14 @@ bool is_ours_alone(std::string_view element) {
   return false;
 }
 
-/// urdfdom knows no quaternions.
+/// urdfdom doesn't read quaternions.
 void write_as_rpy(const Eigen::Matrix3d& rotation, XMLElement& origin) {
   const Eigen::Vector3d rpy = urdf::rpy_from_rotation(rotation);
   origin.DeleteAttribute("quat_xyzw");
   origin.SetAttribute("rpy", fmt::format("{} {} {}", rpy.x(), rpy.y(), rpy.z()).c_str());
 }
 
-/// Takes out what urdfdom reads worse than we do, or not at all, and writes the rest as it likes it.
+/// Removes elements that urdfdom reads wrongly or not at all, and writes the rest in the form that urdfdom accepts.
 void prepare_for_urdfdom(XMLElement& element) {
   straighten_blanks(element);
   element.DeleteAttribute("version");
@@ -110,7 +110,7 @@ bool has_broken_inertial(const urdf::Draft& draft) {
                      [](const urdf::LinkDraft& link) { return link.has_broken_inertial; });
 }
 
-/// The robot in a sound text; null if there is an error.
+/// Reads the robot from a text that passed the first checks; nullopt if there is an error.
 std::optional<Model> read_robot(const std::string& text, const UrdfOptions& options, urdf::Meshes& meshes,
                                 Findings& findings) {
   XMLDocument document;

@@ -16,15 +16,15 @@ namespace {
 using tinyxml2::XMLElement;
 
 constexpr double sdf_horizontal_fov = 1.047;  // [rad], SDF's default
-constexpr double widest = 3.1;                // [rad]; beyond it the picture's plane is all edge
+constexpr double widest = 3.1;                // [rad]; a larger angle gives an extremely distorted picture
 constexpr double any_number = std::numeric_limits<double>::infinity();
 
-/// The same angle, seen along the other side of the picture.
+/// Converts an angle along one side of the picture to the angle along the other side.
 double other_field_of_view(double angle, int from, int to) {
   return 2.0 * std::atan(std::tan(angle / 2.0) * to / from);
 }
 
-/// Camera::field_of_view from SDF's angle across or from our own upright one.
+/// Camera::field_of_view from SDF's horizontal angle or from the vertical angle.
 double read_field_of_view(const XMLElement& element, const Camera& camera, Findings& findings) {
   const bool is_landscape = camera.width >= camera.height;
   const XMLElement* upright = element.FirstChildElement("vertical_fov");

@@ -1,5 +1,5 @@
-// Which shape a contact sensor means. It names a collision shape of Gazebo's world, where those of links behind fixed
-// joints have moved to the link that moves, and all that had no name have got one.
+// Finds the shape of a contact sensor. The sensor names a collision shape of Gazebo's world. There, shapes of links
+// behind fixed joints are moved to the link that moves, and shapes without a name have received one.
 #include "urdf_devices.h"
 #include "urdf_draft.h"
 #include "urdf_values.h"
@@ -18,7 +18,8 @@ using tinyxml2::XMLElement;
 constexpr std::string_view ending = "_collision";
 constexpr std::string_view lump = "_fixed_joint_lump__";
 
-/// Takes "_collision" or "_collision_N" off the end. N, 0 without; nothing if the name ends otherwise.
+/// Removes "_collision" or "_collision_N" from the end. Returns N, or 0 without a number; nullopt if the name ends
+/// otherwise.
 std::optional<int> take_ending(std::string_view& name) {
   const std::size_t place = name.rfind(ending);
   if (place == std::string_view::npos) return std::nullopt;
@@ -34,8 +35,8 @@ std::optional<int> take_ending(std::string_view& name) {
   return number;
 }
 
-/// The shape that Gazebo calls so, or -1: its own name; LINK_collision and LINK_collision_N; and the same, or the
-/// shape's name with "_collision", behind OTHER_LINK_fixed_joint_lump__. What stands before a "::" is a scope.
+/// Index of the shape with this name in Gazebo, or -1: its name; LINK_collision and LINK_collision_N; and the same, or
+/// the shape's name with "_collision", after OTHER_LINK_fixed_joint_lump__. The part before a "::" is a scope.
 int find_shape_of_gazebo(const Link& link, const ShapeNames& shapes, std::string_view name) {
   if (const std::size_t scope = name.rfind("::"); scope != std::string_view::npos) name = name.substr(scope + 2);
   if (const int exact = shapes.find(name); exact >= 0) return exact;

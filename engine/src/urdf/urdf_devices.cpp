@@ -29,7 +29,7 @@ std::optional<DeviceKind> kind_of_sensor(std::string_view type) {
   return std::nullopt;
 }
 
-/// The <camera> whose <image>, or the <ray> whose <horizontal>, a sensor of <robot> gives in attributes; or null.
+/// The <camera> whose <image>, or the <ray> whose <horizontal>, has attributes in a sensor of <robot>; or null.
 const XMLElement* find_optical(const XMLElement& sensor, const char* what, const char* figures) {
   const XMLElement* element = sensor.FirstChildElement(what);
   const XMLElement* inner = element == nullptr ? nullptr : element->FirstChildElement(figures);
@@ -64,12 +64,12 @@ std::optional<DeviceKind> kind_of(const XMLElement& element) {
   return kind_of_sensor(type);
 }
 
-/// True of a sensor that stands in no <gazebo> block.
+/// True for a sensor that is not in a <gazebo> block.
 bool is_of_robot(const XMLElement& element) {
   return std::string_view(element.Parent()->ToElement()->Name()) == "robot";
 }
 
-/// The children of a sensor that have a meaning, wherever it stands, and those of its kind.
+/// The known children of a sensor: the common ones and those of its kind.
 std::vector<std::string_view> known_children(const XMLElement& element, std::vector<std::string_view> of_kind) {
   of_kind.insert(of_kind.end(), {"id", "pose"});
   if (is_of_robot(element)) of_kind.insert(of_kind.end(), {"parent", "origin"});
@@ -81,7 +81,7 @@ std::string name_or(const XMLElement& element, const std::string& fallback, Find
   return name == nullptr || *name == '\0' ? fallback : read_name(element, "name", findings).value_or(fallback);
 }
 
-/// A camera for each <camera> of the sensor, named after both if it is a multicamera.
+/// Adds a camera for each <camera> of the sensor, named after both if the sensor is a multicamera.
 void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vector<DeviceDraft>& devices,
                   Findings& findings) {
   report_ignored(sensor, known_children(sensor, {"update_rate", "camera"}), findings);
@@ -136,8 +136,8 @@ void read_figures(const XMLElement& element, DeviceDraft& draft, Findings& findi
   report_ignored(element, known_children(element, std::move(of_kind)), findings);
 }
 
-/// What names the sensor's or light's place: the block it stands in, or its own <parent>. False, with an error, if
-/// there is nothing.
+/// Sets the sensor's or light's place: the reference of its <gazebo> block, or its <parent>. False, with an error, if
+/// there is neither.
 bool read_reference(const XMLElement& element, DeviceDraft& draft, Findings& findings) {
   const bool is_in_block = !is_of_robot(element);
   const XMLElement* parent = is_in_block ? element.Parent()->ToElement() : element.FirstChildElement("parent");
@@ -162,7 +162,8 @@ bool read_reference(const XMLElement& element, DeviceDraft& draft, Findings& fin
   return true;
 }
 
-/// A <sensor> or <light> of a kind we have; nothing for others, with a note, and for nameless ones, with an error.
+/// Reads a <sensor> or <light> of a known kind. For other kinds it returns nullopt with a note, and without a name
+/// nullopt with an error.
 void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, Findings& findings) {
   const auto kind = kind_of(element);
   if (!kind) {
@@ -192,14 +193,14 @@ void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, F
   }
 }
 
-/// Kinds that share their ids: a RangeCamera is a Camera, a SpotLight a PointLight.
+/// The kinds within which ids are unique: a RangeCamera is a Camera, a SpotLight a PointLight.
 std::string_view id_group(const Device& device) {
   if (std::holds_alternative<Light>(device.kind)) return "light";
   return std::holds_alternative<Camera>(device.kind) ? "camera" : type_name(device);
 }
 
-/// A robot for several simulators describes its sensors for each of them: what has the name and the place of an earlier
-/// one is left out if it stands there for another reader, or if it is of the same kind.
+/// A robot for several simulators describes its sensors for each of them. A sensor with the name and place of an
+/// earlier one is left out if it is meant for a different reader, or if it has the same kind.
 void drop_repetitions(std::vector<DeviceDraft>& devices, Findings& findings) {
   std::map<std::pair<std::string, std::string>, std::size_t> first_of;  // by name and reference
   std::vector<DeviceDraft> kept;

@@ -17,9 +17,9 @@ constexpr double greatest_gyration = 10.0;      // [m]
 constexpr double smallest_gyration = 1e-4;      // [m]
 constexpr double greatest_joint_offset = 10.0;  // [m]
 
-/// A rigid group that moves, or may, and has mass.
+/// A rigid group that moves, or may move, and has mass.
 struct Group {
-  const Link& link;  // the heaviest of it, to name it by
+  const Link& link;  // the heaviest link of the group; messages name it
   const Inertial& inertial;
 };
 
@@ -43,7 +43,7 @@ std::vector<Group> moving_groups(const Model& model, const RigidGroups& groups, 
   return moving;
 }
 
-/// How far from its centre a body's mass would sit if all of it sat equally far [m].
+/// Radius of gyration: the distance from the centre at which all mass would have the same inertia [m].
 double gyration(const Inertial& inertial) {
   return std::sqrt(std::max(0.0, principal_moments(inertial.inertia).z()) / inertial.mass);
 }
@@ -63,7 +63,7 @@ void check_inertia(const Group& group, Findings& findings) {
   }
 }
 
-/// No real body has one principal moment above the sum of the others.
+/// No real body has a principal moment above the sum of the two others.
 void check_triangle(const Link& link, Findings& findings) {
   constexpr double slack = 1e-6;
   const Eigen::Vector3d moments = principal_moments(link.inertial.inertia);
@@ -83,15 +83,15 @@ void check_gyration(const Link& link, Findings& findings) {
                    "inertia is in kg·m², lengths are in m");
 }
 
-/// Outside twice the box around its shapes. Many a sound model gives joints of a wrist or ankle one sketchy shape and a
-/// centre beside it: what is less than half a metre off is left alone.
+/// Warns if the centre of mass is outside twice the box around the shapes. Many correct models give joints of a wrist
+/// or ankle one rough shape and a centre beside it: a distance below half a metre is accepted.
 void check_center(const Link& link, Findings& findings) {
   Eigen::AlignedBox3d box;
   for (const auto* shapes : {&link.visuals, &link.collisions}) {
     for (const Shape& shape : *shapes) box.extend(bounds(shape.geometry, shape.pose));
   }
   if (box.isEmpty()) return;
-  const Eigen::Vector3d reach = box.sizes().cwiseMax(0.5);  // from its middle [m]
+  const Eigen::Vector3d reach = box.sizes().cwiseMax(0.5);  // from the box's middle [m]
   const Eigen::Vector3d off = link.inertial.center - box.center();
   if ((off.cwiseAbs().array() <= reach.array()).all()) return;
   findings.warning(link.line,
@@ -101,7 +101,7 @@ void check_center(const Link& link, Findings& findings) {
                    "lengths are in m");
 }
 
-/// How far a robot stands from its world is nobody's mistake.
+/// Warns of a link far from its parent. A robot may be at any distance from its world.
 void check_distance(const Model& model, const Link& link, Findings& findings) {
   if (link.parent < 0 || model.links[static_cast<std::size_t>(link.parent)].name == "world") return;
   const double distance = link.joint.origin.translation().norm();
@@ -126,7 +126,7 @@ void check_mass_ratio(const std::vector<Group>& groups, Findings& findings) {
                                in_quotes(lightest->link.name), lightest->inertial.mass, most));
 }
 
-/// One note for all links of a kind, at the first of them.
+/// Adds one note for all links of a kind, at the first of them.
 template <class Predicate>
 void note_all(const Model& model, const Predicate& is_of_kind, const char* text, Findings& findings) {
   const auto count = std::count_if(model.links.begin(), model.links.end(), is_of_kind);

@@ -10,7 +10,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// The axes along which it measures.
+/// The axes along which the sensor measures.
 void read_frame(const XMLElement& element, DeviceDraft& draft, Findings& findings) {
   const std::string_view frame = text_of(element);
   if (frame == "sensor") return;

@@ -56,8 +56,8 @@ void read_axis(XMLElement& element, Joint& joint, Findings& findings) {
   joint.axis = *xyz / length;
 }
 
-/// A bound on effort or velocity. `attribute` goes into the document as 0, urdfdom's word for the same, if it is
-/// missing.
+/// Reads a limit of effort or velocity. If `attribute` is missing, it is added to the document as 0, which urdfdom
+/// requires.
 double read_magnitude(XMLElement& limit, const char* attribute, const Joint& joint, Findings& findings) {
   if (limit.Attribute(attribute) == nullptr) {
     findings.repair(limit.GetLineNum(),
@@ -78,7 +78,7 @@ double read_magnitude(XMLElement& limit, const char* attribute, const Joint& joi
   return unlimited;
 }
 
-/// Angles that people write in degrees: multiples of 15 from 30 to 360. None is one that a joint reaches [rad].
+/// Typical angles in degrees: multiples of 15 from 30 to 360. No joint reaches such a value in [rad].
 bool looks_like_degrees(double angle) {
   const double magnitude = std::abs(angle);
   return magnitude >= 30.0 && magnitude <= 360.0 && std::fmod(magnitude, 15.0) == 0.0;
@@ -86,11 +86,10 @@ bool looks_like_degrees(double angle) {
 
 void warn_of_degrees(const XMLElement& limit, double lower, double upper, const Joint& joint, Findings& findings) {
   if (joint.type != JointType::revolute || (!looks_like_degrees(lower) && !looks_like_degrees(upper))) return;
-  findings.warning(limit.GetLineNum(),
-                   fmt::format("joint {} has limits of {} and {} rad, which look like degrees", in_quotes(joint.name),
-                               lower, upper),
-                   fmt::format("in radians: {:.5g} and {:.5g}", lower * std::numbers::pi / 180.0,
-                               upper * std::numbers::pi / 180.0));
+  findings.warning(
+      limit.GetLineNum(),
+      fmt::format("joint {} has limits of {} and {} rad, which look like degrees", in_quotes(joint.name), lower, upper),
+      fmt::format("in radians: {:.5g} and {:.5g}", lower * std::numbers::pi / 180.0, upper * std::numbers::pi / 180.0));
 }
 
 void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
@@ -123,7 +122,7 @@ void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
   joint.upper = *upper;
 }
 
-/// urdfdom refuses a revolute or prismatic joint without limits: it gets some that never act.
+/// urdfdom refuses a revolute or prismatic joint without limits: the document gets limits that never act.
 void add_endless_limit(XMLElement& element) {
   XMLElement* limit = element.InsertNewChildElement("limit");
   limit->SetAttribute("lower", fmt::format("{}", std::numeric_limits<double>::lowest()).c_str());
@@ -161,11 +160,11 @@ void read_dynamics(XMLElement& element, Joint& joint, Findings& findings) {
     findings.error(dynamics->GetLineNum(),
                    fmt::format("joint {} has a negative damping or friction", in_quotes(joint.name)));
   }
-  // urdfdom refuses one that says nothing.
+  // urdfdom refuses an element without attributes.
   if (dynamics->FirstAttribute() == nullptr) element.DeleteChild(dynamics);
 }
 
-/// Soft limits are a matter of somebody's controller. urdfdom refuses one without k_velocity.
+/// Soft limits are used only by external controllers. urdfdom refuses one without k_velocity.
 void read_safety_controller(XMLElement& element, Findings& findings) {
   XMLElement* safety = element.FirstChildElement("safety_controller");
   if (safety == nullptr) return;

@@ -41,7 +41,7 @@ void read_attenuation(const XMLElement& element, Light& light, Findings& finding
   light.quadratic = read_not_negative_or(element, "quadratic", light.quadratic, findings);
 }
 
-/// SDF's angles are those of the whole cone, ours those from its axis.
+/// SDF's angles are those of the whole cone; Light's angles are measured from the axis.
 void read_cone(const XMLElement& element, LightCone& cone, Findings& findings) {
   report_ignored(element, {"inner_angle", "outer_angle", "falloff"}, findings);
   constexpr double all_around = 6.2832;  // [rad]

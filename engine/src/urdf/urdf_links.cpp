@@ -43,7 +43,7 @@ std::optional<Geometry> read_shape(XMLElement& element, Meshes& meshes, Meshes::
   if (kind == "cylinder") return read_round<Cylinder>(element, findings);
   if (kind == "capsule") {
     const auto capsule = read_round<Capsule>(element, findings);
-    element.SetName("cylinder");  // urdfdom doesn't know it; the measures are the same
+    element.SetName("cylinder");  // urdfdom doesn't accept a capsule; a cylinder has the same attributes
     return capsule;
   }
   if (kind == "mesh") return meshes.read(element, use);
@@ -52,7 +52,7 @@ std::optional<Geometry> read_shape(XMLElement& element, Meshes& meshes, Meshes::
   return std::nullopt;
 }
 
-/// The geometry of a <visual> or <collision>.
+/// Reads the geometry of a <visual> or <collision>.
 std::optional<Geometry> read_geometry(XMLElement& element, Meshes& meshes, Meshes::Use use, Findings& findings) {
   XMLElement* geometry = element.FirstChildElement("geometry");
   XMLElement* shape = geometry == nullptr ? nullptr : geometry->FirstChildElement();
@@ -68,7 +68,7 @@ std::optional<Geometry> read_geometry(XMLElement& element, Meshes& meshes, Meshe
   return read_shape(*shape, meshes, use, findings);
 }
 
-/// The smallest measure of a shape [m].
+/// The smallest dimension of a shape [m].
 double smallest(const Geometry& geometry) {
   struct Measure {
     double operator()(const Box& box) const { return box.size.minCoeff(); }
@@ -85,7 +85,7 @@ bool has_name(const XMLElement& element) {
   return name != nullptr && *name != '\0';
 }
 
-/// All shapes of one kind; those that are left out are taken out of the document too.
+/// Reads all shapes of one kind; shapes that are left out are removed from the document, too.
 std::vector<Shape> read_shapes(XMLElement& link, const char* kind, const Materials* materials, Meshes& meshes,
                                Findings& findings) {
   const Meshes::Use use = materials != nullptr ? Meshes::Use::visual : Meshes::Use::collision;
@@ -117,7 +117,7 @@ std::vector<Shape> read_shapes(XMLElement& link, const char* kind, const Materia
   return shapes;
 }
 
-/// The tensor about the centre, along the axes of the inertial frame.
+/// The inertia tensor about the centre, along the axes of the inertial frame.
 std::optional<Eigen::Matrix3d> read_tensor(const XMLElement& element, Findings& findings) {
   std::array<double, 6> moments{};
   std::size_t read = 0;
@@ -130,7 +130,7 @@ std::optional<Eigen::Matrix3d> read_tensor(const XMLElement& element, Findings& 
   return (Eigen::Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
 }
 
-/// False if it can't be read.
+/// Returns false if the <inertial> can't be read.
 bool read_inertial(const XMLElement& element, LinkDraft& draft, Findings& findings) {
   const XMLElement* mass = element.FirstChildElement("mass");
   const XMLElement* inertia = element.FirstChildElement("inertia");

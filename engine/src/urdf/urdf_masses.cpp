@@ -14,8 +14,8 @@ namespace {
 
 constexpr double water = 1000.0;  // [kg/m³]
 
-/// Around the collision shapes of all links of a group, in its frame; around the visible ones if it has no others. But
-/// not around meshes: a replay has none, and has to find the same inertia.
+/// The box around the collision shapes of all links of a group, in its frame; around the visible shapes if there are no
+/// collision shapes. Meshes are left out: a replay has no meshes and must compute the same inertia.
 Eigen::AlignedBox3d box_around(const Model& model, const RigidGroups& groups, int group) {
   Eigen::AlignedBox3d touched, seen;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
@@ -38,8 +38,8 @@ Inertial solid_box(const Eigen::AlignedBox3d& box, double mass) {
   return inertial;
 }
 
-/// Gives the group's first link the default mass, as the box around the group's shapes or, if that is none or a line,
-/// as a ball of water.
+/// Gives the group's first link the default mass: as the box around the group's shapes or, if the box is empty or a
+/// line, as a ball of water.
 void give_mass(Model& model, const RigidGroups& groups, int group, double mass, Findings& findings) {
   Link& link = model.links[static_cast<std::size_t>(groups.first_links[static_cast<std::size_t>(group)])];
   const Eigen::AlignedBox3d box = box_around(model, groups, group);

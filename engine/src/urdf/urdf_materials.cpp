@@ -48,7 +48,7 @@ std::optional<Color> read_color(const XMLElement& material, Findings& findings) 
   return clamped.cast<float>();
 }
 
-/// Pictures come with meshes only.
+/// Warns of an ignored texture: only meshes have textures.
 bool warn_of_texture(const XMLElement& material, Findings& findings) {
   const XMLElement* texture = material.FirstChildElement("texture");
   if (texture == nullptr) return false;
@@ -70,7 +70,7 @@ Mention read_mention(const XMLElement& element, Findings& findings) {
   return mention;
 }
 
-/// Later definitions of a name that has a colour already.
+/// Reports later definitions of a name that already has a colour.
 void report_doubles(const std::vector<Mention>& mentions, Findings& findings) {
   std::map<std::string, const Mention*> defined;
   for (const Mention& mention : mentions) {
@@ -94,7 +94,7 @@ Materials::Materials(const XMLElement& robot, Findings& findings) {
   for (const XMLElement* element : all_materials(robot)) mentions.push_back(read_mention(*element, findings));
   report_doubles(mentions, findings);
 
-  std::map<std::string, Color> known;  // the first definition of each name, until a later one is passed
+  std::map<std::string, Color> known;  // the first definition of each name, until a later one has been read
   for (const Mention& mention : mentions) {
     if (!mention.name.empty() && mention.color) known.emplace(mention.name, *mention.color);
   }

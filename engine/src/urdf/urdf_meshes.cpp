@@ -58,7 +58,7 @@ std::optional<Mesh> Meshes::load(const XMLElement& element, Mesh mesh, Use use) 
     findings_.warning(line, fmt::format("the mesh {}: {}", in_quotes(mesh.file, longest_path), place->warning),
                       "write where it is, or say where its package is");
   }
-  if (use == Use::visual) {  // they are all about looks
+  if (use == Use::visual) {  // the warnings are all about visual appearance
     for (const std::string& warning : loaded->warnings) {
       findings_.warning(line, fmt::format("the mesh {}: {}", in_quotes(mesh.file, longest_path), warning));
     }
@@ -87,7 +87,7 @@ bool Meshes::take_hulls(int line, const std::filesystem::path& file, Mesh& mesh)
   return true;
 }
 
-/// A warning goes into recordings, so it can't say where on this machine it was looked for.
+/// Recordings contain warnings, so a warning can't contain the search paths of this machine.
 void Meshes::refuse(int line, const std::string& file, const Diagnostic& reason, bool is_found) {
   const std::string which = fmt::format("the mesh {} can't be used", in_quotes(file, longest_path));
   const std::string where = reason.line > 0 ? fmt::format("line {}: ", reason.line) : "";

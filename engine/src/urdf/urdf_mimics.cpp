@@ -8,15 +8,15 @@
 namespace rehearse::urdf {
 namespace {
 
-/// The joints of a draft and whom each follows.
+/// The joints of a draft and their leaders.
 class Followers {
  public:
   explicit Followers(const Draft& draft) {
     for (const JointDraft& joint : draft.joints) joints_.emplace(joint.joint.name, &joint);
   }
 
-  /// What `joint` says of a joint that follows no other; goes up the chain. Null if the chain has no such end; the
-  /// error is told for the joint that names the missing leader, and for each one in a circle.
+  /// The mimic of `joint`, resolved along the chain to a joint that follows no other. Returns nullopt if the chain has
+  /// no such end. The error is reported for the joint that names the missing leader, and for each joint in a circle.
   std::optional<MimicDraft> resolve(const JointDraft& joint, Findings& findings) const {
     MimicDraft whole = *joint.mimic;
     for (std::size_t steps = 0;; ++steps) {
@@ -37,7 +37,7 @@ class Followers {
                        "one joint of the circle has to move by itself");
         return std::nullopt;
       }
-      if (steps > joints_.size()) return std::nullopt;  // it hangs on a circle
+      if (steps > joints_.size()) return std::nullopt;  // the chain leads into a circle
       whole.offset += whole.multiplier * above.mimic->offset;
       whole.multiplier *= above.mimic->multiplier;
       whole.leader = above.mimic->leader;

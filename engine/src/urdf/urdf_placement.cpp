@@ -24,7 +24,7 @@ struct Names {
     return found == names.end() ? -1 : found->second;
   }
 
-  /// Index of the link that a device's reference means, or -1.
+  /// Index of the link to which a device's reference refers, or -1.
   int link_of(const DeviceDraft& device) const {
     const int link = find(links, device.reference);
     const int joint = find(joints, device.reference);
@@ -41,7 +41,7 @@ struct Names {
   std::map<std::string_view, int> joints;
 };
 
-/// A device keeps its pose in its own link, so it can have the parent's axes only where the joint doesn't turn them.
+/// A device stores its pose in its own link, so it can have the parent's axes only if the joint doesn't turn them.
 void turn_to_parents_axes(const Link& link, Device& device, Findings& findings) {
   if (link.joint.type == JointType::revolute || link.joint.type == JointType::continuous) {
     findings.warning(device.line,
@@ -53,7 +53,7 @@ void turn_to_parents_axes(const Link& link, Device& device, Findings& findings) 
   }
 }
 
-/// By link index, of those that have been asked for.
+/// Shape names by link index, computed on demand.
 using AllShapeNames = std::map<int, ShapeNames>;
 
 void settle(const DeviceDraft& draft, const Model& model, AllShapeNames& names, Device& device, Findings& findings) {

@@ -14,10 +14,10 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more, for those who round
+constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more than 2 pi and pi / 2, for rounded numbers
 constexpr int most_beams = 1'000'000;              // of one sensor: a scan is one message, and one array in memory
 
-/// The child, or null with an error.
+/// The child; null with an error if it is missing.
 const XMLElement* require_child(const XMLElement& element, const char* child, const char* hint, Findings& findings) {
   const XMLElement* found = element.FirstChildElement(child);
   if (found == nullptr)
@@ -37,7 +37,7 @@ double read_angle(const XMLElement& element, const char* child, double most, Fin
   return 0.0;
 }
 
-/// SDF returns samples * resolution figures; here each of them is a beam. `name` writes a figure as the file has it.
+/// SDF returns samples * resolution values; here each of them is a beam. `name` formats a value as in the file.
 template <class Name>
 void set_samples(const XMLElement& element, int rays, double resolution, const Name& name, Sweep& sweep,
                  Findings& findings) {
@@ -55,7 +55,7 @@ void set_samples(const XMLElement& element, int rays, double resolution, const N
   }
 }
 
-/// <horizontal> or <vertical>.
+/// Reads <horizontal> or <vertical>.
 Sweep read_sweep(const XMLElement& element, int samples, double most_angle, Findings& findings) {
   report_ignored(element, {"samples", "resolution", "min_angle", "max_angle"}, findings);
   const int errors_before = findings.error_count();
@@ -70,7 +70,7 @@ Sweep read_sweep(const XMLElement& element, int samples, double most_angle, Find
   return sweep;
 }
 
-/// The same with attributes.
+/// Reads a sweep with attributes.
 Sweep read_optical_sweep(const XMLElement& element, double most_angle, Findings& findings) {
   const int errors_before = findings.error_count();
   Sweep sweep;
@@ -92,7 +92,7 @@ Sweep read_optical_sweep(const XMLElement& element, double most_angle, Findings&
   return sweep;
 }
 
-/// A scan of too many beams is an error.
+/// Checks the number of beams: too many are an error.
 void check_beams(const XMLElement& scan, const RangeSensor& laser, Findings& findings) {
   const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
   if (beams > most_beams) {

@@ -14,8 +14,8 @@
 namespace rehearse::urdf {
 namespace {
 
-/// While it lives urdfdom's messages come here and nowhere else. console_bridge has one handler a process: hence the
-/// lock.
+/// During its lifetime urdfdom's messages are collected here and printed nowhere. console_bridge has one handler per
+/// process, hence the lock.
 class CapturedConsole : private console_bridge::OutputHandler {
  public:
   CapturedConsole() : lock_(mutex()), level_(console_bridge::getLogLevel()) {
@@ -44,7 +44,7 @@ class CapturedConsole : private console_bridge::OutputHandler {
   std::vector<std::string> messages_;
 };
 
-/// urdfdom's robot, or null with errors.
+/// Parses the document with urdfdom; null, with errors, if urdfdom refuses it.
 ::urdf::ModelInterfaceSharedPtr parse(const tinyxml2::XMLDocument& document, Findings& findings) {
   tinyxml2::XMLPrinter printer(nullptr, true);
   document.Print(&printer);
@@ -152,10 +152,10 @@ bool same_axis(const Joint& ours, const ::urdf::Joint& theirs) {
   return (axis.stableNormalized() - ours.axis).norm() < rounding;
 }
 
-/// Endless limits stand in the document as the greatest numbers there are.
+/// In the document, infinite limits are the largest finite numbers.
 bool same_limits(const Joint& ours, const ::urdf::Joint& theirs) {
   constexpr double greatest = std::numeric_limits<double>::max();
-  if (ours.type == JointType::continuous) return true;  // each has its own idea of a range that means nothing
+  if (ours.type == JointType::continuous) return true;  // the two readers differ in a range that has no meaning
   return theirs.limits != nullptr && std::max(ours.lower, -greatest) == theirs.limits->lower &&
          std::min(ours.upper, greatest) == theirs.limits->upper;
 }

@@ -17,10 +17,10 @@ struct Rule {
   std::string_view element;
   std::vector<std::string_view> attributes;
   std::vector<std::string_view> children;  // each once at most
-  std::vector<std::string_view> repeated;  // as often as one likes
+  std::vector<std::string_view> repeated;  // any number of times
 };
 
-/// An element means the same wherever it may stand, so the table goes by its name alone.
+/// An element has the same meaning at every place, so the table uses only its name.
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> table = {
       {"robot", {"name", "version"}, {}, {"link", "joint", "material", "gazebo", "sensor", "transmission"}},
@@ -77,7 +77,7 @@ void prune_attributes(XMLElement& element, const Rule& rule, Findings& findings)
   for (const std::string& name : unknown) element.DeleteAttribute(name.c_str());
 }
 
-/// Says what of a child that the rule doesn't know is lost with it.
+/// Reports the parts of an unknown child that are lost with it.
 void report_unknown(const XMLNode& child, const Rule& rule, Findings& findings) {
   if (const XMLElement* element = child.ToElement()) {
     findings.ignored(element->GetLineNum(), fmt::format("<{}>{}", rule.element, tag(element->Name())));

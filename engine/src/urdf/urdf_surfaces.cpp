@@ -1,4 +1,4 @@
-// What links are to those who touch them: <gazebo reference="LINK"> of Gazebo, and <contact> in a <link> of PyBullet.
+// Contact properties of links: <gazebo reference="LINK"> of Gazebo, and <contact> in a <link> of PyBullet.
 #include "urdf_draft.h"
 #include "urdf_values.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Which numbers make sense; others are left out.
+/// The allowed range of a number; other numbers are left out.
 enum class Allowed { not_negative, positive, share };
 
 bool makes_sense(double value, Allowed allowed) {
@@ -22,7 +22,7 @@ bool makes_sense(double value, Allowed allowed) {
   return value >= 0.0 && (allowed != Allowed::share || value <= 1.0);
 }
 
-/// A number of a surface, as Gazebo and as PyBullet call it.
+/// A number of a surface, with its names in Gazebo and in PyBullet.
 struct Figure {
   std::vector<std::string_view> names;
   std::optional<double> Surface::*place;
@@ -72,7 +72,7 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Gazebo's word for "none" is 0 0 0.
+/// In Gazebo 0 0 0 means no direction.
 void read_direction(const XMLElement& element, Surface& surface, Findings& findings) {
   const auto numbers = read_text_numbers(element, 3, findings);
   if (!numbers) return;
@@ -80,7 +80,7 @@ void read_direction(const XMLElement& element, Surface& surface, Findings& findi
   if (!direction.isZero(0.0)) surface.friction_direction = direction.stableNormalized();
 }
 
-/// A child of a block that has a reference; false if it is none of ours.
+/// Reads a child of a block that has a reference; false if the child is unknown.
 bool read_option(const XMLElement& element, SurfaceDraft& draft, Findings& findings) {
   const std::string_view name = element.Name();
   if (const Figure* figure = find_figure(gazebo_figures(), name)) {
@@ -100,7 +100,7 @@ bool read_option(const XMLElement& element, SurfaceDraft& draft, Findings& findi
   return true;
 }
 
-/// A child of a block of the whole robot; false if it is none of ours.
+/// Reads a child of a block of the whole robot; false if the child is unknown.
 bool read_robot_option(const XMLElement& element, Draft& draft, Findings& findings) {
   const std::string_view name = element.Name();
   if (name == "static") {
@@ -114,7 +114,7 @@ bool read_robot_option(const XMLElement& element, Draft& draft, Findings& findin
   return true;
 }
 
-/// Read elsewhere.
+/// Children that other readers read.
 bool is_device(std::string_view name) {
   return is_one_of(name, {"sensor", "light", "pseudo_continuous_track"}) || name.starts_with("sensor:");
 }

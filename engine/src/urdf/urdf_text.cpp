@@ -20,7 +20,7 @@ int line_at(std::string_view text, std::size_t position) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
 }
 
-/// Position of the first thing in the text that is neither blank, declaration nor comment.
+/// Position of the first character in the text that is neither blank nor part of a declaration or a comment.
 std::size_t end_of_prolog(std::string_view text) {
   std::size_t position = text.starts_with(utf8_mark) ? utf8_mark.size() : 0;
   while (true) {
@@ -47,7 +47,7 @@ void find_merge_marker(std::string_view text, Findings& findings) {
   }
 }
 
-/// End of the tag whose "<" stands at `start`: the position after its ">". `attributes` counts its quoted values.
+/// End of the tag whose "<" is at `start`: the position after its ">". `attributes` counts its quoted values.
 std::size_t end_of_tag(std::string_view text, std::size_t start, int& attributes) {
   for (std::size_t i = start; i < text.size(); ++i) {
     if (text[i] == '>') return i + 1;
@@ -58,7 +58,7 @@ std::size_t end_of_tag(std::string_view text, std::size_t start, int& attributes
   return text.size();
 }
 
-/// What is opened by "<!" or "<?" ends where its own mark stands, whatever quotes are in it.
+/// An element that begins with "<!" or "<?" ends at its own end mark, even inside quotes.
 std::string_view closing_of(std::string_view rest) {
   if (rest.starts_with("<!--")) return "-->";
   if (rest.starts_with("<![CDATA[")) return "]]>";
@@ -66,8 +66,8 @@ std::string_view closing_of(std::string_view rest) {
   return rest.starts_with("<!") ? ">" : "";
 }
 
-/// Counts what a parser would have to hold, before one tries: parsers recurse into depth, and look for each attribute
-/// among those before it.
+/// Counts nesting, tags and attributes before a parser runs: parsers recurse into depth, and compare each attribute
+/// with those before it.
 void check_extent(std::string_view text, Findings& findings) {
   int tags = 0;
   int depth = 0;
@@ -107,7 +107,7 @@ void check_prolog(std::string_view text, Findings& findings) {
   }
 }
 
-/// What tinyxml2's error means, in a sentence.
+/// The meaning of tinyxml2's error, as a sentence.
 std::string describe(tinyxml2::XMLError error) {
   switch (error) {
     case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "this tag isn't well-formed XML";

@@ -13,7 +13,7 @@ using tinyxml2::XMLElement;
 
 constexpr int most_listed = 8;
 
-/// The text of a child of one of the transmission's parts, wherever it stands; empty if there is none.
+/// The text of a child of one of the transmission's parts, at any depth; empty if there is none.
 std::string_view find_text(const XMLElement& transmission, const char* name) {
   for (const auto* part = transmission.FirstChildElement(); part != nullptr; part = part->NextSiblingElement()) {
     if (const auto* child = part->FirstChildElement(name)) return text_of(*child);

@@ -68,7 +68,7 @@ void connect(const Draft& draft, Graph& graph, Findings& findings) {
   }
 }
 
-/// Every loop once. A link that never comes to a root when one goes up is in a loop or hangs below one.
+/// Reports each loop once. A link from which the way up never reaches a root is in a loop or below one.
 void find_loops(const Draft& draft, const Graph& graph, Findings& findings) {
   std::vector<int> seen_from(draft.links.size(), -1);
   for (std::size_t start = 0; start < draft.links.size(); ++start) {
@@ -93,7 +93,7 @@ int find_root(const Draft& draft, const Graph& graph, Findings& findings) {
     if (graph.parent_joint[i] < 0) roots.push_back(static_cast<int>(i));
   }
   if (roots.size() == 1) return roots.front();
-  if (roots.empty()) return -1;  // a loop, which has been told
+  if (roots.empty()) return -1;  // a loop, already reported
   std::string names;
   constexpr std::size_t most_names = 20;
   for (std::size_t i = 0; i < std::min(roots.size(), most_names); ++i) {
@@ -105,7 +105,7 @@ int find_root(const Draft& draft, const Graph& graph, Findings& findings) {
   return -1;
 }
 
-/// True if the link is nothing but a name for the world.
+/// True if the link is only a name for the world.
 bool is_bare_world(const Draft& draft, const Graph& graph, int root) {
   const LinkDraft& link = draft.links[index(root)];
   return link.link.name == "world" && !link.has_inertial && link.link.visuals.empty() && link.link.collisions.empty() &&
@@ -114,7 +114,7 @@ bool is_bare_world(const Draft& draft, const Graph& graph, int root) {
 
 bool is_floating(const Draft& draft, int joint) { return draft.joints[index(joint)].joint.type == JointType::free; }
 
-/// A floating joint makes sense in one place. Goes down over it, from the world to the free base.
+/// Handles a floating joint, which is allowed in one place only: from the world to the free base.
 int skip_floating(const Draft& draft, const Graph& graph, int root, Findings& findings) {
   int base = root;
   if (is_bare_world(draft, graph, root)) {
@@ -136,7 +136,7 @@ int skip_floating(const Draft& draft, const Graph& graph, int root, Findings& fi
   return base;
 }
 
-/// By joint of the draft: its id, -1 for those that have none.
+/// By joint of the draft: its id, -1 for joints without an id.
 std::vector<int> number_joints(const Draft& draft) {
   std::vector<int> ids;
   int next = 0;
@@ -207,7 +207,7 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
   name_parts(draft, graph, findings);
   connect(draft, graph, findings);
   find_loops(draft, graph, findings);
-  // A part that is missing or in doubt would make false roots.
+  // With a missing or doubtful part, other links would wrongly appear as roots.
   if (!draft.is_complete || findings.error_count() > errors_before) return std::nullopt;
   const int root = find_root(draft, graph, findings);
   if (root < 0) return std::nullopt;

@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
 }
 
-/// The numbers in a text, if it is exactly `count` of them.
+/// The numbers in a text; nullopt unless there are exactly `count` of them.
 std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
   std::vector<double> numbers;
   for (text = trimmed(text); !text.empty() && numbers.size() <= count; text = trimmed(text)) {

@@ -11,15 +11,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A shape that beams may meet, and a sphere around it, a little larger than needed, for quick answers.
+/// A shape that beams may hit, and a sphere around it, a little larger than needed, for a quick test.
 struct Target {
   dGeomID geom;
-  const Polytope* hull;  // null: ODE knows it better
+  const Polytope* hull;  // null: the shape is tested by ODE
   Vector3d center;       // relative to the sensor [m]
   double radius;         // [m]
 };
 
-/// All shapes in the order of the bodies, without the sensor's own and those out of its reach.
+/// All shapes in the order of the bodies, without those of the sensor's rigid group and those out of range.
 std::vector<Target> targets_of(const std::vector<std::unique_ptr<SimulatedBody>>& bodies, int owner, int link,
                                const Vector3d& origin, double reach) {
   std::vector<Target> targets;
@@ -37,15 +37,14 @@ std::vector<Target> targets_of(const std::vector<std::unique_ptr<SimulatedBody>>
   return targets;
 }
 
-/// False only if a beam from the sensor in this direction doesn't meet the shape.
+/// False only if a beam from the sensor in this direction doesn't hit the shape.
 bool may_meet(const Target& target, const Vector3d& direction) {
   const double along = target.center.dot(direction);
   if (along < -target.radius) return false;
   return (target.center - along * direction).squaredNorm() <= target.radius * target.radius;
 }
 
-/// Whether the point [m, world] is inside of the shape. A mesh that is touched as it is has no inside: a sensor in a
-/// room sees its walls.
+/// True if the point [m, world] is inside the shape. A trimesh has no inside: a sensor in a room sees its walls.
 bool holds(dGeomID geom, const Vector3d& point) {
   switch (dGeomGetClass(geom)) {
     case dSphereClass: return dGeomSpherePointDepth(geom, point.x(), point.y(), point.z()) > 0.0;
@@ -62,7 +61,7 @@ bool holds(dGeomID geom, const Vector3d& point) {
   }
 }
 
-/// ODE's ray, as long as it is needed.
+/// An ODE ray; its destructor destroys it.
 class Ray {
  public:
   explicit Ray(double length) : ray_(dCreateRay(nullptr, length)), length_(length) {
@@ -77,7 +76,7 @@ class Ray {
     direction_ = direction;
     dGeomRaySet(ray_, from.x(), from.y(), from.z(), direction.x(), direction.y(), direction.z());
   }
-  /// From the ray's beginning to the shape [m]; +inf if it doesn't meet it.
+  /// Distance from the ray's beginning to the shape [m]; +inf if the ray doesn't hit it.
   double distance_to(const Target& target) const {
     if (target.hull) return distance_to_hull(target);
     dContactGeom hit;
@@ -85,7 +84,8 @@ class Ray {
   }
 
  private:
-  /// The part of the ray that is behind all planes (M. Cyrus and J. Beck, 1978) begins there; not if it begins inside.
+  /// The hit is where the part of the ray behind all planes begins (M. Cyrus and J. Beck, 1978); none if the ray begins
+  /// inside.
   double distance_to_hull(const Target& target) const {
     const Eigen::Matrix3d axes = rotation(dGeomGetRotation(target.geom));
     const Vector3d from = axes.transpose() * (from_ - vector(dGeomGetPosition(target.geom)));

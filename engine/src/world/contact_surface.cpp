@@ -15,7 +15,7 @@ std::optional<double> smaller(const std::optional<double>& a, const std::optiona
   return a ? a : b;
 }
 
-/// Of two springs, or two dampers, one behind the other; a side that states nothing is rigid.
+/// Combines two springs, or two dampers, in series; a side without a value is rigid.
 std::optional<double> in_series(const std::optional<double>& a, const std::optional<double>& b) {
   if (a && b) return *a + *b > 0.0 ? *a * *b / (*a + *b) : 0.0;
   return a ? a : b;
@@ -62,7 +62,7 @@ void ContactLaw::apply_friction(const TouchedSurface& a, const TouchedSurface& b
 }
 
 // A spring of kp [N/m] and a damper of kd [N·s/m] are ERP = dt kp / (dt kp + kd), CFM = 1 / (dt kp + kd): manual of
-// ODE, 3.8.2. ODE pushes apart with erp / dt * (depth - surface layer), at most with the world's limit.
+// ODE, 3.8.2. ODE separates two shapes with erp / dt * (depth - surface layer), limited by the world's limit.
 void ContactLaw::apply_spring(const Surface& a, const Surface& b, dContact& contact) const {
   double erp = solver_.erp;
   const std::optional<double> stiffness = in_series(a.stiffness, b.stiffness);

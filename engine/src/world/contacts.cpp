@@ -37,19 +37,19 @@ BodyBounds bounds_of(const SimulatedBody& body) {
   return bounds;
 }
 
-/// A shape and the body it is of.
+/// A shape and its body.
 struct Side {
   const SimulatedBody& body;
   const BodyShape& shape;
   dBodyID ode = dGeomGetBody(shape.geom);
 
-  /// Whether forces move it.
+  /// True if forces move the shape.
   bool yields() const { return ode && !dBodyIsKinematic(ode); }
   bool has_belt() const { return shape.belt >= 0; }
 };
 
-/// The contact's friction works along the belt, and towards the belt's speed. ODE's normal points into the first shape;
-/// a surface runs with the speed of a wheel about its axis: axis x outward normal.
+/// Sets the friction of a contact with a belt: along the belt, towards the belt's speed. ODE's normal points into the
+/// first shape; a surface runs with the speed of a wheel about its axis: axis x outward normal.
 void run_belts(const Side& a, const Side& b, dContact& contact) {
   const Eigen::Vector3d normal = vector(contact.geom.normal);
   Eigen::Vector3d along = Eigen::Vector3d::Zero();
@@ -64,10 +64,10 @@ void run_belts(const Side& a, const Side& b, dContact& contact) {
     wanted += belt.speed * along;
   }
   if (along.isZero(0.0)) return;
-  contact.surface.mode &= ~dContactMu2;  // a belt's own direction goes before the surface's
+  contact.surface.mode &= ~dContactMu2;  // a belt's direction replaces the surface's friction direction
   contact.surface.mode |= dContactFDir1 | dContactMotion1 | dContactMotion2;
   std::copy(along.data(), along.data() + 3, contact.fdir1);
-  // without a first body ODE takes the second for the first, turns the normal and with it the second direction, not
+  // if the first body is null, ODE swaps the bodies and reverses the normal, and with it the second direction, but not
   // fdir1
   contact.surface.motion1 = a.ode ? wanted.dot(along) : -wanted.dot(along);
   contact.surface.motion2 = wanted.dot(normal.cross(along));
@@ -82,7 +82,7 @@ TouchedSurface surface_of(const Side& side) {
   return {surface, direction};
 }
 
-/// True if they touch. Two that no force moves don't.
+/// Adds the contacts of two shapes; true if they touch. Two shapes that no force moves don't touch.
 bool collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const ContactLaw& law,
              std::vector<dContactGeom>& found, Touches& touches) {
   if (!a.yields() && !b.yields()) return false;

@@ -3,10 +3,10 @@
 namespace rehearse {
 namespace {
 
-/// A hull as ODE wants it. ODE gives it bounds; contacts and beams are ours.
+/// A hull in ODE's form. ODE computes only its bounds; Rehearse computes contacts and beams.
 struct OdeConvex {
   std::vector<dReal> planes, points;
-  std::vector<unsigned int> polygons;  // each: how many vertices, and which
+  std::vector<unsigned int> polygons;  // for each polygon the number of vertices, then their indices
 };
 
 MadeGeom make_hull(ConvexHull hull) {
@@ -29,7 +29,7 @@ MadeGeom make_hull(ConvexHull hull) {
   return {geom, polytope, arrays, middle};
 }
 
-/// The triangles of a mesh as ODE wants them, and ODE's tree of them.
+/// The triangles of a mesh in ODE's form, and ODE's tree of them.
 struct OdeTrimesh {
   std::vector<dReal> vertices;
   std::vector<dTriIndex> indices;
@@ -53,7 +53,7 @@ MadeGeom make_trimesh(const MeshData& mesh) {
   dGeomTriMeshDataBuildDouble(arrays->tree, arrays->vertices.data(), 3 * sizeof(dReal),
                               static_cast<int>(arrays->vertices.size() / 3), arrays->indices.data(),
                               static_cast<int>(arrays->indices.size()), 3 * sizeof(dTriIndex));
-  // hulls on it need the angles between its triangles: ODE aborts without them
+  // contacts of hulls with it need the angles between its triangles: ODE aborts without them
   const int done = dGeomTriMeshDataPreprocess2(arrays->tree, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
   REHEARSE_ASSERT(done != 0, "ODE prepares the triangles");
   return {dCreateTriMesh(nullptr, arrays->tree, nullptr, nullptr, nullptr), nullptr, arrays};

@@ -11,10 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The plane of one hull along which the other is farthest away.
+/// The plane of one hull with the largest separation from the other hull.
 struct FaceAxis {
   int face = -1;
-  int vertex = -1;  // of the other, the nearest to the plane
+  int vertex = -1;  // of the other hull, the nearest to the plane
   double separation = -std::numeric_limits<double>::infinity();
 };
 
@@ -30,9 +30,9 @@ FaceAxis best_face(const std::vector<Plane>& planes, const Points& others) {
   return best;
 }
 
-/// Edges, one of each hull, whose common normal is a direction out of `hull`.
+/// A pair of edges, one of each hull, whose common normal is a direction out of `hull`.
 struct EdgeAxis : Axis {
-  std::array<Vector3d, 4> ends;  // of the hull's edge, then of the other's
+  std::array<Vector3d, 4> ends;  // of the hull's edge, then of the other hull's edge
 };
 
 struct Extent {
@@ -58,7 +58,7 @@ struct PlacedEdge {
   Extent bounds;
 };
 
-/// The edges that come nearer than `margin` to something.
+/// The edges whose bounds are nearer than `margin` to the bounds `something`.
 std::vector<PlacedEdge> edges_near(const Polytope& of, const Points& vertices, const std::vector<Plane>& planes,
                                    const Extent& something, double margin) {
   std::vector<PlacedEdge> near;
@@ -71,12 +71,12 @@ std::vector<PlacedEdge> edges_near(const Polytope& of, const Points& vertices, c
   return near;
 }
 
-/// Whether the edges make a face of the Minkowski difference: their arcs on the Gauss map cross.
+/// True if the edges form a face of the Minkowski difference: their arcs on the Gauss map cross.
 bool arcs_cross(const PlacedEdge& a, const PlacedEdge& b) {
   const Vector3d along_a = a.to - a.from, along_b = b.to - b.from;
   const double left_b = -b.left->dot(along_a), right_b = -b.right->dot(along_a);
   const double left_a = a.left->dot(along_b), right_a = a.right->dot(along_b);
-  // from which side the arcs pass each other: on the same hemisphere
+  // the arcs cross only if they are on the same hemisphere
   return left_b * right_b < 0.0 && left_a * right_a < 0.0 && left_b * right_a > 0.0;
 }
 
@@ -85,7 +85,7 @@ double separation_along(const Vector3d& direction, const Points& hull, const Poi
 }
 
 /// The best pair of edges, if it is better than `separation`. Edges that touch with an overlap of d, or a gap of g, are
-/// not farther apart than d or g: `margin` is an upper bound of both.
+/// at most d or g apart: `margin` is an upper bound of both.
 EdgeAxis best_edges(const Polytope& hull, const PlacedPolytope& other, double separation, double margin) {
   EdgeAxis best;
   best.separation = separation;
@@ -111,7 +111,7 @@ EdgeAxis best_edges(const Polytope& hull, const PlacedPolytope& other, double se
   return best;
 }
 
-/// The face at a vertex that looks most in a direction.
+/// The face at a vertex whose normal is nearest to a direction.
 int face_towards(const Polytope& hull, const std::vector<Plane>& planes, int vertex, const Vector3d& direction) {
   int best = -1;
   for (const int face : hull.faces_at(vertex))
@@ -119,13 +119,13 @@ int face_towards(const Polytope& hull, const std::vector<Plane>& planes, int ver
   return best;
 }
 
-/// The touching points of a face of one hull with the other one, whose vertex is the nearest to it.
+/// The contact points of a face of one hull with the other hull, whose vertex `vertex` is the nearest to it.
 std::vector<TouchPoint> touch_face(const Points& vertices, const std::vector<int>& face, const Plane& plane,
                                    const Points& others, const std::vector<int>& incident, int vertex) {
   Points polygon;
   for (const int corner : incident) polygon.push_back(others[corner]);
   std::vector<TouchPoint> touches = under_plane(plane, above_face(vertices, face, plane.normal, std::move(polygon)));
-  if (touches.empty()) touches = under_plane(plane, {others[vertex]});  // it is beside the face
+  if (touches.empty()) touches = under_plane(plane, {others[vertex]});  // the vertex is beside the face
   return spread_out(std::move(touches));
 }
 
@@ -142,7 +142,7 @@ std::vector<TouchPoint> touch_hull(const Polytope& hull, const PlacedPolytope& o
   const double gap = (nearest_on_face(hull, mine.face, vertex) - vertex).norm();
   const EdgeAxis edges = best_edges(hull, other, separation, std::max(-separation, gap));
   if (edges.separation > 0.0) return {};
-  // Faces are preferred, the hull's own first: a point that takes turns with a face would rock what rests on it.
+  // Faces are preferred, those of `hull` first: alternating between a point and a face would rock a resting body.
   constexpr double share = 0.95, rounding = 1e-6;
   if (edges.separation > share * separation + rounding) {
     const auto [on_hull, on_other] = nearest_of_segments(edges.ends[0], edges.ends[1], edges.ends[2], edges.ends[3]);

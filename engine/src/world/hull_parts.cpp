@@ -60,7 +60,7 @@ Vector3d nearest_on_face(const Polytope& hull, int face, const Vector3d& point) 
 
 Points behind(const Plane& plane, const Points& polygon) {
   Points kept;
-  const std::size_t sides = polygon.size() > 2 ? polygon.size() : polygon.size() / 2;  // a segment's is passed once
+  const std::size_t sides = polygon.size() > 2 ? polygon.size() : polygon.size() / 2;  // a segment has only one side
   if (polygon.size() <= 2 && !polygon.empty() && plane.distance(polygon[0]) <= 0.0) kept.push_back(polygon[0]);
   for (std::size_t i = 0; i < sides; ++i) {
     const Vector3d& from = polygon[i];

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double almost_along = 0.999;  // cosine of what counts as one direction: 2.6 degrees
-constexpr double almost_all = 0.95;     // of the depth: the points that have it may be beside the touching face
+constexpr double almost_along = 0.999;  // cosine; directions that differ by less than 2.6 degrees count as equal
+constexpr double almost_all = 0.95;     // of the depth: the deepest points may be beside the touching face
 
-/// A point of a hull's surface and its distance from something outside.
+/// A point of a hull's surface and its distance from a point outside.
 struct Nearest {
   Vector3d on_hull, on_other;
   double distance = std::numeric_limits<double>::infinity();
@@ -25,7 +25,7 @@ struct Nearest {
   }
 };
 
-/// The plane that is farthest before or least behind a point.
+/// The plane with the largest distance from a point: farthest before it, or least behind it.
 int outermost_plane(const std::vector<Plane>& planes, const Vector3d& point) {
   int best = 0;
   for (std::size_t i = 1; i < planes.size(); ++i)
@@ -33,7 +33,7 @@ int outermost_plane(const std::vector<Plane>& planes, const Vector3d& point) {
   return best;
 }
 
-/// The nearest point of a hull to a point before some of its planes; only faces that are nearer than `reach`.
+/// The nearest point of a hull to a point outside; considers only faces that are nearer than `reach`.
 void take_nearest(const Polytope& hull, const Vector3d& point, double reach, Nearest& nearest) {
   for (std::size_t face = 0; face < hull.faces().size(); ++face) {
     const double distance = hull.planes()[face].distance(point);
@@ -41,13 +41,13 @@ void take_nearest(const Polytope& hull, const Vector3d& point, double reach, Nea
   }
 }
 
-/// From a surface point of the hull to a round body of that radius about a point outside.
+/// The contact of a surface point of the hull with a round body of that radius about a point outside.
 TouchPoint touch_of(const Nearest& nearest, const Vector3d& normal, double radius) {
   const double depth = radius - nearest.distance;
   return {nearest.on_hull - 0.5 * depth * normal, normal, depth};
 }
 
-/// The hull's face that looks in this direction, or -1.
+/// The hull's face whose normal has this direction, or -1.
 int face_along(const Polytope& hull, const Vector3d& direction) {
   int best = -1;
   double most = almost_along;
@@ -60,7 +60,7 @@ int face_along(const Polytope& hull, const Vector3d& direction) {
   return best;
 }
 
-/// What of points that lie over a face is nearer to it than `radius`.
+/// Of points above a face, those that are nearer to it than `radius`, as contacts.
 std::vector<TouchPoint> touch_face(const Polytope& hull, int face, double radius, Points points) {
   const Plane& plane = hull.planes()[face];
   points = above_face(hull.vertices(), hull.faces()[face], plane.normal, std::move(points));
@@ -68,13 +68,13 @@ std::vector<TouchPoint> touch_face(const Polytope& hull, int face, double radius
   return under_plane(plane, points);
 }
 
-/// Keeps the better one.
+/// Keeps the direction with the larger separation.
 void take(Axis& best, const Vector3d& direction, double separation) {
   if (separation > best.separation) best = {direction, separation};
 }
 
-/// A line's direction as seen by a hull's edge: the common normal out of the hull, if it is one of the hull's
-/// directions at that edge; else zero.
+/// The common normal of a line and a hull's edge, out of the hull, if it is one of the hull's directions at that edge;
+/// else zero.
 Vector3d common_normal(const Polytope& hull, const PolytopeEdge& edge, const Vector3d& along) {
   const Vector3d &left = hull.planes()[edge.left].normal, &right = hull.planes()[edge.right].normal;
   if (left.dot(along) * right.dot(along) >= 0.0) return Vector3d::Zero();
@@ -84,7 +84,7 @@ Vector3d common_normal(const Polytope& hull, const PolytopeEdge& edge, const Vec
   return direction.dot(left + right) < 0.0 ? Vector3d(-direction.normalized()) : Vector3d(direction.normalized());
 }
 
-/// The direction in which a segment overlaps the hull least, or is before one of its faces or edges.
+/// The direction in which a segment overlaps the hull least, or has the largest distance from a face or edge.
 Axis segment_axis(const Polytope& hull, const Vector3d& from, const Vector3d& to) {
   Axis best;
   for (const Plane& plane : hull.planes()) take(best, plane.normal, std::min(plane.distance(from), plane.distance(to)));
@@ -95,7 +95,7 @@ Axis segment_axis(const Polytope& hull, const Vector3d& from, const Vector3d& to
   return best;
 }
 
-/// How far a cylinder is before the hull along directions.
+/// The separation of a cylinder from the hull along directions.
 class CylinderSupport {
  public:
   explicit CylinderSupport(const Round& cylinder) : cylinder_(cylinder) {}
@@ -107,19 +107,19 @@ class CylinderSupport {
     return direction.dot(cylinder_.center) - cylinder_.half_length * std::abs(cosine) - cylinder_.radius * sine;
   }
 
-  /// A unit vector from the axis towards the lowest points; any, if the direction is along the axis.
+  /// A unit vector from the axis towards the lowest points; any direction if the direction is along the axis.
   Vector3d down(const Vector3d& direction) const {
     const Vector3d across = direction - direction.dot(cylinder_.axis()) * cylinder_.axis();
     constexpr double least = 1e-9;
     return across.norm() < least ? Vector3d(cylinder_.axes.col(0)) : Vector3d(-across.normalized());
   }
 
-  /// How far any of its points can be from `point` [m].
+  /// The largest distance of any of its points from `point` [m].
   double reach_from(const Vector3d& point) const {
     return (cylinder_.center - point).norm() + cylinder_.half_length + cylinder_.radius;
   }
 
-  /// The middle of the end that looks against the direction.
+  /// The centre of the end cap that faces against the direction.
   Vector3d lower_end(const Vector3d& direction) const {
     const double side = cylinder_.axis().dot(direction) > 0.0 ? -1.0 : 1.0;
     return cylinder_.center + side * cylinder_.half_length * cylinder_.axis();
@@ -129,7 +129,7 @@ class CylinderSupport {
   const Round& cylinder_;
 };
 
-/// The best direction between those of an edge's two faces: where the edge meets the rim of an end.
+/// The best direction between those of an edge's two faces, where the edge touches the rim of an end.
 void take_rim(const Polytope& hull, const PolytopeEdge& edge, const CylinderSupport& support, Axis& best) {
   const Vector3d &left = hull.planes()[edge.left].normal, &right = hull.planes()[edge.right].normal;
   const Vector3d& corner = hull.vertices()[edge.from];
@@ -146,7 +146,8 @@ void take_rim(const Polytope& hull, const PolytopeEdge& edge, const CylinderSupp
     if (separation > highest) at = i;
     highest = std::max(highest, separation);
   }
-  // between two samples it can't rise by more than the angle times the farthest point's distance from the edge
+  // between two samples the separation can't rise by more than the angle times the farthest point's distance from the
+  // edge
   const double angle = std::acos(std::clamp(left.dot(right), -1.0, 1.0));
   if (highest + angle * support.reach_from(corner) / samples <= best.separation) return;
   double low = (at - 1) / double(samples), high = (at + 1) / double(samples);
@@ -160,7 +161,7 @@ void take_rim(const Polytope& hull, const PolytopeEdge& edge, const CylinderSupp
   take(best, direction_at(0.5 * (low + high)), separation_at(0.5 * (low + high)));
 }
 
-/// The direction in which a cylinder overlaps the hull least; of faces, and of all.
+/// The direction in which a cylinder overlaps the hull least: the best of the faces, and the best of all.
 struct CylinderAxes {
   Axis face, any;
   int best_face = -1;
@@ -203,7 +204,7 @@ CylinderAxes cylinder_axes(const Polytope& hull, const Round& cylinder) {
   return axes;
 }
 
-/// Where a cylinder's end or side lies on a face of the hull.
+/// The contact points of a cylinder's end or side on a face of the hull.
 std::vector<TouchPoint> touch_face_with_cylinder(const Polytope& hull, int face, const Round& cylinder) {
   const CylinderSupport support(cylinder);
   const Plane& plane = hull.planes()[face];
@@ -213,7 +214,7 @@ std::vector<TouchPoint> touch_face_with_cylinder(const Polytope& hull, int face,
   if (std::abs(plane.normal.dot(cylinder.axis())) < std::sqrt(0.5)) {  // the side: its lowest line
     for (const double side : {-1.0, 1.0})
       points.push_back(cylinder.center + side * cylinder.half_length * cylinder.axis() + cylinder.radius * down);
-  } else {  // an end: its rim, and the lowest point of that
+  } else {  // an end: its rim, and the rim's lowest point
     constexpr int corners = 16;
     for (int i = 0; i < corners; ++i) {
       const double angle = 2.0 * M_PI * i / corners;
@@ -226,21 +227,21 @@ std::vector<TouchPoint> touch_face_with_cylinder(const Polytope& hull, int face,
   const Vector3d lowest = end + cylinder.radius * down;
   if (!above_face(hull.vertices(), hull.faces()[face], plane.normal, {lowest, lowest}).empty())
     for (const TouchPoint& touch : under_plane(plane, {lowest})) touches.push_back(touch);
-  // it may be beside the face
+  // the point may be beside the face
   if (depth_of(touches) < almost_all * -plane.distance(lowest)) touches = under_plane(plane, {lowest});
   return spread_out(std::move(touches));
 }
 
-/// Where a corner, an edge or a face of the hull lies on a cylinder's end or side, or on its rim.
+/// The contact points of a corner, an edge or a face of the hull on a cylinder's end, side, or rim.
 std::vector<TouchPoint> touch_cylinder_with_hull(const Polytope& hull, const Round& cylinder, const Axis& axis) {
   const CylinderSupport support(cylinder);
   const double low = support.lowest(axis.direction);
-  const Plane lower{-axis.direction, -low};  // of the cylinder: the hull's points before it don't overlap it
+  const Plane lower{-axis.direction, -low};  // of the cylinder: hull points before this plane don't overlap it
   const int highest = farthest_along(hull.vertices(), axis.direction);
   const double cosine = std::abs(axis.direction.dot(cylinder.axis()));
   constexpr double almost = 1e-6;
   Points points;
-  if (cosine > almost_along) {  // an end: what of the hull's highest face is within its circle
+  if (cosine > almost_along) {  // an end: the part of the hull's highest face within its circle
     int face = hull.faces_at(highest).front();
     for (const int other : hull.faces_at(highest))
       if (hull.planes()[other].normal.dot(axis.direction) > hull.planes()[face].normal.dot(axis.direction))
@@ -264,7 +265,7 @@ std::vector<TouchPoint> touch_cylinder_with_hull(const Polytope& hull, const Rou
       if (cosine > almost) {
         points.push_back(nearest_on_segment(
             from, to, support.lower_end(axis.direction) + cylinder.radius * support.down(axis.direction)));
-      } else if ((to - from).cross(cylinder.axis()).norm() < 1e-3 * size) {  // both lie along each other
+      } else if ((to - from).cross(cylinder.axis()).norm() < 1e-3 * size) {  // the edge is parallel to the axis
         for (const Vector3d& point :
              behind({cylinder.axis(), cylinder.axis().dot(cylinder.center + line)},
                     behind({-cylinder.axis(), -cylinder.axis().dot(cylinder.center - line)}, {from, to})))
@@ -312,10 +313,10 @@ std::vector<TouchPoint> touch_capsule(const Polytope& hull, const Round& capsule
   const double depth = capsule.radius - (axis.separation > 0.0 ? nearest.distance : axis.separation);
   if (const int face = face_along(hull, axis.direction); face >= 0) {
     auto touches = touch_face(hull, face, capsule.radius, {from, to});
-    if (depth_of(touches) >= almost_all * depth) return touches;  // else it touches beside that face
+    if (depth_of(touches) >= almost_all * depth) return touches;  // else the deepest contact is beside that face
   }
   if (axis.separation > 0.0) return {touch_of(nearest, axis.direction, capsule.radius)};
-  // it is stuck: its middle line is inside of the hull
+  // deep overlap: the cylinder's middle line is inside the hull
   const Vector3d& low = axis.direction.dot(from) < axis.direction.dot(to) ? from : to;
   return {{low + (0.5 * depth - capsule.radius) * axis.direction, axis.direction, depth}};
 }

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// The rotation vector that turns `from` into `to`, the short way round [rad].
+/// The rotation vector that turns `from` into `to` by the smaller angle [rad].
 Vector3d turned(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
   Eigen::Quaterniond difference = to * from.conjugate();
   if (difference.w() < 0.0) difference.coeffs() = -difference.coeffs();
@@ -59,7 +59,7 @@ void KinematicBody::create_shapes(dWorldID world) {
   }
 }
 
-/// Puts ODE's bodies where the links are.
+/// Moves ODE's bodies to the poses of the links.
 void KinematicBody::place() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!bodies_[i]) continue;

@@ -24,7 +24,7 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   const RigidGroups groups = group_links(model());
   links_ = groups.links;
   create_groups(world, groups, zero_posture);
-  create_joints(world, zero_posture);  // ODE's joint angles are zero where the joint was made
+  create_joints(world, zero_posture);  // an ODE joint angle is zero at the pose in which the joint was made
   create_force_sensors(groups);
   create_shapes();
   pair_own_shapes();
@@ -53,7 +53,7 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
   set_posture(zero_posture);
 }
 
-/// ODE takes the weight off bodies, not off parts of them: those are held up by a force at their common centre.
+/// ODE disables gravity for bodies, not for parts of them: parts are held up by a force at their common centre.
 void OdeBody::release_weightless() {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = model().links[i];
@@ -253,12 +253,12 @@ void OdeBody::measure_force(std::size_t index) {
   const Vector3d lever = vector(dBodyGetPosition(child)) - link_point(device.link, device.pose.translation());
   const Matrix3d to_sensor =
       (rotation(dBodyGetRotation(child)) * links_[device.link].in_group.linear() * device.pose.linear()).transpose();
-  // what the child exerts on its parent: the opposite of what the joint does to the child
+  // the wrench of the child on its parent: the opposite of the joint's wrench on the child
   wrenches_[index].head<3>() = -(to_sensor * wrench.force);
   wrenches_[index].tail<3>() = -(to_sensor * (wrench.torque + lever.cross(wrench.force)));
 }
 
-/// All as it was at the beginning of the step, when the forces began to act.
+/// Stores the motion at the beginning of the step, when the forces begin to act.
 void OdeBody::measure_cut(const CutSensor& cut) {
   const Device& device = model().devices[cut.device];
   const RigidGroup& group = group_of(device.link);
@@ -267,7 +267,7 @@ void OdeBody::measure_cut(const CutSensor& cut) {
   motion.angular_acceleration = group.angular_acceleration;
   const Isometry3d sensor = motion.frame * links_[device.link].in_group * device.pose;
   const Vector3d origin = sensor.translation();
-  // what acts on the part beside the cut
+  // other wrenches on the part than that of the cut
   Vector3d force = cut.external.force;
   Vector3d torque = cut.external.torque - origin.cross(cut.external.force);
   for (const Touch& touch : touches()) {
@@ -281,7 +281,7 @@ void OdeBody::measure_cut(const CutSensor& cut) {
     force -= on_child.force;
     torque -= on_child.torque + arm.cross(on_child.force);
   }
-  // the cut gives the rest of what the part needs, and the part gives the opposite back
+  // the cut transmits the rest of the wrench that the part needs; the part exerts the opposite
   const Wrench needed = wrench_to_move(cut.part, motion, gravity_, origin);
   wrenches_[cut.device].head<3>() = sensor.linear().transpose() * (force - needed.force);
   wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - needed.torque);
@@ -338,7 +338,7 @@ void OdeBody::visit_state(StateVisitor& visitor) {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;
     visitor.begin_part(name(), model().links[group.first_link].name, StatePart::motion);
-    // ODE hands out pointers to its own numbers. Its setters would normalise the quaternion and so change bits.
+    // ODE returns pointers to its own numbers. Its setters would normalise the quaternion and so change bits.
     visitor.visit(const_cast<dReal*>(dBodyGetPosition(group.body)), 3 * sizeof(dReal));
     visitor.visit(const_cast<dReal*>(dBodyGetQuaternion(group.body)), 4 * sizeof(dReal));
     visitor.visit(const_cast<dReal*>(dBodyGetRotation(group.body)), 12 * sizeof(dReal));
@@ -402,7 +402,7 @@ void OdeBody::after_restore() {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;
     const Vector3d position = vector(dBodyGetPosition(group.body));
-    dBodySetPosition(group.body, position.x(), position.y(), position.z());  // its shapes learn that they moved
+    dBodySetPosition(group.body, position.x(), position.y(), position.z());  // updates the poses of its geoms
   }
 }
 

@@ -52,7 +52,7 @@ void OdeJoint::count_turns(double displacement) {
   turns_ = static_cast<int>(std::lround((displacement - wrapped_) / (2.0 * pi)));
 }
 
-/// ODE holds a hinge's stops against its wrapped angle.
+/// ODE compares a hinge's stops with its wrapped angle.
 void OdeJoint::set_stops() {
   const double whole_turns = revolute_ ? 2.0 * pi * turns_ : 0.0;
   set(dParamLoStop, joint_.lower - whole_turns);
@@ -83,7 +83,7 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
                   "commands are finite when they reach the world");
   applied_ = damping_effort();
   effort_ = 0.0;
-  // displacement over velocity over effort, as Choreonoid's MuJoCo item ranks them
+  // displacement before velocity before effort, as in Choreonoid's MuJoCo item
   if (command.drive & drive_displacement) {
     drive_to(command.q, 0.0, time_step);
   } else if (command.drive & drive_velocity) {
@@ -115,7 +115,7 @@ void OdeJoint::apply_effort() {
     dJointAddHingeTorque(ode_, applied_);
     return;
   }
-  // ODE lets the force act at the two centres, and makes up for the couple by half of it on each body
+  // ODE applies the force at the two centres of mass, and compensates the couple by half of it on each body
   if (const dBodyID parent = dJointGetBody(ode_, 1)) {
     const Vector3d half = 0.5 * (vector(dBodyGetPosition(parent)) - vector(dBodyGetPosition(child_.body)));
     even_torque_ = half.cross(applied_ * world_axis());
@@ -149,8 +149,8 @@ Vector3d OdeJoint::world_axis() const {
 }
 
 Wrench OdeJoint::child_wrench() const {
-  // The joint's constraint forces on body 1, the child, come from ODE. Efforts that were added as external forces are
-  // not among them.
+  // ODE reports the joint's constraint forces on body 1, the child. They don't include efforts that were added as
+  // external forces.
   Wrench wrench{vector(feedback_->f1), vector(feedback_->t1)};
   (revolute_ ? wrench.torque : wrench.force) += applied_ * world_axis();
   if (!revolute_) wrench.torque += even_torque_;
@@ -160,7 +160,7 @@ Wrench OdeJoint::child_wrench() const {
 double OdeJoint::motor_effort() const {
   const Vector3d force = vector(feedback_->f1);
   if (!revolute_) return world_axis().dot(force);
-  // about the hinge, where the forces that only guide the link have no share along the axis
+  // about the hinge's axis, where the guiding constraint forces have no component
   const Vector3d lever = rotation(dBodyGetRotation(child_.body)) * child_.center;
   return world_axis().dot(vector(feedback_->t1) + lever.cross(force));
 }

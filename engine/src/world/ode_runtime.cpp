@@ -15,18 +15,18 @@ namespace {
 struct StepBrokeOff {};
 
 bool stepping = false;
-constexpr std::size_t most_messages = 16;  // between two looks
+constexpr std::size_t most_messages = 16;  // between two calls of take_ode_messages()
 
-/// ODE calls this when an assertion of its own fails, and aborts if it returns. In a step that means numbers that are
-/// not finite: all else is checked when a world is made.
+/// ODE calls this when one of its assertions fails, and aborts if it returns. In a step the cause is numbers that are
+/// not finite: everything else is checked when a world is made.
 void on_failed_assertion(int, const char* message, va_list arguments) {
   if (stepping) throw StepBrokeOff{};
   std::vfprintf(stderr, message, arguments);
   std::fputc('\n', stderr);
 }
 
-/// "LCP internal error" and the like: ODE found no solution for a step and goes on with what it has. stderr knows no
-/// tick, so whoever steps asks take_ode_messages().
+/// ODE calls this with "LCP internal error" and similar messages: it found no solution for a step and continues with an
+/// approximation. A message on stderr would have no tick, so the caller of a step calls take_ode_messages().
 std::vector<std::string> messages;
 
 void on_message(int number, const char* message, va_list arguments) {

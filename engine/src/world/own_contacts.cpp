@@ -1,4 +1,4 @@
-// Which links of a body touch each other.
+// The pairs of links of one body that touch each other.
 
 #include <algorithm>
 #include <set>
@@ -12,7 +12,7 @@ namespace {
 
 using Pair = std::pair<int, int>;
 
-/// The rigid groups that a joint holds together, the smaller number first.
+/// The pairs of rigid groups that a joint connects, the smaller number first.
 std::set<Pair> joined_groups(const std::vector<Link>& links, const std::vector<int>& groups) {
   std::set<Pair> joined;
   for (std::size_t i = 0; i < links.size(); ++i)

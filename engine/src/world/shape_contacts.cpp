@@ -19,7 +19,7 @@ Isometry3d pose_of(dGeomID geom) {
   return pose;
 }
 
-/// Where another shape touches a hull, in the hull's frame; `pose`: of the other shape in it.
+/// The contact points of a shape with a hull, in the hull's frame; `pose`: of the shape in that frame.
 std::vector<TouchPoint> touch(const Polytope& hull, const BodyShape& other, const Isometry3d& pose) {
   if (other.polytope) return touch_hull(hull, PlacedPolytope(*other.polytope, pose));
   dReal radius, length;

@@ -11,8 +11,8 @@
 namespace rehearse {
 namespace {
 
-/// What a gyro, an accelerometer or an Imu reads in the link's motion, in the device's frame. The lever arm of the
-/// sensor in its link is ignored, as Choreonoid does.
+/// The readings of a gyro, an accelerometer or an Imu from the link's motion, in the device's frame. As in Choreonoid,
+/// the sensor's lever arm in its link is ignored.
 std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
   const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
   const Eigen::Vector3d w = to_sensor * link.angular_velocity;
@@ -40,7 +40,7 @@ SimulatedBody::SimulatedBody(WorldBody description) : description_(std::move(des
 }
 
 SimulatedBody::~SimulatedBody() {
-  for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // ODE's bodies and joints go with its world
+  for (const BodyShape& shape : shapes_) dGeomDestroy(shape.geom);  // the world destroys ODE's bodies and joints
 }
 
 std::vector<SimulatedBody::AddedGeom> SimulatedBody::add_shape(int link, int collision, int belt) {
@@ -122,7 +122,7 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::V
 
 namespace {
 
-/// What is missing for contact with the body's meshes.
+/// Errors about missing data for contacts of the body's meshes.
 Diagnostics check_meshes(const WorldBody& description, const std::string& body) {
   Diagnostics findings;
   if (description.trimesh && !root_is_fixed(description))
@@ -138,7 +138,7 @@ Diagnostics check_meshes(const WorldBody& description, const std::string& body) 
   return findings;
 }
 
-/// Numbers that no surface can have.
+/// Errors about impossible numbers of surfaces.
 Diagnostics check_surfaces(const WorldBody& description, const std::string& body) {
   constexpr double smallest = std::numeric_limits<double>::min();
   Diagnostics findings;

@@ -35,7 +35,7 @@ void StateTaker::visit(void* data, std::size_t size) {
   at_ += size;
 }
 
-/// A part of another size is another thing: the body has become kinematic, or the joint a track.
+/// A part of a different size has a different meaning: the body has become kinematic, or the joint a track.
 void StateTaker::end_part() {
   const auto& [body, owner, part] = name_;
   const bool matters = part != StatePart::wrench && part != StatePart::contact;

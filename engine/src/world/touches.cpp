@@ -30,7 +30,7 @@ void Touches::keep(dJointID joint, const dContactGeom& geom, const Party& a, con
 std::vector<Touch> Touches::of(const SimulatedBody& body) const {
   std::vector<Touch> touches;
   for (const Kept& kept : kept_) {
-    // ODE reports on the joint's first body, which is b's if a has none
+    // ODE reports the force on the joint's first body, which is b's if a has none
     const Vector3d reported = vector(kept.feedback.f1);
     const Vector3d on_a = kept.a.ode ? reported : Vector3d(-reported);
     const Vector3d velocity = kept.a.velocity() - kept.b.velocity();

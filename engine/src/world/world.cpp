@@ -60,7 +60,7 @@ struct World::Impl {
   std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
-  bool exploded = false;  // ODE broke off a step
+  bool exploded = false;  // ODE stopped during a step
   Command command;
   mutable Observation observation;
   mutable bool observed = false;
@@ -70,7 +70,7 @@ struct World::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
-    bodies.clear();  // shapes, before the bodies they sit on
+    bodies.clear();  // geoms before the ODE bodies to which they belong
     if (contacts) dJointGroupDestroy(contacts);
     if (world) dWorldDestroy(world);
   }
@@ -95,7 +95,7 @@ struct World::Impl {
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() {
   if (!impl_->exploded) return;
-  // ODE was left in the middle of a step: what it holds can't be taken apart any more, only be kept for good
+  // After an aborted step ODE's data are inconsistent and can't be freed; they are kept until the process ends.
   static std::vector<Impl*>& abandoned = *new std::vector<Impl*>;
   abandoned.push_back(impl_.release());
 }
@@ -196,7 +196,7 @@ void World::Impl::apply_command() {
     for (std::size_t link = 0; link < external.size(); ++link) {
       if (external[link].force.isZero(0.0) && external[link].torque.isZero(0.0)) continue;
       bodies[i]->add_wrench(static_cast<int>(link), external[link].force, external[link].torque);
-      external[link] = {};  // it acts during one step
+      external[link] = {};  // it acts during one step only
     }
   }
 }
