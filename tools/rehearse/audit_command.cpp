@@ -1,4 +1,4 @@
-// rehearse audit: is a controller a function of its inputs, and if not, what else does it depend on.
+// rehearse audit: finds out whether a controller is a function of its inputs, and if not, what it depends on.
 #include <fmt/format.h>
 #include <rehearse/audit.h>
 #include <stdlib.h>
@@ -23,19 +23,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
-volatile std::sig_atomic_t stopped_by = 0;  // the signal that asked for the end
+volatile std::sig_atomic_t stopped_by = 0;  // the signal that requested the end
 
 struct AuditSettings {
   std::string subject;
-  std::string output;  // with --virtualise: where the recording is kept
+  std::string output;  // with --virtualise: output file of the recording
   bool json = false;
   bool verbose = false;
   AuditOptions audit;
-  AuditedReplay replay;  // what this process is to do; without a folder: audit
+  AuditedReplay replay;  // the task of this process; without a folder: audit
 };
 
-/// A folder that nobody else can have made; empty if it can't be made.
+/// Creates a folder with a unique name; empty if it can't be created.
 fs::path new_temporary_folder() {
   std::error_code failed;
   std::string name = (fs::temp_directory_path(failed) / "rehearse-audit.XXXXXX").string();
@@ -95,13 +94,13 @@ void tell(const AuditSettings& settings, const AuditReport& report) {
   for (const ControllerAudit& controller : report.controllers)
     tell_controller(controller, report.controllers.size() > 1, settings.verbose);
   for (const std::string& found : report.memory_errors) fmt::print("  valgrind: {}\n", found);
-  std::fflush(stdout);  // before what stderr says of it
+  std::fflush(stdout);  // before related output on stderr
   for (const Diagnostic& remark : report.remarks)
     if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
       fmt::print(stderr, "{}\n", to_string(remark));
 }
 
-/// What another process asked this one to do.
+/// Executes the task that a parent process gave to this process.
 Exit run_replay(AuditSettings& settings) {
   settings.replay.trace = settings.subject;
   settings.replay.until = settings.audit.until;
@@ -180,7 +179,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   options.add_flag("-v,--verbose", settings->verbose, "also what its library could call, and didn't");
   add_host_options(options, settings->audit);
   add_json_flag(options, settings->json);
-  // for the processes that it starts: of no group, so that --help doesn't list them
+  // options for child processes: in no group, so that --help doesn't list them
   options.add_option("--replay-into", settings->replay.folder)->group("");
   options.add_option("--passes", settings->replay.passes)->group("");
   options.add_option("--padding", settings->replay.padding)->group("");

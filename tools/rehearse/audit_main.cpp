@@ -1,5 +1,5 @@
-// rehearse-audit: the verb audit, which needs a disassembler and a reader of debug information. `rehearse` starts it;
-// nobody else needs to.
+// rehearse-audit: the verb audit, which needs a disassembler and a reader of debug information. Only `rehearse` starts
+// it.
 #include <rehearse/pin.h>
 
 #include <string_view>

@@ -74,7 +74,7 @@ Exit record_branch_of(BranchSettings settings) {
   }();
   if (!branch) return refuse(branch.errors());
   tell(settings, *branch, stopwatch.seconds());
-  std::fflush(stdout);  // before what stderr says of it
+  std::fflush(stdout);  // before related output on stderr
   tell_remarks(branch->run);
   return branch->run.failure || branch->run.controller_refused ? Exit::controller_failed : Exit::done;
 }

@@ -11,14 +11,14 @@
 namespace rehearse::tool {
 
 struct BranchSettings {
-  std::string from;   // "TRACE@3.2s"; empty: no branch is wanted
+  std::string from;   // "TRACE@3.2s"; empty: not a branch
   std::string trace;  // empty: named like the source, in the working directory
   BranchOptions options;
 };
 
-/// --from-checkpoint, --until, --set and --push.
+/// Declares --from-checkpoint, --until, --set and --push.
 void add_branch_options(CLI::App& options, BranchSettings& settings);
-/// Whether something was said that only means something with --from-checkpoint.
+/// True if an option was given that has a meaning only with --from-checkpoint.
 bool is_about_a_branch(const BranchSettings& settings);
 
 Exit record_branch_of(BranchSettings settings);

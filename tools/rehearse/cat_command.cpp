@@ -1,4 +1,4 @@
-// rehearse cat: the messages of a trace, or of any MCAP file, one a line.
+// rehearse cat: prints the messages of a trace, or of any MCAP file, one per line.
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -28,23 +28,23 @@ struct CatSettings {
   bool json = false;
 };
 
-/// Puts lines on stdout and counts them.
+/// Prints lines on stdout and counts them.
 class Lines {
  public:
   explicit Lines(const CatSettings& settings)
       : limit_(settings.limit), printer_(settings.json ? MessagePrinter::Form::json : MessagePrinter::Form::line) {}
 
-  /// False if there is to be no more: enough were printed, or nobody reads them.
+  /// Returns false if no more lines are needed: the limit is reached, or the reader has closed the pipe.
   bool print(const mcap::Message& message, const mcap::Schema* schema) {
     const std::string_view line = printer_.print(message, schema);
     if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) return note_failure(), false;
     return ++printed_ < limit_;
   }
 
-  /// What became of them: `read` says how reading ended.
+  /// The exit status; `read` is the result of reading.
   Exit end(const Result<void>& read) {
     if (!problem_ && std::fflush(stdout) != 0) note_failure();
-    if (problem_ == EPIPE) return Exit::done;  // whoever reads has seen enough, as `head` does
+    if (problem_ == EPIPE) return Exit::done;  // the reader has closed the pipe, as `head` does
     if (problem_) return refuse(error(fmt::format("can't write to stdout: {}", std::strerror(*problem_))));
     return read ? Exit::done : refuse(read.errors());
   }

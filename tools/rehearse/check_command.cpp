@@ -41,30 +41,30 @@ namespace fs = std::filesystem;
 
 struct CheckSettings {
   std::vector<std::string> scenarios;
-  std::string golden;  // a trace to compare with; empty: the one that each scenario names
+  std::string golden;  // a trace to compare with; empty: the golden of each scenario
   bool json = false;
   bool no_report = false;
-  std::string junit;  // a file to write; empty: none
+  std::string junit;  // output file; empty: none
   bool github = is_github();
   CheckOptions check;
-  bool has_levels = false;  // that the user named
+  bool has_levels = false;  // the user named levels
   DebuggerOptions debugger;
-  std::int64_t tick = 0;  // in gdb
+  std::int64_t tick = 0;  // where gdb stops
 };
 
-/// Of one scenario.
+/// The result of one scenario.
 struct Checked {
-  std::string scenario;  // its name
+  std::string scenario;  // name
   std::string file;
   CheckReport report;
-  std::optional<FailureReport> page;  // to look at in a browser
-  std::string no_page;                // why there is none although there should be
+  std::optional<FailureReport> page;  // the report for a browser
+  std::string no_page;                // the reason why there is no report although one was requested
   double seconds = 0.0;               // wall time [s]
 };
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
 
-/// All scenarios of the project that can be checked, by path.
+/// All scenarios of the project that name a golden or have expectations, by path.
 Result<std::vector<Scenario>> all_of_project() {
   const auto project = find_project("./");
   if (!project)
@@ -78,18 +78,20 @@ Result<std::vector<Scenario>> all_of_project() {
     if (can_be_checked(*scenario)) scenarios.push_back(*std::move(scenario));
   }
   if (scenarios.empty())
-    return error(fmt::format("no scenario below scenarios or fixtures/scenarios of {} names a golden or expects something",
-                             project->string()),
-                 "name a scenario");
+    return error(
+        fmt::format("no scenario below scenarios or fixtures/scenarios of {} names a golden or expects something",
+                    project->string()),
+        "name a scenario");
   return scenarios;
 }
 
-/// What was replayed of a log has no scenario but the one in its recording.
+/// The replay of a log has no scenario file: the scenario is read from its recording.
 Result<Scenario> scenario_of_a_log(const std::string& file) {
   const auto trace = mcap::Reader::open(file);
   if (!trace) return trace.errors();
   if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
-  Diagnostic finding = error("it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
+  Diagnostic finding =
+      error("it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
   finding.file = file;
   return finding;
 }
@@ -105,15 +107,15 @@ Result<std::vector<Scenario>> load(const CheckSettings& settings) {
   return scenarios;
 }
 
-/// An error if another scenario names the same golden, anywhere in the repository that the golden is of: each would
-/// take the other's run for a wrong one.
+/// An error if a different scenario names the same golden, anywhere in the golden's repository: each check would
+/// compare with the other scenario's run.
 Result<void> check_owner(const Scenario& scenario) {
   const auto folder = find_golden_folder(scenario.file);
-  if (scenario.golden.empty() || !folder) return {};  // whoever compares says so
+  if (scenario.golden.empty() || !folder) return {};  // check_golden reports that the scenario names no golden
   std::error_code ignored;
   const fs::path repository = fs::absolute(*folder / "..", ignored).lexically_normal();
   const fs::path inside = fs::absolute(scenario.file, ignored).lexically_normal().lexically_relative(repository);
-  if (inside.empty() || *inside.begin() == "..") return {};  // the goldens stand elsewhere: REHEARSE_GOLDEN_DIR
+  if (inside.empty() || *inside.begin() == "..") return {};  // the goldens are outside: REHEARSE_GOLDEN_DIR
   const auto owners = find_golden_owners(*folder, {*folder / ".."});
   const auto known = owners.find(scenario.golden);
   if (known == owners.end() || known->second.scenarios.size() < 2) return {};
@@ -124,14 +126,14 @@ Result<void> check_owner(const Scenario& scenario) {
   return finding;
 }
 
-/// What the user named to compare with: --golden, or the recording of a log that the scenario was read from; empty: none.
+/// The trace that the user named: --golden, or the log's recording from which the scenario was read; empty: none.
 fs::path named_golden(const CheckSettings& settings, const Scenario& scenario) {
   if (!settings.golden.empty()) return settings.golden;
-  const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() calls it RECORDING/scenario.yaml
+  const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() names it RECORDING/scenario.yaml
   return within.extension() == ".mcap" ? within : fs::path();
 }
 
-/// What the scenario will be compared with; empty: nothing, or not known yet.
+/// The trace with which the scenario will be compared; empty: none, or not known yet.
 fs::path golden_of(const CheckSettings& settings, const Scenario& scenario) {
   if (fs::path named = named_golden(settings, scenario); !named.empty()) return named;
   const auto folder = find_golden_folder(scenario.file);
@@ -140,8 +142,8 @@ fs::path golden_of(const CheckSettings& settings, const Scenario& scenario) {
   return store.has(scenario.golden) ? store.trace_file(scenario.golden) : fs::path();
 }
 
-/// A golden whose controllers were given simulated time and seeded random numbers is checked with them, which takes
-/// a process of its own.
+/// A golden whose controllers had simulated time and seeded random numbers is checked with them, which requires a
+/// separate process.
 Result<void> virtualise_like_goldens(const CheckSettings& settings, const std::vector<Scenario>& scenarios) {
   for (const Scenario& scenario : scenarios) {
     const fs::path golden = golden_of(settings, scenario);
@@ -157,17 +159,18 @@ Result<void> virtualise_like_goldens(const CheckSettings& settings, const std::v
   return {};
 }
 
-/// A run that was interrupted is judged by nobody.
+/// An interrupted run gets no verdict.
 Result<RunSummary> record_whole(const Scenario& scenario, const fs::path& trace, const RecordOptions& options) {
   auto run = record(scenario, trace, options);
   if (run && run->failure && interruption() != 0) return *run->failure;
   return run;
 }
 
-/// `folder`: of this run alone.
+/// `folder`: used by this run alone.
 Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenario, const fs::path& folder) {
   InterposerWatch watch;
-  Progress progress("checking " + scenario.name, settings.check.controller + settings.check.plant + settings.check.closed);
+  Progress progress("checking " + scenario.name,
+                    settings.check.controller + settings.check.plant + settings.check.closed);
   CheckOptions options = settings.check;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
@@ -176,7 +179,7 @@ Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenari
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
   if (auto alone = check_owner(scenario); !alone) return alone.errors();
-  // check_golden knows best what to say of a scenario that names none
+  // check_golden reports a scenario that names no golden
   const auto goldens = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
   if (!goldens) return goldens.errors();
   GoldenStore store(*goldens, folder);
@@ -194,21 +197,21 @@ Exit exit_of(const CheckReport& report) {
   return report.within() ? Exit::done : Exit::differs;
 }
 
-/// What the trace of a run is called.
+/// The file name of a run's trace.
 std::string name_of(const CheckSettings& settings, const Scenario& scenario) {
   const bool has_store = named_golden(settings, scenario).empty() && !scenario.golden.empty();
   return has_store ? scenario.golden : scenario.name;
 }
 
-/// Of a check that failed, something to look at. That it can't be written fails nothing.
+/// Writes the report of a failed check. If it can't be written, the verdict doesn't change.
 void add_page(const CheckSettings& settings, const Scenario& scenario, const fs::path& actual, Checked& checked) {
   if (settings.no_report) return;
   if (const auto page = report_page(); !page) {
     if (!checked.report.within()) checked.no_page = page.errors()[0].message;
     return;
   }
-  const auto allowed = check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic,
-                                         "report");
+  const auto allowed =
+      check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic, "report");
   auto written = allowed ? write_failure_report(checked.report, scenario, golden_of(settings, scenario), actual)
                          : Result<std::optional<FailureReport>>(allowed.errors());
   if (written) {
@@ -240,7 +243,7 @@ void tell(const Checked& checked) {
   if (checked.page && !is_ci())
     fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
-  std::fflush(stdout);  // before what stderr says of it
+  std::fflush(stdout);  // before related output on stderr
   if (report.run) tell_remarks(*report.run);
 }
 
@@ -254,7 +257,8 @@ Json json_of_check(const Checked& checked) {
   return object;
 }
 
-/// Whatever else runs in this folder: what the run writes stands where runs wait when it is over, and not before.
+/// A run writes into a separate folder and is moved to the pending runs when it is complete; so other processes in this
+/// folder never read a partial run.
 Result<Checked> check_beside_others(const CheckSettings& settings, const Scenario& scenario) {
   const std::string name = name_of(settings, scenario);
   auto waiting = WaitingRun::begin(pending_folder(), name);
@@ -276,7 +280,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   return checked;
 }
 
-/// Over all of them: differs if any differs, else within if any is, else equal; skipped if all skipped it.
+/// The summary of all scenarios: differs if any differs, else within if any is, else equal; skipped if all are skipped.
 std::string_view together(const std::vector<Checked>& all, LevelState CheckReport::*level) {
   for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal})
     for (const Checked& checked : all)
@@ -284,7 +288,7 @@ std::string_view together(const std::vector<Checked>& all, LevelState CheckRepor
   return to_string(LevelState::skipped);
 }
 
-/// One object for several scenarios: the same members as for one, and each of them in `scenarios`.
+/// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
 Json json_of_checks(const std::vector<Checked>& all) {
   const auto bad =
       std::find_if(all.begin(), all.end(), [](const Checked& checked) { return !checked.report.within(); });
@@ -322,7 +326,8 @@ CiCase ci_case(const Checked& checked) {
   return one;
 }
 
-/// Of the levels the closed loop alone, unless others are asked for: else it would be a matter of chance whose tick it is.
+/// Compares only the closed loop unless the user named levels: otherwise the level in which gdb stops would be
+/// undefined.
 Exit run_in_gdb(const CheckSettings& settings, const std::vector<Scenario>& scenarios, const CLI::App& options) {
   if (scenarios.size() != 1) return refuse(error("--gdb stops in one scenario", "name that scenario"));
   if (const auto able = check_debugger(settings.debugger, scenarios[0]); !able) return refuse(able.errors());

@@ -1,4 +1,4 @@
-// The results of a check in the forms that continuous integration reads.
+// Writes the results of a check in the formats of continuous integration.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,29 +9,30 @@
 
 namespace rehearse::tool {
 
-/// One scenario that was checked.
+/// The result of one scenario.
 struct CiCase {
   enum class State { passed, differs, failed };  // failed: a controller failed, or nothing was compared
 
   std::string name;
   std::string file;  // of the scenario
-  int line = 1;      // of the expectation that is violated first, else 1
+  int line = 1;      // of the first violated expectation, else 1
   State state = State::passed;
-  std::string verdict;  // one sentence
-  std::string details;  // lines
+  std::string verdict;                // one sentence
+  std::string details;                // lines
   std::vector<std::string> pictures;  // files
   double seconds = 0.0;               // wall time [s]
 };
 
-/// JUnit's XML, in the form that Jenkins publishes a schema of: a test case for each scenario, whose failure has the
-/// verdict for a message. Fails if the file can't be written.
+/// Writes JUnit's XML, in the form of Jenkins' published schema: a test case for each scenario, whose failure has the
+/// verdict as its message. Fails if the file can't be written.
 Result<void> write_junit(const std::filesystem::path& file, const std::vector<CiCase>& cases);
 
-/// Workflow commands of GitHub Actions on stdout: `::error file=...,line=...::VERDICT` for each scenario that didn't pass.
-/// Appends a table of all to the job's summary, the file that GITHUB_STEP_SUMMARY names, if it is set.
+/// Prints workflow commands of GitHub Actions on stdout: `::error file=...,line=...::VERDICT` for each scenario that
+/// didn't pass. Appends a table of all scenarios to the job's summary, the file that GITHUB_STEP_SUMMARY names, if it
+/// is set.
 Result<void> print_for_github(const std::vector<CiCase>& cases);
 
-/// GITHUB_ACTIONS=true in the environment.
+/// True if the environment contains GITHUB_ACTIONS=true.
 bool is_github();
 
 }  // namespace rehearse::tool

@@ -50,10 +50,10 @@ Exit usage_error(const std::string& verb, const std::string& what) {
   return refuse(error(fmt::format("rehearse {}: {}", verb, what), fmt::format("see rehearse {} --help", verb)));
 }
 
-/// Whether the verb at hand was asked for JSON: then an error is an object on stdout as well.
+/// True if the verb was called with --json: then an error is also printed as an object on stdout.
 bool errors_as_json = false;
 
-/// One line, without the full stop that some messages have.
+/// The message on one line, without a full stop at its end.
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
@@ -125,7 +125,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     // cat prints lines, and an error comes behind some of them
     errors_as_json = name != "cat" && std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
     spell_out_gdb_arguments(arguments);
-    std::reverse(arguments.begin(), arguments.end());  // the order in which CLI11 takes them
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 expects the arguments in this order
     options.parse(arguments);
     const Exit exit = run();
     return interruption() == 0 ? exit : static_cast<Exit>(128 + interruption());
@@ -145,7 +145,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
 
 Exit refuse(const Diagnostics& diagnostics) {
   if (errors_as_json) print(Json{{"errors", json_of(diagnostics)}});
-  std::fputs(to_string(diagnostics).c_str(), stderr);  // which may stand on a disk that is full: that is no exception
+  std::fputs(to_string(diagnostics).c_str(), stderr);  // a failure to write, as on a full disk, must not throw
   return Exit::bad_input;
 }
 

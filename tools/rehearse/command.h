@@ -1,8 +1,8 @@
-// A verb of the command: its options, what it does, and how it ends.
+// A verb of the command: its options, its work, and its exit status.
 //
-// Each verb is one file, VERB_command.cpp, with one Verb object. Three programs share them: `rehearse`, which simulates
-// nothing and links neither physics nor renderer; behind it `rehearse-simulate`, which does, and `rehearse-audit`,
-// which reads machine code and debug information.
+// Each verb is one file, VERB_command.cpp, with one Verb object. Three programs contain them. `rehearse` simulates
+// nothing and links neither physics nor renderer. It starts `rehearse-simulate`, which links both, and
+// `rehearse-audit`, which reads machine code and debug information.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -17,19 +17,19 @@
 
 namespace rehearse::tool {
 
-/// What a program ends with. Outside programs rely on the numbers.
+/// The exit status of a program. Other programs depend on the numbers.
 enum class Exit {
-  done = 0,               // the same, or done
+  done = 0,               // success; with a comparison: no difference
   differs = 1,            // two runs differ
   bad_input = 2,          // bad usage or bad input; nothing was written
-  controller_failed = 3,  // it refused, threw, crashed or hung; the trace is kept up to there
-  // 128 and the signal's number: somebody ended the process by SIGINT or SIGTERM
+  controller_failed = 3,  // the controller refused, threw, crashed or hung; the trace is kept up to there
+  // 128 and the signal's number: the process was ended by SIGINT or SIGTERM
 };
 
 struct Verb {
   std::string_view name;
-  std::string_view example;  // a command line or more, shown below --help
-  /// Declares the options and returns what to do once they are read.
+  std::string_view example;  // one or more command lines, printed below --help
+  /// Declares the options and returns the function that runs the verb after they are read.
   std::function<Exit()> (*declare)(CLI::App& options);
 };
 
@@ -54,13 +54,14 @@ extern const Verb replay_verb;
 extern const Verb report_verb;
 extern const Verb step_verb;
 
-/// The programs that verbs live in.
+/// The programs that contain verbs.
 enum class Program { rehearse, simulate, audit };
 
-/// Whether a verb has to compute as every other processor does (pin.h). To pin a process is to start it twice: 20 ms.
+/// Whether the results of a verb depend on rounding, so that it must compute with pinned arithmetic (pin.h). Pinning
+/// starts the process twice, which takes 20 ms.
 enum class Rounding { matters, is_none };
 
-/// A verb as the list of all of them shows it.
+/// The entry of a verb in the list of all verbs.
 struct VerbSummary {
   std::string_view name;
   std::string_view summary;
@@ -68,19 +69,19 @@ struct VerbSummary {
   Rounding rounding = Rounding::matters;
 };
 
-/// All verbs, in the order in which one meets them.
+/// All verbs, in the order of `rehearse --help`.
 std::span<const VerbSummary> all_verbs();
 /// Null if there is no such verb.
 const VerbSummary* find_verb(std::string_view name);
 
-/// `rehearse --help`.
+/// The text of `rehearse --help`.
 std::string overview();
 
-/// Reads the verb's arguments (argv[2] and on) and runs it. Usage errors and, as a last resort, exceptions are told on
-/// stderr and end in Exit::bad_input.
+/// Reads the verb's arguments (argv[2] and on) and runs it. Usage errors and, as a last resort, exceptions are reported
+/// on stderr and result in Exit::bad_input.
 Exit run_verb(const Verb& verb, int argc, char** argv);
 
-/// Prints to stderr, one a line; returns Exit::bad_input.
+/// Prints the diagnostics to stderr, one per line; returns Exit::bad_input.
 Exit refuse(const Diagnostics& diagnostics);
 Exit refuse(Diagnostic diagnostic);
 

@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The program of that name that a shell would find; empty: none.
+/// The path of the program that a shell would execute for that name; empty: none.
 fs::path find_program(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
@@ -45,7 +45,7 @@ fs::path find_program(const std::string& name) {
 
 Diagnostic no_gdb() { return error("--gdb needs gdb, and there is none on the PATH", "apt-get install gdb"); }
 
-/// Our commands for gdb, in the build folder and installed: share/ stands beside bin/ and libexec/.
+/// The folder of Rehearse's gdb commands, in the build folder and installed: share/ is beside bin/ and libexec/.
 Result<fs::path> find_script() {
   const fs::path own = own_program().parent_path();
   const fs::path script = fs::path("share/rehearse/gdb/rehearse_gdb.py");
@@ -65,7 +65,7 @@ struct NamedController {
   bool is_called(const std::string& name) const { return name == label || name == controller->name; }
 };
 
-/// In the order of their calls.
+/// The controllers in the order of their calls.
 std::vector<NamedController> controllers_of(const Scenario& scenario) {
   std::vector<NamedController> all;
   for (const ScenarioBody& body : scenario.bodies)
@@ -83,7 +83,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// What this program prints on stdout when it is started with these words; empty if it can't be started.
+/// The stdout of this program when it is started with these words; empty if it can't be started.
 std::string output_of(std::vector<std::string> words) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return {};
@@ -108,17 +108,17 @@ std::string output_of(std::vector<std::string> words) {
   return text;
 }
 
-/// Where somebody would want to look, and in which controller.
+/// The tick and the controller at which gdb should stop.
 struct Interesting {
   std::int64_t tick = 0;
   std::string controller;
 };
 
-/// Replays in another process, which may crash, and tells what came of it.
+/// Replays in a separate process, which may crash, and returns its result.
 Interesting find_interesting(const Scenario& scenario, std::vector<std::string> words) {
   words.push_back("--json");
   const Json report = Json::parse(output_of(std::move(words)), nullptr, false);
-  if (!report.is_object()) return {};  // what is wrong will be told by the run in gdb
+  if (!report.is_object()) return {};  // the run in gdb will report the error
   if (const auto failure = report.find("failure"); failure != report.end() && failure->is_string()) {
     fmt::print("{}: stopping at the beginning of that tick\n", failure->get<std::string>());
     return {report.value("ticks", std::int64_t{0}), {}};
@@ -138,7 +138,7 @@ Interesting find_interesting(const Scenario& scenario, std::vector<std::string> 
   return found;
 }
 
-/// How many ticks of it have controllers been called in?
+/// The number of ticks of the recording in which controllers were called.
 Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
   std::vector<std::uint16_t> channels;
   for (const auto& [id, channel] : trace.channels())
@@ -155,7 +155,7 @@ Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
   return ticks;
 }
 
-/// A line for each controller whose library isn't the recorded one.
+/// Prints a line for each controller whose library differs from the recorded one.
 Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& scenario, const HostOptions& host) {
   const RunFacts recorded = RunFacts::of(trace);
   for (const NamedController& known : controllers_of(scenario)) {

@@ -1,4 +1,4 @@
-// rehearse diff: two traces of what should be the same run; what differs first, first.
+// rehearse diff: compares two traces and reports their first difference.
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
@@ -20,7 +20,7 @@ struct DiffSettings {
   bool json = false;
 };
 
-/// A trace that carries no scenario has no tolerances: then only the defaults of the units hold.
+/// The tolerances of the trace's scenario. Without a scenario, only the defaults of the units apply.
 Result<std::vector<ToleranceRule>> rules_of(const DiffSettings& settings, const Trace& golden) {
   return settings.tolerances.empty() ? tolerances_of(golden) : load_tolerances(settings.tolerances);
 }

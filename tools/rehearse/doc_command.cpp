@@ -1,4 +1,4 @@
-// rehearse doc: the manual, as it was installed with the command.
+// rehearse doc: prints the manual that was installed with the command.
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <unistd.h>
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 struct Topic {
   std::string_view name;
-  std::string_view page;  // in the folder of the manual
+  std::string_view page;  // path in the folder of the manual
   std::string_view summary;
 };
 
@@ -40,7 +40,7 @@ constexpr Topic topics[] = {
     {"physics", "engine/README.md", "what is simulated, and how"},
 };
 
-/// Where the build and the installation put the pages, beside the command.
+/// The folder of the manual's pages, in the build folder or installed.
 fs::path manual() { return (own_program().parent_path() / "../share/doc/rehearse").lexically_normal(); }
 
 Exit list_topics() {
@@ -64,7 +64,7 @@ Exit show(const std::string& name) {
     const std::string program = pager && *pager ? pager : "less";
     execlp(program.c_str(), program.c_str(), page.c_str(), nullptr);
   }
-  fmt::print("{}", text.str());  // no terminal, or no pager
+  fmt::print("{}", text.str());  // without a terminal or a pager
   return Exit::done;
 }
 

@@ -1,4 +1,4 @@
-// rehearse doctor: everything about files that isn't as the MCAP specification, or our trace format, has it.
+// rehearse doctor: reports all deviations of files from the MCAP specification and from Rehearse's trace format.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -20,10 +20,10 @@ struct DoctorSettings {
   bool json = false;
 };
 
-/// What became of one file.
+/// The result of one file.
 struct Visit {
   std::string file;
-  Diagnostics unreadable;  // not empty: it couldn't be examined
+  Diagnostics unreadable;  // not empty if the file couldn't be examined
   mcap::Examination examination;
 
   Exit exit() const {
@@ -76,8 +76,7 @@ void tell(const Visit& visit) {
   for (const mcap::Finding& finding : examination.findings.list())
     fmt::print("{}: {}: {}: {}\n", visit.file, place_text(finding.place), to_string(finding.severity), finding.message);
   fmt::print("{}: {}; {}, {} in {}\n", visit.file, amount_text(examination.findings), file_size_text(examination.size),
-             count_text(examination.messages, "message"),
-             count_text(examination.chunks, "chunk"));
+             count_text(examination.messages, "message"), count_text(examination.chunks, "chunk"));
 }
 
 Json findings_json(const Visit& visit) {

@@ -1,4 +1,4 @@
-// rehearse export: a trace, or any MCAP file, as tables, pictures or a video.
+// rehearse export: writes a trace, or any MCAP file, as tables, pictures or a video.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -60,9 +60,9 @@ void tell(const ExportReport& report, bool of_pictures) {
     if (topic.pictures > 0) what += (what.empty() ? "" : ", ") + count_text(topic.pictures, "picture");
     fmt::print("{}: {}\n", topic.file.string(), what.empty() ? "nothing" : what);
   }
-  if (of_pictures) return;  // that most topics have none goes without saying
+  if (of_pictures) return;  // most topics have no pictures, so this isn't reported
   for (const SkippedTopic& topic : report.skipped) fmt::print("left out {}: {}\n", topic.topic, topic.why);
-  std::map<std::vector<std::string>, std::vector<std::string>> topics;  // by the fields that they lack
+  std::map<std::vector<std::string>, std::vector<std::string>> topics;  // by the missing fields
   for (const LeftOutFields& topic : report.left_out) topics[topic.fields].push_back(topic.topic);
   for (const auto& [fields, of] : topics)
     fmt::print("left out of {}{}: {}\n", of.front(),
@@ -78,7 +78,7 @@ Exit run_export(const ExportSettings& settings) {
   } else {
     tell(*report, settings.frames || settings.video);
   }
-  std::fflush(stdout);  // before what stderr says of it
+  std::fflush(stdout);  // before related output on stderr
   if (report->damage.empty()) return Exit::done;
   return settings.json ? Exit::bad_input : refuse(report->damage);
 }

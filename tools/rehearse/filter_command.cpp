@@ -1,4 +1,4 @@
-// rehearse filter: a part of a trace, or all of it in another form.
+// rehearse filter: copies a part of a trace, or all of it with different compression or chunks.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -25,11 +25,9 @@ struct FilterSettings {
   bool json = false;
 };
 
-std::string count_text(std::uint64_t count, std::string_view noun) {
-  return tool::count_text(count, noun);
-}
+std::string count_text(std::uint64_t count, std::string_view noun) { return tool::count_text(count, noun); }
 
-/// What stands on the command line as text, read.
+/// Options in the form of text, parsed.
 Result<void> read_selection(FilterSettings& settings) {
   mcap::Selection& selection = settings.options.selection;
   if (!settings.from.empty()) {

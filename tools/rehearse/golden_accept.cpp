@@ -1,4 +1,4 @@
-// rehearse golden accept and reject: decisions without a terminal.
+// rehearse golden accept and reject: accepts or rejects runs without a terminal.
 #include <fmt/format.h>
 #include <rehearse/session.h>
 
@@ -29,7 +29,7 @@ Json json_of_accepted(const GoldenStore& store, const std::string& name, const A
           {"moved", accepted.moved ? Json(moved_lines(*accepted.moved)) : Json::array()}};
 }
 
-/// Does one after the other, whatever becomes of the others. `decide` returns what JSON says of it.
+/// Processes the goldens one after the other, whether or not others fail. `decide` returns the golden's JSON object.
 Exit decide_all(const GoldenAcceptSettings& settings, const char* done_word,
                 const std::function<Result<Json>(GoldenStore&, const std::string&)>& decide) {
   if (auto may = check_may_decide(); !may) return refuse(may.errors());
@@ -55,10 +55,10 @@ Exit decide_all(const GoldenAcceptSettings& settings, const char* done_word,
   return worst;
 }
 
-/// With the scenarios that name the golden.
+/// Adds the scenarios that name the golden.
 Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& store, const std::string& name) {
   Reexecution again = settings.again;
-  if (settings.selection.is_all()) return again;  // nothing is executed
+  if (settings.selection.is_all()) return again;  // no run is executed again
   const auto owners = find_golden_owners(store.folder(), {store.folder() / ".."});
   if (const auto known = owners.find(name); known != owners.end())
     again.scenarios.assign(known->second.scenarios.begin(), known->second.scenarios.end());

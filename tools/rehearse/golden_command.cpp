@@ -1,4 +1,4 @@
-// rehearse golden: the accepted recordings, and how a run becomes one.
+// rehearse golden: lists, reviews, accepts, rejects, prunes and measures goldens.
 #include <fmt/format.h>
 
 #include <cstdlib>

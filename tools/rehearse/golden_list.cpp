@@ -1,4 +1,4 @@
-// rehearse golden list: what there is, whose it is, how old it is.
+// rehearse golden list: lists all goldens with their owners and ages.
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
 #include <rehearse/renderer.h>
@@ -16,7 +16,7 @@
 namespace rehearse::tool {
 namespace {
 
-/// What stands in the provenance of a recording that this program makes; without a renderer if it can't make one.
+/// The provenance of a recording made by this program; without the renderer's entry if no renderer can be created.
 mcap::StringMap present_versions() {
   mcap::StringMap present{{facts::rehearse, REHEARSE_VERSION},
                           {facts::physics, World::engine_description()},
@@ -45,7 +45,7 @@ Json json_of_entry(const GoldenEntry& entry) {
           {"notes", entry.notes}};
 }
 
-/// What is said of many goldens, each sentence once.
+/// Collects remarks about many goldens and prints each sentence once.
 void tell_once(const std::vector<GoldenEntry>& entries,
                const std::function<std::vector<std::string>(const GoldenEntry&)>& sentences_of) {
   std::vector<std::string> order;

@@ -1,4 +1,4 @@
-// rehearse golden noise: how far runs stray without a reason that matters, beside the golden.
+// rehearse golden noise: measures how much perturbed runs differ without a fault, and writes a file beside the golden.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/session.h>
@@ -27,18 +27,18 @@ struct GoldenNoiseSettings {
   int patterns = 3;
   bool json = false;
   HostOptions host;
-  PerturbedRun perturbed;  // what this process is to do; without a folder: measure
+  PerturbedRun perturbed;  // the task of this process; without a folder: measure
   std::vector<std::string> levels;
 };
 
-/// Of one scenario.
+/// The result of one scenario.
 struct Measured {
   NoiseFloor noise;
-  std::string file;       // that was written; empty: none
-  std::string unwritten;  // why not
+  std::string file;       // output file; empty: not written
+  std::string unwritten;  // the reason why it was not written
 };
 
-/// Where the measurement belongs, or why it can't be kept.
+/// The file for the measurement, or the reason why it can't be stored.
 Result<void> keep(const GoldenNoiseSettings& settings, const Scenario& scenario, const Trace& run, Measured& measured) {
   if (scenario.golden.empty()) return measured.unwritten = "the scenario names no golden", Result<void>();
   if (settings.duration) return measured.unwritten = "it was measured over another duration", Result<void>();
@@ -91,7 +91,8 @@ std::string number_text(const std::optional<double>& number) {
   return number ? fmt::format("{:.2g}", *number) : std::string("-");
 }
 
-/// Channels of one kind by one line: the names of bodies and links differ, the last segment and the unit don't.
+/// Groups channels of one kind into one line: names of bodies and links differ, the last segment and the unit are
+/// equal.
 struct Line {
   std::string kind, unit;
   int channels = 0;
@@ -179,7 +180,7 @@ Json json_of_measured(const Measured& measured) {
           {"not_kept", measured.unwritten}};
 }
 
-/// What another process asked this one to do.
+/// Executes the task that a parent process gave to this process.
 Exit perturb(GoldenNoiseSettings& settings) {
   PerturbedRun& run = settings.perturbed;
   run.scenario = settings.scenarios[0];
@@ -221,7 +222,7 @@ std::function<Exit()> declare_golden_noise(CLI::App& options) {
               [=](std::int64_t patterns) { settings->patterns = static_cast<int>(patterns); });
   add_host_options(options, settings->host);
   add_json_flag(options, settings->json);
-  // for the processes that it starts: of no group, so that --help doesn't list them
+  // options for child processes: in no group, so that --help doesn't list them
   options.add_option("--perturbed", settings->perturbed.folder)->group("");
   options.add_option("--recording", settings->perturbed.recording)->group("");
   options.add_option("--level", settings->levels)->group("")->allow_extra_args(false);

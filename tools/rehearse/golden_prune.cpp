@@ -1,5 +1,5 @@
-// rehearse golden prune: goldens that no test and no scenario names any more. Which ones tests name is known from a run
-// of them alone.
+// rehearse golden prune: removes goldens that no test and no scenario names any more. The names in tests are known only
+// from a run of the tests.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -29,8 +29,8 @@ struct GoldenPruneSettings {
   bool json = false;
 };
 
-/// The status with which a program ended; what it said in a file. Fails if it couldn't be started or was ended by a
-/// signal.
+/// Runs a program and returns its exit status; its output goes to a file. Fails if the program can't be started or is
+/// ended by a signal.
 Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
                         const fs::path& output) {
   std::vector<char*> arguments, variables;
@@ -54,13 +54,13 @@ Result<int> run_program(const std::vector<std::string>& words, const std::vector
   return WEXITSTATUS(status);
 }
 
-/// The names in what --gtest_list_tests prints, as goldens are named by them.
+/// The test names in the output of --gtest_list_tests, in the form in which goldens are named.
 std::set<std::string> names_listed(const fs::path& listing) {
   std::set<std::string> names;
   std::string suite;
   std::ifstream stream(listing);
   for (std::string line; std::getline(stream, line);) {
-    const std::string word = line.substr(0, line.find(" #"));  // the parameters come behind it
+    const std::string word = line.substr(0, line.find(" #"));  // the test's parameters follow
     if (!word.starts_with("  ")) {
       suite = word;
       while (suite.ends_with(' ')) suite.pop_back();
@@ -73,8 +73,8 @@ std::set<std::string> names_listed(const fs::path& listing) {
   return names;
 }
 
-/// The goldens that the tests of a program name: those that they compare with in a run, and those that are named like a
-/// test of it, which may not have come to that.
+/// The goldens that the tests of a program name: those with which a run compares, and those that have the name of a
+/// test, which may have ended before the comparison.
 Result<std::set<std::string>> named_by_tests(const std::string& program, const fs::path& scratch) {
   const fs::path listing = scratch / "tests.txt", pending = scratch / "pending";
   const auto listed = run_program({program, "--gtest_list_tests"}, {}, listing);
@@ -106,13 +106,13 @@ Result<std::set<std::string>> named_by_all_tests(const GoldenPruneSettings& sett
   return names;
 }
 
-/// Both files are there; whether they are what their names say, remove() looks at.
+/// True if both files exist; remove() checks their contents.
 bool is_pair(const GoldenStore& store, const GoldenEntry& entry) {
   std::error_code ignored;
   return store.has(entry.name) && fs::is_regular_file(store.digest_file(entry.name), ignored);
 }
 
-/// Whether the last commit has the file as it is.
+/// True if the last commit contains the file in its present state.
 bool is_committed(const fs::path& file, const fs::path& scratch) {
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".",
                     name = file.filename().string();
@@ -132,7 +132,7 @@ bool asked_and_agreed() {
   return yes;
 }
 
-/// Orphans of which both files are there, by name.
+/// Orphaned goldens of which both files exist, by name.
 std::vector<std::string> tell_orphans(const GoldenStore& store, const std::vector<GoldenEntry>& entries,
                                       const std::map<std::string, GoldenOwners>& scenarios,
                                       const std::set<std::string>& tests, bool aloud) {
@@ -157,7 +157,7 @@ struct Removal {
   Diagnostics problems;
 };
 
-/// What git has is removed; all else moves to a folder.
+/// Removes files that git has stored, and moves all others to a folder.
 Removal remove_all(GoldenStore& store, const std::vector<std::string>& names, const fs::path& pruned) {
   Removal done;
   const auto scratch = RunFolder::make(store.where_runs_wait());

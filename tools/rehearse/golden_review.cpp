@@ -1,4 +1,4 @@
-// rehearse golden review: the runs that wait, one after the other; a person decides, if one is there.
+// rehearse golden review: shows the pending runs one after the other; on a terminal a person decides.
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
@@ -22,12 +22,12 @@ struct GoldenReviewSettings {
   bool json = false;
 };
 
-/// A run that waits, and what it is held against.
+/// A pending run and its comparison with the golden.
 struct Waiting {
   std::string name;
   std::optional<Trace> golden, run;
   std::optional<Comparison> comparison;
-  Diagnostics problems;  // why there is no comparison, unless there is no golden yet
+  Diagnostics problems;  // the reasons why there is no comparison; empty if there is no golden yet
 };
 
 Waiting waiting_run(const GoldenStore& store, const std::string& name) {
@@ -48,7 +48,7 @@ Waiting waiting_run(const GoldenStore& store, const std::string& name) {
   return waiting;
 }
 
-/// The PNGs that a check has written beside the run.
+/// The PNG files that a check wrote beside the run.
 std::vector<std::string> pictures_of(const GoldenStore& store, const std::string& name) {
   std::vector<std::string> files;
   std::error_code ignored;
@@ -104,7 +104,7 @@ void show_details(const GoldenStore& store, const Waiting& waiting) {
              store.pending_file(waiting.name).string());
 }
 
-/// A decision is carried out and told. False: the run waits on.
+/// Executes a decision and prints the result. Returns false if the run remains pending.
 bool decide(GoldenStore& store, const std::string& name, char key) {
   if (key == 'a') {
     const auto accepted = store.accept_pending(name);

@@ -13,7 +13,7 @@
 
 namespace rehearse::tool {
 
-/// A sub-verb: its options go to `options`; what is returned runs it.
+/// Declares a sub-verb: adds its options to `options` and returns the function that runs it.
 using DeclareGolden = std::function<Exit()>(CLI::App& options);
 
 DeclareGolden declare_golden_list;
@@ -23,16 +23,16 @@ DeclareGolden declare_golden_reject;
 DeclareGolden declare_golden_prune;
 DeclareGolden declare_golden_noise;
 
-/// The goldens of the working directory, or of the nearest folder above it that has some.
+/// The goldens of the working directory, or of the nearest folder above it that has goldens.
 Result<GoldenStore> open_store();
 
-/// An error where CI is "true": goldens are only checked there.
+/// An error if CI is "true": there, goldens are only checked.
 Result<void> check_may_decide();
 
-/// An error unless either names are given or all of them.
+/// An error unless either names or --all are given.
 Result<void> check_choice(const std::vector<std::string>& names, bool all);
 
-/// What `accept` says of one golden, for people: several lines.
+/// Prints the result of `accept` for one golden, for people: several lines.
 void tell_accepted(const GoldenStore& store, const std::string& name, const Accepted& accepted);
 
 }  // namespace rehearse::tool

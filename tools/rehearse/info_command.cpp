@@ -1,4 +1,4 @@
-// rehearse info: what stands in a trace, or in any MCAP file.
+// rehearse info: prints the contents of a trace, or of any MCAP file.
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -20,10 +20,10 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr std::size_t events_shown = 20;  // to a person; JSON has them all
-/// A file up to this size is read whole without being asked to: that takes a fraction of a second [bytes].
+constexpr std::size_t events_shown = 20;  // for people; JSON contains all of them
+/// Files up to this size are read completely without --full, in a fraction of a second [bytes].
 constexpr std::uintmax_t small_file = 64'000'000;
-/// A log time beyond this is of a wall clock, not of a simulation: 1973 [ns].
+/// A log time above this comes from a wall clock, not from a simulation: 1973 [ns].
 
 struct InfoSettings {
   std::string trace;
@@ -31,7 +31,7 @@ struct InfoSettings {
   bool full = false;
 };
 
-/// What is known of the messages of a channel, or of all: by a pass, or by the summary (then without bytes).
+/// Counts of the messages of a channel, or of all: from reading them, or from the summary (then without bytes).
 struct ChannelCount {
   std::uint64_t messages = 0;
   std::uint64_t bytes = 0;                                          // of the payloads
@@ -51,7 +51,7 @@ struct ChannelCount {
 };
 
 struct Contents {
-  bool by_summary = false;                         // bytes, events and damage aren't known
+  bool by_summary = false;                         // bytes, events and damage are unknown
   std::map<std::uint16_t, ChannelCount> channels;  // by id
   ChannelCount all;
   std::uint64_t ticks = 0;
@@ -95,7 +95,7 @@ Contents count(mcap::Reader& reader) {
   return contents;
 }
 
-/// What the statistics say. A channel's rate is that over the time of the whole file.
+/// Counts from the statistics record. A channel's rate is relative to the time of the whole file.
 Contents counts_of_summary(const mcap::Reader& reader) {
   const mcap::Statistics& said = *reader.statistics();
   const auto counted = [&](std::uint64_t messages) {
@@ -114,7 +114,7 @@ Contents counts_of_summary(const mcap::Reader& reader) {
   return contents;
 }
 
-/// The chunks of one compression.
+/// The chunks with one compression.
 struct Compressed {
   std::uint64_t chunks = 0;
   std::uint64_t stored = 0;   // [bytes]
@@ -228,10 +228,9 @@ void tell_compressions(const mcap::Reader& reader) {
   for (const auto& [name, all] : compressions(reader)) {
     const double share =
         all.size == 0 ? 100.0 : 100.0 * static_cast<double>(all.stored) / static_cast<double>(all.size);
-    tell_line(heading,
-              fmt::format("{}: {}, {} of {} ({:.1f} %), the largest {}", plain_text(name),
-                          count_text(all.chunks, "chunk"), file_size_text(all.stored),
-                          file_size_text(all.size), share, file_size_text(all.largest)));
+    tell_line(heading, fmt::format("{}: {}, {} of {} ({:.1f} %), the largest {}", plain_text(name),
+                                   count_text(all.chunks, "chunk"), file_size_text(all.stored),
+                                   file_size_text(all.size), share, file_size_text(all.largest)));
     heading = "";
   }
 }
@@ -241,8 +240,8 @@ void tell_file(const mcap::Reader& reader, const Contents& contents) {
   tell_line("size", file_size_text(reader.size()));
   tell_line("library", reader.library().empty() ? "unnamed" : plain_text(reader.library()));
   tell_line("profile", reader.profile().empty() ? "none" : plain_text(reader.profile()));
-  tell_line("messages", fmt::format("{} in {}", contents.all.messages,
-                                    count_text(reader.channels().size(), "channel")));
+  tell_line("messages",
+            fmt::format("{} in {}", contents.all.messages, count_text(reader.channels().size(), "channel")));
   if (contents.ticks > 0) tell_line("ticks", std::to_string(contents.ticks));
   if (contents.all.messages > 0) {
     tell_line("duration", fmt::format("{:.15g} s", contents.duration()));
@@ -267,7 +266,7 @@ void tell_channels(const mcap::Reader& reader, const Contents& contents) {
   print_table(rows);
 }
 
-/// Text that may have several lines: those after the first stand further in.
+/// Indents all lines of a text but the first.
 std::string plain_lines(std::string_view text) {
   std::string lines;
   while (true) {
@@ -309,9 +308,8 @@ void tell(const mcap::Reader& reader, const Contents& contents) {
   tell_events(contents);
   if (contents.by_summary)
     fmt::print("\nas the file's summary says it; --full reads all of it: payloads, {}, checksums\n",
-               contents.event_count > 0
-                   ? count_text(contents.event_count, "event") + " and rates of channels"
-                   : "rates of channels");
+               contents.event_count > 0 ? count_text(contents.event_count, "event") + " and rates of channels"
+                                        : "rates of channels");
 }
 
 bool is_small(const std::string& file) {
@@ -331,7 +329,7 @@ Exit run_info(const InfoSettings& settings) {
     return contents.damage.empty() ? Exit::done : Exit::bad_input;
   }
   tell(**reader, contents);
-  std::fflush(stdout);  // before what stderr says of it
+  std::fflush(stdout);  // before related output on stderr
   return contents.damage.empty() ? Exit::done : refuse(contents.damage);
 }
 

@@ -1,4 +1,4 @@
-// rehearse inspect: loads a robot model and reports what was understood of it.
+// rehearse inspect: loads a robot model and prints its contents and findings.
 #include <fmt/format.h>
 #include <rehearse/urdf.h>
 
@@ -54,7 +54,7 @@ Json joint_json(const Model& model, const Link& link) {
           {"line", joint.line}};
 }
 
-/// A link's type is that of what joins it to its parent, the root's that of what joins it to the world.
+/// The type of a link is that of its joint to the parent; for the root, that of its joint to the world.
 Json links_json(const Model& model) {
   Json links = Json::array();
   for (const Link& link : model.links)
@@ -66,7 +66,7 @@ Json links_json(const Model& model) {
   return links;
 }
 
-/// The links other than the root, those whose joints move by id first, then the fixed ones.
+/// The links other than the root: first those with movable joints, by joint id, then the fixed ones.
 std::vector<const Link*> links_by_joint(const Model& model) {
   std::vector<const Link*> links;
   for (const int link : model.joints) links.push_back(&model.links[link]);
@@ -75,7 +75,7 @@ std::vector<const Link*> links_by_joint(const Model& model) {
   return links;
 }
 
-/// A file of triangles, and how often the model has it.
+/// A mesh file and the number of its uses in the model.
 struct MeshUse {
   std::string file;  // as the model names it
   std::size_t triangles = 0;
@@ -83,7 +83,7 @@ struct MeshUse {
   int collisions = 0;
 };
 
-/// In the order of their first use.
+/// The mesh files in the order of their first use.
 std::vector<MeshUse> mesh_uses(const Model& model) {
   std::vector<MeshUse> uses;
   const auto count = [&uses](const std::vector<Shape>& shapes, int MeshUse::*number) {
@@ -125,8 +125,7 @@ Json triangles_json(const std::vector<MeshUse>& meshes) {
 std::string mesh_text(const std::vector<MeshUse>& meshes, const char* kind, int MeshUse::*number) {
   int shapes = 0;
   for (const MeshUse& mesh : meshes) shapes += mesh.*number;
-  return fmt::format("{} with {}", count_text(shapes, kind),
-                     count_text(triangles_of(meshes, number), "triangle"));
+  return fmt::format("{} with {}", count_text(shapes, kind), count_text(triangles_of(meshes, number), "triangle"));
 }
 
 Json model_json(const Model& model) {
@@ -145,7 +144,7 @@ Json model_json(const Model& model) {
           {"mass", model.mass()}, {"findings", json_of(model.report)}};
 }
 
-/// The same shape when there is no model: readers need not ask twice.
+/// The same JSON members for a model that can't be loaded, so that readers need no special case.
 Json json_without_model(const Diagnostics& errors) {
   return {{"name", nullptr},          {"links", Json::array()},     {"joints", Json::array()},
           {"devices", Json::array()}, {"meshes", Json::array()},    {"triangles", triangles_json({})},
@@ -177,8 +176,7 @@ std::string effort_text(const Joint& joint) {
 
 void tell(const Model& model) {
   const Joint& root = model.links[0].joint;
-  fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name,
-             count_text(model.links.size(), "link"),
+  fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name, count_text(model.links.size(), "link"),
              count_text(model.links.size() - 1, "joint"), joint_counts(model),
              count_text(model.devices.size(), "device"), model.mass(),
              root.type == JointType::free ? "free" : "fixed to the world");
@@ -201,8 +199,8 @@ void tell(const Model& model) {
     fmt::print("\n");
   }
   if (const std::vector<MeshUse> meshes = mesh_uses(model); !meshes.empty())
-    fmt::print("{}: {}, {}\n\n", count_text(meshes.size(), "mesh file"),
-               mesh_text(meshes, "visual", &MeshUse::visuals), mesh_text(meshes, "collision", &MeshUse::collisions));
+    fmt::print("{}: {}, {}\n\n", count_text(meshes.size(), "mesh file"), mesh_text(meshes, "visual", &MeshUse::visuals),
+               mesh_text(meshes, "collision", &MeshUse::collisions));
   fmt::print("{}{}", model.report.empty() ? "nothing was repaired, ignored or doubted\n" : "", to_string(model.report));
 }
 

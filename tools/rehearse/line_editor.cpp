@@ -16,14 +16,14 @@
 namespace rehearse::tool {
 namespace {
 
-// libedit calls functions without an argument of ours.
+// Global variables, because libedit calls functions without a user argument.
 LineEditor::Complete complete_word;
 std::vector<std::string> candidates;
 volatile std::sig_atomic_t interrupted = 0;
 
 void on_interrupt(int) { interrupted = 1; }
 
-/// The next candidate that begins with the word, as memory that libedit frees.
+/// The next candidate that begins with the word, in memory that libedit frees.
 char* next_candidate(const char* word, int state) {
   static std::size_t next = 0;
   if (state == 0) next = 0;
@@ -35,13 +35,13 @@ char* next_candidate(const char* word, int state) {
 }
 
 char** complete_line(const char* word, int begin, int) {
-  rl_attempted_completion_over = 1;  // no names of files
+  rl_attempted_completion_over = 1;  // no completion of file names
   candidates = complete_word(std::string_view(rl_line_buffer).substr(0, static_cast<std::size_t>(begin)), word);
   return rl_completion_matches(word, next_candidate);
 }
 
-/// Ctrl-C reaches us nowhere else than in read_key() while this lives. Else one that comes right before a key is waited
-/// for would be noticed only with that key.
+/// During the lifetime of this object Ctrl-C is delivered only in read_key(). Otherwise a Ctrl-C immediately before the
+/// wait for a key would be noticed only with the next key.
 class InterruptsHeld {
  public:
   InterruptsHeld() {
@@ -57,7 +57,7 @@ class InterruptsHeld {
   static inline sigset_t before;
 };
 
-/// -1, which ends the line: there is none, or Ctrl-C came.
+/// Reads a character. Returns -1, which ends the line, at the end of the input and on Ctrl-C.
 int read_key(FILE*) {
   pollfd input{STDIN_FILENO, POLLIN, 0};
   while (ppoll(&input, 1, nullptr, &InterruptsHeld::before) < 0)
@@ -66,7 +66,7 @@ int read_key(FILE*) {
   return read(STDIN_FILENO, &key, 1) == 1 ? key : -1;
 }
 
-/// Calls to the system are interrupted by Ctrl-C, and not taken up again.
+/// System calls are interrupted by Ctrl-C and not restarted.
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = on_interrupt;
@@ -111,7 +111,7 @@ std::optional<std::string> LineEditor::next() {
   {
     const InterruptsHeld held;
     line = readline(prompt_.c_str());
-    catch_interrupts();  // libedit has put handlers of its own in their places
+    catch_interrupts();  // libedit has replaced the signal handlers
   }
   if (!line) {
     std::puts("");

@@ -1,4 +1,4 @@
-// Lines of commands: from a person, with history and completion, or from a file or pipe, without either.
+// Reads lines of commands: from a person, with history and completion, or from a file or pipe, without either.
 #pragma once
 
 #include <functional>
@@ -11,11 +11,11 @@ namespace rehearse::tool {
 
 class LineEditor {
  public:
-  /// All words that may stand where `word` does, behind `before` in the line; those that don't begin with it are left
-  /// out by the editor.
+  /// Returns all words that are possible at the place of `word`, after `before` in the line. The editor removes those
+  /// that don't begin with `word`.
   using Complete = std::function<std::vector<std::string>(std::string_view before, std::string_view word)>;
 
-  /// There is at most one at a time.
+  /// Only one LineEditor may exist at a time.
   LineEditor(std::string prompt, Complete complete);
   ~LineEditor();
   LineEditor(const LineEditor&) = delete;
@@ -24,7 +24,7 @@ class LineEditor {
   /// The next line without its newline; nullopt at the end. Ctrl-C gives an empty line, and was_interrupted().
   std::optional<std::string> next();
   bool is_interactive() const { return interactive_; }
-  /// Ctrl-C was pressed since the last call of next() began.
+  /// True if Ctrl-C was pressed since the last call of next() began.
   static bool was_interrupted();
 
  private:

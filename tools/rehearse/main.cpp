@@ -1,4 +1,4 @@
-// rehearse: the command. What simulates is in a program of its own, so that this one links neither physics nor
+// rehearse: the command. Verbs that simulate are in a separate program, so that this one links neither physics nor
 // renderer.
 #include <fmt/format.h>
 #include <rehearse/pin.h>
@@ -18,12 +18,11 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,    &info_verb,  &cat_verb,
-                                     &export_verb, &filter_verb,  &merge_verb, &recover_verb,
-                                     &doctor_verb, &inspect_verb, &new_verb,   &report_verb,
-                                     &step_verb,   &doc_verb};
+constexpr const Verb* own_verbs[] = {&replay_verb, &diff_verb,   &info_verb,    &cat_verb,    &export_verb,
+                                     &filter_verb, &merge_verb,  &recover_verb, &doctor_verb, &inspect_verb,
+                                     &new_verb,    &report_verb, &step_verb,    &doc_verb};
 
-/// Goes on as another of our programs, which stand at a fixed place beside this one. Comes back only if it can't.
+/// Executes a different program of Rehearse, at a fixed place relative to this one. Returns only on failure.
 Exit become(const char* program, char** argv) {
   const std::filesystem::path other =
       (own_program().parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
@@ -33,7 +32,7 @@ Exit become(const char* program, char** argv) {
                       "it is built and installed together with rehearse"));
 }
 
-/// The verb that begins alike, for a hint.
+/// A verb with a similar beginning, for a hint.
 std::string hint_for(std::string_view word) {
   for (const VerbSummary& verb : all_verbs())
     if (word.size() >= 2 && verb.name.substr(0, 2) == word.substr(0, 2))
@@ -41,7 +40,7 @@ std::string hint_for(std::string_view word) {
   return "rehearse --help lists all verbs";
 }
 
-/// Takes --no-pin out of the arguments, wherever it stands: it is of the process, not of a verb.
+/// Removes --no-pin from the arguments, at any position: it applies to the process, not to a verb.
 int take_no_pin(int argc, char** argv) {
   char** const end = std::remove_if(argv + std::min(argc, 1), argv + argc,
                                     [](const char* word) { return std::string_view(word) == "--no-pin"; });

@@ -1,4 +1,4 @@
-// rehearse merge: several traces in one, in the order of time.
+// rehearse merge: merges several traces into one, in the order of time.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -17,9 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double usual_duration = 2.0;  // [s]
-constexpr double depth = 1e-6;          // of the robot in the floor [m]: it touches, whatever the last bits are
+// penetration of the robot into the floor [m]: so that it touches the floor whatever the rounding
+constexpr double depth = 1e-6;
 
-/// A name of a body or scenario: letters, digits and underscores.
+/// A valid name of a body or scenario: letters, digits and underscores.
 std::string plain_name(std::string name) {
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
@@ -36,7 +37,7 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// How far the root link has to be above the floor for the lowest point of all that touches to be on it [m].
+/// The height of the root link at which the lowest point of all collision shapes is on the floor [m].
 double standing_height(const Model& model) {
   const auto links = forward_kinematics(model, Eigen::Isometry3d::Identity(), rest_posture(model));
   Eigen::AlignedBox3d box;
@@ -77,11 +78,11 @@ Result<std::string> scenario_text(const ModelScenario& settings, const std::stri
       plain_name(fs::path(settings.model).stem().string()), settings.duration.value_or(usual_duration),
       plain_name(model->name), quoted(model_file));
   if (model->links[0].joint.type != JointType::fixed)
-    text += fmt::format("    position: [0, 0, {:.6f}]    # its lowest point touches the floor\n", standing_height(*model));
+    text +=
+        fmt::format("    position: [0, 0, {:.6f}]    # its lowest point touches the floor\n", standing_height(*model));
   text += joints_text(*model);
   if (!settings.controllers.empty()) text += "    controllers:\n";
-  for (const std::string& library : settings.controllers)
-    text += fmt::format("      - library: {}\n", quoted(library));
+  for (const std::string& library : settings.controllers) text += fmt::format("      - library: {}\n", quoted(library));
   return text;
 }
 

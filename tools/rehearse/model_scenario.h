@@ -1,4 +1,4 @@
-// A scenario for a robot that has none yet: it stands on a floor, with the controllers that are named.
+// A scenario for a robot without one: the robot on a floor, with the named controllers.
 #pragma once
 
 #include <rehearse/model.h>
@@ -10,24 +10,24 @@
 
 namespace rehearse::tool {
 
-/// Each joint at 0 [rad] or [m], or where it can be nearest to it, by joint id.
+/// Displacement of each joint, by joint id: 0 [rad] or [m], or the nearest value within its limits.
 std::vector<double> rest_posture(const Model& model);
 
 struct ModelScenario {
   std::string model;                     // a URDF
   std::vector<std::string> controllers;  // libraries: names or paths
-  std::optional<double> duration;        // [s]; 2 if not stated
+  std::optional<double> duration;        // [s]; default 2
 };
 
-/// The scenario as YAML: the robot at rest, its lowest point on the floor, unless the model itself is fixed to the world.
-/// `model_file`: how the scenario names the model. Fails with the model's own errors.
+/// The scenario as YAML: the robot at rest, its lowest point on the floor, unless the model itself is fixed to the
+/// world. `model_file`: the model's name in the scenario. Fails with the model's own errors.
 Result<std::string> scenario_text(const ModelScenario& settings, const std::string& model_file);
 
-/// The scenario of that text, with the model as named in `settings`.
+/// Parses that text as a scenario, with the model as named in `settings`.
 Result<Scenario> scenario_of_model(const ModelScenario& settings);
 
-/// Writes the scenario to a new file, which names the model and libraries relative to its folder. Fails if there is such
-/// a file.
+/// Writes the scenario to a new file, which names the model and libraries relative to its folder. Fails if the file
+/// exists.
 Result<void> save_scenario(const ModelScenario& settings, const std::string& file);
 
 }  // namespace rehearse::tool

@@ -1,4 +1,4 @@
-// rehearse new: a repository of the user's own, ready to build.
+// rehearse new: writes a new project of the user, ready to build.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -19,7 +19,7 @@ struct NewSettings {
   std::string folder;
 };
 
-/// The folder's name, with '_' for what a CMake project's name can't have.
+/// The folder's name, with '_' instead of characters that a CMake project's name can't contain.
 std::string project_name(const fs::path& folder) {
   std::string name = fs::absolute(folder / "x").lexically_normal().parent_path().filename().string();
   for (char& c : name) {
@@ -60,7 +60,7 @@ Result<void> write(const fs::path& file, const std::string& text) {
   return {};
 }
 
-/// Where this command is installed, for CMake to look in; empty if CMake looks there anyway, or if it isn't installed.
+/// The installation prefix for CMake's search; empty if CMake searches there anyway, or if the command isn't installed.
 std::string prefix() {
   std::error_code problem;
   const fs::path self = fs::read_symlink("/proc/self/exe", problem);

@@ -1,4 +1,4 @@
-// The files of tools/new_project, as they were when the command was built.
+// The files of tools/new_project at the time when the command was built.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@ namespace rehearse::tool {
 
 struct ProjectFile {
   std::string_view path;  // relative to the project
-  std::string_view text;  // @PROJECT@ stands for its name
+  std::string_view text;  // @PROJECT@ is replaced by the project's name
 };
 
 std::span<const ProjectFile> new_project_files();

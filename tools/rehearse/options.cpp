@@ -15,7 +15,7 @@ Number parse(const std::string& option, std::string_view text, Number lowest, Nu
   Number number{};
   const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool complete = end.ec == std::errc() && end.ptr == text.data() + text.size();
-  if (complete && number >= lowest && number <= highest) return number;  // NaN is neither
+  if (complete && number >= lowest && number <= highest) return number;  // false for NaN
   throw CLI::ValidationError(option, fmt::format("'{}' is not {} from {} to {}", text, kind, lowest, highest));
 }
 
@@ -73,7 +73,8 @@ void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) 
     }
   };
   const char* help = "another library (a name or a path) for the controller NAME or BODY/NAME";
-  const char* help_of_logs = "another library (a name or a path) for the controller NAME or BODY/NAME; of a log or a --model: LIB alone";
+  const char* help_of_logs =
+      "another library (a name or a path) for the controller NAME or BODY/NAME; of a log or a --model: LIB alone";
   options.add_option_function<std::vector<std::string>>("--controller", take_all, alone ? help_of_logs : help)
       ->type_name("NAME=LIB")
       ->allow_extra_args(false);
@@ -95,7 +96,7 @@ void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
 }
 
 void add_selection_options(CLI::App& options, mcap::Selection& selection) {
-  // Which option it was is said before what is wrong with it.
+  // CLI11 prints the option's name before this message.
   const auto take = [](const std::string& option, auto parsed) {
     if (parsed) return std::move(*parsed);
     throw CLI::ValidationError(option, fmt::format("{} ({})", parsed.errors()[0].message, parsed.errors()[0].hint));

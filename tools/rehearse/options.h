@@ -1,4 +1,4 @@
-// Options that several verbs share, and numbers on the command line: read without locale, and all refused alike.
+// Options that several verbs share, and numbers on the command line, which are read without the locale.
 #pragma once
 
 #include <rehearse/host_options.h>
@@ -18,25 +18,25 @@ namespace rehearse::tool {
 double parse_number(const std::string& option, std::string_view text, double lowest, double highest);
 std::int64_t parse_integer(const std::string& option, std::string_view text, std::int64_t lowest, std::int64_t highest);
 
-inline constexpr double longest_time = 1e9;  // of options that are times [s]
+inline constexpr double longest_time = 1e9;  // upper limit of options that are times [s]
 
-/// An option with a number, handed to `take`. `option` is its long form, as "--until".
+/// Declares an option with a number, which is passed to `take`. `option` is its long form, as "--until".
 void add_number(CLI::App& options, const std::string& option, const std::string& help, double lowest, double highest,
                 std::function<void(double)> take);
 void add_integer(CLI::App& options, const std::string& option, const std::string& help, std::int64_t lowest,
                  std::int64_t highest, std::function<void(std::int64_t)> take);
 
-/// --controller NAME=LIB, as often as one likes, and --call-limit S. `alone`: takes a --controller LIB without a name;
-/// null: that is a mistake.
+/// Declares --controller NAME=LIB, any number of times, and --call-limit S. `alone`: receives a --controller LIB
+/// without a name; if it is null, a missing name is an error.
 void add_host_options(CLI::App& options, HostOptions& host, std::string* alone = nullptr);
 
-/// --package NAME=DIR, as often as one likes, and --allow-missing-meshes.
+/// Declares --package NAME=DIR, any number of times, and --allow-missing-meshes.
 void add_mesh_options(CLI::App& options, UrdfOptions& urdf);
 
-/// --topics, --from, --until and --ticks: which messages of a file.
+/// Declares --topics, --from, --until and --ticks: a selection of a file's messages.
 void add_selection_options(CLI::App& options, mcap::Selection& selection);
 
-/// --json.
+/// Declares --json.
 void add_json_flag(CLI::App& options, bool& json);
 
 }  // namespace rehearse::tool

@@ -17,12 +17,12 @@
 namespace rehearse::tool {
 namespace {
 
-/// Characters, of UTF-8.
+/// The number of UTF-8 characters.
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
-/// Bytes of the character that `text` begins with; 0 if it isn't one of UTF-8.
+/// Length in bytes of the first character of `text`; 0 if it isn't valid UTF-8.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

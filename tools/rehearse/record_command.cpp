@@ -1,4 +1,4 @@
-// rehearse record: one closed-loop run, into a trace.
+// rehearse record: records one closed-loop run in a trace.
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/session.h>
@@ -32,8 +32,8 @@ namespace {
 struct RecordSettings {
   std::string scenario;
   ModelScenario model;        // instead of a scenario, if it names a model
-  std::string alone;          // a library without the name of a controller: the model's
-  std::string save_scenario;  // a file for the model's scenario
+  std::string alone;          // a library given without the name of a controller, for the model
+  std::string save_scenario;  // output file for the model's scenario
   bool json = false;
   std::string trace;  // empty: named like the scenario, in the working directory
   std::optional<std::uint32_t> seed;
@@ -43,12 +43,12 @@ struct RecordSettings {
   std::optional<double> checkpoints;  // [s]
   RecordOptions record;
   DebuggerOptions debugger;
-  std::int64_t tick = 0;  // in gdb
+  std::int64_t tick = 0;  // where gdb stops
   BranchSettings branch;
 };
 
-/// Another duration. What is expected of a time that doesn't come then is expected no longer, and neither is what was
-/// meant for the end.
+/// Sets a different duration. Expectations at times that the run no longer reaches are removed, and so are expectations
+/// at the end.
 void set_duration(Scenario& scenario, double duration) {
   std::erase_if(scenario.expectations, [&](const Expectation& expectation) {
     const double last =
@@ -58,7 +58,7 @@ void set_duration(Scenario& scenario, double duration) {
   scenario.duration = duration;
 }
 
-/// The scenario as it will run.
+/// The scenario with all options applied.
 Result<Scenario> load(const RecordSettings& settings) {
   Result<Scenario> scenario =
       settings.model.model.empty() ? Scenario::load(settings.scenario) : scenario_of_model(settings.model);
@@ -86,8 +86,7 @@ Json json_of_run(const Scenario& scenario, const std::string& trace, const RunSu
                  const std::vector<ExpectationResult>& judged, const std::optional<Reproduction>& verified) {
   Json expectations = Json::array();
   for (const ExpectationResult& result : judged)
-    expectations.push_back(
-        {{"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}});
+    expectations.push_back({{"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}});
   return {{"scenario", scenario.name},
           {"trace", trace},
           {"ticks", summary.ticks},
@@ -102,14 +101,14 @@ Json json_of_run(const Scenario& scenario, const std::string& trace, const RunSu
           {"remarks", json_of(summary.remarks)}};
 }
 
-/// What the scenario expects of the run: violations are remarks, because the recording is as good as any.
-/// A run that failed has nothing to hold.
+/// Evaluates the scenario's expectations. Violations are only remarks, because the recording itself is valid. A run
+/// that failed is not evaluated.
 Result<std::vector<ExpectationResult>> judge(const Scenario& scenario, const std::string& trace, bool failed) {
   if (failed || scenario.expectations.empty()) return std::vector<ExpectationResult>();
   return judge_expectations(scenario.expectations, std::filesystem::path(trace));
 }
 
-/// Runs a sample of the recording again: does it repeat itself?
+/// Executes a sample of the recording again, to verify that it repeats itself.
 Result<Reproduction> verify(const RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
   const auto recording = Trace::load(trace);
   if (!recording) return recording.errors();
@@ -127,7 +126,7 @@ Exit run_in_gdb(const RecordSettings& settings, const Scenario& scenario, const 
   return become_gdb(settings.debugger, words_without_debugger("record", options), settings.tick);
 }
 
-/// A recording that begins as another one.
+/// Records a branch of a recording.
 Exit run_branch(RecordSettings& settings) {
   for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"),
                                      {settings.no_frames, "--no-frames"},
@@ -149,7 +148,7 @@ Exit run_branch(RecordSettings& settings) {
   return record_branch_of(settings.branch);
 }
 
-/// Of options that belong together, those that are there without the others.
+/// Checks options that are valid only together with others.
 Result<void> check_model_options(const RecordSettings& settings) {
   const bool has_model = !settings.model.model.empty();
   if (has_model && !settings.scenario.empty())
@@ -163,7 +162,7 @@ Result<void> check_model_options(const RecordSettings& settings) {
   return {};
 }
 
-/// Writes the scenario of a model, if that is wanted; then it is run like any other.
+/// Writes the scenario of a model if requested; then it is run like any other scenario.
 Result<void> prepare_model(RecordSettings& settings) {
   if (!settings.alone.empty()) settings.model.controllers.push_back(settings.alone);
   settings.model.duration = settings.duration;
@@ -174,7 +173,7 @@ Result<void> prepare_model(RecordSettings& settings) {
   return saved;
 }
 
-/// A trace that may be written to, and read again where that is needed.
+/// Checks that the trace may be written, and can be read again if needed.
 Result<void> check_trace(const RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
   if (auto allowed = check_replaceable(trace, mcap_magic, "trace"); !allowed) return allowed;
   std::error_code none;
@@ -185,7 +184,7 @@ Result<void> check_trace(const RecordSettings& settings, const Scenario& scenari
                "write a file");
 }
 
-/// The run, and what is reported of it.
+/// Executes the run and prints its report.
 Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
   InterposerWatch watch;
   if (is_interposed()) settings.record.watch = &watch;
@@ -214,7 +213,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
     if (!verified->reproduced()) exit = verified->failure ? Exit::controller_failed : Exit::differs;
   }
   if (settings.json) print(json_of_run(scenario, trace, *summary, *judged, verified));
-  std::fflush(stdout);  // before what stderr says of it
+  std::fflush(stdout);  // before related output on stderr
   tell_remarks(*summary);
   tell_violations(*judged);
   return exit;

@@ -1,4 +1,4 @@
-// rehearse recover: a whole file of what can be saved from one that is cut or damaged.
+// rehearse recover: writes a complete file with the readable messages of a cut or damaged file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr std::size_t losses_shown = 20;  // to a person; JSON has more
+constexpr std::size_t losses_shown = 20;  // for people; JSON contains more
 
 struct RecoverSettings {
   std::string source;
@@ -35,7 +35,7 @@ void tell_losses(const mcap::Recovery& recovery) {
   for (const std::string& remark : recovery.remarks) fmt::print("  {}\n", remark);
 }
 
-/// The messages that are missing, by channel.
+/// The missing messages by channel.
 void tell_lost_messages(const mcap::Recovery& recovery) {
   if (recovery.lost_messages == 0) {
     if (!recovery.loss_is_known) fmt::print("how many messages are lost can't be told: the file's statistics are\n");

@@ -1,4 +1,4 @@
-// rehearse render: a picture of a scenario as it starts, or of a model.
+// rehearse render: draws a picture of a scenario at its start, or of a model.
 #include <fmt/format.h>
 #include <rehearse/renderer.h>
 #include <rehearse/scenario.h>
@@ -40,7 +40,7 @@ struct RenderSettings {
   Camera camera;
 };
 
-/// True if the file looks like XML: the first character that isn't white space is a '<'.
+/// True if the file is probably XML: the first character that isn't white space is a '<'.
 bool is_model(const std::string& file) {
   if (std::filesystem::path(file).extension() == ".urdf") return true;
   std::ifstream stream(file, std::ios::binary);
@@ -48,7 +48,7 @@ bool is_model(const std::string& file) {
   return (stream >> first) && first == '<';
 }
 
-/// Poses of the links as the run starts.
+/// Poses of the links at the start of the run.
 PlacedModel place(const ScenarioBody& body) {
   Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
   root.linear() = body.rotation.toRotationMatrix();
@@ -88,7 +88,7 @@ void add_to(Renderer& renderer, const PlacedModel& placed) {
       renderer.set_light_pose(renderer.add_light(*light), placed.links[device.link] * device.pose);
 }
 
-/// Fails if there are more than a picture can have.
+/// Fails if there are more lights than a picture can have.
 Result<void> check_lights(const std::vector<PlacedModel>& scene) {
   std::size_t count = 0;
   for (const PlacedModel& placed : scene)
@@ -161,7 +161,7 @@ std::function<Exit()> declare_render(CLI::App& options) {
       ->required()
       ->type_name("");
   options.add_option("-o,--output", settings->picture, "the picture to write")->required()->type_name("PNG");
-  settings->urdf.kinematic = true;  // a picture weighs nothing
+  settings->urdf.kinematic = true;  // a picture needs no masses
   add_mesh_options(options, settings->urdf);
   add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,
               [=](std::int64_t width) { settings->camera.width = static_cast<int>(width); });

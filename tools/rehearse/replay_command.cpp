@@ -1,5 +1,5 @@
-// rehearse replay: recorded inputs into the controllers, without physics; their commands compared bit for bit. Inputs
-// of a real robot's log: replay_log.h. Single ticks of it: replay_ticks.h. In gdb: debugger.h.
+// rehearse replay: feeds recorded inputs to the controllers, without physics, and compares their commands bit for bit.
+// For the log of a real robot see replay_log.h, for single ticks replay_ticks.h, for gdb debugger.h.
 #include <fmt/format.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
@@ -35,7 +35,7 @@ struct ReplaySettings {
   std::string output;
   TickSettings ticks;
   DebuggerOptions debugger;
-  // of a log
+  // for a log
   std::string controller, model, map;
 
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
@@ -90,14 +90,14 @@ void tell_replay_remarks(const ReplayReport& report) {
       fmt::print(stderr, "{}\n", to_string(remark));
 }
 
-/// Goes on in gdb with the verb as it was given.
+/// Continues in gdb with the same arguments.
 Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
   const std::vector<std::string> words = words_without_debugger("replay", options);
   if (settings.is_of_a_log()) return replay_log_in_gdb(settings.debugger, words, settings.ticks.tick);
   return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.ticks.tick);
 }
 
-/// What a log needs and a recording doesn't, or the other way around.
+/// Checks options that only a log needs, or only a recording.
 Result<void> check_usage(const ReplaySettings& settings) {
   if (settings.debugger.is_wanted() &&
       (settings.ticks.at || !settings.ticks.watch.empty() || !settings.ticks.when.empty()))
@@ -175,7 +175,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     print(report_json(*report));
   } else {
     tell(settings, *report, stopwatch.seconds());
-    std::fflush(stdout);  // before what stderr says of it
+    std::fflush(stdout);  // before related output on stderr
     tell_replay_remarks(*report);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;

@@ -14,7 +14,7 @@
 namespace rehearse::tool {
 namespace {
 
-/// Something was to be compared, and nothing could be.
+/// True if a comparison was requested but nothing could be compared.
 bool is_of_nothing(const LogReplayReport& report) { return report.has_commands && report.values == 0; }
 
 std::string verdict(const LogReplayReport& report) {
@@ -71,7 +71,7 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
           {"remarks", json_of(report.remarks)}};
 }
 
-/// What is wrong with a topic, in a few words; empty: nothing.
+/// The problem of a topic in a few words; empty: none.
 std::string troubles(const LogTopicReport& topic) {
   std::vector<std::string> words;
   if (topic.gaps > 0)
@@ -91,7 +91,7 @@ std::string troubles(const LogTopicReport& topic) {
 void tell_topics(const LogReplayReport& report) {
   std::vector<TableRow> rows{{"topic", "for", "messages", "Hz", "used", "longest gap", "oldest at a tick", ""}};
   for (const LogTopicReport& topic : report.topics) {
-    const bool is_input = topic.use != "commands";  // those are compared, not looked at
+    const bool is_input = topic.use != "commands";  // commands are compared, not read by controllers
     rows.push_back(
         {topic.topic, topic.use, fmt::format("{}", topic.messages),
          topic.rate > 0.0 ? fmt::format("{:.4g}", topic.rate) : "", is_input ? fmt::format("{}", topic.used) : "",
@@ -140,7 +140,7 @@ Exit replay_log_of(LogSettings settings) {
     print(report_json(*report, settings.trace));
   } else {
     tell(settings, *report, stopwatch.seconds());
-    std::fflush(stdout);  // before what stderr says of it
+    std::fflush(stdout);  // before related output on stderr
     tell_log_remarks(*report);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;

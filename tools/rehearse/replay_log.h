@@ -1,4 +1,4 @@
-// What `rehearse replay LOG --controller LIB --model ROBOT --map FILE` does: the log of a robot into a controller.
+// `rehearse replay LOG --controller LIB --model ROBOT --map FILE`: replays the log of a robot into a controller.
 #pragma once
 
 #include "log/log_replay.h"
@@ -11,7 +11,7 @@ namespace rehearse::tool {
 
 struct LogSettings {
   std::string log;
-  std::string trace;  // to be written; empty: named like the log, in the working directory
+  std::string trace;  // output file; empty: named like the log, in the working directory
   bool json = false;
   LogReplayOptions replay;
 };

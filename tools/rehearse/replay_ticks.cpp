@@ -41,7 +41,7 @@ Result<std::vector<Watched>> watched(const TickSettings& settings, SteppedTrace&
   return all;
 }
 
-/// One object a line.
+/// Prints one object per line.
 void print_line(const Json& object) { fmt::print("{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace)); }
 
 /// The ticks from --from up to --until.
@@ -61,7 +61,7 @@ std::string cell(double value) { return std::isnan(value) ? "NaN" : fmt::format(
 Exit print_watched(const TickSettings& settings, SteppedTrace& trace) {
   const auto columns = watched(settings, trace);
   if (!columns) return refuse(columns.errors());
-  constexpr std::size_t narrowest = 22;  // a double in full
+  constexpr std::size_t narrowest = 22;  // enough for a double with all digits
   std::vector<std::size_t> widths;
   std::string heading = fmt::format("{:>8}, {:>10}", "tick", "time [s]");
   for (const Watched& column : *columns) {

@@ -1,4 +1,4 @@
-// rehearse replay --tick, --at, --watch and --when: looking into a recording while its controllers are replayed.
+// rehearse replay --tick, --at, --watch and --when: prints parts of a recording while its controllers are replayed.
 #pragma once
 
 #include "stepping/tick_view.h"
@@ -28,11 +28,11 @@ struct TickSettings {
   bool is_asked() const { return shows_a_tick() || !watch.empty() || !when.empty(); }
 };
 
-/// What doesn't go together.
+/// An error if options contradict each other.
 Result<void> check_usage(const TickSettings& settings);
 Exit show_ticks(const TickSettings& settings);
 
-/// What is to be known of a trace before one looks, on stderr.
+/// Prints remarks about the trace to stderr.
 void tell_remarks(const SteppedTrace& trace);
 
 }  // namespace rehearse::tool

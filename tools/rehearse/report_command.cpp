@@ -1,4 +1,4 @@
-// rehearse report: a run to look at in a browser, beside its golden.
+// rehearse report: writes an HTML page of a run for a browser, with its golden.
 #include <fmt/format.h>
 #include <rehearse/report.h>
 

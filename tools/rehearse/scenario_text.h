@@ -1,4 +1,4 @@
-// Scenarios and their runs, in the words of the command.
+// Text about scenarios and their runs, for several verbs.
 #pragma once
 
 #include <rehearse/check.h>
@@ -10,16 +10,16 @@
 
 namespace rehearse::tool {
 
-/// Prints what loading changed or doubts about the scenario and its models to stderr; `inspect` shows the notes.
+/// Prints repairs and warnings about the scenario and its models to stderr; `inspect` prints the notes.
 void tell_warnings(const Scenario& scenario);
 
 /// Prints a run's remarks to stderr, and its failure last, once (a failure is among the remarks too).
 void tell_remarks(const RunSummary& summary);
 
-/// Prints which expectations of the scenario a run violates, as warnings, with their places.
+/// Prints the expectations of the scenario that a run violates, as warnings, with their places.
 void tell_violations(const std::vector<ExpectationResult>& results);
 
-/// "SR1 under SR1Minimum, Box": the bodies and what controls them; bodies that never move are left out.
+/// "SR1 under SR1Minimum, Box": the bodies and their controllers; bodies that never move are left out.
 std::string cast_of(const Scenario& scenario);
 
 }  // namespace rehearse::tool

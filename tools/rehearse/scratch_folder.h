@@ -1,4 +1,4 @@
-// ScratchFolder: a folder for what a verb's processes write, removed with all that is in it.
+// ScratchFolder: a folder for files of a verb's processes; the destructor removes it with all its files.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@ namespace rehearse::tool {
 
 class ScratchFolder {
  public:
-  /// Made by whoever writes into it; empty: there is none.
+  /// The processes that write into the folder create it; empty: there is no folder.
   explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
   ~ScratchFolder() {
     std::error_code ignored;

@@ -1,4 +1,4 @@
-// rehearse-simulate: the verbs that need physics or a renderer. `rehearse` starts it; nobody else needs to.
+// rehearse-simulate: the verbs that need physics or a renderer. Only `rehearse` starts it.
 #include <rehearse/pin.h>
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// rehearse step: a recording tick by tick, at a terminal or by a script of commands on stdin.
+// rehearse step: goes through a recording tick by tick, at a terminal or by a script of commands on stdin.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -17,7 +17,6 @@
 namespace rehearse::tool {
 namespace {
 
-
 struct StepSettings {
   std::string trace;
   double from = 0.0;  // [s]
@@ -31,7 +30,7 @@ std::string command_line(const StepSettings& settings) {
   return text;
 }
 
-/// Until quit or the end of the input. A command that wasn't understood ends a script as bad input, when it is through.
+/// Runs until quit or the end of the input. After an invalid command a script continues, but ends with bad input.
 Exit talk(SteppedTrace& trace, StepSession& session) {
   LineEditor editor("(step) ",
                     [&](std::string_view before, std::string_view word) { return session.candidates(before, word); });

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::int64_t most_samples = 200'000;  // of a plot
 
-/// The first word, which is taken off the text.
+/// The first word, which is removed from the text.
 std::string_view take_word(std::string_view& text) {
   const auto blanks = [&] { return std::min(text.find_first_not_of(" \t"), text.size()); };
   text.remove_prefix(blanks());
@@ -95,7 +95,7 @@ StepSession::StepSession(SteppedTrace& trace, std::string command_line, std::fun
       interrupted_(std::move(interrupted)),
       tick_(trace.first_tick()) {}
 
-/// By its letter, its name, or the beginning of it that no other has. Null: told why.
+/// The command by its letter, its name, or a unique beginning of its name. Null: the error was printed.
 const StepSession::Command* StepSession::find(std::string_view word) const {
   std::vector<const Command*> found;
   for (const Command& command : commands()) {

@@ -1,4 +1,4 @@
-// StepSession: what one says to `rehearse step`, and what it answers. It knows where in the recording one is.
+// StepSession: executes the commands of `rehearse step`. It stores the current tick in the recording.
 #pragma once
 
 #include "stepping/tick_view.h"
@@ -13,23 +13,23 @@ namespace rehearse::tool {
 
 class StepSession {
  public:
-  /// `command_line`: how the trace and its controllers are named on a command line. `interrupted`: ends what takes
-  /// long.
+  /// `command_line`: the arguments that name the trace and its controllers. `interrupted`: returns true to end a long
+  /// search.
   StepSession(SteppedTrace& trace, std::string command_line, std::function<bool()> interrupted);
 
   enum class Answer {
     done,
-    not_understood,  // or not possible; stderr says why
+    not_understood,  // or not possible; stderr contains the reason
     quit,
   };
-  /// An empty line does again what the last one did.
+  /// Executes a line. An empty line repeats the last one.
   Answer answer(std::string_view line);
-  /// The line that stands after each move: where one is, what happens there, what is watched.
+  /// The line that is printed after each move: the current tick, its events, the watched series.
   std::string where();
   void go_to(std::int64_t tick);
   std::int64_t tick() const { return tick_; }
 
-  /// What may stand behind `before` in a line, if `word` is how it begins: for completion.
+  /// Possible words after `before` in a line that begin with `word`: for completion.
   std::vector<std::string> candidates(std::string_view before, std::string_view word) const;
 
  private:

@@ -13,9 +13,9 @@ namespace rehearse::tool {
 namespace {
 
 constexpr char control_c = 3, control_d = 4, escape = 27;
-constexpr int escape_patience = 50;  // [ms]: what follows an escape this soon was sent by the same key
+constexpr int escape_patience = 50;  // [ms]: bytes that follow an escape within this time belong to the same key
 
-/// No lines, no echo and no signals from keys, as long as it lives.
+/// During its lifetime the terminal has no line mode, no echo and no signals from keys.
 class SingleKeys {
  public:
   SingleKeys() : changed_(tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -24,7 +24,7 @@ class SingleKeys {
     single.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG);
     single.c_cc[VMIN] = 1;
     single.c_cc[VTIME] = 0;
-    tcsetattr(STDIN_FILENO, TCSAFLUSH, &single);  // what was typed before the question doesn't answer it
+    tcsetattr(STDIN_FILENO, TCSAFLUSH, &single);  // discards keys that were pressed before the question
   }
   ~SingleKeys() {
     if (changed_) tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
@@ -48,7 +48,7 @@ std::optional<char> next_byte() {
   }
 }
 
-/// Reads the rest of what an arrow or function key sends (ESC [ ... letter): its letters answer nothing.
+/// Reads the rest of the sequence of an arrow or function key (ESC [ ... letter), so that its letters are ignored.
 void pass_over_sequence() {
   bool first = true;
   for (;;) {

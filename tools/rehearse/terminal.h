@@ -1,15 +1,15 @@
-// A person at a terminal: single keys, and whether there is anybody to press them.
+// Input from a person at a terminal: single keys, and a test whether there is a terminal.
 #pragma once
 
 #include <string_view>
 
 namespace rehearse::tool {
 
-/// Keys are read from stdin and what is asked is on stdout: both are a terminal.
+/// True if both stdin (keys) and stdout (questions) are terminals.
 bool somebody_is_there();
 
-/// Waits for one of these keys, without Enter; any other is passed over. '\0' if there will be none any more: the end
-/// of the input, Ctrl-C, Ctrl-D. The terminal is as it was when this returns.
+/// Waits for one of these keys, without Enter; other keys are ignored. Returns '\0' at the end of the input, on Ctrl-C
+/// and on Ctrl-D. The terminal's settings are restored before this returns.
 char read_key(std::string_view keys);
 
 }  // namespace rehearse::tool

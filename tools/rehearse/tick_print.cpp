@@ -12,7 +12,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr std::size_t most_rows = 12;  // of a channel that isn't joints
+constexpr std::size_t most_rows = 12;  // of a channel without joints
 
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(
@@ -38,7 +38,7 @@ bool is_shown(const ViewValue& value, const TickParts& parts) {
   return parts.only.empty() || has(parts.only, value.series);
 }
 
-/// Worth a row of its own, if not everything is asked for.
+/// True if the value needs a row even without `full`.
 bool is_news(const ViewValue& value, const TickParts& parts) {
   return parts.full || !parts.only.empty() || value.changed() || value.replayed || !value.before;
 }
@@ -54,7 +54,7 @@ std::string heading(const ViewChannel& channel) {
 /// One joint's values by quantity.
 struct JointRow {
   std::string joint;
-  std::vector<const ViewValue*> values;  // like the table's quantities; null: none
+  std::vector<const ViewValue*> values;  // in the order of the table's quantities; null: none
 };
 
 struct JointTable {
@@ -63,7 +63,7 @@ struct JointTable {
   std::vector<JointRow> rows;
 };
 
-/// Adds a channel's joints; `side`: what its quantities are called besides: "in ".
+/// Adds a channel's joints; `side`: prefix of its quantities, as "in ".
 void add_joints(JointTable& table, const ViewChannel& channel, const std::string& side, const TickParts& parts) {
   for (const ViewValue& value : channel.values) {
     if (!is_shown(value, parts)) continue;
@@ -110,7 +110,7 @@ void add_titles(TableRow& titles, const std::string& quantity, const std::string
   titles.push_back("ULPs");
 }
 
-/// What a controller reads of the joints and what it commands stand beside each other; `commands` may be null.
+/// Prints a controller's joint inputs and commands side by side; `commands` may be null.
 std::string joints_text(const ViewChannel& channel, const ViewChannel* commands, const TickParts& parts) {
   JointTable table;
   add_joints(table, channel, commands ? "in " : "", parts);
@@ -157,8 +157,7 @@ std::string values_text(const ViewChannel& channel, const TickParts& parts) {
     }
   }
   if (shown == 0) return "";
-  if (rows.size() == 1)
-    return fmt::format("  {}: {} unchanged\n", rows[0][0], count_text(unchanged, "number"));
+  if (rows.size() == 1) return fmt::format("  {}: {} unchanged\n", rows[0][0], count_text(unchanged, "number"));
   return table_text(rows, "  ") + folded(unchanged, "unchanged number") +
          folded(more, "more changed number, --full shows them; number");
 }
@@ -182,7 +181,7 @@ bool is_asked_for(const ViewChannel& channel, const TickParts& parts) {
   }
 }
 
-/// Controllers first, each with what it reads and commands; then bodies, with state and sensors.
+/// Controllers first, each with its inputs and commands; then bodies, with state and sensors.
 std::vector<const ViewChannel*> in_order(const TickView& view, const TickParts& parts) {
   std::vector<const ViewChannel*> channels;
   for (const ViewChannel& channel : view.channels)
@@ -196,7 +195,7 @@ std::vector<const ViewChannel*> in_order(const TickView& view, const TickParts& 
   return channels;
 }
 
-/// The commands for the joints that a controller reads in that channel; null: there are none.
+/// The commands for the joints that a controller reads in that channel; null: none.
 const ViewChannel* commands_beside(const ViewChannel& channel, const std::vector<const ViewChannel*>& channels) {
   if (!channel.is_joints || channel.kind != ViewChannel::Kind::input) return nullptr;
   for (const ViewChannel* other : channels)

@@ -1,4 +1,4 @@
-// A tick of a recording, for a terminal and as JSON.
+// Prints a tick of a recording, for a terminal and as JSON.
 #pragma once
 
 #include "stepping/tick_view.h"
@@ -11,20 +11,20 @@
 
 namespace rehearse::tool {
 
-/// What of a tick is shown.
+/// The parts of a tick that are printed.
 struct TickParts {
-  bool full = false;              // also what hasn't changed, and all of long arrays
+  bool full = false;              // also values that haven't changed, and all elements of long arrays
   std::vector<std::string> only;  // names of series; empty: all
   bool inputs = true, outputs = true, rest = true, messages = true, contacts = true, differences = true;
 };
 
 /// "tick 1200, 1.2 s".
 std::string tick_text(std::int64_t tick, double time);
-/// Many lines.
+/// The tick as text of many lines.
 std::string text_of(const TickView& view, const TickParts& parts);
 Json json_of(const TickView& view, const TickParts& parts);
 
-/// Tables whose columns are as wide as their widest cell, numbers to the right; each line with its newline.
+/// A table whose columns are as wide as their widest cell, numbers right-aligned; each line with its newline.
 std::string table_text(const std::vector<TableRow>& rows, std::string_view indent);
 /// "error: text", "says \"text\"".
 std::string message_text(const ViewMessage& message);

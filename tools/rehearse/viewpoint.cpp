@@ -15,15 +15,16 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 const Vector3d viewing_direction = Vector3d(1.0, -0.75, 0.4).normalized();  // from target to eye; robots face +x
-constexpr double margin = 1.1;                                              // of the picture around what matters
-constexpr double nearest = 0.1;                                             // to the middle of it [m]
+constexpr double margin = 1.1;                                              // of the picture around the bodies
+// smallest distance from the middle of the bodies [m]
+constexpr double nearest = 0.1;
 
 /// The corners of the boxes around a model's visible shapes, in the world.
 void add_corners(const PlacedModel& placed, std::vector<Vector3d>& corners) {
   for (std::size_t i = 0; i < placed.model->links.size(); ++i) {
     for (const Shape& shape : placed.model->links[i].visuals) {
       const AlignedBox3d box = bounds(shape.geometry, Eigen::Isometry3d::Identity());
-      if (box.isEmpty()) continue;  // a mesh that was left out
+      if (box.isEmpty()) continue;  // a mesh that could not be loaded
       const Eigen::Isometry3d pose = placed.links[i] * shape.pose;
       for (int corner = 0; corner < 8; ++corner)
         corners.push_back(pose * box.corner(static_cast<AlignedBox3d::CornerType>(corner)));
@@ -54,7 +55,7 @@ double distance_to_see(const std::vector<Vector3d>& corners, const Vector3d& tar
   const double wide = high * camera.width / camera.height;
   double distance = nearest;
   for (const Vector3d& corner : corners) {
-    const Vector3d seen = to_camera * (corner - target);  // it looks along -z
+    const Vector3d seen = to_camera * (corner - target);  // the camera looks along -z
     distance = std::max({distance, seen.z() + std::abs(seen.x()) / wide, seen.z() + std::abs(seen.y()) / high});
   }
   return distance;

@@ -1,4 +1,4 @@
-// From where a picture of a scene is taken, if nobody says.
+// The default viewpoint for a picture of a scene.
 #pragma once
 
 #include <rehearse/model.h>
@@ -10,7 +10,7 @@
 
 namespace rehearse::tool {
 
-/// A model where it stands.
+/// A model with the poses of its links.
 struct PlacedModel {
   std::shared_ptr<const Model> model;
   std::vector<Eigen::Isometry3d> links;  // world pose of each link
@@ -22,9 +22,9 @@ struct Viewpoint {
   Eigen::Vector3d target;  // [m]
 };
 
-/// From the front, the right and above, just so far away that all that matters is in the picture. Floors and walls,
-/// that is, bodies that are fixed, rigid and larger than all others together, don't count unless there is nothing else.
-/// A given eye or target is kept.
+/// The camera looks from the front, the right and above, at the smallest distance at which all bodies are in the
+/// picture. Floors and walls don't count unless there is nothing else. (They are bodies that are fixed, rigid and
+/// larger than all others together.) A given eye or target is kept.
 Viewpoint default_viewpoint(const std::vector<PlacedModel>& scene, const Camera& camera,
                             const std::optional<Eigen::Vector3d>& eye, const std::optional<Eigen::Vector3d>& target);
 
