@@ -1,4 +1,4 @@
-# What the scripts in tools/ share; sourced by them. They run from the repository's root.
+# Functions that the scripts in tools/ share and source. The scripts run from the repository's root.
 
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -8,7 +8,7 @@ fail() {
   exit 2
 }
 
-# quietly LOG COMMAND...: keeps the command's output in a file, and shows its end only if the command fails.
+# quietly LOG COMMAND...: writes the command's output to a file, and prints its end only if the command fails.
 quietly() {
   local log=$1 status=0
   shift
@@ -21,7 +21,7 @@ quietly() {
   return "$status"
 }
 
-# build_folder PRESET: where CMakePresets.json builds it.
+# build_folder PRESET: the build folder of the preset in CMakePresets.json.
 build_folder() {
   case $1 in
     release | ci) echo build ;;
@@ -30,7 +30,7 @@ build_folder() {
   esac
 }
 
-# progress NAME [UNIT]: reads lines "DONE TOTAL" and prints, every 15 seconds, how much is done and the time left.
+# progress NAME [UNIT]: reads lines "DONE TOTAL" and prints, every 15 seconds, the progress and the time left.
 progress() {
   local name=$1 unit=${2:-} begin=$SECONDS next=$((SECONDS + 15)) done total left amount
   while read -r done total; do
@@ -41,8 +41,8 @@ progress() {
   done
 }
 
-# with_progress FILTER NAME UNIT COMMAND...: runs the command, and shows on descriptor 3 how far it is: FILTER makes lines
-# for progress of what the command prints.
+# with_progress FILTER NAME UNIT COMMAND...: runs the command, and prints its progress on descriptor 3: FILTER converts
+# the command's output to lines for progress.
 with_progress() {
   local filter=$1 name=$2 unit=$3
   shift 3
@@ -59,7 +59,7 @@ configure_and_build() {
   folder=$(build_folder "$preset")
   if command -v ccache > /dev/null; then
     launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-    # In CI every run is a new checkout: let what one compiled serve the next, wherever it lies.
+    # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
     if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
   fi
   quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}"

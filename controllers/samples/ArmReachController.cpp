@@ -1,6 +1,7 @@
 // Moves the tool of an arm to one pose after another. Inverse kinematics computes the joint displacements, and the
 // joints follow a smooth trajectory to them. At the end the tool's pose is compared with the target.
-// | Inverse kinematics moves the body that it works on, so it works on a copy. For a target that can't be reached the
+//
+// Inverse kinematics moves the body that it works on, so it works on a copy. For a target that can't be reached the
 // controller writes a message, and the arm stays for the time of the movement.
 //
 // Options: the targets, each "X Y Z ROLL PITCH YAW" in quotes, [m] and [deg], in the world frame.

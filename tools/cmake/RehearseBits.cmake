@@ -1,10 +1,10 @@
-# Compiler flags that change the bits of what is computed, from processor to processor or by rearranging arithmetic.
+# Compiler flags that change the bits of results, between processors or by rearranging arithmetic.
 #
-# Our own build refuses them (rehearse_refuse_other_flags), a user's controllers are warned of
-# (rehearse_warn_of_other_flags): their commands would be other ones than on the machine beside.
+# Rehearse's build refuses them (rehearse_refuse_other_flags). For a user's controllers CMake prints a warning
+# (rehearse_warn_of_other_flags): their commands would differ between machines.
 
-# rehearse_find_other_flags(RESULT flags...): those of the flags that change bits; -march=x86-64 (and its levels below
-# those with fused multiply-adds) is as good as none.
+# rehearse_find_other_flags(RESULT flags...): those of the flags that change bits; -march=x86-64 (and its levels without
+# fused multiply-adds) changes none.
 function(rehearse_find_other_flags result)
   set(found "")
   separate_arguments(words UNIX_COMMAND "${ARGN}")
@@ -27,8 +27,8 @@ function(rehearse_find_other_flags result)
   set(${result} "${found}" PARENT_SCOPE)
 endfunction()
 
-# rehearse_flags_of_directory(RESULT): all flags that C++ sources of this folder are compiled with, whoever set them: the
-# command line, CXXFLAGS, a toolchain file, add_compile_options.
+# rehearse_flags_of_directory(RESULT): all flags with which C++ sources of this folder are compiled, from all sources:
+# the command line, CXXFLAGS, a toolchain file, add_compile_options.
 function(rehearse_flags_of_directory result)
   set(all "${CMAKE_CXX_COMPILER_ARG1} ${CMAKE_CXX_FLAGS}")
   set(configurations ${CMAKE_BUILD_TYPE} ${CMAKE_CONFIGURATION_TYPES})
@@ -41,9 +41,9 @@ function(rehearse_flags_of_directory result)
   set(${result} "${all} ${options}" PARENT_SCOPE)
 endfunction()
 
-# rehearse_refuse_other_flags(): ends the configuration if this folder's flags change bits, or if the compiler, by itself
-# or wrapped, says that it uses what they switch on. With REHEARSE_ALLOW_OTHER_FLAGS it goes on, REHEARSE_OTHER_FLAGS
-# names them, and recordings say so.
+# rehearse_refuse_other_flags(): ends the configuration if this folder's flags change bits, or if the compiler's
+# predefined macros show such a flag (for example of a wrapper). With REHEARSE_ALLOW_OTHER_FLAGS it continues,
+# REHEARSE_OTHER_FLAGS names the flags, and recordings state them.
 function(rehearse_refuse_other_flags)
   rehearse_flags_of_directory(flags)
   rehearse_find_other_flags(found ${flags})
@@ -61,7 +61,7 @@ function(rehearse_refuse_other_flags)
   endif()
 endfunction()
 
-# What no list of flags knows: the compiler's own defaults. Sets the result to macros that tell.
+# Flags that are the compiler's own defaults appear in no list. Sets the result to predefined macros that show them.
 function(rehearse_ask_compiler flags result)
   separate_arguments(words UNIX_COMMAND "${flags}")
   file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/bits.cpp "")
@@ -83,7 +83,8 @@ function(rehearse_ask_compiler flags result)
   set(${result} "${found}" PARENT_SCOPE)
 endfunction()
 
-# rehearse_warn_of_other_flags(TARGET): when the folder is done, so that what is set after the target was made counts.
+# rehearse_warn_of_other_flags(TARGET): runs at the end of the folder, so that flags set after the target's creation
+# count, too.
 function(rehearse_warn_of_other_flags target)
   cmake_language(EVAL CODE "cmake_language(DEFER CALL rehearse_warn_now ${target})")
 endfunction()

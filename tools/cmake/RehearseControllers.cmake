@@ -1,9 +1,9 @@
 # rehearse_add_simple_controller(NAME sources...): a controller's library, NAME.so, to be named in a scenario.
 #
-# The library is a module without a prefix, C++17, and links Rehearse::cnoid only. It lands where the harness looks for
-# controllers of the build: lib/rehearse/controllers in the build folder. Other libraries that it needs are added with
+# The library is a module without a prefix, C++17, and links Rehearse::cnoid only. Its folder is the one in which the
+# harness searches controllers of the build: lib/rehearse/controllers in the build folder. Add other libraries with
 # target_link_libraries(NAME PRIVATE ...). choreonoid_add_simple_controller is a synonym, so that a CMakeLists.txt
-# written for Choreonoid stays as it is.
+# written for Choreonoid needs no change.
 
 include(${CMAKE_CURRENT_LIST_DIR}/RehearseBits.cmake)
 
@@ -20,7 +20,7 @@ function(rehearse_add_simple_controller name)
     CXX_VISIBILITY_PRESET hidden  # the factory and the API's classes are visible whatever this says
     VISIBILITY_INLINES_HIDDEN ON
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/rehearse/controllers)
-  # A fused multiply-add rounds once where two instructions round twice: other commands on other CPUs.
+  # A fused multiply-add rounds once where two instructions round twice: commands would differ between CPUs.
   target_compile_options(${name} PRIVATE -ffp-contract=off)
   target_link_libraries(${name} PRIVATE Rehearse::cnoid)
   rehearse_warn_of_other_flags(${name})
@@ -33,9 +33,9 @@ endfunction()
 # rehearse_add_controller_test(NAME SOURCES files... [CONTROLLERS targets...] [FIXTURES folder] [GOLDEN folder]
 #                              [LABEL label] [TIMEOUT seconds]): a test program written with <rehearse/gtest.h>.
 #
-# Each TEST is one ctest. Scenarios and models are named relative to FIXTURES (default: fixtures), goldens stand in GOLDEN
-# (default: golden); both folders are relative to the CMakeLists.txt at hand. The controllers are built before the test.
-# Recordings go to traces/, and those that don't match their golden to goldens/pending/, of the build folder.
+# Each TEST is one ctest. Scenarios and models are named relative to FIXTURES (default: fixtures), goldens are in GOLDEN
+# (default: golden); both folders are relative to the current CMakeLists.txt. The controllers are built before the test.
+# Recordings go to traces/ of the build folder, and those that differ from their golden to goldens/pending/.
 function(rehearse_add_controller_test name)
   cmake_parse_arguments(arg "" "FIXTURES;GOLDEN;LABEL;TIMEOUT" "SOURCES;CONTROLLERS" ${ARGN})
   if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)

@@ -1,10 +1,10 @@
-# What `cmake --install` puts where, so that a user's project finds it: find_package(Rehearse CONFIG).
+# Installation: the places of files, and the package for a user's project: find_package(Rehearse CONFIG).
 #
-# The libraries are shared and keep what they are made with (ODE, OSMesa, urdfdom, yaml-cpp, ...) to themselves: a user's
-# project needs Eigen, and GoogleTest for Rehearse::gtest, and no more.
+# The libraries are shared and hide their dependencies (ODE, OSMesa, urdfdom, yaml-cpp, ...): a user's project needs
+# only Eigen, and GoogleTest for Rehearse::gtest.
 #
-# Components: `runtime`, the command and its libraries; `development`, for those who build and test controllers;
-# `samples`, as far as they are built. tools/package makes a Debian package of each of the first two.
+# Components: `runtime`, the command and its libraries; `development`, to build and test controllers; `samples`, those
+# that are built. tools/package makes a Debian package of each of the first two.
 include(CMakePackageConfigHelpers)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tests need not be built to install
 
@@ -17,7 +17,7 @@ install(TARGETS ${libraries} EXPORT RehearseTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-# nobody links it: audit names it to the dynamic linker
+# no target links it: audit passes its name to the dynamic linker
 install(TARGETS rehearse_interposer LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   COMPONENT development)
@@ -26,7 +26,7 @@ install(TARGETS ${REHEARSE_SAMPLES}
 install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq
   DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion COMPONENT samples)
 
-# The build tree is a package as well: -D CMAKE_PREFIX_PATH=build finds it, where an installed one would lie.
+# The build tree is a package as well: -D CMAKE_PREFIX_PATH=build finds it at the same relative places as installed.
 set(built_package_folder ${CMAKE_BINARY_DIR}/${package_folder})
 install(EXPORT RehearseTargets NAMESPACE Rehearse:: DESTINATION ${package_folder} COMPONENT development)
 export(EXPORT RehearseTargets NAMESPACE Rehearse:: FILE ${built_package_folder}/RehearseTargets.cmake)
@@ -43,7 +43,7 @@ install(FILES
   tools/cmake/RehearseControllers.cmake
   DESTINATION ${package_folder} COMPONENT development)
 
-# Man pages, and completions of shells, from what the command prints with --help.
+# Man pages, and completions of shells, from the output of the command with --help.
 find_program(REHEARSE_HELP2MAN help2man)
 mark_as_advanced(REHEARSE_HELP2MAN)
 if(REHEARSE_HELP2MAN)
@@ -60,7 +60,7 @@ else()
   message(STATUS "Man pages and completions are left out: help2man isn't installed")
 endif()
 
-# All that is installed, but for the samples: tools/demo builds no more.
+# Everything that is installed, except the samples: tools/demo builds only this.
 add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_interposer rehearse rehearse-simulate rehearse-audit)
 if(TARGET rehearse_pages)
   add_dependencies(rehearse_installed rehearse_pages)

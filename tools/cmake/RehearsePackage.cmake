@@ -1,4 +1,4 @@
-# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, and their debug symbols apart. tools/package calls it.
+# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, and separate debug symbols. tools/package calls it.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME rehearse)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -32,7 +32,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "build and test robot controllers with 
  Headers of Choreonoid's SimpleController API, GoogleTest assertions on
  recorded runs, and what CMake needs to find both.")
 
-# Debian's own documents; its changelog names the project's.
+# Debian's own documents; its changelog refers to the project's.
 set(documents ${CMAKE_BINARY_DIR}/doc)
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(WRITE ${documents}/changelog.Debian

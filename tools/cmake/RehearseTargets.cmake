@@ -1,4 +1,4 @@
-# How every target of ours is compiled and where it lands. One place, because bits depend on it.
+# Compiler options and output folders of every target of Rehearse. They are in one place, because bits depend on them.
 
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
@@ -7,8 +7,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 
-# Sources of a target are compiled together, some at a time: half of a unit's time goes into headers that its neighbours
-# include as well. With -DCMAKE_UNITY_BUILD=OFF each is compiled by itself: for whoever edits one and compiles again.
+# Unity builds: several sources of a target are compiled together, because half of a unit's time is spent in headers
+# that the others include as well. With -DCMAKE_UNITY_BUILD=OFF each source is compiled separately: better for editing
+# one.
 if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON)
 endif()
@@ -25,7 +26,7 @@ add_library(rehearse_flags INTERFACE)
 target_compile_options(rehearse_flags INTERFACE
   -ffp-contract=off  # a fused multiply-add rounds once where two instructions round twice: other bits on other CPUs
   -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=  # messages name files from the checkout on, wherever it lies
-  # what a source declares shadows what its neighbours of a unity build keep to themselves
+  # in a unity build, declarations of one source shadow internal names of others
   $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
   -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
@@ -44,12 +45,12 @@ add_library(rehearse_private_headers INTERFACE)
 target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
 
 # rehearse_room(NAME SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder of
-# sources as a target of its own, rehearse_room_NAME. Without sources it is a folder of headers.
+# sources as a separate target, rehearse_room_NAME. Without sources it is a folder of headers.
 #
-# A file of the room may include its own headers and those of the rooms after MAY_USE, no others: headers of their
-# folders and headers of theirs that are installed (PUBLIC, in include/rehearse). Programs in tools/ may include what is
-# installed, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all that from the targets.
-# LIBRARIES are of other projects, and Rehearse::cnoid.
+# A file of the room may include the room's own headers and those of the rooms after MAY_USE, no others: headers in
+# their folders and their installed headers (PUBLIC, in include/rehearse). Programs in tools/ may include installed
+# headers, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all this from the targets. LIBRARIES are
+# targets of other projects, and Rehearse::cnoid.
 function(rehearse_room name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
   list(TRANSFORM arg_MAY_USE PREPEND rehearse_room_)
@@ -71,8 +72,8 @@ function(rehearse_room name)
   set_property(GLOBAL APPEND PROPERTY REHEARSE_ROOMS ${room})
 endfunction()
 
-# rehearse_write_rooms(FILE): the graph of the rooms as CMake has it, for the test: a line each of name, folder, links,
-# public headers and doors, separated by |.
+# rehearse_write_rooms(FILE): writes the graph of the rooms for the test: a line each of name, folder, links, public
+# headers and doors, separated by |.
 function(rehearse_write_rooms file)
   get_property(rooms GLOBAL PROPERTY REHEARSE_ROOMS)
   set(lines "")

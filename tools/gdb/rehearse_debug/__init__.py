@@ -1,7 +1,7 @@
-"""What gdb knows of Rehearse: where a run is, how to get to a tick, what a controller reads and writes.
+"""Rehearse's extension of gdb: the place of a run, moves to a tick, a controller's inputs and commands.
 
-place      reads where the process is (harness/src/host/debug_hook.h)
-travel     runs to a tick, forwards or by beginning again
+place      reads the place of the process (harness/src/host/debug_hook.h)
+travel     runs to a tick, forwards or by starting again
 values     reads C++ objects: strings, vectors, Eigen's types
 printers   pretty printers of Eigen's and cnoid's types
 tables     inputs and commands of the controller that is being called

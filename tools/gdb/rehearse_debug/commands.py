@@ -6,7 +6,7 @@ import gdb
 
 from . import place, tables, travel
 
-# Which controller the user looks at: NAME or BODY/NAME; empty: the first that is called in a tick.
+# The controller that the user selected: NAME or BODY/NAME; empty: the first that is called in a tick.
 _chosen = ""
 
 
@@ -173,5 +173,5 @@ class Start(gdb.Command):
 def register() -> None:
     for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Start):
         command()
-    # by which the watchdog (guarded_call.cpp) ends a call; it doesn't while a debugger holds the process
+    # the signal by which the watchdog (guarded_call.cpp) ends a call; it does so only without a debugger
     gdb.execute("handle SIGXCPU nostop noprint pass", to_string=True)

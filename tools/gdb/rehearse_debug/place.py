@@ -1,6 +1,6 @@
-"""Where the process is, read from the variables of harness/src/host/debug_hook.h.
+"""The place of the process, read from the variables of harness/src/host/debug_hook.h.
 
-They are read as bytes, so that it works without debug information of Rehearse as well.
+They are read as bytes, so that no debug information of Rehearse is needed.
 """
 
 import struct
@@ -12,12 +12,12 @@ _LAYOUT = struct.Struct("<qqdQQQQQ")
 
 
 class Place(NamedTuple):
-    """DebugPlace, with its texts read. Addresses are 0 where there is nothing."""
+    """DebugPlace, with its texts read. An address is 0 if there is no object."""
 
     run: int
     tick: int
     time: float
-    controller: str  # "SR1/SR1Minimum"; empty: none is being called
+    controller: str  # "SR1/SR1Minimum"; empty: no controller is being called
     function: str
     object: int
     io: int
@@ -34,7 +34,7 @@ class Place(NamedTuple):
 
 
 def is_running() -> bool:
-    """Whether there is a process to look at."""
+    """True if a process exists."""
     return gdb.selected_inferior().pid != 0
 
 
@@ -56,7 +56,7 @@ def _text_at(address: int) -> str:
 
 
 def here() -> Optional[Place]:
-    """None if there is no process, or one that hasn't loaded Rehearse yet."""
+    """The current place; None if there is no process, or if it hasn't loaded Rehearse yet."""
     address = _address_of("rehearse_now") if is_running() else None
     if address is None:
         return None
@@ -70,7 +70,7 @@ def here() -> Optional[Place]:
 
 
 def stop_from(run: int, tick: int) -> None:
-    """From there on the hook is called. Without a process it does nothing."""
+    """Sets the run and tick from which on the hook is called. Does nothing without a process."""
     for variable, value in (("rehearse_stop_run", run), ("rehearse_stop_tick", tick)):
         address = _address_of(variable) if is_running() else None
         if address is not None:

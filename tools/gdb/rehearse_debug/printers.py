@@ -1,7 +1,7 @@
 """Pretty printers of Eigen's types and of cnoid's Body, Link, Device, ref_ptr and value trees.
 
-A printer may meet memory that isn't initialised, null pointers, and objects that the optimiser took away: then it says
-so.
+A printer may read memory that isn't initialised, null pointers, and objects that the optimiser removed: then it reports
+this.
 """
 
 from typing import Any, Callable, Iterator, Optional, Tuple
@@ -13,11 +13,11 @@ from . import values
 from .values import Unreadable
 
 Children = Iterator[Tuple[str, Any]]
-_DEEPEST = 20  # value trees
+_DEEPEST = 20  # nesting of value trees
 
 
 class Printer:
-    """What the printers have in common: none of them fails."""
+    """Base class of the printers: none of them fails."""
 
     def __init__(self, value: gdb.Value) -> None:
         self.value = value
@@ -33,7 +33,7 @@ class Printer:
 
 
 class PrinterWithParts(Printer):
-    """One whose object has parts worth showing."""
+    """A printer of an object whose parts are printed, too."""
 
     def children(self) -> Children:
         parts = self.parts()
@@ -86,7 +86,7 @@ class Translation(Printer):
 
 
 class RefPtr(Printer):
-    """A pointer is shown with what it points to in a few words; `print *pointer` shows more."""
+    """A pointer is printed with a short form of its object; `print *pointer` prints more."""
 
     def summary(self) -> str:
         pointee = values.pointee(self.value)
@@ -102,7 +102,7 @@ def _counted(count: int, what: str) -> str:
 
 
 class Body(PrinterWithParts):
-    """Name and size; then where the root is, and each joint."""
+    """Name and size; then the root's position, and each joint."""
 
     def summary(self) -> str:
         links = sum(1 for _ in values.elements(self.value["links_"]))
@@ -128,7 +128,7 @@ class Body(PrinterWithParts):
 
 
 class Link(PrinterWithParts):
-    """Name and joint; then what moves."""
+    """Name and joint; then the state of motion."""
 
     _JOINT_TYPES = ("revolute", "prismatic", "free", "fixed", "track")
     _STATES = ("q", "dq", "ddq", "u", "q_target", "dq_target")
@@ -164,7 +164,7 @@ class Link(PrinterWithParts):
 
 
 class Device(PrinterWithParts):
-    """Class and name; then its state: whatever its own class has of numbers, vectors and flags, but for limits."""
+    """Class and name; then its state: all numbers, vectors and flags of its class, except limits."""
 
     def __init__(self, value: gdb.Value) -> None:
         super().__init__(values.as_it_is(value))
@@ -183,7 +183,7 @@ class Device(PrinterWithParts):
             if field.is_base_class:
                 if field.type.name != "cnoid::Device" and values.derives_from(field.type, "cnoid::Device"):
                     yield from self._members(value.cast(field.type))
-            elif hasattr(field, "bitpos") and not field.name.endswith("_max_"):  # no static one
+            elif hasattr(field, "bitpos") and not field.name.endswith("_max_"):  # not a static member
                 yield from self._member(field.name.rstrip("_"), value[field])
 
     @staticmethod
@@ -198,7 +198,7 @@ class Device(PrinterWithParts):
 
 
 class Node(Printer):
-    """A value tree, as YAML writes it in one line."""
+    """A value tree, as YAML in one line."""
 
     def summary(self) -> str:
         return self._node(self.value, _DEEPEST)
@@ -218,7 +218,7 @@ class Node(Printer):
         return "(none)"
 
     def _mapping(self, value: gdb.Value, depth: int) -> str:
-        printer = gdb.default_visualizer(value["values_"])  # of libstdc++; a map is not for us to walk
+        printer = gdb.default_visualizer(value["values_"])  # libstdc++'s, since a map's layout is private
         if printer is None:
             return "{...}"
         pairs = [part for _, part in printer.children()]
@@ -248,7 +248,7 @@ _BY_BASE: "dict[str, Callable[[gdb.Value], Printer]]" = {
 
 
 def find(value: gdb.Value) -> Optional[Printer]:
-    """The printer of a value; None: gdb's own will do."""
+    """The printer of a value; None if gdb's own printer is sufficient."""
     kind = value.type
     if kind.code in (gdb.TYPE_CODE_REF, gdb.TYPE_CODE_RVALUE_REF):
         kind = kind.target()
@@ -264,7 +264,7 @@ def find(value: gdb.Value) -> Optional[Printer]:
 
 
 class _Lookup:
-    """What gdb asks. `disable pretty-printer global rehearse` turns all of them off."""
+    """Finds printers for gdb. `disable pretty-printer global rehearse` turns all of them off."""
 
     name = "rehearse"
     enabled = True
@@ -274,7 +274,7 @@ class _Lookup:
 
 
 class _PointerMethod(gdb.xmethod.XMethod, gdb.xmethod.XMethodWorker):
-    """A function of ref_ptr, all of whose code is inlined, so that gdb could not call it."""
+    """A function of ref_ptr. Its code is always inlined, so gdb can't call it."""
 
     def __init__(self, name: str) -> None:
         gdb.xmethod.XMethod.__init__(self, name)
@@ -302,7 +302,7 @@ class _PointerMethods(gdb.xmethod.XMethodMatcher):
 
 
 def register() -> None:
-    """In front of the others; in the place of those of an earlier `source`."""
+    """Registers the printers before all others, and replaces those of an earlier `source`."""
     gdb.pretty_printers = [
         known for known in gdb.pretty_printers if getattr(known, "name", None) != _Lookup.name
     ]

@@ -1,7 +1,7 @@
 """Inputs and commands of the controller that is being called, as tables.
 
-What is an input or a command is what the harness moves: the tables of its ControllerIo (harness/src/host/io_layout.h).
-The numbers are those in the controller's own body.
+Inputs and commands are the quantities that the harness copies: the tables of its ControllerIo
+(harness/src/host/io_layout.h). The numbers are those in the controller's body.
 """
 
 import enum
@@ -77,7 +77,7 @@ class Io:
         return printers.Link.joint_name(link) if field.quantity.is_of_joint else values.text(link["name_"])
 
     def current(self, field: Field, members: "dict[Quantity, str]") -> List[str]:
-        """The numbers of a field, as the body holds them now; of a pose its position only."""
+        """The present numbers of a field in the body; of a pose only the position."""
         link = self.links[field.link]
         assert link is not None
         if field.quantity.is_of_joint:
@@ -90,7 +90,7 @@ class Io:
 
 
 def _table(rows: List[List[str]]) -> str:
-    """Columns as wide as they must be, the first to the left; numbers begin where the sign would stand."""
+    """Columns as wide as their widest cell, the first left-aligned; positive numbers have a blank instead of a sign."""
     padded = [[cell if cell.startswith("-") or i == 0 else " " + cell for i, cell in enumerate(row)] for row in rows]
     widths = [max(len(row[i]) for row in padded if i < len(row)) for i in range(max(map(len, padded)))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in padded]
@@ -156,7 +156,7 @@ def _devices(io: Io) -> List[List[str]]:
 
 
 def commands(now: place.Place) -> str:
-    """Each command as it stands, and as it was in the tick before."""
+    """Each command now, and in the tick before."""
     io = Io(now)
     text = f"commands of {now.controller}, tick {now.tick} ({now.time:g} s), so far\n"
     before = io.numbers("output_values_")

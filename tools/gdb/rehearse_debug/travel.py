@@ -7,17 +7,17 @@ import gdb
 from . import place
 
 HOOK = "rehearse_at_tick"
-# In the virtual table of cnoid::SimpleController (Itanium ABI) it comes behind two destructors, configure, initialize and
-# start.
+# In the virtual table of cnoid::SimpleController (Itanium ABI), control comes after two destructors, configure,
+# initialize and start.
 _SLOT_OF_CONTROL = 5
 _FOLDERS_OF_LIBRARIES = ("/usr/include/", "/usr/lib/", "/eigen3/", "/include/cnoid/")
 _THUNKS = ("non-virtual thunk to ", "virtual thunk to ")
 
 
 class Target(NamedTuple):
-    """Where to stop."""
+    """The place where gdb stops."""
 
-    run: int  # or in a later one
+    run: int  # this run, or a later one
     tick: int
     controller: str  # NAME or BODY/NAME; empty: the first that is called in the tick
 
@@ -28,10 +28,10 @@ class Target(NamedTuple):
 
 
 class Hook(gdb.Breakpoint):
-    """The breakpoint before control(). Only one exists, and only while something is on its way to a tick."""
+    """The breakpoint before control(). At most one exists, and only during a move to a tick."""
 
     def __init__(self, target: Target) -> None:
-        super().__init__(HOOK, internal=True)  # pending, if the library comes later
+        super().__init__(HOOK, internal=True)  # pending if the library is loaded later
         self.silent = True
         self.target = target
         self.reached = False
@@ -40,16 +40,16 @@ class Hook(gdb.Breakpoint):
         now = place.here()
         if now is None:
             return False
-        # A process that has just begun calls the hook in its first tick, and is told here from where on it shall do so.
+        # A process that has just started calls the hook in its first tick; here the hook learns at which tick to stop.
         place.stop_from(self.target.run, self.target.tick)
         self.reached = self.target.is_reached_by(now)
         return self.reached
 
 
 def go(target: Target, again: bool) -> None:
-    """Runs until there, and says where it came to. `again`: from the program's beginning, past the user's breakpoints."""
+    """Runs to the target and returns a message. `again`: from the program's start, without the user's breakpoints."""
     resting = _rest_breakpoints() if again else []
-    hook = _quietly(lambda: Hook(target))  # gdb would say that it is pending
+    hook = _quietly(lambda: Hook(target))  # hides gdb's message "pending"
     try:
         told = _resume("run" if again or not place.is_running() else "continue", target)
         if hook.reached:

@@ -8,7 +8,7 @@ from typing import Iterator, List, Optional
 import gdb
 
 LONGEST_TEXT = 200
-SHOWN = 100  # numbers, or rows; more are counted
+SHOWN = 100  # numbers, or rows; the rest is only counted
 _MOST_ELEMENTS = 1_000_000
 _REFERENCES = (gdb.TYPE_CODE_REF, gdb.TYPE_CODE_RVALUE_REF)
 
@@ -61,7 +61,7 @@ def scalar(value: gdb.Value) -> str:
     if kind.code != gdb.TYPE_CODE_FLT:
         return str(value)
     number = float(value)
-    if kind.sizeof < 8:  # a float's own digits
+    if kind.sizeof < 8:  # enough digits for a float
         return f"{number:.9g}"
     shortest = repr(number)
     return shortest[:-2] if shortest.endswith(".0") else shortest

@@ -1,4 +1,4 @@
-// The moment and the plotted series in the page's address, so that a link opens there:
+// The moment and the plotted series in the page's address, so that a link opens the page at that moment:
 // #tick=640&series=SR1/RLEG_KNEE/q,SR1/RLEG_KNEE/u&view=600..700
 import type { Store } from './store';
 
@@ -20,7 +20,7 @@ export function parse_address(hash: string): Place {
   return place;
 }
 
-// What somebody has typed may not be encoded.
+// Addresses that a person typed may contain unencoded characters.
 function decoded(text: string): string {
   try {
     return decodeURIComponent(text);

@@ -1,11 +1,11 @@
-// Blobs: elements of the page, decoded when somebody asks for them.
+// Blobs: elements of the page, decoded on demand.
 import type { BlobReference, ConstantArray, NumberArray, NumberType } from './format';
 
 export type Numbers = Float64Array | Float32Array | BigInt64Array | BigUint64Array | Uint32Array | Uint8Array;
 
 const widths = { f64: 8, f32: 4, i64: 8, u64: 8, u32: 4, u8: 1 };
 
-// An element is whole once the browser has read something behind it.
+// An element is complete after the browser has read something behind it.
 function whole_element(id: string): Element | null {
   const element = document.getElementById(id);
   return element && (element.nextElementSibling || document.readyState !== 'loading') ? element : null;
@@ -58,7 +58,7 @@ export async function bytes_of(blob: BlobReference): Promise<Uint8Array<ArrayBuf
   return bytes;
 }
 
-// First bytes of all elements, then second bytes, ... become elements.
+// Reverses the filter `columns`: the first bytes of all elements, then the second bytes, ... become elements.
 function put_columns_back(columns: Uint8Array, width: number): Uint8Array<ArrayBuffer> {
   const count = columns.length / width;
   const bytes = new Uint8Array(columns.length);
@@ -73,7 +73,7 @@ function xor_with_previous(bytes: Uint8Array, width: number) {
   for (let i = width; i < bytes.length; ++i) bytes[i]! ^= bytes[i - width]!;
 }
 
-// Elements that the base hasn't got stay as they are.
+// Elements beyond the end of the base stay unchanged.
 function xor_with(bytes: Uint8Array, base: Uint8Array) {
   const end = Math.min(bytes.length, base.length);
   for (let i = 0; i < end; ++i) bytes[i]! ^= base[i]!;
@@ -117,7 +117,7 @@ export async function numbers_of(array: NumberArray, base?: Numbers): Promise<Nu
     if (!base) throw new Error(`blob ${array.id}: the values that it is the difference to are missing`);
     xor_with(bytes, new Uint8Array(base.buffer as ArrayBuffer));
   }
-  // a blob may be that of a longer array, too
+  // the blob may contain a longer array
   return as_numbers(bytes, array.type).subarray(0, array.count);
 }
 

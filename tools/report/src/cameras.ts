@@ -1,4 +1,5 @@
-// What the cameras saw at the cursor: expected, actual, difference; or one picture with a slider between the two.
+// Pictures of cameras at the cursor: expected, actual, difference; or one picture with a slider between expected and
+// actual.
 import { absence, button, element, set_text } from './dom';
 import type { CameraEntry } from './format';
 import { count_text } from './numbers';
@@ -96,7 +97,7 @@ class CameraView {
         shown?.expected && picture_of(shown.expected),
         shown?.actual && picture_of(shown.actual),
       ]);
-      if (request !== this.wanted) return; // the cursor has moved on
+      if (request !== this.wanted) return; // the cursor has moved since
       this.paint(expected ?? null, actual ?? null, shown);
       this.drawn = { expected: shown?.expected_tick ?? null, actual: shown?.actual_tick ?? null };
       set_text(this.note, this.describe(shown));
@@ -116,7 +117,7 @@ class CameraView {
     return `${tick}: ${differing === null ? 'not compared' : differing === 0 ? 'within tolerance' : `${count_text(differing)} pixels beyond tolerance`}`;
   }
 
-  // The recording doesn't always know it before the first picture.
+  // The recording may not state the size before the first picture.
   private resize(picture: ImageBitmap | null) {
     if (!picture) return;
     ({ width: this.width, height: this.height } = picture);

@@ -1,4 +1,4 @@
-// Choosing what is plotted: those that differ first, then by what they are.
+// Selection of plotted series: first the series with differences, then all by group.
 import { Tour } from './divergences';
 import { button, element, set_name, set_text } from './dom';
 import type { Group } from './format';

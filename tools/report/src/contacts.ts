@@ -1,4 +1,4 @@
-// Who touches whom, from when to when.
+// Contacts between links, with their first and last ticks.
 import type { ReportData } from './format';
 
 export interface ContactSpan {

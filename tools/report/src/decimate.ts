@@ -1,8 +1,8 @@
-// Curves as a screen can show them: of a hundred thousand values, each pixel's lowest and highest.
+// Reduces curves to the resolution of the screen: for each pixel the lowest and the highest of many values.
 //
-// All curves of a plot share their times. Where there are more values than pixels, a pixel is two points, of each curve
-// its extremes there in the order in which they came, so that nothing that sticks out is lost. `undefined` is no point
-// (the curve goes on), `null` is a value that can't be drawn: NaN or infinite (the curve is broken).
+// All curves of a plot share their times. If there are more values than pixels, a pixel has two points: for each curve
+// the two extremes in their order in time, so that no peak is lost. `undefined` means no point (the curve continues);
+// `null` means a value that can't be drawn, NaN or infinite (the curve is interrupted).
 import type { Columns, Values } from './report';
 import type { View } from './store';
 
@@ -85,7 +85,7 @@ function every_value(columns: Columns, view: View, time: (tick: number) => numbe
   return curves;
 }
 
-// Lowest and highest of [first, end) into a pair of points, in their order.
+// Writes the lowest and highest value of [first, end) to a pair of points, in their order.
 function push_extremes(points: Points, numbers: ArrayLike<number>, first: number, end: number) {
   let lowest = Infinity,
     highest = -Infinity,
@@ -159,7 +159,7 @@ function add_bounds(columns: Columns, curves: Curves) {
       curves.bound.push(bound);
     }
     const difference = curves.difference[i];
-    // where nothing is said of a tolerance, each bit counts
+    // without a tolerance every different bit is a difference
     const is_beyond =
       typeof difference === 'number' &&
       series.entry.beyond > 0 &&

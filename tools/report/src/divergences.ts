@@ -1,4 +1,4 @@
-// From divergence to divergence, and what to plot of one.
+// Moves from divergence to divergence, and selects the series to plot for one.
 import type { DivergenceEntry } from './format';
 import type { Report, Series } from './report';
 import type { Store } from './store';

@@ -1,4 +1,4 @@
-// Elements, in one expression.
+// Creates elements with one expression.
 
 type Child = Node | string | null | undefined | false;
 type Properties = Record<string, string | number | boolean | EventListener | null | undefined>;

@@ -1,4 +1,4 @@
-// What a robot looks like: its links' shapes as objects of three, for the run or as the golden's ghost.
+// The appearance of a robot: its links' shapes as three.js objects, for the run or as the golden's ghost.
 import * as three from 'three';
 import { numbers_of } from './blobs';
 import type { MeshEntry, RobotEntry, ShapeEntry } from './format';
@@ -32,7 +32,7 @@ export class Meshes {
       shared.computeVertexNormals();
       return shared;
     }
-    // flat faces: the edges of machine parts stay edges
+    // flat shading: edges of machine parts stay sharp
     const flat = shared.toNonIndexed();
     flat.computeVertexNormals();
     return flat;
@@ -49,7 +49,7 @@ async function geometry_of(shape: ShapeEntry, meshes: Meshes): Promise<three.Buf
   return meshes.load(shape.mesh ?? -1);
 }
 
-// Squares of two colours over the upper face of a box.
+// Squares of a second colour on the upper face of a box.
 function checkered(shape: ShapeEntry, geometry: three.BufferGeometry): three.Texture {
   const { color, size } = shape.checker!,
     [x, y] = shape.box!;
@@ -134,7 +134,7 @@ export class Figure {
   }
 }
 
-// Of the origins, and, for links that turn in place, of points 0.1 m from them.
+// Compares the links' origins, and, because links may turn in place, points 0.1 m from them.
 function distance_of(a: three.Matrix4, b: three.Matrix4): number {
   let square = 0,
     turned = 0;

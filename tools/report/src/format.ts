@@ -1,4 +1,4 @@
-// What FORMAT.md says, as types.
+// The types of FORMAT.md.
 
 /** JSON has no such numbers; they are texts there. */
 export type JsonNumber = number | 'NaN' | 'Infinity' | '-Infinity';
@@ -127,7 +127,7 @@ export interface ShapeEntry {
   cylinder?: { radius: number; length: number };
   mesh?: number;
   scale?: [number, number, number];
-  checker?: { color: [number, number, number, number]; size: number }; // of a box: squares of another colour
+  checker?: { color: [number, number, number, number]; size: number }; // of a box: squares of a second colour
 }
 
 export interface LinkEntry {

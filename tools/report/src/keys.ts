@@ -1,8 +1,8 @@
-// The keyboard: everything that is done often is one key.
+// The keyboard: every frequent action has one key.
 import { button, element } from './dom';
 
 export interface Key {
-  keys: string[]; // as KeyboardEvent.key has them
+  keys: string[]; // values of KeyboardEvent.key
   shown: string;
   does: string;
   action: (event: KeyboardEvent) => void;
@@ -46,7 +46,7 @@ export function help_dialog(keys: Key[]): HTMLDialogElement {
 }
 
 const fields = 'input, select, textarea';
-// arrow keys and space mean something to these themselves
+// elements that use arrow keys and space themselves
 const own_keys: Record<string, string[]> = {
   BUTTON: [' ', 'Enter'],
   SELECT: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', ' ', 'Home', 'End'],
@@ -61,7 +61,7 @@ function is_taken(event: KeyboardEvent): boolean {
 }
 
 export function listen_to_keys(keys: Key[]) {
-  // whoever pressed a button with the mouse wants Space to play, not to press it again
+  // after a click on a button, Space must play and not press the button again
   document.addEventListener('click', (event) => {
     const button = (event.target as HTMLElement).closest<HTMLElement>('button');
     if (event.detail > 0 && button && !button.closest('dialog')) button.blur();

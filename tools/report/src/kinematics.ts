@@ -1,5 +1,5 @@
-// Where the links of a robot are: root pose and joint displacements of a run at a tick, and the chain from parents to
-// children.
+// Poses of a robot's links: from the root pose and joint displacements of a run at a tick, along the chain from parents
+// to children.
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import type { LinkEntry, PoseEntry, RobotEntry } from './format';
 import type { Columns, Report, Values } from './report';

@@ -1,4 +1,4 @@
-// Puts the page together: parts, keys, address.
+// Assembles the page: parts, keys, address.
 import 'uplot/dist/uPlot.min.css';
 import './style/theme.css';
 import './style/page.css';
@@ -175,7 +175,7 @@ function put_together(report: Report) {
   return ready;
 }
 
-// Ready once the robot, the plots and the pictures on the screen are drawn.
+// Ready after the robot, the plots and the pictures on the screen are drawn.
 async function open_page(store: Store, scene: Scene, plots: Plots, cameras: Cameras) {
   performance.mark('rehearse-begin');
   await Promise.all([scene.load(), plots.drawn()]);

@@ -1,4 +1,4 @@
-// What controllers and harness said, with a click to the tick at which they did.
+// Messages of controllers and harness; a click on one moves the cursor to its tick.
 import { absence, element, set_name, set_text } from './dom';
 import type { DivergenceEntry, EventEntry } from './format';
 import { difference_text, number_of, plural, short_text, time_text, value_text } from './numbers';
@@ -135,7 +135,7 @@ export class Divergences {
     );
     store.on(['tick'], () => this.follow());
     this.list.set_count(divergences.length);
-    // nothing can be scrolled to before it is shown
+    // scrolling is possible only after the list is shown
     new ResizeObserver(() => this.follow()).observe(this.list.root);
   }
 

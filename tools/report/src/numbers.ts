@@ -1,4 +1,4 @@
-// Numbers and times as they are read.
+// Numbers and times as text.
 import type { JsonNumber } from './format';
 
 export function number_of(value: JsonNumber | null | undefined): number | null {

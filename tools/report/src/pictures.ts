@@ -1,4 +1,4 @@
-// Pictures of cameras, decoded when shown; the last ones are kept.
+// Pictures of cameras, decoded on demand; the most recent ones are kept.
 import { bytes_of } from './blobs';
 import type { BlobReference, CameraEntry, PictureEntry } from './format';
 

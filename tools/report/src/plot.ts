@@ -1,4 +1,4 @@
-// One series: golden, run and tolerance, below them their difference.
+// A plot of one series: golden, run and tolerance, below them their difference.
 import uPlot from 'uplot';
 import { curves_in_view, type Curves } from './decimate';
 import { button, element, set_name, set_text } from './dom';
@@ -18,7 +18,7 @@ interface Chart {
   width: number;
   height: number;
   series: uPlot.Series[];
-  times: boolean; // below it
+  times: boolean; // whether times are shown below the plot
   space: number; // between the numbers beside it, at least [pixels]
   range: () => [number, number];
 }
@@ -186,7 +186,7 @@ export class Plot {
     return this.curves!.raw && this.curves!.time.length < 120;
   }
 
-  // As much of the tolerance as leaves the curves readable.
+  // Shows the tolerance only as far as the curves stay readable.
   private value_range(): [number, number] {
     const curves = this.curves!;
     if (curves.low > curves.high) return [-1, 1];
@@ -282,7 +282,7 @@ export class Plot {
     let pressed = 0;
     chart.over.addEventListener('mousedown', (event) => (pressed = event.clientX));
     chart.over.addEventListener('click', (event) => {
-      // the end of a drag is a click, too
+      // the end of a drag also causes a click
       if (Math.abs(event.clientX - pressed) < 3)
         store.go(report.tick_at(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, 'x')));
     });

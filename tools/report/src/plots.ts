@@ -1,4 +1,4 @@
-// The plots of the chosen series, one below the other. Only those on the screen are drawn.
+// The plots of the selected series, one below the other. Only plots on the screen are drawn.
 import { absence, element } from './dom';
 import { Plot } from './plot';
 import type { Report } from './report';
@@ -72,7 +72,7 @@ export class Plots {
     }
   }
 
-  // with Ctrl, as maps do it; without, the list scrolls
+  // zooms with Ctrl, as in maps; otherwise the list scrolls
   private zoom(event: WheelEvent) {
     if (!event.ctrlKey && !event.metaKey) return;
     const over = (event.target as HTMLElement).closest<HTMLElement>('.u-over');

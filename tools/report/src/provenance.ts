@@ -1,4 +1,4 @@
-// Where the runs come from: facts of both sides, those that differ first; what was left out; the scenario.
+// The provenance of the runs: facts of both, different ones first; the parts left out; the scenario.
 import { absence, element } from './dom';
 import type { Run } from './format';
 import { count_text } from './numbers';
@@ -58,7 +58,7 @@ export function provenance(report: Report): HTMLElement {
 
 type Line = { mark: ' ' | '-' | '+'; text: string };
 
-// Lines of both in order, by their longest common subsequence.
+// Merges the lines of both texts in order, by their longest common subsequence.
 function merged_lines(golden: string[], actual: string[]): Line[] {
   if (golden.length * actual.length > 4e6)
     return [...golden.map((text): Line => ({ mark: '-', text })), ...actual.map((text): Line => ({ mark: '+', text }))];

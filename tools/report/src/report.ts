@@ -1,4 +1,4 @@
-// The data of the page: series with the ticks of their values, found by name, decoded once and kept while there is room.
+// The data of the page: series with the ticks of their values, found by name, decoded on demand and kept in a cache.
 import { as_doubles, numbers_of, text_of, type Numbers } from './blobs';
 import type { AxisEntry, ReportData, SeriesEntry } from './format';
 
@@ -163,7 +163,7 @@ function values_of(axis: Axis, numbers: Numbers): Values {
   return { axis, numbers: as_doubles(numbers), exact };
 }
 
-// Decoded numbers that are kept though nobody may be looking at them any more.
+// Size of the cache of decoded numbers.
 const room = 600e6;
 
 export class Report {

@@ -1,4 +1,4 @@
-// The robots in 3D: the run, and the golden as a ghost. Drawn only when something has changed.
+// The robots in 3D: the run, and the golden as a ghost. Drawn only after a change.
 import * as three from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { absence, element, set_text } from './dom';
@@ -139,7 +139,7 @@ export class Scene {
     this.make_grid(radius);
   }
 
-  // Where the recording has a floor, that is enough.
+  // If the recording contains a floor, no grid is needed.
   private make_grid(radius: number) {
     if (this.figures.some((figure) => !this.does_move(figure) && figure !== this.main)) return;
     if (this.grid) {
@@ -216,7 +216,7 @@ export class Scene {
     const begin = performance.now();
     this.renderer.render(this.scene, this.camera);
     ++this.drawings;
-    // a processor that draws instead of a graphics card: fewer pixels
+    // software rendering without a graphics card: use fewer pixels
     if (!this.slow && this.drawings > 3 && performance.now() - begin > 25 && window.devicePixelRatio > 1) {
       this.slow = true;
       this.resize();

@@ -1,4 +1,4 @@
-// Finding series by what a person types: words of their names in any order, a glob, or letters in their order.
+// Finds series by text that a person types: parts of their names in any order, a glob, or letters in their order.
 import type { Series } from './report';
 
 function glob_expression(glob: string): RegExp {

@@ -1,4 +1,4 @@
-// What lies between the panels: dragged, or moved by arrow keys, it gives one of them more room.
+// Splitters between the panels: dragging them, or arrow keys, changes the panels' sizes.
 import { element } from './dom';
 
 function splitter(

@@ -1,5 +1,5 @@
-// What the person looks at: the tick under the cursor, the ticks in view, the plotted series. Who shows a part of that
-// subscribes; changes are told once a frame, together.
+// The state of the view: the tick under the cursor, the ticks in view, the plotted series. Parts of the page subscribe
+// to it; they are notified once per frame, of all changes together.
 import type { Report } from './report';
 
 export type Change = 'tick' | 'view' | 'shown' | 'theme' | 'playing' | 'ghost' | 'data';
@@ -61,7 +61,7 @@ export class Store {
     this.changed('tick');
     const { view } = this;
     if (to < view.begin || to > view.end) {
-      // keep the width of the view, and the cursor where it came in
+      // keep the width of the view and the cursor's place in it
       const width = view.end - view.begin;
       this.look_at(
         to - width * (to < view.begin ? 0.1 : this.playing_ ? 0.02 : 0.9),

@@ -1,4 +1,4 @@
-// Numbers at the cursor. Only rows on the screen are decoded; what has changed since the tick before is marked.
+// Numbers at the cursor. Only rows on the screen are decoded; values that changed since the tick before are marked.
 import { Tour } from './divergences';
 import { element, set_name, set_text } from './dom';
 import { difference_text, plural, short_text, value_text } from './numbers';

@@ -1,4 +1,4 @@
-// window.rehearse: for tests, and for whoever wants to ask the page from the browser's console. README.md describes it.
+// window.rehearse: for tests and for the browser's console. README.md describes it.
 import type { Cameras } from './cameras';
 import type { Plots } from './plots';
 import type { Scene } from './scene';

@@ -1,4 +1,4 @@
-// Light and dark: as the system has it, until the person decides.
+// Light and dark theme: the system's setting until the user selects one.
 
 export interface Palette {
   text: string;
@@ -65,7 +65,7 @@ export function toggle_theme() {
   try {
     localStorage.setItem(key, theme);
   } catch {
-    // then it is asked for again next time
+    // without storage, the setting is lost when the page is closed
   }
   document.dispatchEvent(new Event('themechange'));
 }

@@ -1,5 +1,5 @@
-// The time line: what differs, who touches what, what was said, and where the cursor stands. Along the ruler a drag moves
-// the cursor, below it a drag zooms; the strip at the bottom is the whole run and moves what is in view.
+// The time line: differences, contacts, messages, and the cursor. Dragging along the ruler moves the cursor, dragging
+// below it zooms; the strip at the bottom shows the whole run and moves the view.
 import { element, fit_canvas } from './dom';
 import { short_text, time_text } from './numbers';
 import type { Report } from './report';
@@ -170,7 +170,7 @@ export class Timeline {
         x_end = Math.min(this.x_of(end), this.width - right);
       if (x_end >= x) context.fillRect(x, y + 3, Math.max(1, x_end - x), lane - 6);
     }
-    // those within tolerance first, so that nothing covers what matters
+    // divergences within tolerance first, so that they don't cover those beyond it
     const sorted = [...report.data.divergences].sort((a, b) => Number(a.beyond) - Number(b.beyond));
     for (const entry of sorted) {
       const x = this.x_of(entry.tick);

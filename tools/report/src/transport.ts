@@ -1,4 +1,4 @@
-// Play, pause, step; and where the cursor stands.
+// Play, pause, step; and the position of the cursor.
 import { button, element, set_text } from './dom';
 import type { Tour } from './divergences';
 import { count_text, time_text } from './numbers';
@@ -114,7 +114,7 @@ export class Transport {
     this.exact = store.tick;
     const frame = (now: number) => {
       if (!store.playing) return;
-      // whoever moves the cursor while it plays goes on from there
+      // if the user moves the cursor during play, play continues from there
       if (Math.round(this.exact) !== store.tick) this.exact = store.tick;
       this.exact = Math.min(this.exact + report.tick_at(((now - before) / 1000) * store.speed), report.last);
       before = now;

@@ -1,4 +1,4 @@
-// The verdict, and which runs it is about.
+// The verdict, and the files of the compared runs.
 import { button, element } from './dom';
 import { plural, time_text } from './numbers';
 import type { Report } from './report';

@@ -1,4 +1,4 @@
-// A list of which only the rows on the screen exist. All rows have the same height.
+// A list that creates only the rows on the screen. All rows have the same height.
 import { element } from './dom';
 
 export class VirtualList<Row extends HTMLElement> {
