@@ -1,4 +1,4 @@
-// Verbs for tests of audits: a pendulum under one of the zoo's controllers, and what the command says of it.
+// Functions for tests of audits: audit a pendulum with one of the zoo's controllers, and read the command's report.
 #pragma once
 
 #include "command.h"
@@ -9,7 +9,7 @@ namespace rehearse::test {
 
 class Audited : public Command {
  protected:
-  /// 200 ms of a pendulum that is let go at 20 degrees.
+  /// 200 ms of a pendulum that is released at 20 degrees.
   fs::path scenario(const std::string& library, const std::string& options = "") const {
     return write("zoo.yaml",
                  "rehearse: 1\nduration: 0.2\nbodies:\n  - name: Pendulum\n    model: " +
@@ -19,7 +19,7 @@ class Audited : public Command {
   }
 };
 
-/// The reason that the report gives for its first controller that has one, or the empty text.
+/// The reason in the report of its first controller that has one, or the empty text.
 inline std::string reason_in(const nlohmann::json& report) {
   for (const auto& controller : report["controllers"])
     if (!controller["reason"].is_null()) return controller["reason"];

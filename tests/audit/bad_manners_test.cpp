@@ -1,4 +1,4 @@
-// Controllers that do something to the process they run in: an audit says so in a sentence, and lives.
+// Controllers that change or end their process: an audit reports this in a sentence and is not affected.
 #include "audited.h"
 
 #include <gmock/gmock.h>

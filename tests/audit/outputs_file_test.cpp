@@ -1,4 +1,4 @@
-// What the processes of an audit leave behind, and what two of them differ in.
+// The output files of an audit's processes, and the differences between two of them.
 #include "audit/outputs_file.h"
 
 #include <gmock/gmock.h>

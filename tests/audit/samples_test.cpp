@@ -1,4 +1,4 @@
-// No sample controller is accused: each is audited in its scenarios.
+// Audits each sample controller in its scenarios: all are deterministic.
 #include "audited.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What is read out of memcheck's XML.
+// Reading memcheck's XML reports.
 #include "audit/valgrind_report.h"
 
 #include <gmock/gmock.h>

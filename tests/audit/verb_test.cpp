@@ -1,4 +1,4 @@
-// The verb itself: what it takes, what it refuses, what it says.
+// The verb audit: its arguments, its errors, its output.
 #include "audited.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The zoo: what an audit has to say of each controller. The table is printed when all have run.
+// The zoo: the verdict of an audit on each controller. The table is printed after all tests.
 #include "audited.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What an audit costs: all its replays, beside one.
+// The cost of an audit with all its replays, relative to one replay.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 

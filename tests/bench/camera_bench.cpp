@@ -1,4 +1,4 @@
-// What a recorded camera frame costs over drawing it.
+// The cost of a recorded camera frame relative to drawing it.
 #include "../engine/renderer/mesh_shapes.h"
 
 #include "renderer/vision.h"

@@ -1,4 +1,4 @@
-// What the plant level of a check costs, and what checkpoints cost a recording.
+// The cost of the plant level of a check, and of checkpoints in a recording.
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
 

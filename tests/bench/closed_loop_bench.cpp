@@ -1,4 +1,4 @@
-// What recording a controller costs over simulating the robot alone.
+// The cost of recording a controller relative to the simulation of the robot alone.
 
 #include <rehearse/replay.h>
 #include <rehearse/session.h>

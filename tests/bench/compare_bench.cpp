@@ -1,4 +1,4 @@
-// What it costs to compare two traces, over reading them.
+// The cost of comparing two traces relative to reading them.
 
 #include <rehearse/compare.h>
 #include <rehearse/session.h>

@@ -1,4 +1,4 @@
-// What it costs to copy a robot's inputs to its controller and the commands back.
+// The cost of copying a robot's inputs to its controller and the commands back.
 
 #include "host/controller_host.h"
 #include "pairs.h"

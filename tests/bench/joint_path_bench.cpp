@@ -1,4 +1,4 @@
-// What inverse kinematics costs, in forward kinematics of the same arm.
+// The cost of inverse kinematics relative to forward kinematics of the same arm.
 
 #include <cnoid/JointPath>
 

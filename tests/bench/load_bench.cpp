@@ -1,4 +1,4 @@
-// What it takes to load a robot from its file.
+// The time to load a robot from its file.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Pinned as `rehearse` is, so that the same code is measured that users run.
+// The benchmarks run pinned, as `rehearse` does, so that they measure the code that users run.
 
 #include <benchmark/benchmark.h>
 #include <rehearse/pin.h>

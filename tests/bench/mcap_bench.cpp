@@ -1,5 +1,5 @@
-// What the container costs: writing over compressing, reading over decompressing and checking, small messages over
-// copying them, and info of a large file.
+// The cost of the container: writing relative to compressing, reading relative to decompressing and checking, small
+// messages relative to copying them, and info of a large file.
 #include <cmath>
 #include <cstring>
 #include <filesystem>

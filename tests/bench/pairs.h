@@ -1,4 +1,4 @@
-// Two pieces of work measured in turns, so that whatever slows the machine down slows both: their ratio is what counts.
+// Measures two pieces of work in turns, so that other load on the machine slows both: only their ratio counts.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -12,12 +12,12 @@ namespace rehearse {
 
 class Pairs {
  public:
-  /// `busy`: the clock of processor time that counts beside wall time.
+  /// `busy`: the processor-time clock that is measured in addition to wall time.
   explicit Pairs(clockid_t busy = CLOCK_THREAD_CPUTIME_ID) : Pairs(busy, busy) {}
-  /// Work and base are done by processes of their own.
+  /// Work and base run in separate processes.
   Pairs(clockid_t work_busy, clockid_t base_busy) : work_busy_(work_busy), base_busy_(base_busy) {}
 
-  /// Measures both once, whichever came second last time first. Returns the seconds of wall time that `work` took.
+  /// Measures both once; the one that was second last time is first. Returns the wall time of `work` [s].
   template <class Work, class Base>
   double measure(Work&& work, Base&& base) {
     const bool base_first = works_.size() % 2 == 0;
@@ -27,9 +27,9 @@ class Pairs {
     return works_.back().wall;
   }
 
-  /// The medians of the pairs' ratios and of both sides [µs], per unit: a tick, a frame. Once of wall time, which the
-  /// budgets are about, and once of the calling thread's own, which means more on a machine that is busy with other
-  /// things.
+  /// The medians of the pairs' ratios and of both sides [µs], per unit: a tick, a frame. Once of wall time, to which
+  /// the budgets refer, and once of the calling thread's processor time, which is more reliable on a machine with other
+  /// load.
   void report(benchmark::State& state, double work_units, double base_units) const {
     const auto put = [&](const std::string& suffix, double Times::*clock) {
       std::vector<double> ratios, works, bases;

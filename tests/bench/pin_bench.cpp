@@ -1,4 +1,4 @@
-// What pinning costs: the same work in a pinned process over an unpinned one.
+// The cost of pinning: the same work in a pinned process relative to one that isn't pinned.
 #include <fcntl.h>
 #include <rehearse/pin.h>
 #include <spawn.h>

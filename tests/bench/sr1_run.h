@@ -1,4 +1,4 @@
-// SR1 under its minimum controller, recorded once for all benchmarks, and the same run without anything around it.
+// SR1 under its minimum controller, recorded once for all benchmarks, and the same run without recording.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -13,7 +13,7 @@
 
 namespace rehearse {
 
-/// The recording of ten simulated seconds that the benchmarks start from, in a temporary folder; gone when the process
+/// The recording of ten simulated seconds that the benchmarks use, in a temporary folder; removed when the process
 /// ends.
 class Sr1Run {
  public:
@@ -24,7 +24,7 @@ class Sr1Run {
   const std::filesystem::path& folder() const { return folder_; }
   const std::filesystem::path& trace() const { return trace_; }
   std::int64_t ticks() const { return scenario_.ticks(); }
-  /// What the world was told in each tick.
+  /// The commands to the world in each tick.
   const std::vector<Command>& commands() const { return commands_; }
 
   /// A new world of the scenario's bodies.

@@ -1,4 +1,4 @@
-// What it costs to look at ticks of a long recording: to step back, to go anywhere, to open it.
+// The cost of inspecting ticks of a long recording: a step back, a jump, opening it.
 
 #include <rehearse/session.h>
 #include <rehearse/trace.h>

@@ -1,4 +1,4 @@
-// What depth and range cost over a colour picture of the same size in the same scene.
+// The cost of depth and range relative to a colour picture of the same size in the same scene.
 
 #include "model/pinhole.h"
 #include "world/scanner.h"

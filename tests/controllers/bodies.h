@@ -14,8 +14,8 @@ inline cnoid::Link* make_link(const std::string& name, cnoid::Link::JointType ty
   return link;
 }
 
-/// BASE (free) carries ARM (revolute about y, 1 m above it, joint SHOULDER, id 0), which carries HAND (prismatic along
-/// x, 2 m beside it, id 1) and TOOL (fixed).
+/// BASE (free) has the child ARM (revolute about y, 1 m above it, joint SHOULDER, id 0). ARM has the children HAND
+/// (prismatic along x, 2 m beside it, id 1) and TOOL (fixed).
 inline cnoid::BodyPtr make_arm() {
   auto* base = make_link("BASE", cnoid::Link::FreeJoint);
   auto* arm = make_link("ARM", cnoid::Link::RevoluteJoint, 0);

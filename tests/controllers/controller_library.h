@@ -1,4 +1,4 @@
-// A controller's shared library, opened as the harness opens one.
+// A controller's shared library, opened in the same way as in the harness.
 #pragma once
 
 #include <dlfcn.h>

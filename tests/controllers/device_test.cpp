@@ -1,4 +1,4 @@
-// What all devices have in common, asked of each type.
+// Properties of all devices, tested for each type.
 #include <gtest/gtest.h>
 #include <cnoid/AttachmentDevice>
 #include <cnoid/BasicSensors>

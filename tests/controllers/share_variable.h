@@ -1,4 +1,4 @@
-// The environment variable of Choreonoid's share folder, changed for a while.
+// Temporarily changes the environment variable of Choreonoid's share folder.
 #pragma once
 
 #include <cstdlib>
@@ -6,7 +6,7 @@
 
 namespace rehearse::test {
 
-/// Sets the variable, or with null unsets it, and puts back what was there.
+/// Sets the variable, or unsets it with null; the destructor restores the old value.
 class ShareVariable {
  public:
   explicit ShareVariable(const char* value) {

@@ -1,4 +1,4 @@
-// The IO object that these tests give to a controller: it notes what was enabled, and moves no data by itself.
+// The IO object that these tests give to a controller: it records enabled quantities, and copies no data itself.
 #pragma once
 
 #include <cnoid/SimpleController>

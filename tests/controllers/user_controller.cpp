@@ -1,5 +1,6 @@
-// A controller as a user writes one: two include paths, no library of ours. It uses all that might break where two
-// separately compiled libraries meet: type information, Eigen members, signals, reference counts, shared objects.
+// A controller as a user writes it: two include paths, no library of Rehearse. It uses all features that may break
+// between two separately compiled libraries: type information, Eigen members, signals, reference counts, shared
+// objects.
 
 #include <cnoid/BasicSensors>
 #include <cnoid/Link>

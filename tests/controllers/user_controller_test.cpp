@@ -1,4 +1,4 @@
-// user_controller.cpp, compiled outside our build with nothing but include paths, in the process of the harness.
+// user_controller.cpp, compiled outside the build with only include paths, in the process of the harness.
 #include <gtest/gtest.h>
 #include <cnoid/BasicSensors>
 #include <cnoid/RangeCamera>

@@ -1,5 +1,5 @@
-// A second controller as a user writes one, with the tools that Choreonoid gives beside the body: it follows a motion
-// with its joints, keeps its hand where it began by inverse kinematics, and lets a joystick scale all that.
+// A second controller as a user writes it, with more of Choreonoid's tools: its joints follow a motion, inverse
+// kinematics keeps its hand at the start pose, and a joystick scales both.
 
 #include <cnoid/BodyMotion>
 #include <cnoid/EigenUtil>

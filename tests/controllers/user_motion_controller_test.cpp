@@ -1,4 +1,4 @@
-// user_motion_controller.cpp, compiled outside our build with nothing but include paths, in the process of the harness.
+// user_motion_controller.cpp, compiled outside the build with only include paths, in the process of the harness.
 #include <gtest/gtest.h>
 #include <cnoid/HolderDevice>
 #include <cnoid/Joystick>

@@ -1,5 +1,5 @@
-// A branch of a recording without any change is that recording, message by message, bit for bit: every scenario of the
-// fixtures, both solvers.
+// A branch without changes equals its recording, message by message, bit for bit: every scenario of the fixtures, both
+// solvers.
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>

@@ -1,4 +1,4 @@
-// From any checkpoint of a recording, a new process goes on with the same bits: every scenario of the fixtures, both
+// From any checkpoint of a recording, a new process continues with the same bits: every scenario of the fixtures, both
 // solvers, three ticks each.
 #include <rehearse/session.h>
 #include <rehearse/trace.h>

@@ -11,7 +11,7 @@
 
 namespace rehearse {
 
-/// Their names, without .yaml, sorted.
+/// The names of the scenarios, without .yaml, sorted.
 inline std::vector<std::string> fixture_scenarios() {
   std::vector<std::string> names;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(FIXTURES_DIR "/scenarios"))
@@ -20,14 +20,14 @@ inline std::vector<std::string> fixture_scenarios() {
   return names;
 }
 
-/// One of them, under one of the solvers.
+/// One scenario with one of the solvers.
 struct FixtureCase {
   std::string scenario;
   SolverSettings::Method solver;
 };
 inline void PrintTo(const FixtureCase& of, std::ostream* stream) { *stream << of.scenario; }
 
-/// Each of them under both solvers.
+/// Each scenario with both solvers.
 inline std::vector<FixtureCase> fixture_cases() {
   using Method = SolverSettings::Method;
   std::vector<FixtureCase> all;

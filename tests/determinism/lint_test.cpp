@@ -1,6 +1,7 @@
-// What feeds physics, sensors and traces may not depend on the order of addresses or of hashes, on a clock, on chance,
-// on the environment or on other threads. This reads the sources of engine/ and harness/ for it. What is allowed stands
-// in `allowed`, with the reason; an entry that allows nothing any more fails as well.
+// Code that affects physics, sensors and traces must not depend on the order of addresses or of hashes, on a clock, on
+// random numbers, on the environment or on other threads. This test searches the sources of engine/ and harness/ for
+// such code. Exceptions are listed in `allowed`, with the reason; an exception that is no longer needed fails the test,
+// too.
 #include <gtest/gtest.h>
 #include <regex.h>
 
@@ -50,9 +51,11 @@ struct Exception {
 };
 
 const Exception allowed[] = {
-    {"engine/src/renderer/closed_surface.cpp", "unstable sort", "the directions of equal edges are added up, as whole numbers"},
+    {"engine/src/renderer/closed_surface.cpp", "unstable sort",
+     "the directions of equal edges are added up, as whole numbers"},
     {"engine/src/mesh/convex_hull.cpp", "unstable sort", "points by all their coordinates; of equal ones one is kept"},
-    {"engine/src/mesh/mesh_paths.cpp", "environment", "where packages and meshes lie; what was found stands in the trace"},
+    {"engine/src/mesh/mesh_paths.cpp", "environment",
+     "where packages and meshes lie; what was found stands in the trace"},
     {"engine/src/mesh/package_search.cpp", "environment", "where packages lie; what was found stands in the trace"},
     {"engine/src/urdf/urdf_materials.h", "pointer order", "only looked up, never walked"},
     {"engine/src/world/world.cpp", "chance", "OwnRandom puts the world's own generator in the place of that of ODE"},
@@ -60,7 +63,8 @@ const Exception allowed[] = {
      "the C library's answers for an audited controller that asks the kernel itself"},
     {"harness/interposer/system_calls.cpp", "clock", "the same"},
     {"harness/interposer/system_calls.cpp", "identity", "the same"},
-    {"harness/interposer/waiting.cpp", "clock", "how long an audited controller really waits; nothing is recorded there"},
+    {"harness/interposer/waiting.cpp", "clock",
+     "how long an audited controller really waits; nothing is recorded there"},
     {"harness/interposer/watching.cpp", "environment", "the orders of an audited process"},
     {"harness/src/golden/acceptance.cpp", "clock", "the date of an acceptance, written for people"},
     {"harness/src/golden/acceptance.cpp", "environment", "SOURCE_DATE_EPOCH instead of that date"},
@@ -69,7 +73,8 @@ const Exception allowed[] = {
     {"harness/src/host/interposer.cpp", "environment", "what is loaded into an audited process"},
     {"harness/src/audit/judgement.cpp", "unstable sort", "factors, of which there is one each"},
     {"harness/src/audit/replay_process.cpp", "clock", "when an audited process counts as hung"},
-    {"harness/src/host/virtualised.cpp", "environment", "whether this process was given simulated time; the trace says so"},
+    {"harness/src/host/virtualised.cpp", "environment",
+     "whether this process was given simulated time; the trace says so"},
     {"harness/src/compare/compare_events.cpp", "unstable sort", "spans that are blanked: their union is what counts"},
     {"harness/src/host/controller_library.cpp", "environment", "where controllers lie; the trace has the file's hash"},
     {"harness/src/golden/golden.cpp", "environment", "what is done with a finished run"},
@@ -79,9 +84,11 @@ const Exception allowed[] = {
     {"harness/src/host/interruption.cpp", "clock", "whether a signal came twice at once: decides how a process ends"},
     {"harness/src/host/interruption.cpp", "identity", "who sent the signal: decides how a process ends"},
     {"harness/src/host/pin.cpp", "environment", "how a process is pinned"},
-    {"harness/src/host/supervisor.cpp", "clock", "the parent process: decides when a child is killed, never what is in a run"},
+    {"harness/src/host/supervisor.cpp", "clock",
+     "the parent process: decides when a child is killed, never what is in a run"},
     {"harness/src/host/supervisor.cpp", "identity", "the child asks whether its parent is still there"},
-    {"harness/src/host/process_tripwires.cpp", "identity", "a controller's child asks whether its parent is still there"},
+    {"harness/src/host/process_tripwires.cpp", "identity",
+     "a controller's child asks whether its parent is still there"},
     {"harness/src/host/process_tripwires.cpp", "thread", "counts the threads that controllers start; starts none"},
     {"harness/src/recording/provenance.cpp", "environment", "what the trace says of how the process was pinned"},
     {"harness/src/report/report_page.cpp", "environment", "where the page of reports lies"},

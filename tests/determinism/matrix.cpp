@@ -1,6 +1,6 @@
-// Records the scenarios of the fixtures in many ways, a row each, and prints one hash a row: of every message of every
-// channel, pictures and hashes of states among them. What they are compared with is the golden, or, of a scenario that
-// has none, a plain run.
+// Records the scenarios of the fixtures in many ways, a row each, and prints one hash per row: of every message of
+// every channel, including pictures and hashes of states. Rows are compared with the golden, or, for a scenario without
+// one, with a plain run.
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <rehearse/scenario.h>

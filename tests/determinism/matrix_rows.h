@@ -1,5 +1,5 @@
-// The rows of the matrix: ways to make the same recordings in which nothing that matters is different, and a few in
-// which something is, to see that the matrix sees it.
+// The rows of the matrix: ways to make the same recordings under different conditions that must not matter, and a few
+// controls with a relevant difference, to show that the matrix detects it.
 #pragma once
 
 #include <filesystem>
@@ -11,32 +11,32 @@
 
 namespace rehearse::matrix {
 
-/// What runs in one process.
+/// The scenarios of one process.
 enum class Order {
   alone,           // one scenario
-  twice,           // one scenario, and once more
-  after_another,   // all of them, one after the other, none the first
-  beside_another,  // all of them, each tick by tick in turns with another one
+  twice,           // one scenario, two times
+  after_another,   // all scenarios, one after the other; each comes after a different one
+  beside_another,  // all scenarios, each tick by tick in turns with a different one
 };
 
 struct Row {
   std::string name;
   Order order = Order::alone;
   Surroundings surroundings;
-  bool pins_itself = true;      // else it is as the surroundings have it
+  bool pins_itself = true;      // else it depends on the environment
   bool same_file = true;        // the file is the same byte for byte: same program, same pinning
-  bool nudged = false;          // from a place that is off by a last bit
-  bool has_to_differ = false;   // a control
-  std::string processor;        // a word in the name of the emulated one; empty: this machine's
-  std::string memory;           // what fresh memory is full of, as 0x55; empty: of anything
-  std::filesystem::path build;  // the folder of the build that makes it; empty: this one
-  std::string impossible;       // why it can't be made here; empty: it can
+  bool nudged = false;          // the start position differs by a last bit
+  bool has_to_differ = false;   // a control: the recording must differ
+  std::string processor;        // a word in the name of the emulated processor; empty: this machine's
+  std::string memory;           // value of the bytes of fresh memory, as 0x55; empty: any
+  std::filesystem::path build;  // the folder of the build; empty: this one
+  std::string impossible;       // the reason why the row is impossible here; empty: it is possible
 };
 
-/// All of them. `builds`: names and folders of other builds.
+/// All rows. `builds`: names and folders of other builds.
 std::vector<Row> rows(const std::vector<std::pair<std::string, std::filesystem::path>>& builds);
 
-/// False if the kernel gives every process of this one the same addresses.
+/// False if the kernel gives all processes the same addresses.
 bool addresses_are_random();
 
 }  // namespace rehearse::matrix

@@ -1,4 +1,4 @@
-// The matrix sees what it is to see: each kind of difference between two recordings, and the place of the first.
+// The matrix detects each kind of difference between two recordings, and the place of the first.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What two recordings have to have in common to be the same bits: each message of each channel, pictures and hashes of
-// states among them, the attachments and the outcome; not what they were made with and how they are packed.
+// The content that must be equal in two recordings with the same bits: each message of each channel, including pictures
+// and hashes of states, the attachments and the outcome. Provenance and compression are not part of it.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -15,7 +15,7 @@ namespace rehearse::matrix {
 
 struct MessageContent {
   std::uint64_t time = 0;  // log time [ns]
-  std::uint64_t hash = 0;  // of its bytes, its number and its times
+  std::uint64_t hash = 0;  // of the message's bytes, number and times
   bool operator==(const MessageContent&) const = default;
 };
 
@@ -26,18 +26,18 @@ struct ChannelContent {
 };
 
 struct RecordingContent {
-  std::vector<ChannelContent> channels;              // as they were defined
-  std::map<std::string, std::uint64_t> attachments;  // hashes of what is in them
-  std::uint64_t outcome = 0;                         // hash of it; 0 of the first part of a run
+  std::vector<ChannelContent> channels;              // in the order of their definition
+  std::map<std::string, std::uint64_t> attachments;  // hashes of their contents
+  std::uint64_t outcome = 0;                         // hash of the outcome; 0 for the first part of a run
 
   std::uint64_t hash() const;
 };
 
-/// Of a whole recording, or of its messages before a time [ns]; fails if the file isn't whole.
+/// The content of a whole recording, or of its messages before a time [ns]; fails if the file isn't complete.
 Result<RecordingContent> content_of(const std::filesystem::path& recording,
                                     std::optional<std::uint64_t> before = std::nullopt);
 
-/// Where the second one first isn't the first, as "tick 12 (0.012 s), /SR1/joints"; empty: nowhere. `time_step` [s].
+/// The first difference between two recordings, as "tick 12 (0.012 s), /SR1/joints"; empty: none. `time_step` [s].
 std::string first_difference(const RecordingContent& expected, const RecordingContent& actual, double time_step);
 
 /// Hash of all the bytes of a file.

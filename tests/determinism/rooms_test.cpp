@@ -1,6 +1,6 @@
 // Each folder of engine/src and harness/src is a room: a target that links the rooms it may use (rehearse_room in
-// tools/cmake/RehearseTargets.cmake). This reads the targets' graph, as CMake wrote it into ROOMS, and the sources. It
-// fails on a cycle, on an include that the links don't allow, and on a link that no include needs.
+// tools/cmake/RehearseTargets.cmake). This test reads the targets' graph, which CMake wrote into ROOMS, and the
+// sources. It fails on a cycle, on an include that the links don't allow, and on a link that no include needs.
 #include <gtest/gtest.h>
 
 #include <algorithm>

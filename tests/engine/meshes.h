@@ -60,7 +60,7 @@ inline MeshPart box_part(const Eigen::Vector3d& size, const Eigen::Vector3d& cen
                  object);
 }
 
-/// A globe of so many meridians and parallels [m].
+/// A globe with this number of meridians and parallels [m].
 inline MeshPart globe_part(double radius, int meridians, int parallels,
                            const Eigen::Vector3d& center = Eigen::Vector3d::Zero()) {
   std::vector<Eigen::Vector3d> vertices;

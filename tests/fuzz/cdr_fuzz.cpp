@@ -1,6 +1,6 @@
-// Whatever the bytes: a payload is decoded as far as it goes, and nothing outside of it is read. The first byte chooses
-// what it is: a payload of one of the schemas below; from 0x80 on a schema of its own, up to a zero byte, and its
-// payload; 0xf0 to 0xff values to write and read again.
+// For any bytes, a payload is decoded as far as possible, and nothing outside of it is read. The first byte determines
+// the kind of input. Normally it is a payload of one of the schemas below. From 0x80 on it is a schema, up to a zero
+// byte, and its payload; 0xf0 to 0xff are values to write and read again.
 #include <rehearse/messages.h>
 
 #include <algorithm>

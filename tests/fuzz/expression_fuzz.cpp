@@ -1,5 +1,5 @@
-// Whatever the text: an expression is read, or one diagnostic says why not, with a place in the text; and what was read
-// has a value at any tick.
+// For any text, an expression is read, or one diagnostic gives the reason and a place in the text. An expression that
+// was read has a value at any tick.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Whatever the bytes: the reader of maps gives a map, or says what is wrong and where, and never crashes or hangs. A
-// map that it gives names nothing that the model and the log don't have.
+// For any bytes, the reader of maps returns a map, or errors with their places, and never crashes or hangs. A returned
+// map names only parts that the model and the log have.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,6 +1,6 @@
-// Whatever the bytes: the readers of traces deliver messages or say what is wrong, and never crash, hang or take memory
-// that the bytes don't warrant. All ways of reading deliver the same, and so does a copy by our Writer. Schemas and
-// payloads found inside go on to the ros2msg and CDR readers.
+// For any bytes, the readers of traces deliver messages or report errors, and never crash, hang or take more memory
+// than the bytes justify. All ways of reading deliver the same, and so does a copy by Rehearse's Writer. Schemas and
+// payloads in the file are passed to the ros2msg and CDR readers.
 #include <rehearse/mcap.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Whatever the bytes: the doctor examines them and finds at least what the Reader finds, and what recover() makes of
-// them, if it makes anything, is a whole file.
+// For any bytes, the doctor finds at least the errors that the Reader finds, and the output of recover(), if there is
+// one, is a complete file.
 
 #include <unistd.h>
 #include <cstddef>

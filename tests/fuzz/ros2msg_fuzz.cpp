@@ -1,5 +1,5 @@
-// Whatever the text: the schema parser answers with a schema or with errors that have a line, and never crashes, hangs
-// or recurses without end. A schema that passed decodes anything without harm.
+// For any text, the schema parser returns a schema or errors with a line, and never crashes, hangs or recurses without
+// end. A valid schema decodes any bytes without a crash.
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Whatever the bytes: the URDF loader answers with a model or with errors, and never crashes or hangs.
+// For any bytes, the URDF loader returns a model or errors, and never crashes or hangs.
 #include <rehearse/urdf.h>
 
 #include <cstddef>

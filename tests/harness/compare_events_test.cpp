@@ -1,4 +1,4 @@
-// Events: sequences that begin and end, and what may be off.
+// Comparison of events: sequences that begin and end, and their tolerances.
 #include "compare_fixture.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Two files are equal if their messages are: whatever differs in a message is found, and named.
+// Two files are equal if their messages are equal: any difference in a message is found and reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/compare.h>

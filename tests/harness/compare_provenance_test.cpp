@@ -1,4 +1,4 @@
-// Recordings of other versions: judged as far as they can be, and what may differ for that alone.
+// Recordings of other versions: compared as far as possible; differences caused by the version alone are allowed.
 #include "compare_fixture.h"
 
 namespace rehearse {

@@ -1,4 +1,4 @@
-// What one of two traces hasn't: one finding, with its place.
+// Parts that are missing in one of two traces: one finding, with its place.
 #include "compare_fixture.h"
 
 namespace rehearse {

@@ -1,4 +1,4 @@
-// Two sequences of events beside each other.
+// Comparison of two sequences of events.
 #include "compare/event_sequences.h"
 
 #include <gmock/gmock.h>

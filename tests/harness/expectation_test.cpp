@@ -1,4 +1,4 @@
-// What has to be true of a run, judged on recordings made by hand.
+// Expectations of a run, evaluated on recordings made by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/check.h>

@@ -1,4 +1,4 @@
-// What acceptance writes into a golden, and what it takes away.
+// The records that an acceptance writes into a golden, and those that it removes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/golden.h>

@@ -1,4 +1,4 @@
-// Goldens and runs that are damaged, of another format or half written, and disks that are full: what is there stays.
+// Goldens and runs that are damaged, of another format or incomplete, and full disks: existing files are not changed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>

@@ -1,4 +1,4 @@
-// A folder of goldens, one of pending runs, and small recordings to put there.
+// A folder of goldens, a folder of pending runs, and small recordings for both.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ inline std::string bytes_of(const fs::path& file) {
 
 inline void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
-/// A variable for the length of a test.
+/// Sets an environment variable for the duration of a test.
 class Environment {
  public:
   Environment(const char* name, const char* value) : name_(name) {
@@ -44,7 +44,7 @@ class GoldenFolder : public ::testing::Test {
   GoldenResult settle(const SmallTrace& run, GoldenMode mode = GoldenMode::check, const SettleOptions& options = {}) {
     return store_.settle(name_, run.load(folder_ / "run.mcap"), {}, mode, options);
   }
-  /// Puts a golden there without claiming it for this process.
+  /// Writes a golden without claiming it for this process.
   void place_golden(const SmallTrace& run) {
     run.write(folder_ / "accepted.mcap");
     const auto accepted = store_.accept(name_, folder_ / "accepted.mcap");
@@ -56,12 +56,12 @@ class GoldenFolder : public ::testing::Test {
     return run;
   }
 
-  /// Whether the golden holds that run.
+  /// True if the golden contains that run.
   bool is_run(const SmallTrace& run) const {
     const auto golden = Trace::load(store_.trace_file(name_));
     return golden && compare(*golden, run.load(folder_ / "other.mcap"), {}).equal;
   }
-  /// Lets a run wait to be accepted.
+  /// Adds a pending run.
   void place_pending(const SmallTrace& run) const {
     fs::create_directories(folder_ / "pending");
     run.write(store_.pending_file(name_));

@@ -1,5 +1,5 @@
-// Copies of recordings from which something is missing, or in which something stands for something else: faults of the
-// loop itself, which no controller and no model can have.
+// Copies of recordings in which messages are missing or replaced: faults of the simulation loop itself, which no
+// controller and no model can cause.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -13,15 +13,15 @@
 
 namespace rehearse::testing {
 
-/// What becomes of a message: its bytes, other bytes, or nothing.
+/// The replacement of a message: its bytes, different bytes, or nothing.
 using Mutilation = std::function<std::optional<std::vector<std::byte>>(const mcap::Message&)>;
 
 inline std::optional<std::vector<std::byte>> untouched(const mcap::Message& message) {
   return std::vector<std::byte>(message.data.begin(), message.data.end());
 }
 
-/// Replaces the file by a copy in which every message is what `change` makes of it, the outcome says what `outcome` does,
-/// and the provenance what `facts` do.
+/// Replaces the file by a copy in which `change` is applied to every message, `outcome` to the outcome, and `facts` to
+/// the provenance.
 inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation& change,
                              const mcap::StringMap& outcome = {}, const mcap::StringMap& facts = {}) {
   const std::filesystem::path whole = file.string() + ".whole";

@@ -1,4 +1,4 @@
-// The pictures that show what differs between pictures.
+// The pictures that show the differences between two pictures.
 #include "small_traces.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// One mistake a file: fixtures/broken/scenario_*.yaml, each with the place and the words of its message.
+// One mistake per file: fixtures/broken/scenario_*.yaml, each with the place and the text of its message.
 #include "scenario_files.h"
 
 #include <gmock/gmock.h>

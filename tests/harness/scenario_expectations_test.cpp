@@ -1,4 +1,4 @@
-// What a scenario expects of a run, as it is read. fixtures/broken has the mistakes.
+// Reading a scenario's expectations. fixtures/broken has the mistakes.
 #include "scenario_files.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Verbs for tests of scenarios: write a text as a file, load it, say what came back.
+// Functions for tests of scenarios: write a text to a file, load it, return the diagnostics.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -15,7 +15,7 @@ namespace rehearse {
 
 inline const std::filesystem::path fixtures = FIXTURES_DIR;
 
-/// A folder of this process's own; gone when it ends.
+/// A folder for this process alone; removed when it ends.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_(std::filesystem::path(::testing::TempDir()) / ("rehearse_" + std::to_string(getpid()))) {}
@@ -31,7 +31,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A file of its own for the running test.
+/// A file path for the running test alone.
 inline std::filesystem::path write_file(const std::string& name, const std::string& text) {
   static const TemporaryFolder temporary;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -49,10 +49,10 @@ inline std::string read_file(const std::filesystem::path& path) {
 
 inline Result<Scenario> load_text(const std::string& text) { return Scenario::load(write_file("test.yaml", text)); }
 
-/// Every diagnostic a line; empty if it loaded.
+/// All diagnostics, one per line; empty if the scenario was loaded.
 inline std::string mistakes(const Result<Scenario>& result) { return result ? "" : to_string(result.errors()); }
 
-/// The scenario of a text that has to load.
+/// The scenario of a text that must be valid.
 inline Scenario loaded(const std::string& text) {
   Result<Scenario> result = load_text(text);
   EXPECT_TRUE(result.ok()) << mistakes(result);

@@ -1,4 +1,4 @@
-// Files that nobody wrote in good faith: each is refused, without a crash and in under a second.
+// Hostile files: each is refused, without a crash and in under a second.
 #include "scenario_files.h"
 
 #include <gmock/gmock.h>

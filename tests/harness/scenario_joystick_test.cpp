@@ -1,5 +1,5 @@
-// A joystick that a scenario moves: what it reads when, and what is said of a script that can't be meant so. The
-// mistakes, one by one, are in scenario_broken_test.cpp.
+// A scripted joystick of a scenario: its readings over time, and warnings about improbable scripts. The mistakes, one
+// by one, are in scenario_broken_test.cpp.
 #include "scenario_files.h"
 
 #include <gmock/gmock.h>

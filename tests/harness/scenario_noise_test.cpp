@@ -1,4 +1,4 @@
-// Noise as a scenario states it: which sensors a rule is for, and what of it holds. The mistakes, one by one, are in
+// Noise in a scenario: the sensors to which a rule applies, and the priority of rules. The mistakes, one by one, are in
 // scenario_broken_test.cpp.
 #include "scenario/normal_quantile.h"
 #include "scenario_files.h"

@@ -1,4 +1,4 @@
-// What a scenario says as a whole: the fixtures, the defaults, the order and number of its mistakes, its warnings.
+// A scenario as a whole: the fixtures, the defaults, the order and number of its mistakes, its warnings.
 #include "scenario_files.h"
 
 #include <rehearse/urdf.h>

@@ -1,4 +1,4 @@
-// Values: numbers, angles, rotations, and what YAML does with them.
+// Values: numbers, angles, rotations, and their treatment by YAML.
 #include "scenario_files.h"
 
 #include <gmock/gmock.h>

@@ -23,7 +23,7 @@ namespace rehearse::testing {
 
 inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-/// A folder of the test's own, removed with it.
+/// A folder for the test alone; removed with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -41,14 +41,14 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Everything in one tick.
+/// All values of one tick.
 struct SmallTick {
   std::int64_t tick = 0;
   std::uint64_t state_hash = 1;
   std::uint64_t output_hash = 1;
   bool result = true;
   double q = 0.5;                                      // [rad]
-  double wheel = 3.0;                                  // [rad], of a joint that turns on and on
+  double wheel = 3.0;                                  // [rad], of a joint that may turn without end
   std::array<double, 3> position{10.0, 0.0, 0.7};      // [m]
   std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};  // x, y, z, w
   double force = 650.0;                                // [N]
@@ -58,12 +58,13 @@ struct SmallTick {
   std::vector<float> depth{1.0F, 2.0F, 3.0F, 4.0F};
   std::vector<float> ranges{1.0F, std::numeric_limits<float>::infinity(), 2.0F};  // [m]
   std::optional<std::vector<msg::Contact>> contacts = std::nullopt;               // not recorded unless given
-  std::optional<double> applied = std::nullopt;                                   // of the knee [N·m], likewise
+  // of the knee [N·m]; not recorded unless given
+  std::optional<double> applied = std::nullopt;
 };
 
 struct SmallTrace {
   std::vector<SmallTick> ticks{{0}, {1}, {2}};
-  /// That many ticks, all alike.
+  /// Makes this number of equal ticks.
   void lengthen(std::int64_t count) {
     while (std::ssize(ticks) < count) ticks.push_back({std::ssize(ticks)});
   }
@@ -71,7 +72,7 @@ struct SmallTrace {
   std::optional<std::vector<msg::ContactChange>> contact_changes;  // not recorded unless given
   mcap::StringMap limits;                                          // of /Robot/joints
   bool has_helper = false;                                         // a second controller
-  std::vector<std::string> left_out;  // topics
+  std::vector<std::string> left_out;                               // topics
   std::vector<std::string> joint_names{"KNEE", "WHEEL"};
   std::string scenario = "rehearse: 1\n";
   mcap::StringMap provenance{{"trace_version", "1"}, {"rehearse", "0.1.0"}};

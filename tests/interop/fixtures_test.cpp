@@ -1,5 +1,5 @@
 // The beginning of every fixture's trace, cameras included: @mcap/core reads it with its CRC checks on, and every value
-// and every byte of every picture is what `rehearse cat --json` prints.
+// and every byte of every picture equals the output of `rehearse cat --json`.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Files that @mcap/core writes, in each form that it can: we read the same as it does, value by value.
+// Files that @mcap/core writes, in each of its forms: Rehearse reads the same values as @mcap/core.
 #include <rehearse/mcap.h>
 #include <rehearse/trace.h>
 

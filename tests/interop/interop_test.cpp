@@ -1,5 +1,5 @@
-// Messages of each type that we write, read by @mcap/core with its CRC checks on and by Foxglove's decoder of ROS 2
-// messages, value by value.
+// Messages of each type that Rehearse writes, read by @mcap/core with its CRC checks on and by Foxglove's decoder of
+// ROS 2 messages, value by value.
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>

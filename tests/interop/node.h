@@ -1,4 +1,4 @@
-// Tests that ask libraries of npm: a script of this folder, run on a file of the test's own.
+// Base of tests that use libraries of npm: run a script of this folder on a file of the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace rehearse::test {
 
-/// Skipped without node or the packages.
+/// The test is skipped without node or the packages.
 class NodeTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -23,7 +23,7 @@ class NodeTest : public ::testing::Test {
   Output node(const std::string& script, const std::string& more = "") {
     return run("node " + quoted(fs::path(INTEROP_DIR) / script) + " " + quoted(file_) + " " + more);
   }
-  /// That @mcap/core and Foxglove's decoder find what `rehearse cat --json` prints.
+  /// Checks that @mcap/core and Foxglove's decoder read the values that `rehearse cat --json` prints.
   Output compare_with_cat() { return node("compare_cat.mjs", quoted(REHEARSE_COMMAND)); }
 
   const fs::path file_ = fs::temp_directory_path() / ("rehearse_interop_" + std::to_string(::getpid()) + ".mcap");

@@ -1,4 +1,4 @@
-// Programs that tests start.
+// Runs programs for tests.
 #pragma once
 
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
-// How reports look: screenshots of synthetic ones beside those that somebody has looked at (screenshots/), compared as
-// pictures of cameras are. REHEARSE_SCREENSHOTS=renew in the environment makes them anew, to be looked at again.
+// The appearance of reports: screenshots of synthetic reports, compared with reviewed ones (screenshots/) like pictures
+// of cameras. REHEARSE_SCREENSHOTS=renew in the environment makes them anew, for a new review.
 #include "../harness/small_traces.h"
 
 #include <gmock/gmock.h>

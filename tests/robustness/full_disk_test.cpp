@@ -1,5 +1,5 @@
-// Recordings that can't be written any further: the error names the file and the reason, what is there stays readable,
-// and nothing beside it changes.
+// Recordings that can't be written any further: the error names the file and the reason, the written part stays
+// readable, and other files don't change.
 #include "recording_process.h"
 
 #include <gmock/gmock.h>

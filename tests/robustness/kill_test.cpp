@@ -1,7 +1,7 @@
-// Recordings killed by SIGKILL at random moments: from before the file is there to after the end. What is left can be
-// read and recovered, no more than a second of simulation is lost, and a golden beside it is never touched.
+// Recordings killed by SIGKILL at random moments: from before the file exists to after the end. The remaining file can
+// be read and recovered, at most a second of simulation is lost, and a golden is never changed.
 //
-// REHEARSE_KILLS: how many; tests/README.md has the figures of a thousand.
+// REHEARSE_KILLS: the number of kills; tests/README.md has the results of a thousand.
 #include "recording_process.h"
 
 #include <algorithm>

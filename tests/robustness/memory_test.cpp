@@ -1,4 +1,5 @@
-// Recording, and comparing two recordings, take the same memory however long they are. (An hour: tests/README.md.)
+// The memory of a recording, and of a comparison of two, does not depend on their length. (For an hour see
+// tests/README.md.)
 #include "recording_process.h"
 
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-// A recording in a process of its own, which can be killed; and what is left of it then.
+// A recording in a separate process, which can be killed; and checks of the remaining file.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ namespace rehearse::test {
 
 namespace fs = std::filesystem;
 
-/// A folder of the test's own, removed with the object.
+/// A folder for the test alone; removed with the object.
 class Scratch {
  public:
   Scratch() {
@@ -54,7 +54,7 @@ inline std::string read_file(const fs::path& file) {
   return text.str();
 }
 
-/// How often a controller of another process was called: see controllers/ticking.cpp.
+/// The number of calls of a controller in the other process: see controllers/ticking.cpp.
 class CallCounter {
  public:
   explicit CallCounter(const fs::path& file) {
@@ -93,14 +93,14 @@ inline pid_t start(const std::vector<std::string>& words, const fs::path& log,
   _exit(127);
 }
 
-/// Its exit status; -1: a signal ended it.
+/// The exit status; -1: a signal ended the process.
 inline int wait_for(pid_t child) {
   int status = 0;
   EXPECT_EQ(waitpid(child, &status, 0), child);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// What a pass over a file's /tick comes to.
+/// The result of reading a file's /tick channel.
 struct Ticks {
   std::int64_t count = 0;
   std::int64_t last = -1;
@@ -122,8 +122,8 @@ inline Ticks ticks_of(mcap::Reader& reader) {
   return ticks;
 }
 
-/// The last tick that can be had of what a recorder left; nullopt: there is nothing. Checks that what is there can be
-/// read as it is, and that recover() makes a valid file of it with the same ticks.
+/// The last readable tick of a killed recorder's file; nullopt: none. Checks that the file can be read as it is, and
+/// that recover() makes a valid file of it with the same ticks.
 inline std::optional<std::int64_t> save_what_is_left(const fs::path& left, const fs::path& saved) {
   std::error_code none;
   if (!fs::exists(left) || fs::file_size(left, none) == 0) return std::nullopt;
@@ -133,7 +133,7 @@ inline std::optional<std::int64_t> save_what_is_left(const fs::path& left, const
   const Ticks there = ticks_of(**reader);
   EXPECT_TRUE(there.without_gaps);
   const auto recovery = mcap::recover(left, saved);
-  if (there.count == 0 && !recovery) return std::nullopt;  // not even the first record
+  if (there.count == 0 && !recovery) return std::nullopt;  // not even the first record is complete
   EXPECT_TRUE(recovery) << to_string(recovery.errors());
   if (!recovery) return std::nullopt;
   TraceCheck content;

@@ -1,4 +1,4 @@
-// A test as a user has it, of a run that isn't as its golden. golden_assertions_test.cpp runs it to read its report.
+// A user's test of a run that differs from its golden. golden_assertions_test.cpp runs it to read its report.
 #include <rehearse/gtest.h>
 
 TEST(Box, Falls) {

@@ -1,4 +1,4 @@
-// EXPECT_MATCHES_GOLDEN and EXPECT_HOLDS: what they may be told, and what they say.
+// EXPECT_MATCHES_GOLDEN and EXPECT_HOLDS: their arguments and their messages.
 #include <rehearse/gtest.h>
 
 #include <gmock/gmock.h>

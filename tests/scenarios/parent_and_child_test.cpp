@@ -1,4 +1,4 @@
-// A parent controller and its child, who share a robot: one raises an arm, the other keeps level what it carries.
+// A parent controller and its child, which share a robot: one raises an arm, the other keeps its load level.
 #include <rehearse/gtest.h>
 #include <rehearse/messages.h>
 

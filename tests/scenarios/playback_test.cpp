@@ -1,4 +1,4 @@
-// A gripper that plays a motion back, without dynamics of its own.
+// A gripper without dynamics that plays a motion back.
 #include <rehearse/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A rover that stops before what its range sensor sees.
+// A rover that stops before an obstacle that its range sensor measures.
 #include <rehearse/gtest.h>
 
 #include <cmath>

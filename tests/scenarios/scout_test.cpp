@@ -1,4 +1,4 @@
-// A scout that wanders through a room by laser and depth camera.
+// A scout that drives through a room with laser and depth camera.
 #include <rehearse/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A spring that a controller makes: what the command's delay does to a swing.
+// A spring in a controller: the effect of the command's delay on a swing.
 #include <rehearse/gtest.h>
 
 #include <algorithm>

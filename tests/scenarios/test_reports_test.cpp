@@ -1,4 +1,4 @@
-// What failing tests leave behind: a report each, and one index of all, whichever programs they ran in.
+// The reports of failing tests: one each, and one index of all, even of several programs.
 #include <gmock/gmock.h>
 #include <rehearse/gtest.h>
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-// Runs beside each other in one folder: none takes what another writes for its own.
+// Simultaneous runs in one folder: none uses files that a different run writes.
 #include <gmock/gmock.h>
 
 #include "command.h"

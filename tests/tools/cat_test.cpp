@@ -1,4 +1,4 @@
-// rehearse cat: messages of any file, a line each.
+// rehearse cat: messages of any file, one per line.
 #include <gmock/gmock.h>
 
 #include "command.h"

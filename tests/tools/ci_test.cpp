@@ -1,4 +1,4 @@
-// What `rehearse check` writes for continuous integration.
+// The output of `rehearse check` for continuous integration.
 #include <gmock/gmock.h>
 #include <tinyxml2.h>
 
@@ -50,7 +50,8 @@ TEST_F(Ci, JunitHasACaseForEachScenarioWithTheVerdictForAMessage) {
 }
 
 TEST_F(Ci, JunitOfACrashIsAnError) {
-  write("scenarios/crashes.yaml", read_file(pendulum(MISBEHAVING, "crash 3")) + "expect:\n  - {no_event: \"*never*\"}\n");
+  write("scenarios/crashes.yaml",
+        read_file(pendulum(MISBEHAVING, "crash 3")) + "expect:\n  - {no_event: \"*never*\"}\n");
   fs::remove(folder() / "pendulum.yaml");
   EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 3);
   EXPECT_THAT(read_file(folder() / "check.xml"), HasSubstr("<error message="));
@@ -78,8 +79,8 @@ TEST_F(Ci, AdviceNamesNothingThatCiRefusesAndNoLinkToItsDisk) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, HasSubstr("there is no golden golden/Box.Falls.mcap"));
   EXPECT_THAT(outcome.out, HasSubstr("make this run on a machine of yours"));
-  EXPECT_THAT(outcome.out, AllOf(Not(HasSubstr("golden accept")), Not(HasSubstr("REHEARSE_GOLDEN")),
-                                 Not(HasSubstr("file://"))));
+  EXPECT_THAT(outcome.out,
+              AllOf(Not(HasSubstr("golden accept")), Not(HasSubstr("REHEARSE_GOLDEN")), Not(HasSubstr("file://"))));
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// Verbs for tests of the command: run it as a user does, in a folder of the test's own, and look at all that came of
-// it.
+// Functions for tests of the command: run it as a user does, in a folder for the test alone, and check all its results.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,13 +34,13 @@ inline std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-/// How a command ended.
+/// The result of a command.
 struct Outcome {
-  int status = -1;  // -1: it was ended by a signal
+  int status = -1;  // -1: a signal ended it
   std::string out;
   std::string err;
 
-  /// Its stdout as JSON; a test failure and null if it isn't.
+  /// Its stdout as JSON; fails the test and returns null if it isn't JSON.
   nlohmann::json json() const {
     const nlohmann::json object = nlohmann::json::parse(out, nullptr, false);
     EXPECT_FALSE(object.is_discarded()) << "not JSON: " << out;
@@ -49,7 +48,7 @@ struct Outcome {
   }
 };
 
-/// A test with an empty folder, in which its commands run.
+/// A test with an empty folder in which its commands run.
 class Command : public ::testing::Test {
  protected:
   Command() {
@@ -59,7 +58,7 @@ class Command : public ::testing::Test {
       if (c == '/') c = '_';
     folder_ = fs::path(::testing::TempDir()) / ("rehearse_" + std::to_string(getpid())) / name;
     fs::create_directories(folder_);
-    // what the machine that runs the tests has set is not what they are about
+    // the test must not depend on the machine's environment
     for (const char* variable :
          {"CI", "REHEARSE_GOLDEN", "REHEARSE_GOLDEN_DIR", "REHEARSE_PENDING", "REHEARSE_CONTROLLER_PATH"})
       unsetenv(variable);
@@ -68,7 +67,7 @@ class Command : public ::testing::Test {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
     for (const char* stream : {".stdout", ".stderr"}) fs::remove(folder_.string() + stream, ignored);
-    fs::remove(folder_.parent_path(), ignored);  // stays while other tests of the process use it
+    fs::remove(folder_.parent_path(), ignored);  // it stays while other tests of the process use it
   }
 
   const fs::path& folder() const { return folder_; }
@@ -87,7 +86,7 @@ class Command : public ::testing::Test {
     return run(command, arguments, environment);
   }
 
-  /// The same, for commands that have to succeed.
+  /// Runs a command that must succeed.
   Outcome done(const std::vector<std::string>& arguments) const {
     Outcome outcome = rehearse(arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
@@ -102,7 +101,7 @@ class Command : public ::testing::Test {
   bool exists(const std::string& name) const { return fs::exists(folder_ / name); }
   bool is_empty() const { return fs::is_empty(folder_); }
 
-  /// 50 ms of a pendulum that is let go at 20 degrees, without cameras, under one controller.
+  /// 50 ms of a pendulum that is released at 20 degrees, without cameras, under one controller.
   fs::path pendulum(const std::string& library, const std::string& options = "") const {
     return write("pendulum.yaml", "rehearse: 1\nduration: 0.05\nbodies:\n  - name: Pendulum\n    model: " +
                                       (fixtures / "models/pendulum.urdf").string() +

@@ -1,4 +1,4 @@
-// rehearse diff of files that aren't ours: other encodings, the clock of the wall, no ticks, topics that come twice.
+// rehearse diff of files of other programs: other encodings, wall-clock times, no ticks, repeated topics.
 #include <gmock/gmock.h>
 
 #include "command.h"

@@ -1,4 +1,4 @@
-// A test program of a user's whose controller ends it: run by failing_controllers_test.cpp, not by ctest.
+// A user's test program that its controller ends: run by failing_controllers_test.cpp, not by ctest.
 #include <rehearse/session.h>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What becomes of a run whose controller can't be loaded, or fails: the message, the exit status, and the trace.
+// Runs whose controller can't be loaded, or fails: the message, the exit status, and the trace.
 #include "command.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// gdb, scripted as a user types: stopped in control() at a tick, forwards, back, tables, printers.
+// gdb, with the commands that a user types: stopped in control() at a tick, forwards, back, tables, printers.
 #include <gmock/gmock.h>
 #include <rehearse/controller_bench.h>
 #include <rehearse/trace.h>

@@ -1,4 +1,4 @@
-// rehearse golden prune with test programs: a golden is its test's whatever made the test's name.
+// rehearse golden prune with test programs: a golden belongs to its test, however the test's name was made.
 #include <gmock/gmock.h>
 
 #include "command.h"

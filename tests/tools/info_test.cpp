@@ -1,4 +1,4 @@
-// rehearse info of files that aren't ours: large ones, ones that come through a pipe, ones that aren't text.
+// rehearse info of files of other programs: large files, files from a pipe, files with payloads that aren't text.
 #include "../harness/mcap/large_file.h"
 #include "command.h"
 

@@ -1,4 +1,4 @@
-// The verbs that judge: check, diff and golden, in a folder like a user's repository.
+// The verbs that give verdicts: check, diff and golden, in a folder like a user's repository.
 #include "command.h"
 
 #include <gmock/gmock.h>
@@ -62,7 +62,10 @@ TEST_F(Check, PassesARunThatIsAsItsGolden) {
   accept_golden();
   const Outcome outcome = done({"check", scenario_});
   EXPECT_THAT(outcome.out, StartsWith("sr1_minimum: equal bit for bit: 100 ticks, "));
-  EXPECT_THAT(outcome.out, HasSubstr("\n  controller on recorded inputs: equal; world under recorded commands: equal; closed loop: equal; "));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr(
+          "\n  controller on recorded inputs: equal; world under recorded commands: equal; closed loop: equal; "));
   EXPECT_FALSE(exists(pending_of_robot));
 }
 

@@ -1,4 +1,4 @@
-// "Without physics" means: what replays links neither physics nor renderer, not even through another library.
+// The meaning of "without physics": the replaying program links neither physics nor renderer, even indirectly.
 #include "command.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The verbs that look: info at traces, inspect at models, render at scenes.
+// The verbs that inspect: info with traces, inspect with models, render with scenes.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// rehearse doctor, recover, filter, merge: on recordings of ours, as a user runs them.
+// rehearse doctor, recover, filter, merge: on recordings of Rehearse, as a user runs them.
 #include <gmock/gmock.h>
 
 #include <cstring>

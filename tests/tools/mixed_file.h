@@ -1,5 +1,5 @@
-// An MCAP file such as others write: several encodings, a schema that is none, messages out of order, the clock of the
-// wall.
+// An MCAP file as other programs write it: several encodings, an invalid schema, messages out of order, wall-clock
+// times.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ inline constexpr std::uint64_t wall_clock = 1'700'000'000'123'456'789;  // [ns]
 
 inline mcap::Bytes bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
-/// Messages of one topic of a file.
+/// The messages of one topic of a file.
 class TopicWriter {
  public:
   TopicWriter(mcap::Writer& writer, std::string_view topic, std::string_view encoding, std::uint16_t schema = 0,

@@ -1,4 +1,4 @@
-// rehearse new. That what it writes builds and passes is tested by tests/install.
+// rehearse new. tests/install tests that the new project builds and passes.
 #include <gmock/gmock.h>
 
 #include "command.h"
@@ -18,8 +18,8 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
   const fs::path project = folder() / "my walker";
   EXPECT_THAT(read_file(project / "CMakeLists.txt"), HasSubstr("project(my_walker CXX)"));
   EXPECT_THAT(read_file(project / "README.md"), HasSubstr("# my_walker"));
-  for (const char* file :
-       {".gitattributes", ".github/workflows/test.yml", ".gitignore", "hold.cpp", "hold_test.cpp", "models/arm.urdf", "scenarios/hold.yaml"})
+  for (const char* file : {".gitattributes", ".github/workflows/test.yml", ".gitignore", "hold.cpp", "hold_test.cpp",
+                           "models/arm.urdf", "scenarios/hold.yaml"})
     EXPECT_GT(fs::file_size(project / file), 10u) << file;
 }
 

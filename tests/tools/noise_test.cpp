@@ -1,4 +1,4 @@
-// rehearse golden noise, and what check says of its file.
+// rehearse golden noise, and the remarks of check about its file.
 #include "command.h"
 
 #include <gmock/gmock.h>

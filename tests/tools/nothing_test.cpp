@@ -1,4 +1,4 @@
-// A comparison of nothing is no success.
+// A comparison of nothing is not a success.
 #include <gmock/gmock.h>
 #include <rehearse/mcap.h>
 

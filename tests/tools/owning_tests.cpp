@@ -1,5 +1,5 @@
-// Tests whose names no search of the sources finds: parameterised, typed, made by a macro. golden_owners_test.cpp runs
-// this program.
+// Tests whose names a search of the sources can't find: parameterised, typed, made by a macro. golden_owners_test.cpp
+// runs this program.
 #include <rehearse/gtest.h>
 
 class Fall : public testing::TestWithParam<const char*> {};

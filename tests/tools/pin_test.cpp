@@ -1,4 +1,4 @@
-// That a process is pinned, in whatever it runs, and that its recordings say so.
+// A process is pinned in any environment, and its recordings state it.
 #include "command.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,8 @@ constexpr bool is_sanitized = true;
 #else
 constexpr bool is_sanitized = false;
 #endif
-constexpr const char* sanitizer_needs = "AddressSanitizer needs /proc, and more addresses than emulators and valgrind have";
+constexpr const char* sanitizer_needs =
+    "AddressSanitizer needs /proc, and more addresses than emulators and valgrind have";
 
 class Pin : public Command {
  protected:

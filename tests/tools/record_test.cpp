@@ -1,4 +1,4 @@
-// rehearse record: what it says, what it writes, and that it writes the same twice.
+// rehearse record: its output, its files, and that a second recording is equal.
 #include <rehearse/trace.h>
 
 #include "command.h"
@@ -44,7 +44,8 @@ TEST_F(Record, TellsWhatIsNotAsExpectedAndIsDoneAllTheSame) {
 
 /// What is expected of a run is judged from its trace.
 TEST_F(Record, WritesIntoAPipeOnlyWhatItDoesNotReadAgain) {
-  const std::string behind = "sh -c 'mkfifo trace; cat trace > copy.mcap & timeout 20 \"$@\"; status=$?; wait; exit $status' sh ";
+  const std::string behind =
+      "sh -c 'mkfifo trace; cat trace > copy.mcap & timeout 20 \"$@\"; status=$?; wait; exit $status' sh ";
   const Outcome plain = run(command, {"record", box_scenario.string(), "--duration", "0.1", "-o", "trace"}, behind);
   EXPECT_EQ(plain.status, 0) << plain.err;
   EXPECT_THAT(plain.out, HasSubstr(" camera frames in trace\n"));
@@ -105,8 +106,9 @@ TEST_F(Record, TellsOnRequestWhetherTheRecordingRepeatsItself) {
   EXPECT_FALSE(exists("drop_box.mcap.again"));
   const Outcome outcome = rehearse({"record", pendulum(MISBEHAVING, "chance 12").string(), "--verify"});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("\nthe recording doesn't repeat itself: fed with its inputs, the controller differs "
-                                     "at tick 12 (0.012 s): "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("\nthe recording doesn't repeat itself: fed with its inputs, the controller differs "
+                        "at tick 12 (0.012 s): "));
   EXPECT_TRUE(exists("pendulum.mcap"));
 }
 

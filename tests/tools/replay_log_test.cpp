@@ -1,4 +1,4 @@
-// rehearse replay of a robot's log: the log is a golden, which is a ROS 2 bag like any other.
+// rehearse replay of a robot's log: the log is a golden, which is an ordinary ROS 2 bag.
 #include "command.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// rehearse replay: from the trace alone, without physics; a changed gain is found where it first acts.
+// rehearse replay: from the trace alone, without physics; a changed gain is found at its first effect.
 #include "command.h"
 
 #include <gmock/gmock.h>

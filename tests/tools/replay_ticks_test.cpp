@@ -1,4 +1,4 @@
-// rehearse replay --tick, --at, --watch and --when: looking into a recording.
+// rehearse replay --tick, --at, --watch and --when: inspecting a recording.
 #include "command.h"
 
 #include <gmock/gmock.h>

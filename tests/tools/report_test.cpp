@@ -1,4 +1,4 @@
-// rehearse report, and what a failing check leaves behind. The page is a plain one: no test here needs npm.
+// rehearse report, and the report of a failing check. The page is an empty one: no test here needs npm.
 #include "command.h"
 
 #include <gmock/gmock.h>

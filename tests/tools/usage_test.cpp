@@ -1,4 +1,4 @@
-// The command line itself: help, versions, slips of the hand.
+// The command line itself: help, versions, typing errors.
 #include "command.h"
 
 #include <gmock/gmock.h>

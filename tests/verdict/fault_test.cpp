@@ -1,5 +1,5 @@
-// The table of faults: each is made in a robot that stands, and has to be found by the right level of a check and blamed
-// on the right part of the loop. Printed when all have run.
+// The table of faults: each fault is made in a standing robot. The right level of a check must find it and blame the
+// right part of the loop. The table is printed after all tests.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <rehearse/session.h>
@@ -21,8 +21,8 @@ struct Fault {
   const char* name;
   LevelState controller, plant, closed;  // what the levels have to say
   Stage stage;
-  const char* sentence;            // a part of the verdict
-  const char* library = nullptr;   // of the changed controller
+  const char* sentence;           // a part of the verdict
+  const char* library = nullptr;  // of the changed controller
   std::optional<Edit> edit = {};
   Broken loop = Broken::nothing;
 };
@@ -71,7 +71,8 @@ std::vector<Fault> faults() {
        "the scenario's duration changed: it is 0.7 s, and the golden's 0.6 s; up to 0.599 s equal bit for bit", nullptr,
        Edit{"scenario.yaml", "duration: 0.6", "duration: 0.7"}},
       {"another box in the world", equal, differs, differs, Stage::physics, "body 'Box' isn't in the state", nullptr,
-       Edit{"scenario.yaml", "bodies:", "bodies:\n  - {name: Box, box: {size: [1, 1, 1]}, mass: 1, position: [5, 5, 0.499]}"}},
+       Edit{"scenario.yaml",
+            "bodies:", "bodies:\n  - {name: Box, box: {size: [1, 1, 1]}, mass: 1, position: [5, 5, 0.499]}"}},
       {"friction off by 1 %", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
        Edit{"scenario.yaml", "friction: 1}", "friction: 0.99}"}},
       {"gravity off by 0.1 %", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
@@ -82,8 +83,10 @@ std::vector<Fault> faults() {
        Edit{"scenario.yaml", "0.7135]", "0.7145]"}},
       {"a joint placed 0.1 deg aside", equal, differs, differs, Stage::physics, "differs at tick 0", nullptr,
        Edit{"scenario.yaml", "RARM_ELBOW: -90 deg", "RARM_ELBOW: -89.9 deg"}},
-      {"a push that nobody gave before", equal, differs, differs, Stage::physics, "it is because of scenario.yaml", nullptr,
-       Edit{"scenario.yaml", "noise:", "pushes: [{body: SR1, link: WAIST, force: [1, 0, 0], from: 0.2, until: 0.21}]\nnoise:"}},
+      {"a push that nobody gave before", equal, differs, differs, Stage::physics, "it is because of scenario.yaml",
+       nullptr,
+       Edit{"scenario.yaml",
+            "noise:", "pushes: [{body: SR1, link: WAIST, force: [1, 0, 0], from: 0.2, until: 0.21}]\nnoise:"}},
       {"a link's mass off by 1 g", equal, differs, differs, Stage::physics, "it is because of sr1.urdf", nullptr,
        Edit{"sr1.urdf", R"(<mass value="5.1"/>)", R"(<mass value="5.101"/>)"}},
       {"a centre of mass off by 1 mm", equal, differs, differs, Stage::physics, "it is because of sr1.urdf", nullptr,
@@ -101,7 +104,14 @@ std::vector<Fault> faults() {
        nullptr, Edit{"watcher.urdf", "<pose>0 0 0 0 0 0</pose>", "<pose>0 0 0 0 0 0.0109</pose>"}},
       {"a frame dropped", equal, differs, differs, Stage::renderer, "missing", nullptr, {}, Broken::dropped_frame},
       {"a tick missing", equal, differs, differs, Stage::physics, "missing", nullptr, {}, Broken::missing_tick},
-      {"an input delivered late", equal, equal, differs, Stage::inputs, "fed with something else", nullptr, {},
+      {"an input delivered late",
+       equal,
+       equal,
+       differs,
+       Stage::inputs,
+       "fed with something else",
+       nullptr,
+       {},
        Broken::stale_input},
   };
 }

@@ -1,4 +1,4 @@
-// Changes that may not be called faults: the bits are the golden's, or nearly, though the files say the same otherwise.
+// Changes that aren't faults: the bits equal the golden's, or nearly, although the files differ.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Noise and faults, told apart: on every fixture with contacts, what must not matter stays within tolerance on the
-// levels controller and plant, and small faults of the plant lie far above it. Prints a table of both.
+// Noise and faults: on every fixture with contacts, irrelevant perturbations stay within tolerance on the levels
+// controller and plant, and small faults of the plant are far above it. Prints a table of both.
 #include <rehearse/session.h>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// A robot that stands, watched by a camera, as files in a scratch folder: what faults are made in.
+// A standing robot, watched by a camera, as files in a scratch folder, into which tests introduce faults.
 #pragma once
 
 #include <rehearse/check.h>
@@ -55,7 +55,7 @@ noise:
 cameras: [Watcher/Eye]
 )";
 
-/// A change of a text of the scratch folder.
+/// Changes a text of the scratch folder.
 struct Edit {
   const char* file;
   const char* from;

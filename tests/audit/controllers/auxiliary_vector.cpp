@@ -1,4 +1,4 @@
-// Asks the kernel for what the processor can.
+// Asks the kernel for the processor's features.
 #include "zoo.h"
 
 #include <sys/auxv.h>

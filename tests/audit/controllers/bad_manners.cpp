@@ -1,5 +1,5 @@
-// Does to its process what its options say, in the 8th control(): crash, hang, exit, quick, abort, close, chdir,
-// signal, float, throw.
+// In the 8th control(), does to its process one of these actions, as given in its options: crash, hang, exit, quick,
+// abort, close, chdir, signal, float, throw.
 #include "zoo.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Learns its gain: reads it from a file, and writes a better one. Its options name the file.
+// Reads its gain from a file, and writes a new one to the file. Its options name the file.
 #include "zoo.h"
 
 #include <fstream>

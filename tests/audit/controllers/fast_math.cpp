@@ -1,4 +1,4 @@
-// Nothing is wrong with its source: its library is linked with -ffast-math.
+// Its source is deterministic, but its library is linked with -ffast-math.
 #include "zoo.h"
 
 namespace {

@@ -1,4 +1,4 @@
-// Colours what it says if that goes to a terminal.
+// Colours its log if that goes to a terminal.
 #include "zoo.h"
 
 #include <sys/ioctl.h>

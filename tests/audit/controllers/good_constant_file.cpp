@@ -1,4 +1,4 @@
-// Reads its gain from a file that stays as it is. Its options name it.
+// Reads its gain from a file that never changes. Its options name the file.
 #include "zoo.h"
 
 #include <cstdlib>

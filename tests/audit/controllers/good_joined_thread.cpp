@@ -1,4 +1,4 @@
-// Lets threads compute, and waits for them.
+// Computes in threads, and joins them.
 #include "zoo.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Takes a lock, a file that may not be there, and gives it back at its end.
+// Creates a lock file, which must not exist before, and removes it at the end.
 #include "zoo.h"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Keeps a log in a file of its own. Its options name it.
+// Writes a log to a file. Its options name the file.
 #include "zoo.h"
 
 #include <fstream>

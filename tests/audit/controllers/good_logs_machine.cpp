@@ -1,4 +1,4 @@
-// Logs who runs it, where, as which process, and how busy the machine is.
+// Logs the user, the machine, the process, and the machine's load.
 #include "zoo.h"
 
 #include <sys/utsname.h>

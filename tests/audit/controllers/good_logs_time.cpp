@@ -1,4 +1,4 @@
-// Says what time it is, and commands nothing by it.
+// Logs the time; its commands don't depend on it.
 #include "zoo.h"
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Logs how much memory the process has.
+// Logs the memory of the process.
 #include "zoo.h"
 
 #include <fstream>

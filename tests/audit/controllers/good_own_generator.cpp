@@ -1,4 +1,4 @@
-// Dithers with a generator of its own, from a seed of its own.
+// Dithers with its own random generator and a constant seed.
 #include "zoo.h"
 
 #include <random>

@@ -1,4 +1,4 @@
-// Asks for the number of processors, for a pool that it never makes.
+// Reads the number of processors for a thread pool, which it never creates.
 #include "zoo.h"
 
 #include <thread>

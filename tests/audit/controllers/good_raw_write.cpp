@@ -1,4 +1,4 @@
-// Says something past the C library.
+// Writes a message by a system call without the C library.
 #include "zoo.h"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Makes a folder, keeps the last ticks in files there, and sums up those that are listed.
+// Creates a folder, stores the last ticks in files there, and sums up the files in the folder's list.
 #include "zoo.h"
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Goes through a file of a fixed name among the temporary ones: writes, renames, reads and removes it.
+// Writes, renames, reads and removes a temporary file with a fixed name.
 #include "zoo.h"
 
 #include <filesystem>

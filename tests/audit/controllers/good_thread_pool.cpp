@@ -1,4 +1,4 @@
-// Sums in as many threads as there are processors: whole numbers, in any order the same.
+// Sums whole numbers in as many threads as there are processors; the sum doesn't depend on the order.
 #include "zoo.h"
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Picks its gain by the name of the machine.
+// Selects its gain by the name of the machine.
 #include "zoo.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Commands less on a busy machine.
+// Reduces its command if the machine is busy.
 #include "zoo.h"
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Commands less on a busy machine, by the kernel's file.
+// Reduces its command if the machine is busy; reads the load from the kernel's file.
 #include "zoo.h"
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Commands by the memory of the machine.
+// Its command depends on the size of the machine's memory.
 #include "zoo.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Seeds its dither with where it lies in memory.
+// Seeds its dither with its own address in memory.
 #include "zoo.h"
 
 #include <cstdint>

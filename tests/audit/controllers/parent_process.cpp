@@ -1,4 +1,4 @@
-// Commands by who started it.
+// Its command depends on the parent process.
 #include "zoo.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Adds numbers up in the order in which a hash of pointers has them: sums of doubles depend on their order.
+// Sums numbers in the order of a hash table of pointers: sums of doubles depend on their order.
 #include "zoo.h"
 
 #include <memory>

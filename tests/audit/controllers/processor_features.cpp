@@ -1,4 +1,4 @@
-// Computes in another way on processors with AVX2.
+// Computes differently on processors with AVX2.
 #include "zoo.h"
 
 namespace {

@@ -1,4 +1,4 @@
-// Commands by how many processors it may run on.
+// Its command depends on the number of processors on which it may run.
 #include "zoo.h"
 
 #include <sched.h>

@@ -1,4 +1,4 @@
-// Draws its dither from the machine's random numbers.
+// Reads its dither from the machine's random device.
 #include "zoo.h"
 
 #include <random>

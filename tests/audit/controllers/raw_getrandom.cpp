@@ -1,4 +1,4 @@
-// Draws a random number past the C library.
+// Reads a random number by a system call without the C library.
 #include "zoo.h"
 
 #include <sys/syscall.h>

@@ -1,4 +1,4 @@
-// Commands by its process, past the C library.
+// Its command depends on its process id, read without the C library.
 #include "zoo.h"
 
 #include <sys/syscall.h>

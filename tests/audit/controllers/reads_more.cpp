@@ -1,4 +1,4 @@
-// Reads where its link is, which no recording of the others holds.
+// Reads the pose of its link, which recordings of the other controllers don't contain.
 #include "zoo.h"
 
 namespace {

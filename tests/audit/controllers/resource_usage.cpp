@@ -1,4 +1,4 @@
-// Commands by how much memory the process has used.
+// Its command depends on the memory that the process has used.
 #include "zoo.h"
 
 #include <sys/resource.h>

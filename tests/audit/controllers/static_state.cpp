@@ -1,4 +1,4 @@
-// Counts its calls in a static variable that no run sets back.
+// Counts its calls in a static variable that is not reset between runs.
 #include "zoo.h"
 
 namespace {

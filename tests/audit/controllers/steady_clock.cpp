@@ -1,5 +1,5 @@
-// A low-pass filter that goes by the time that really passed. It reads the clock at another place, too, and only counts
-// what it takes there: that reaches nothing.
+// A low-pass filter that uses the real elapsed time. It also reads the clock at a second place, only to measure its own
+// duration: that value affects no command.
 #include "zoo.h"
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Draws a random number by syscall().
+// Reads a random number by syscall().
 #include "zoo.h"
 
 #include <sys/syscall.h>

@@ -1,4 +1,4 @@
-// Holds softer if somebody looks.
+// Reduces its stiffness if its output is a terminal.
 #include "zoo.h"
 
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// Takes a number from the width of the terminal.
+// Uses the width of the terminal as a number.
 #include "zoo.h"
 
 #include <sys/ioctl.h>

@@ -1,4 +1,4 @@
-// A thread plans beside the control loop, and the loop takes whatever is there.
+// A thread plans concurrently with the control loop, and the loop uses the latest plan.
 #include "zoo.h"
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Commands by the hash of its thread.
+// Its command depends on the hash of its thread id.
 #include "zoo.h"
 
 #include <functional>

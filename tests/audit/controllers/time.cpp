@@ -1,4 +1,4 @@
-// Pushes harder in odd seconds of the day.
+// Increases its command in odd seconds of the day.
 #include "zoo.h"
 
 #include <ctime>

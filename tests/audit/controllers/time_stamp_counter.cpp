@@ -1,4 +1,4 @@
-// Measures time past the system, with the processor's counter.
+// Measures time without the system, by the processor's counter.
 #include "zoo.h"
 
 #include <x86intrin.h>

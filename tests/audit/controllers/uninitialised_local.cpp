@@ -1,4 +1,4 @@
-// Sums an array of which it has set a half.
+// Sums an array of which only one half is initialised.
 #include "zoo.h"
 
 namespace {

@@ -1,4 +1,4 @@
-// Forgets to set one of its members.
+// Does not initialise one of its members.
 #include "zoo.h"
 
 namespace {

@@ -1,4 +1,4 @@
-// Commands by how long the machine runs.
+// Its command depends on the uptime of the machine.
 #include "zoo.h"
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Uses its gains after it gave them back, which happens to work as long as nobody else takes the memory.
+// Uses its gains after it has freed them, which works only until the memory is used again.
 #include "zoo.h"
 
 #include <cstdlib>

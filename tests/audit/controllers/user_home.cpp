@@ -1,4 +1,4 @@
-// Commands by the length of the user's home folder.
+// Its command depends on the length of the user's home folder.
 #include "zoo.h"
 
 #include <pwd.h>

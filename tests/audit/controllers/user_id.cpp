@@ -1,4 +1,4 @@
-// Commands by who runs it.
+// Its command depends on the user.
 #include "zoo.h"
 
 #include <unistd.h>

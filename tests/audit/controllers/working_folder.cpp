@@ -1,4 +1,4 @@
-// Reads its gain from a file that it finds only from one folder.
+// Reads its gain from a file with a path relative to the working folder.
 #include "zoo.h"
 
 #include <cstdio>

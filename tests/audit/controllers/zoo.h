@@ -1,5 +1,5 @@
-// What the controllers of the zoo have in common: a pendulum held by a spring, and a term that each adds in its own
-// way.
+// Base class of the zoo's controllers: a pendulum held by a spring, and a term that each controller computes
+// differently.
 #pragma once
 
 #include <cnoid/SimpleController>

@@ -1,4 +1,4 @@
-// What contact takes a mesh for.
+// Convex hulls of meshes for contacts.
 
 #include "mesh/convex_hull.h"
 

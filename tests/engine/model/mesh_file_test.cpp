@@ -1,4 +1,4 @@
-// Triangles of meshes: where they are, which way round, and in whose frame.
+// Triangles of meshes: their positions, their winding, and their frame.
 #include "mesh/mesh_file.h"
 
 #include "mesh_files.h"

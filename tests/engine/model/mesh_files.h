@@ -1,4 +1,4 @@
-// Small meshes for tests, and what may be asked of any mesh.
+// Small meshes for tests, and checks that apply to any mesh.
 #pragma once
 
 #include <rehearse/model.h>
@@ -25,7 +25,7 @@ inline std::string read_bytes(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// The mesh; throws, and so fails the test, if there is none.
+/// The mesh; throws, and so fails the test, if it can't be loaded.
 inline MeshReading reading_of(const std::filesystem::path& file, const Eigen::Vector3d& scale = {1, 1, 1}) {
   Result<MeshReading> reading = read_mesh(file, scale);
   if (!reading) throw std::runtime_error(to_string(reading.errors()));
@@ -66,7 +66,7 @@ inline std::vector<Corner> corners_of(const MeshData& mesh) {
   return corners;
 }
 
-/// What the triangles enclose [m³]; positive if they are counter-clockwise seen from outside. By the divergence
+/// The volume inside the triangles [m³]; positive if they are counter-clockwise seen from outside. By the divergence
 /// theorem.
 inline double volume_of(const MeshData& mesh) {
   const std::vector<Corner> corners = corners_of(mesh);
@@ -77,7 +77,7 @@ inline double volume_of(const MeshData& mesh) {
   return volume;
 }
 
-/// Each normal has unit length and is on the side that the winding calls outside.
+/// Checks that each normal has unit length and points to the outside according to the winding.
 inline void expect_normals_outside(const MeshData& mesh) {
   const std::vector<Corner> corners = corners_of(mesh);
   for (std::size_t i = 0; i < corners.size(); i += 3) {

@@ -1,4 +1,4 @@
-// Files that aren't what their names say, or not whole: an answer every time, and never half a mesh.
+// Files with a wrong type or incomplete content: each gives an error, and never a partial mesh.
 #include "mesh_files.h"
 
 #include <gmock/gmock.h>

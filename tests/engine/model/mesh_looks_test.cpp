@@ -1,4 +1,4 @@
-// Colours, pictures and their coordinates.
+// Colours, textures and texture coordinates of meshes.
 #include "mesh_files.h"
 
 #include <gmock/gmock.h>
@@ -10,7 +10,8 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr const char* painted_triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl paint\nf 1/1 2/2 3/3\n";
+constexpr const char* painted_triangle =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl paint\nf 1/1 2/2 3/3\n";
 
 /// A PNG of one pixel of red, green, blue, opacity.
 std::string pixel(std::array<std::uint8_t, 4> rgba) {

@@ -1,4 +1,4 @@
-// fixtures/models/sr1.urdf against the figures of the robot, written down here a second time.
+// fixtures/models/sr1.urdf against the data of the robot, which are written here a second time.
 #include <rehearse/urdf.h>
 
 #include <gtest/gtest.h>
@@ -109,7 +109,9 @@ TEST(Sr1, BranchesAtTheWaistAndTheChest) {
   EXPECT_EQ(sr1().links.size(), 30u);
   EXPECT_EQ(sr1().links[0].name, "WAIST");
   EXPECT_EQ(sr1().links[0].joint.type, JointType::free);
-  const auto parent = [](const char* name) { return sr1().links.at(static_cast<std::size_t>(sr1_link(name).parent)).name; };
+  const auto parent = [](const char* name) {
+    return sr1().links.at(static_cast<std::size_t>(sr1_link(name).parent)).name;
+  };
   for (const char* name : {"RLEG_HIP_R", "LLEG_HIP_R", "WAIST_P"}) EXPECT_EQ(parent(name), "WAIST") << name;
   for (const char* name : {"RARM_SHOULDER_P", "LARM_SHOULDER_P"}) EXPECT_EQ(parent(name), "CHEST") << name;
   EXPECT_EQ(parent("CHEST"), "WAIST_R");

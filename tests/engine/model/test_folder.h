@@ -1,4 +1,4 @@
-// A folder of a test's own, gone with it.
+// A temporary folder of a test; the destructor removes it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class TestFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file, and the directories that it is in.
+  /// Writes a file, and creates its directories.
   std::filesystem::path write(const std::filesystem::path& name, std::string_view content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

@@ -1,4 +1,4 @@
-// One file a mistake: fixtures/broken/urdf_NAME.urdf, and what the loader says of it.
+// One file per mistake: fixtures/broken/urdf_NAME.urdf, and the loader's message about it.
 #include <rehearse/urdf.h>
 
 #include <gmock/gmock.h>
@@ -190,7 +190,8 @@ const std::vector<Mistake> mimic_circle = {
 /// Loaded with this one repair; refused when strict.
 const std::vector<Mistake> repairs = {
     {"two_materials", 7, "a second <material> in one <visual>; the first counts"},
-    {"two_sensors_in_one_place", 6, "a second sensor 'gyro' of the same kind at the same place, after the one in line 5"},
+    {"two_sensors_in_one_place", 6,
+     "a second sensor 'gyro' of the same kind at the same place, after the one in line 5"},
     {"color_of_bytes", 6, "rgba '255 0 0 1' is brought into 0 to 1"},
     {"contact_restitution_of_two", 6, "<restitution> is 2; it is left out"},
     {"effort_negative", 7, "the effort limit of joint 'hinge' is negative; it is unlimited"},

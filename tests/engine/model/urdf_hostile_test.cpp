@@ -1,4 +1,4 @@
-// Whatever the bytes, the loader ends in under a second, with a model or with errors.
+// For any bytes, the loader returns in under a second, with a model or with errors.
 #include <rehearse/urdf.h>
 
 #include "urdf_texts.h"

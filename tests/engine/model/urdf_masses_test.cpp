@@ -1,4 +1,4 @@
-// What moves without mass: who is fixed, who gets a default mass and which inertia, who is refused.
+// Moving links without mass: which are fixed, which get a default mass and which inertia, which are refused.
 #include "urdf_texts.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// urdfdom as referee: what it reads otherwise than we do, or not at all, is an error. Here our own reading is wrong on
-// purpose.
+// The comparison with urdfdom: if its robot differs from that of Rehearse's reader, the load fails. In these tests the
+// result of Rehearse's reader is wrong on purpose.
 #include "urdf/urdf_draft.h"
 
 #include <gmock/gmock.h>

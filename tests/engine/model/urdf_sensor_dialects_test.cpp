@@ -1,5 +1,5 @@
-// Sensors as others than Gazebo's <sensor> of one device write them: in <robot> itself, several cameras in one, what
-// force sensors and contact sensors say of their own.
+// Sensors in other forms than Gazebo's <sensor> of one device: in <robot> itself, several cameras in one sensor, and
+// the special elements of force sensors and contact sensors.
 #include "urdf_texts.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What a URDF says of touching its links.
+// Contact properties of links in a URDF.
 #include "urdf_texts.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,8 @@ std::string surface_block(const std::string& reference, const std::string& conte
 Surface arm_surface(const std::string& content) { return with_surface(surface_block("arm", content)).links[1].surface; }
 
 TEST(UrdfSurfaces, AreReadOfTheLinkAndOfNoOther) {
-  const Model model = with_surface(surface_block("arm",
+  const Model model =
+      with_surface(surface_block("arm",
                                  "<mu1>0.5</mu1><mu2> 0.25\n</mu2><kp>1e5</kp><kd>10</kd><minDepth>0.001</minDepth>"
                                  "<maxVel>0.1</maxVel><fdir1>0 3 4</fdir1>"));
   const Surface& arm = model.links[1].surface;
@@ -54,16 +55,16 @@ TEST(UrdfSurfaces, MayHaveTheirNumbersInAttributes) {
 TEST(UrdfSurfaces, HaveNoDirectionIfItIsZero) { EXPECT_FALSE(arm_surface("<fdir1>0 0 0</fdir1>").friction_direction); }
 
 TEST(UrdfSurfaces, AreGatheredFromSeveralBlocks) {
-  const Model model =
-      with_surface(surface_block("arm", "<mu1>0.5</mu1>") + surface_block("arm", "<mu2>0.25</mu2>") + surface_block("arm", "<kp>3</kp>"));
+  const Model model = with_surface(surface_block("arm", "<mu1>0.5</mu1>") + surface_block("arm", "<mu2>0.25</mu2>") +
+                                   surface_block("arm", "<kp>3</kp>"));
   EXPECT_EQ(model.links[1].surface.friction, 0.5);
   EXPECT_EQ(model.links[1].surface.second_friction, 0.25);
   EXPECT_EQ(model.links[1].surface.stiffness, 3.0);
 }
 
 TEST(UrdfSurfaces, WithoutSenseAreLeftOut) {
-  const Model model =
-      with_surface(surface_block("arm", "<mu1>-1</mu1><kp>0</kp><kd>-1</kd><minDepth>-1</minDepth><maxVel>-1</maxVel>"));
+  const Model model = with_surface(
+      surface_block("arm", "<mu1>-1</mu1><kp>0</kp><kd>-1</kd><minDepth>-1</minDepth><maxVel>-1</maxVel>"));
   const Surface& arm = model.links[1].surface;
   EXPECT_FALSE(arm.friction || arm.stiffness || arm.damping || arm.min_depth || arm.max_velocity);
   EXPECT_EQ(model.report.size(), 5u) << to_string(model.report);
@@ -91,7 +92,9 @@ TEST(UrdfSurfaces, AreThoseOfPyBulletToo) {
 }
 
 TEST(UrdfSurfaces, WeightCanBeTakenFromALink) {
-  const auto has_weight = [](const std::string& content) { return with_surface(surface_block("arm", content)).links[1].has_weight; };
+  const auto has_weight = [](const std::string& content) {
+    return with_surface(surface_block("arm", content)).links[1].has_weight;
+  };
   EXPECT_TRUE(with_surface("").links[1].has_weight);
   for (const char* off : {"<gravity>false</gravity>", "<gravity>0</gravity>", "<turnGravityOff>true</turnGravityOff>",
                           "<turnGravityOff>True</turnGravityOff>", "<turn_gravity_off>1</turn_gravity_off>"})
@@ -111,8 +114,8 @@ TEST(UrdfSurfaces, LinksCollideWithTheirOwnIfToldSo) {
 }
 
 TEST(UrdfSurfaces, ARobotCanCollideWithItselfButForALink) {
-  const Model model =
-      with_surface("<gazebo><self_collide>true</self_collide></gazebo>" + surface_block("arm", "<selfCollide>false</selfCollide>"));
+  const Model model = with_surface("<gazebo><self_collide>true</self_collide></gazebo>" +
+                                   surface_block("arm", "<selfCollide>false</selfCollide>"));
   EXPECT_TRUE(model.links[0].collides_with_own);
   EXPECT_FALSE(model.links[1].collides_with_own);
 }
@@ -124,8 +127,8 @@ TEST(UrdfSurfaces, AStaticRobotIsFixedToTheWorld) {
 }
 
 TEST(UrdfSurfaces, ALinkIsMeantBeforeAJointOfItsName) {
-  const Model model = load(
-      robot(link("base") + link("arm") + joint("arm", "continuous", "base", "arm") + surface_block("arm", "<mu1>0.5</mu1>")));
+  const Model model = load(robot(link("base") + link("arm") + joint("arm", "continuous", "base", "arm") +
+                                 surface_block("arm", "<mu1>0.5</mu1>")));
   EXPECT_EQ(model.links[1].surface.friction, 0.5);
   EXPECT_EQ(to_string(model.report), "");
 }

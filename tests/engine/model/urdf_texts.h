@@ -15,7 +15,7 @@ inline constexpr const char* some_inertial =
 
 inline std::string robot(const std::string& content) { return "<robot name='test'>" + content + "</robot>"; }
 
-/// One link, bolted to the world.
+/// One link, fixed to the world.
 inline std::string still(const std::string& content) { return robot("<link name='world'>" + content + "</link>"); }
 
 inline std::string link(const std::string& name, const std::string& content = some_inertial) {
@@ -28,7 +28,7 @@ inline std::string joint(const std::string& name, const std::string& type, const
          content + "</joint>";
 }
 
-/// The model; throws, and so fails the test, if there is none.
+/// The model; throws, and so fails the test, if it can't be loaded.
 inline Model load(const std::string& text, const UrdfOptions& options = {}) {
   Result<Model> result = parse_urdf(text, "test.urdf", options);
   if (!result) throw std::runtime_error(to_string(result.errors()));

@@ -53,7 +53,7 @@ inline MeshPart moved(MeshPart part, const Eigen::Vector3f& by) {
   return part;
 }
 
-/// A box, each of its faces with normals of its own.
+/// A box; each face has separate vertices and normals.
 inline MeshPart cuboid(const Eigen::Vector3d& size) {
   MeshPart part;
   for (int axis = 0; axis < 3; ++axis) {
@@ -82,7 +82,8 @@ inline MeshPart ball(double radius, std::uint32_t rings) {
   for (std::uint32_t ring = 0; ring <= rings; ++ring) {
     const double polar = std::numbers::pi * ring / rings;
     for (std::uint32_t i = 0; i <= segments; ++i) {
-      const double around = 2.0 * std::numbers::pi * (i % segments) / segments;  // closed: the same bits come round
+      // the first and the last vertex have the same bits
+      const double around = 2.0 * std::numbers::pi * (i % segments) / segments;
       const double r = ring % rings == 0 ? 0.0 : std::sin(polar);
       const Eigen::Vector3d normal(r * std::cos(around), r * std::sin(around), std::cos(polar));
       part.normals.push_back(normal.cast<float>());
@@ -101,7 +102,7 @@ inline MeshPart ball(double radius, std::uint32_t rings) {
   return part;
 }
 
-/// Row by row from the top left, red, green, blue, opacity.
+/// Pixels row by row from the top left: red, green, blue, opacity.
 inline std::shared_ptr<const Texture> texture_of(int width, int height,
                                                  const std::vector<std::array<std::uint8_t, 4>>& pixels) {
   auto texture = std::make_shared<Texture>();

@@ -1,5 +1,5 @@
-// Shapes that can't be seen aren't drawn. Which can is found out here by looking with a wider lens: its picture's
-// middle must show just what the narrow picture shows.
+// Invisible shapes aren't drawn. The test draws the scene with a wider field of view, too: the middle of that picture
+// must equal the narrow picture.
 #include "mesh_shapes.h"
 #include "scene.h"
 

@@ -1,4 +1,4 @@
-// Pictures for people: shadows and smooth edges, and nothing else that differs from what sensors see.
+// Pictures for people: they have shadows and smooth edges, and otherwise equal pictures for sensors.
 #include "scene.h"
 
 #include <set>

@@ -1,4 +1,4 @@
-// Lights in pictures: where they shine, how strongly, and that they leave all else alone.
+// Lights in pictures: where they shine, how strongly, and that they don't change other pixels.
 
 #include <rehearse/renderer.h>
 
@@ -10,7 +10,7 @@ namespace rehearse {
 namespace {
 
 constexpr int side = 61;                // of the pictures, odd: there is a pixel in the middle [pixels]
-constexpr double camera_height = 2.0;          // of the camera above the floor [m]
+constexpr double camera_height = 2.0;   // of the camera above the floor [m]
 constexpr float albedo = 0.5f;          // of the floor
 constexpr double one_step = 1.0 / 255;  // of a colour
 
@@ -54,7 +54,9 @@ class RendererLights : public ::testing::Test {
     return number;
   }
 
-  Image picture(Quality quality = Quality::plain) { return renderer_->draw(camera_, at(0, 0, camera_height), quality).color; }
+  Image picture(Quality quality = Quality::plain) {
+    return renderer_->draw(camera_, at(0, 0, camera_height), quality).color;
+  }
 
   /// The light on the floor `x` metres to the right of the middle, as the shader adds it up: the square of the colour
   /// over that of the floor.

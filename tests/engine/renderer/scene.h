@@ -1,4 +1,4 @@
-// Words for small scenes, for the renderer's tests.
+// Functions for small scenes in the renderer's tests.
 #pragma once
 
 #include <rehearse/renderer.h>
@@ -56,7 +56,7 @@ inline float meters(const DepthImage& image, int x, int y) {
 
 enum class Hue { reddish, greenish, bluish, none };
 
-/// Which of its colours is much the strongest.
+/// The dominant colour of a pixel.
 inline Hue hue(const std::array<int, 3>& rgb) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (rgb[i] > 2 * rgb[(i + 1) % 3] + 20 && rgb[i] > 2 * rgb[(i + 2) % 3] + 20) return static_cast<Hue>(i);

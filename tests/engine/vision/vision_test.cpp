@@ -1,4 +1,4 @@
-// When cameras look and when their pictures arrive.
+// The ticks at which cameras capture and at which their pictures arrive.
 
 #include "model/clock.h"
 #include "renderer/vision.h"

@@ -1,4 +1,4 @@
-// Contacts: they hold, they rub, and their order is the scenario's alone.
+// Contacts: they support, they have friction, and their order depends on the scenario alone.
 
 #include "robots.h"
 

@@ -1,4 +1,4 @@
-// What a world refuses to be made of: all that ODE would abort on.
+// Bodies that a world refuses: everything on which ODE would abort.
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-// Force sensors on links that fixed joints hold: what the links behind the joint exert on those before it.
+// Force sensors on links behind fixed joints: the wrench of the links behind the joint on those before it.
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Drives: velocity, displacement, and the losses of a joint.
+// Drives: velocity, displacement, and a joint's damping and friction.
 
 #include "robots.h"
 
@@ -12,7 +12,6 @@ class Drives : public EachSolver {
   WorldSettings still() const { return weightless(GetParam()); }
 };
 INSTANTIATE_TEST_SUITE_P(Solver, Drives, both_solvers, solver_name);
-
 
 /// A wheel on a fixed base, with a joint to be described.
 template <class Describe>

@@ -1,4 +1,4 @@
-// Force sensors: what a link exerts on its parent through its joint, in the sensor's frame, about its origin.
+// Force sensors: the wrench of a link on its parent through its joint, in the sensor's frame, about its origin.
 
 #include "robots.h"
 
@@ -7,8 +7,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double held_mass = 3.0;                        // [kg]
-constexpr double arm = 0.4;                         // of its centre from the joint [m]
+constexpr double held_mass = 3.0;                             // [kg]
+constexpr double arm = 0.4;                                   // of its centre from the joint [m]
 constexpr double held_weight = held_mass * standard_gravity;  // [N]
 const Inertial rod = inertial(held_mass, {0.01, 0.05, 0.05}, {arm, 0.0, 0.0});
 

@@ -1,4 +1,4 @@
-// Bodies whose shapes are meshes: they rest, slide and roll as the simple shapes that they look like.
+// Bodies whose shapes are meshes: they rest, slide and roll like the simple shapes that they approximate.
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Where hulls touch, against the same by brute force.
+// Contacts of hulls, compared with a brute-force computation.
 
 #include "world/hull_contacts.h"
 

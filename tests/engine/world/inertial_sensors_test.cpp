@@ -1,4 +1,4 @@
-// Motion of links, and what gyros, accelerometers and IMUs say of it.
+// Motion of links, and the readings of gyros, accelerometers and IMUs.
 
 #include "robots.h"
 

@@ -1,4 +1,4 @@
-// Hinges and sliders: signs, angles beyond a turn, and what effort does.
+// Hinges and sliders: signs, angles beyond a turn, and the effects of effort.
 
 #include <numbers>
 
@@ -8,7 +8,6 @@ namespace rehearse {
 namespace {
 
 using Eigen::Vector3d;
-
 
 class Joints : public EachSolver {
  protected:

@@ -1,4 +1,4 @@
-// Kinematic bodies: they are where they are told to be, and push what stands in the way.
+// Kinematic bodies: they are at their commanded poses, and push other bodies out of the way.
 
 #include <numbers>
 

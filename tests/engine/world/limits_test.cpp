@@ -1,4 +1,4 @@
-// Limits: kept only where the scenario asks for it.
+// Limits: applied only if the scenario enables them.
 
 #include <numbers>
 

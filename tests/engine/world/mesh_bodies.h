@@ -16,7 +16,7 @@ inline Mesh mesh_shape(MeshData mesh) {
 
 inline Mesh box_mesh(const Eigen::Vector3d& size) { return mesh_shape(mesh_of({box_part(size)})); }
 
-/// Inertia as that of `like`, whatever the shape is.
+/// A body with the inertia of `like`, whatever its shape.
 inline WorldBody body_with(const std::string& name, const Geometry& geometry, const Geometry& like, double mass,
                            const Eigen::Vector3d& position) {
   Model model = single_shape_model(name, like, mass, {});
@@ -47,7 +47,7 @@ MeshData ground_mesh(int cells, Height height) {
   return mesh_of({part_of(vertices, std::move(triangles))});
 }
 
-/// A fixed body that is touched as its triangles.
+/// A fixed body whose contacts use its triangles.
 inline WorldBody trimesh_body(const std::string& name, MeshData mesh,
                               const Eigen::Vector3d& position = Eigen::Vector3d::Zero()) {
   WorldBody body = fixed(body_with(name, mesh_shape(std::move(mesh)), Box{{1, 1, 1}}, 0.0, position));

@@ -1,4 +1,4 @@
-// A joint that mimics another one follows it, whatever pulls at it.
+// A joint that mimics a leader follows it, whatever forces act on it.
 
 #include "robots.h"
 

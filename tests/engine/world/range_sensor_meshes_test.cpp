@@ -1,4 +1,4 @@
-// What beams meet of meshes: of their hulls, and of their triangles.
+// Intersections of beams with meshes: with their hulls, and with their triangles.
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-// Range sensors: what their beams meet, and how far it is.
+// Range sensors: the shapes that their beams hit, and the distances.
 
 #include "robots.h"
 

@@ -1,4 +1,4 @@
-// Small robots made in a few lines, and verbs to run them, for tests of the world.
+// Small robots made in a few lines, and functions to run them, for tests of the world.
 #pragma once
 
 #include <rehearse/world.h>
@@ -15,7 +15,7 @@ namespace rehearse {
 
 inline constexpr double standard_gravity = 9.80665;  // [m/s²]
 inline constexpr double pi = std::numbers::pi;
-inline constexpr double wheel_inertia = 0.5;  // of robots that are a wheel, about its axle [kg·m²]
+inline constexpr double wheel_inertia = 0.5;  // of robots that consist of a wheel, about its axle [kg·m²]
 
 /// A body of that mass [kg] and diagonal inertia [kg·m²] about its centre [m].
 inline Inertial inertial(double mass, const Eigen::Vector3d& diagonal,
@@ -118,7 +118,7 @@ inline std::unique_ptr<World> make_world(const WorldSettings& settings, std::vec
   return nullptr;
 }
 
-/// A command that does nothing, with an entry for everything in the observation.
+/// A command without effect, with an entry for everything in the observation.
 inline Command idle(const World& world) {
   Command command;
   for (const BodyObservation& seen : world.sense().bodies) {
@@ -144,12 +144,12 @@ inline void run(World& world, int ticks, const JointCommand& joint, int id = 0) 
   }
 }
 
-/// Runs with what was commanded before.
+/// Runs with the command given before.
 inline void run(World& world, int ticks) {
   for (int i = 0; i < ticks; ++i) ASSERT_TRUE(world.step());
 }
 
-/// Runs with nothing commanded.
+/// Runs without commands.
 inline void let_go(World& world, int ticks) { run(world, ticks, JointCommand{}); }
 
 inline const LinkReading& link_of(const World& world, int link = 0, int body = 0) {
@@ -174,7 +174,7 @@ inline void PrintTo(SolverSettings::Method method, std::ostream* stream) {
   *stream << (method == SolverSettings::Method::quick ? "quick" : "exact");
 }
 
-/// Tests that hold for both solvers.
+/// Tests that run with both solvers.
 class EachSolver : public ::testing::TestWithParam<SolverSettings::Method> {
  protected:
   WorldSettings settings() const { return settings_of(GetParam()); }

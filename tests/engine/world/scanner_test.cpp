@@ -1,4 +1,4 @@
-// When range sensors scan and when their scans arrive.
+// The ticks at which range sensors scan and at which their scans arrive.
 
 #include "model/clock.h"
 #include "world/scanner.h"

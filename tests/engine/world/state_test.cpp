@@ -1,4 +1,4 @@
-// save() and restore(): the run goes on with the same bits, in the same world and in a new one.
+// save() and restore(): the run continues with the same bits, in the same world and in a new one.
 
 #include <rehearse/urdf.h>
 

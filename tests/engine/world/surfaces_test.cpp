@@ -1,4 +1,4 @@
-// What links say of their surfaces, against the formulas of springs, friction and bouncing.
+// Contact properties of links, compared with the formulas of springs, friction and bouncing.
 
 #include <gmock/gmock.h>
 

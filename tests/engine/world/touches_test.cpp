@@ -1,4 +1,4 @@
-// What touches a link: contacts of watched links, and contact sensors.
+// Contact measurements: contacts of watched links, and contact sensors.
 
 #include <numeric>
 
@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double box_mass = 2.0;                        // of the boxes [kg]
+constexpr double box_mass = 2.0;                            // of the boxes [kg]
 constexpr double box_weight = box_mass * standard_gravity;  // [N]
 
 class Touching : public EachSolver {
@@ -287,7 +287,8 @@ TEST_P(Touching, AKinematicFingerFeelsWhatItPushes) {
   finger.kinematic = true;
   WorldSettings icy = settings();
   icy.solver.friction = 0.0;
-  const auto world = make_world(icy, {finger, free_box("Box", {0.2, 0.2, 0.2}, box_mass, {0.155, 0, 0.1}), floor_body()});
+  const auto world =
+      make_world(icy, {finger, free_box("Box", {0.2, 0.2, 0.2}, box_mass, {0.155, 0, 0.1}), floor_body()});
   double pushed = 0.0, touching = 0.0;
   for (int i = 0; i < 400; ++i) {
     const double time = 1e-3 * (i + 1);

@@ -1,4 +1,4 @@
-// Ground that is touched as its triangles.
+// Ground whose contacts use its triangles.
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-// Links that gravity doesn't pull at.
+// Links on which gravity doesn't act.
 
 #include "robots.h"
 

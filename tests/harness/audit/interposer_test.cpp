@@ -1,4 +1,4 @@
-// What the interposer sees of a controller.
+// The calls of a controller that the interposer records.
 #include "watched_runs.h"
 
 namespace rehearse {

@@ -1,4 +1,4 @@
-// What a library's file says of it.
+// The properties of a library that a scan of its file finds.
 #include "audit/library_scan.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What a painted stack holds.
+// The contents of a stack that was filled before a call.
 #include <gtest/gtest.h>
 
 #include <algorithm>

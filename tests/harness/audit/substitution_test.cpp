@@ -1,4 +1,4 @@
-// What a controller is given instead of the system's time and numbers.
+// The simulated time and seeded numbers that a controller gets instead of the system's.
 #include <set>
 #include <thread>
 

@@ -1,5 +1,5 @@
-// watched_process LIBRARY FUNCTION TICKS: calls a function of a library at each tick as a controller is called,
-// and prints what it returns, each bit of it.
+// watched_process LIBRARY FUNCTION TICKS: calls a function of a library at each tick in the same way as a controller,
+// and prints the returned values with all bits.
 #include <dlfcn.h>
 #include <fcntl.h>
 

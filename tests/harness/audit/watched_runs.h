@@ -1,4 +1,4 @@
-// Runs a function of libraries/watched.cpp in a process under the interposer, and reads what was seen of it.
+// Runs a function of libraries/watched.cpp in a process with the interposer, and reads the recorded calls.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ struct WatchedRun {
       if (call.function == function) found.push_back(call);
     return found;
   }
-  /// The only one.
+  /// The only call of a function; a test failure if there are several.
   ObservedCall call_of(const std::string& function) const {
     const auto found = calls_of(function);
     EXPECT_EQ(found.size(), 1u) << function;
@@ -55,7 +55,7 @@ class WatchedTest : public ::testing::Test {
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
 
-  /// Simulated time, numbers by a seed.
+  /// Options for simulated time and seeded random numbers.
   static Substitution substituted(std::uint64_t seed = 1) {
     Substitution substitution;
     substitution.clock = SimulatedClock{};
@@ -92,7 +92,7 @@ class WatchedTest : public ::testing::Test {
   std::filesystem::path start(const std::string& function, int ticks, const InterposerSettings& settings) {
     const auto changes = interposer_environment(settings);
     EXPECT_TRUE(changes.ok()) << to_string(changes.errors());
-    // the shell's own words on a process that died go where the process's do
+    // the shell's messages about a crashed process go to the same file
     std::string command =
         "exec 2> " + quoted((folder_ / "errors").string()) + "; cd " + quoted(folder_.string()) + " && env";
     for (const auto& [name, value] : *changes) command += " " + quoted(name + "=" + value.value_or(""));

@@ -1,4 +1,4 @@
-// A library that does to the process, while it is loaded or unloaded, what the variable LOADS_BADLY says.
+// A library that changes the process while it is loaded or unloaded, as the variable LOADS_BADLY requires.
 #include <cnoid/SimpleController>
 #include <cstdlib>
 #include <string>

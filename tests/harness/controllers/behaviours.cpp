@@ -1,4 +1,4 @@
-// The controller that becomes the one its options name.
+// The controller that creates the one named in its options.
 
 #include "behaviours.h"
 

@@ -23,11 +23,11 @@ template <class Controller>
 struct Add {
   explicit Add(const char* name) {
     const Make make = [](const Words& words) { return new Controller(words); };
-    if (!registry().emplace(name, make).second) std::abort();  // two of one name
+    if (!registry().emplace(name, make).second) std::abort();  // two controllers of one name
   }
 };
 
-/// Commands a constant effort [N·m] to joint SHOULDER and counts its ticks. What most of the others build on.
+/// Commands a constant effort [N·m] to joint SHOULDER and counts its ticks. Base class of most other controllers.
 class Pusher : public cnoid::SimpleController {
  public:
   bool initialize(cnoid::SimpleControllerIO* io) override {

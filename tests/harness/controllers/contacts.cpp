@@ -1,4 +1,4 @@
-// Controllers that feel what touches their robot.
+// Controllers that read the contacts of their robot.
 
 #include "behaviours.h"
 

@@ -1,4 +1,4 @@
-// Controllers that fail, each in its own way.
+// Controllers that fail, each in a different way.
 
 #include <unistd.h>
 #include <xmmintrin.h>

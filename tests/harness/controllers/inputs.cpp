@@ -1,4 +1,4 @@
-// Controllers that show what is copied to them and from them.
+// Controllers that print their inputs and outputs.
 
 #include <random>
 

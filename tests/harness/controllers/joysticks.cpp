@@ -1,4 +1,4 @@
-// Controllers that a person steers.
+// Controllers that read a joystick.
 
 #include <cnoid/SharedJoystick>
 

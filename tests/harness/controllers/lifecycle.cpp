@@ -1,4 +1,4 @@
-// Controllers that talk about their calls: in what order they come, what they answer, what time it is.
+// Controllers that log their calls: the order, the results, the time.
 
 #include <fstream>
 #include <iomanip>

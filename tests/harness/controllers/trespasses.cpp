@@ -1,4 +1,4 @@
-// Controllers that change the process which they are guests in.
+// Controllers that change their process.
 
 #include <fcntl.h>
 #include <fenv.h>

@@ -1,4 +1,4 @@
-// Controllers that speak: lines to their stream, and variables.
+// Controllers that write lines to their stream, and variables.
 #include <rehearse_variable.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Messages of a log as a controller sees them at a tick.
+// The messages of a log that a controller reads at a tick.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/cdr.h>

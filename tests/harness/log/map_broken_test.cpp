@@ -1,4 +1,4 @@
-// One mistake a file: fixtures/broken/map_*.yaml, each with the place and the words of its message.
+// One mistake per file: fixtures/broken/map_*.yaml, each with the place and the text of its message.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

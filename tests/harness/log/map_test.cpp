@@ -1,4 +1,4 @@
-// What a map says, once it has no mistake.
+// The content of a valid map.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

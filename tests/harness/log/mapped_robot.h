@@ -1,4 +1,4 @@
-// A robot with a device of each kind, and the topics of a log of it: what maps are read against in tests.
+// A robot with a device of each kind, and the topics of its log: the input for tests of maps.
 #pragma once
 
 #include <rehearse/mcap.h>

@@ -1,4 +1,4 @@
-// Pictures as ROS sends them.
+// Pictures in ROS messages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Logs that simulated robots left, into their controllers: what these commanded then, they command again.
+// Logs of simulated robots, replayed into their controllers: the controllers repeat their commands.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/messages.h>

@@ -1,5 +1,5 @@
-// A log as a robot would have written it, made of a recording of ours: other names of topics, a wall clock, messages
-// that are late, out of order or missing.
+// Makes a log like that of a robot from a recording: with different names of topics, a wall clock, and messages that
+// are late, out of order or missing.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,14 +17,14 @@
 namespace rehearse {
 
 struct RobotLog {
-  std::map<std::string, std::string> topics;       // those that it has: names in the recording, then in the log
+  std::map<std::string, std::string> topics;       // the topics in the log: names in the recording, then in the log
   std::int64_t start = 1'763'640'000'123'456'789;  // of the recording, by the log's clock [ns]
-  /// Of a topic of the log at a time of the recording [ns]; null: keeps all, and nothing is late.
+  /// For a topic of the log at a time of the recording [ns]. Null `keep`: all messages; null `lateness`: no delay.
   std::function<bool(const std::string& topic, std::int64_t time)> keep;
   std::function<std::int64_t(const std::string& topic, std::int64_t time)> lateness;  // [ns]
 };
 
-/// header.stamp is when the recording says that it was measured; log times are late by that much.
+/// header.stamp is the time of the measurement in the recording; log times are later by `lateness`.
 inline void write_log(const std::filesystem::path& recording, const std::filesystem::path& log, const RobotLog& robot) {
   const auto source = mcap::Reader::open(recording);
   ASSERT_TRUE(source.ok()) << to_string(source.errors());
@@ -57,7 +57,7 @@ inline void write_log(const std::filesystem::path& recording, const std::filesys
     added.data.assign(message.data.begin(), message.data.end());
     std::int32_t seconds;
     std::uint32_t nanoseconds;
-    std::memcpy(&seconds, &added.data[4], 4);  // all of them begin with a header
+    std::memcpy(&seconds, &added.data[4], 4);  // all messages begin with a header
     std::memcpy(&nanoseconds, &added.data[8], 4);
     const std::int64_t stamp = robot.start + seconds * std::int64_t{1'000'000'000} + nanoseconds;
     seconds = static_cast<std::int32_t>(stamp / 1'000'000'000);
@@ -66,7 +66,7 @@ inline void write_log(const std::filesystem::path& recording, const std::filesys
     std::memcpy(&added.data[8], &nanoseconds, 4);
     return true;
   }));
-  // as recorders with a thread for each topic write: not sorted
+  // like recorders with one thread per topic: the file is not sorted
   constexpr std::size_t block = 7;
   for (std::size_t i = 0; i + 2 * block <= messages.size(); i += 2 * block) {
     const auto begin = messages.begin() + static_cast<std::ptrdiff_t>(i);

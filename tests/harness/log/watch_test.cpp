@@ -1,4 +1,4 @@
-// How well a topic serves the ticks, and what a value is between its messages.
+// Statistics of a topic's messages relative to the ticks, and values between its messages.
 #include <gtest/gtest.h>
 
 #include "log/log_track.h"

@@ -1,4 +1,4 @@
-// Opening a file by what its end says of it.
+// Opening a file by the summary at its end.
 #include "mcap_files.h"
 
 #include <gmock/gmock.h>

@@ -1,9 +1,9 @@
 // The conformance suite of the MCAP project: cmake -DREHEARSE_MCAP_CONFORMANCE=DIR, where DIR is its folder
-// tests/conformance/data. Each of its inputs is there in all forms that the format leaves open, NAME-FEATURES.mcap,
-// with what a reader has to find beside it, NAME-FEATURES.json. It isn't part of this repository.
+// tests/conformance/data. It contains each input in all forms that the format allows, NAME-FEATURES.mcap, and beside it
+// the expected result of a reader, NAME-FEATURES.json. It isn't part of this repository.
 //
-// In a checkout without large files the .mcap are pointers that state size and SHA-256. We don't need more: what the
-// .json says is put together here record by record, by code of this test alone, and has to have that SHA-256.
+// In a checkout without large files the .mcap are pointers that state size and SHA-256. This is sufficient: the test
+// composes each file from its .json record by record, with its own code, and compares the SHA-256.
 #include "mcap_files.h"
 
 #include <algorithm>

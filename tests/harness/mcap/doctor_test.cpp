@@ -1,4 +1,4 @@
-// The doctor: nothing to find fault with in what we write, and each fault found where it is.
+// The doctor: it finds no error in files of Rehearse's Writer, and finds each error in damaged files at its place.
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-// Parts of files, and files put together: messages keep what they are, and what is written is valid.
+// Parts of files, and merged files: messages are unchanged, and the output is valid.
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,4 @@
-// Files that were made to hurt: bombs, lengths in lengths, ids and times that contradict each other, bytes that are no
-// text.
+// Hostile files: decompression bombs, inconsistent lengths, contradictory ids and times, text that isn't UTF-8.
 #include "mcap_files.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +60,8 @@ constexpr std::uint64_t gigabyte = std::uint64_t{1} << 30;
 TEST(McapHostile, ABombThatSaysItIsSmallIsStoppedThere) {
   const Composer zstd = zstd_zeros(gigabyte + 1);
   ASSERT_LT(zstd.bytes.size(), 100'000u);
-  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, zstd, "zstd", 1000))), HasSubstr("can't be decompressed"));
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, zstd, "zstd", 1000))),
+              HasSubstr("can't be decompressed"));
   EXPECT_THAT(complaint_of_hostile(file_of(Composer().chunk(0, 0, lz4_zeros(1 << 24), "lz4", 1000))),
               HasSubstr("can't be decompressed"));
 }
@@ -95,9 +95,9 @@ TEST(McapHostile, LengthsInLengthsAreNotBelieved) {
     return head.put(std::uint32_t{8}).put(~std::uint32_t{0}).put(std::uint32_t{0});
   };
   EXPECT_THAT(complaint_of_hostile(file_of(Composer().record(0x0c, map(Composer().text("m"))))), HasSubstr("Metadata"));
-  EXPECT_THAT(complaint_of_hostile(
-                  file_of(Composer().record(0x04, map(Composer().put(std::uint32_t{1}).text("/a").text(""))))),
-              HasSubstr("channel"));
+  EXPECT_THAT(
+      complaint_of_hostile(file_of(Composer().record(0x04, map(Composer().put(std::uint32_t{1}).text("/a").text(""))))),
+      HasSubstr("channel"));
   // a record in a chunk that is longer than the chunk
   Composer records;
   records.put(std::uint8_t{5}).put(std::uint64_t{1} << 40).text("x");
@@ -105,7 +105,8 @@ TEST(McapHostile, LengthsInLengthsAreNotBelieved) {
   // compressed records that are longer than their chunk
   Composer chunk = Composer().put(std::uint64_t{0}).put(std::uint64_t{0}).put(std::uint64_t{10}).put(std::uint32_t{0});
   chunk.text("").put(std::uint64_t{1} << 40).text("x");
-  EXPECT_THAT(complaint_of_hostile(file_of(Composer().record(0x06, chunk))), HasSubstr("is too short for what it says"));
+  EXPECT_THAT(complaint_of_hostile(file_of(Composer().record(0x06, chunk))),
+              HasSubstr("is too short for what it says"));
 }
 
 TEST(McapHostile, ReadsAllChannelsThatThereCanBe) {
@@ -173,7 +174,7 @@ TEST(McapHostile, NothingIsBehindTheFooterButTheMagic) {
   const Composer once = file_of(Composer().channel(1, "/a").message(1, 1, "x"));
   const Composer twice = Composer().raw(once.bytes).footer();
   EXPECT_THAT(complaint_of_hostile(twice), HasSubstr("damaged at byte " + std::to_string(once.bytes.size() - 8) +
-                                                ": the file doesn't end with its magic bytes there"));
+                                                     ": the file doesn't end with its magic bytes there"));
   EXPECT_EQ(pass_over(*open_composed(twice)).messages.size(), 1u);
 }
 
@@ -186,7 +187,8 @@ TEST(McapHostile, AFooterThatPointsNowhereIsDamage) {
   for (const std::uint64_t nowhere : {std::uint64_t{1}, std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
     Composer file = Composer().magic().header().record(0x0f, Composer().put(std::uint32_t{0}));
     file.record(0x02, Composer().put(nowhere).put(nowhere).put(std::uint32_t{0})).magic();
-    EXPECT_THAT(complaint_of_hostile(file), HasSubstr("says that the summary begins at byte " + std::to_string(nowhere)));
+    EXPECT_THAT(complaint_of_hostile(file),
+                HasSubstr("says that the summary begins at byte " + std::to_string(nowhere)));
     const auto reader = open_composed(file, {.opening = mcap::Opening::by_summary});
     EXPECT_FALSE(reader->opened_by_summary());
   }

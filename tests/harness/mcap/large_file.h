@@ -1,4 +1,5 @@
-// A whole, indexed MCAP file of many gigabytes that takes little room on the disk: what is in its messages is a hole.
+// A complete, indexed MCAP file of many gigabytes that takes little space on the disk: its messages' contents are a
+// hole in a sparse file.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 namespace rehearse::test {
 
-/// Of 30 channels; each chunk has a small message of all but the last one, and a large one of that.
+/// The file has 30 channels; each chunk has a small message of all but the last channel, and a large one of that.
 class LargeFile {
  public:
   LargeFile(std::filesystem::path file, std::uint64_t size) : path_(std::move(file)), out_(path_, std::ios::binary) {
@@ -72,7 +73,7 @@ class LargeFile {
   void chunk() {
     const std::uint64_t time = 1'700'000'000'000'000'000 + chunks_ * 1'000'000'000;
     std::string small;
-    std::string places;  // in the index
+    std::string places;  // offsets for the index
     for (std::uint16_t id = 1; id < channels; ++id) small += message(id, time, 4) + "tiny";
     const std::uint64_t large = small.size();
     small += message(channels, time, hole);

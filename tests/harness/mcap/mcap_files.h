@@ -1,4 +1,4 @@
-// Small MCAP files for tests: written by the Writer, or composed byte by byte to be what the Writer never writes.
+// Small MCAP files for tests: written by the Writer, or composed byte by byte in forms that the Writer never produces.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -25,7 +25,7 @@ inline mcap::Bytes bytes_of(std::string_view text) {
 
 inline std::string text_of(mcap::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-/// Where the text begins in the bytes; a test failure and the end if it isn't there.
+/// The position of the text in the bytes; fails the test and returns the end if it is missing.
 inline Buffer::iterator find_text(Buffer& bytes, std::string_view text) {
   const auto wanted = bytes_of(text);
   const auto found = std::search(bytes.begin(), bytes.end(), wanted.begin(), wanted.end());
@@ -33,7 +33,7 @@ inline Buffer::iterator find_text(Buffer& bytes, std::string_view text) {
   return found;
 }
 
-/// A path of this test's own, removed with the object.
+/// A path for this test alone; the file is removed with the object.
 class TempFile {
  public:
   TempFile() {
@@ -64,7 +64,7 @@ class TempFile {
   std::filesystem::path path_;
 };
 
-/// A message as a reader delivered it, with its data kept.
+/// A message from a reader, with a copy of its data.
 struct Seen {
   std::string topic;
   std::uint32_t sequence = 0;
@@ -81,7 +81,7 @@ inline Seen see(const mcap::Message& message) {
   return {message.channel->topic, message.sequence, message.log_time, text_of(message.data)};
 }
 
-/// All messages in file order, and what the pass said at its end.
+/// All messages in file order, and the result of the pass.
 struct Pass {
   std::vector<Seen> messages;
   Result<void> end;
@@ -105,7 +105,7 @@ inline Pass pass_in_order(mcap::Reader& reader) {
   return pass;
 }
 
-/// Every record of a whole file in its order: a chunk before what is in it, the summary last. False ends it.
+/// Visits every record of a whole file in order: a chunk before its contents, the summary last. Returning false stops.
 inline void for_each_record(mcap::Bytes bytes, const mcap::Reader::OnRecord& callback) {
   const auto source = [bytes](std::span<std::byte> target) mutable -> Result<std::size_t> {
     const std::size_t count = std::min(target.size(), bytes.size());
@@ -134,14 +134,14 @@ inline void write_small_file(const std::filesystem::path& file, mcap::WriterOpti
   ASSERT_TRUE(writer->close());
 }
 
-/// The bytes of such a file.
+/// The bytes of the sample file.
 inline Buffer small_file(mcap::WriterOptions options = {}) {
   const TempFile file;
   write_small_file(file.path(), std::move(options));
   return file.read();
 }
 
-/// Puts records together by hand.
+/// Composes records by hand.
 class Composer {
  public:
   template <class T>

@@ -1,4 +1,4 @@
-// Recovery: whatever is whole is saved, what is written is valid, and nothing is made up.
+// Recovery: all complete records are saved, the output is valid, and nothing is invented.
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-// What a Writer can be told to leave out, or to do otherwise; and where it writes.
+// Options of the Writer that omit or change parts of the file; and its output files.
 #include "mcap_files.h"
 
 #include <gmock/gmock.h>

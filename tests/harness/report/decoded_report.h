@@ -27,7 +27,7 @@ inline std::string file_text(const std::filesystem::path& file) {
   return std::string(std::istreambuf_iterator<char>(stream), {});
 }
 
-/// A page for reports that shows nothing, so that no test needs npm.
+/// An empty page for reports, so that tests don't need npm.
 inline std::filesystem::path plain_page(const std::filesystem::path& file) {
   std::ofstream(file) << "<!DOCTYPE html>\n<html><body><!-- REHEARSE DATA --></body></html>\n";
   return file;

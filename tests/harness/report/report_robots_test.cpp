@@ -1,4 +1,4 @@
-// Reports of the goldens: do the robots in them move as they did, and are they small enough?
+// Reports of the goldens: the robots in them move as recorded, and the files are small enough.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/report.h>

@@ -1,4 +1,4 @@
-// What a report holds, against the recordings that it is made of.
+// The contents of a report, compared with its recordings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/compare.h>

@@ -1,4 +1,5 @@
-// What drives a robot's joints and links, as a controller and its scenario see it; and what is said where nothing does.
+// Drives of a robot's joints and links, from the view of a controller and its scenario; and warnings about modes
+// without effect.
 
 #include <cmath>
 

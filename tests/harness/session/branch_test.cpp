@@ -1,4 +1,4 @@
-// What if: inputs that are altered in a replay, and branches of recordings.
+// What if: altered inputs in a replay, and branches of recordings.
 #include <rehearse/session.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What touches a robot, in the closed loop: what controllers get, what is recorded, and the same again without physics.
+// Contacts in the closed loop: the controllers' inputs, the recording, and the replay without physics.
 
 #include <rehearse/cdr.h>
 #include <rehearse/compare.h>

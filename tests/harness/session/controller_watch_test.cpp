@@ -1,4 +1,4 @@
-// What a watch is told of a recording and of a replay.
+// The calls of a ControllerWatch during a recording and during a replay.
 #include "host/controller_watch.h"
 
 #include <utility>

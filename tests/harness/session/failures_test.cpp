@@ -1,4 +1,5 @@
-// A controller may throw, crash or hang: the run ends, its trace is whole up to there, and a replay fails alike.
+// A controller may throw, crash or hang: the run ends, its trace is complete up to there, and a replay fails in the
+// same way.
 
 #include <cmath>
 #include <limits>

@@ -1,8 +1,7 @@
-// A scripted joystick: what controllers read of it, what is recorded, and what a replay gives back.
+// A scripted joystick: the controllers' readings, the recording, and the replay.
 
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
-
 
 #include "runs.h"
 

@@ -1,4 +1,4 @@
-// In what order controllers are called, and what a refusal means.
+// The order of calls of controllers, and the effect of a refusal.
 
 #include "runs.h"
 

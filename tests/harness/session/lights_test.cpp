@@ -1,4 +1,4 @@
-// Lights in the closed loop: what controllers find, what cameras see, and what comes of a controller's word to them.
+// Lights in the closed loop: their state in controllers, their effect on cameras, and controllers' commands to them.
 
 #include <rehearse/mcap.h>
 

@@ -1,4 +1,4 @@
-// What sensors and joints read in a run with noise, against the truth of the same run without.
+// Readings of sensors and joints in a run with noise, compared with the same run without noise.
 #include "runs.h"
 
 #include "png/png.h"

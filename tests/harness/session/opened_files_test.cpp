@@ -1,4 +1,4 @@
-// Files that controllers read: recorded by their content, and named where they explain a difference.
+// Files that controllers read: recorded by their content, and named if they explain a difference.
 #include <rehearse/check.h>
 #include <rehearse/session.h>
 

@@ -1,4 +1,4 @@
-// Parts of runs that become part of a golden, or don't: decided by executing them again.
+// Parts of runs are accepted into a golden, or refused: the decision is made by executing them again.
 #include <rehearse/golden.h>
 #include <rehearse/session.h>
 

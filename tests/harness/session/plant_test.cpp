@@ -1,5 +1,5 @@
-// The world under recorded commands: where it can't be set back, and what can't be commanded. That it repeats whatever
-// controllers do is expected of every run of these tests (runs.h).
+// The world under recorded commands: cases in which its state can't be restored, and commands that can't be applied.
+// Every run of these tests (runs.h) checks that the plant repeats, whatever the controllers do.
 #include <rehearse/session.h>
 
 #include "mutilate.h"
@@ -50,7 +50,8 @@ TEST_F(PlantRun, IsSetBackAtEachCheckpoint) {
 
 TEST_F(PlantRun, ForgetsADifferenceAtTheNextCheckpoint) {
   const Trace recording = record_run(swinging());
-  const std::string pushed = swinging("cameras: none\npushes: [{body: Rig, link: SLED, force: [50, 0, 0], from: 0.02, until: 0.03}]\n");
+  const std::string pushed =
+      swinging("cameras: none\npushes: [{body: Rig, link: SLED, force: [50, 0, 0], from: 0.02, until: 0.03}]\n");
   const std::vector<std::uint64_t> expected = recording.integers("state_hash");
   const std::vector<std::uint64_t> states = moved(load(pushed), recording).integers("state_hash");
   EXPECT_EQ(states[20], expected[20]);
@@ -61,7 +62,8 @@ TEST_F(PlantRun, ForgetsADifferenceAtTheNextCheckpoint) {
 
 TEST_F(PlantRun, KeepsADifferenceIfItIsNotSetBack) {
   const Trace recording = record_run(swinging());
-  const std::string pushed = swinging("cameras: none\npushes: [{body: Rig, link: SLED, force: [50, 0, 0], from: 0.02, until: 0.03}]\n");
+  const std::string pushed =
+      swinging("cameras: none\npushes: [{body: Rig, link: SLED, force: [50, 0, 0], from: 0.02, until: 0.03}]\n");
   PlantOptions options;
   options.resync = false;
   EXPECT_NE(moved(load(pushed), recording, options).integers("state_hash").back(),
@@ -117,10 +119,12 @@ TEST_F(PlantRun, OfCheckpointsInAnotherFormRunsFromTheStart) {
 TEST_F(PlantRun, EndsWhereTheCheckpointsHaveNoStateOfABody) {
   const Trace recording = record_run(swinging());
   std::string larger = swinging();
-  larger.insert(larger.find("bodies:\n") + 8, "  - {name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 5]}\n");
+  larger.insert(larger.find("bodies:\n") + 8,
+                "  - {name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 5]}\n");
   const auto refused = run_plant(load(larger), recording, folder_ / "plant.mcap");
   ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.errors()[0].message, HasSubstr("the checkpoint of tick 0 doesn't fit: body 'Ball' isn't in the state"));
+  EXPECT_THAT(refused.errors()[0].message,
+              HasSubstr("the checkpoint of tick 0 doesn't fit: body 'Ball' isn't in the state"));
 }
 
 TEST_F(PlantRun, NamesCommandsToWhatTheScenarioHasNot) {
@@ -128,7 +132,8 @@ TEST_F(PlantRun, NamesCommandsToWhatTheScenarioHasNot) {
   std::string other = swinging();
   other.replace(other.find("name: Pd"), 8, "name: Pq");
   EXPECT_EQ(problem(run_plant(load(other), recording, path("moved.mcap"))),
-            path("run.mcap").string() + ": error: the recording has commands on /Rig/Pd/output/joints, but run has no such controller\n");
+            path("run.mcap").string() +
+                ": error: the recording has commands on /Rig/Pd/output/joints, but run has no such controller\n");
   std::string urdf = rig_urdf;
   urdf.replace(urdf.find("\"SHOULDER\""), 10, "\"ELBOW\"");
   write("rig.urdf", urdf);

@@ -1,4 +1,4 @@
-// What controllers do to the process is put right and told, each once; what was recorded is kept.
+// Changes of controllers to the process are undone and reported once each; the recorded data are kept.
 #include <fcntl.h>
 #include <fenv.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// Range sensors in the closed loop: what controllers get, what is recorded, and the same again without physics.
+// Range sensors in the closed loop: the controllers' inputs, the recording, and the replay without physics.
 
 #include <rehearse/mcap.h>
 

@@ -1,4 +1,4 @@
-// What a recording holds.
+// The contents of a recording.
 
 #include <rehearse/mcap.h>
 #include <rehearse/pin.h>

@@ -1,4 +1,4 @@
-// Recorded inputs into controllers, without physics.
+// Recorded inputs are replayed into controllers, without physics.
 
 #include <rehearse/mcap.h>
 

@@ -1,4 +1,4 @@
-// Whether a recording repeats itself, and goldens that are met by chance alone.
+// Whether a recording repeats itself, and goldens that are matched only by chance.
 #include <rehearse/check.h>
 #include <rehearse/session.h>
 
@@ -162,7 +162,8 @@ TEST_F(CheckCertifies, NoGoldenThatTheVerySameProgramsDoNotMake) {
 
 TEST_F(CheckCertifies, AGoldenOfOtherProgramsWithinItsTolerances) {
   record_run(swinging());
-  ASSERT_TRUE(testing::mutilate(path("run.mcap"), flipped("/Rig/joints", 520'000'000), {}, {{"programs", "others"}}).ok());
+  ASSERT_TRUE(
+      testing::mutilate(path("run.mcap"), flipped("/Rig/joints", 520'000'000), {}, {{"programs", "others"}}).ok());
   const CheckReport report = checked(swinging());
   EXPECT_FALSE(report.comparison->same_origin);
   EXPECT_TRUE(report.within()) << report.verdict;

@@ -1,4 +1,4 @@
-// The loop of all runs, with parts that only note what they are asked.
+// The loop of all runs, with parts that only record their calls.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// A folder, a robot, and verbs to record and replay small scenarios, for tests of the closed loop.
+// A folder, a robot, and functions to record and replay small scenarios, for tests of the closed loop.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -21,8 +21,8 @@
 namespace rehearse {
 
 /// A wheel on a shaft (joint SHOULDER, about y, 0.5 kg·m², its centre on the axis) and a sled on a rail (joint RAIL,
-/// along x, 2 kg), both on the world and untouched by gravity; one sensor of each kind on the wheel, a camera on the
-/// sled.
+/// along x, 2 kg), both fixed to the world and not affected by gravity; one sensor of each kind on the wheel, a camera
+/// on the sled.
 inline constexpr const char* rig_urdf = R"(<?xml version="1.0"?>
 <robot name="Rig">
   <link name="world"/>
@@ -84,7 +84,8 @@ class RunTest : public ::testing::Test {
     return "{name: " + name + ", library: Behaviours, options: \"" + options + "\"" + more + "}";
   }
 
-  /// 20 ticks of the rig with these controllers; `more` are further lines of the scenario, which may override the rest.
+  /// 20 ticks of the robot with these controllers; `more` are additional lines of the scenario, which may override
+  /// others.
   static std::string rig(const std::string& controllers, const std::string& more = "cameras: none\n",
                          const std::string& duration = "0.02") {
     return "rehearse: 1\nduration: " + duration + "\n" + more +
@@ -102,8 +103,8 @@ class RunTest : public ::testing::Test {
     return {};
   }
 
-  /// Records into `file` in the test's folder; the summary is in summary_. Whatever the controllers did, their recorded
-  /// commands alone have to move the world in the same way.
+  /// Records into `file` in the test's folder; the summary is in summary_. Also checks that the recorded commands alone
+  /// move the world in the same way.
   Trace record_run(const std::string& text, const std::string& file = "run.mcap", double call_limit = 10.0) {
     RecordOptions options;
     options.call_limit = call_limit;
@@ -132,10 +133,11 @@ class RunTest : public ::testing::Test {
     CompareOptions what;
     what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
     const Comparison comparison = compare(recording, *trace, {}, what);
-    EXPECT_TRUE(comparison.equal) << "under the recorded commands: " << verdict(comparison) << "\n" << table(comparison);
+    EXPECT_TRUE(comparison.equal) << "under the recorded commands: " << verdict(comparison) << "\n"
+                                  << table(comparison);
   }
 
-  /// Replays `file`, with other libraries if given.
+  /// Replays `file`, with different libraries if given.
   Result<ReplayReport> replay_run(const ReplayOptions& options = {}, const std::string& file = "run.mcap") const {
     return replay(path(file), options);
   }
@@ -151,7 +153,7 @@ inline std::vector<std::string> said(const Trace& trace) {
   return lines;
 }
 
-/// The names of the trace's topics that begin so.
+/// The names of the trace's topics that begin with this text.
 inline std::vector<std::string> topics(const Trace& trace, const std::string& prefix) {
   std::vector<std::string> names;
   for (const TraceChannel& channel : trace.channels())

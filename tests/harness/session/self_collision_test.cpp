@@ -1,4 +1,4 @@
-// Bodies whose own links touch each other, in a run.
+// Bodies whose links touch each other, in a run.
 
 #include "runs.h"
 

@@ -1,4 +1,4 @@
-// Where Choreonoid's host does something other than one would think, and controllers rely on it.
+// Unexpected behaviour of Choreonoid's host on which controllers rely.
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-// What controllers say beside their commands: lines to os(), and variables.
+// Output of controllers other than commands: lines to os(), and variables.
 #include <cmath>
 #include <map>
 

@@ -1,4 +1,4 @@
-// Expressions: what they mean, and what is said of those that mean nothing.
+// Expressions: their values, and the messages about invalid ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A recording of three series and three links, made up: for tests of expressions.
+// An artificial recording of three series and three links, for tests of expressions.
 #pragma once
 
 #include "stepping/expression.h"
@@ -14,8 +14,8 @@
 namespace rehearse {
 
 /// Ticks from 0, 1 ms each. Robot/KNEE/q is the tick's number, Robot/KNEE/u ten times that; Robot/Walker/output/KNEE/u
-/// is 5, and 6 replayed from tick 3 on. Robot/blank is NaN. The foot touches the floor in even ticks, and "step" is
-/// said in each tenth.
+/// is 5, and 6 replayed from tick 3 on. Robot/blank is NaN. The foot touches the floor in even ticks; each tenth tick
+/// has the message "step".
 class MadeUpSource : public ExpressionSource {
  public:
   enum Series { q, u, command, blank, odd };

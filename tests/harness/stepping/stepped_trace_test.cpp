@@ -1,4 +1,4 @@
-// A recording at any of its ticks: what is there, what changed, what the controllers give now.
+// A recording at any of its ticks: its values, their changes, and the replayed commands.
 #include <rehearse/mcap.h>
 
 #include <algorithm>

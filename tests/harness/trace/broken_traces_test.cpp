@@ -1,4 +1,4 @@
-// fixtures/broken/trace_*: one small file per way in which a trace is no use, and what is said of it.
+// fixtures/broken/trace_*: one small file per kind of unusable trace, and the message about it.
 #include <rehearse/trace.h>
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
-// A controller that lets others see how far it came, however its process ends: it writes the number of its calls into
-// the file that its options name, through memory that the file shares. Its second option is how long it computes in
-// each call [microseconds], so that runs aren't over before they can be killed.
+// A controller whose progress is visible to other processes, however its process ends: it writes the number of its
+// calls into the file that its options name, through shared memory. Its second option is its computing time in each
+// call [microseconds], so that runs last long enough to be killed.
 #include <cnoid/SimpleController>
 
 #include <fcntl.h>

@@ -1,2 +1,2 @@
-// A shared library, but not one of a controller: it has no factory.
+// A shared library without a factory: it isn't a controller.
 extern "C" int answer() { return 42; }

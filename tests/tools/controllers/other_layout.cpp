@@ -1,5 +1,5 @@
-// A controller of another memory layout. Compiled with OTHER_ABI it says which; without, as with headers that aren't ours,
-// it says nothing.
+// A controller with a different memory layout. Compiled with OTHER_ABI it exports the layout's number; without, it
+// exports none, as with headers that aren't Rehearse's.
 #define EXPORT extern "C" __attribute__((visibility("default")))
 
 EXPORT void* createSimpleController() { return nullptr; }

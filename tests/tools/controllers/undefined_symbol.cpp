@@ -1,4 +1,4 @@
-// A controller whose author forgot to link a library: gait_phase() is nowhere.
+// A controller with an undefined symbol: no library defines gait_phase().
 #include <cnoid/SimpleController>
 
 double gait_phase(double time);

@@ -1,5 +1,5 @@
-// A PD controller that holds every joint where it begins, and leans against what its gyro feels. Built once as it should
-// be, and once with each fault that the table of faults knows: FAULT is one of the names below.
+// A PD controller that holds every joint at its start angle, and reacts to its gyro. Built once without a fault, and
+// once with each fault of the table of faults: FAULT is one of the names below.
 #include <cnoid/RateGyroSensor>
 #include <cnoid/SimpleController>
 

@@ -1,4 +1,4 @@
-// A library that a watched one links to.
+// A library to which a watched library is linked.
 #include <cstdlib>
 
 double brought_along() { return rand(); }

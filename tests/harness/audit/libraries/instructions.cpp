@@ -1,4 +1,4 @@
-// Instructions that a scan of a library has to find, each in a function of its own.
+// Instructions that a scan of a library must find, each in a separate function.
 #include <cpuid.h>
 #include <immintrin.h>
 #include <x86intrin.h>

@@ -1,2 +1,2 @@
-// A library that a watched one finds by a run path of its own.
+// A library that a watched library finds by its own run path.
 extern "C" int plugin() { return 1; }

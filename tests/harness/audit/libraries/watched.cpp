@@ -1,5 +1,5 @@
-// Does one thing each that the interposer has to see. Called by watched_process.cpp as `double NAME(int tick)`, in the
-// place of a controller's control().
+// Functions that each make one call that the interposer must record. watched_process.cpp calls them as `double NAME(int
+// tick)`, instead of a controller's control().
 #include <signal.h>
 #include <sys/random.h>
 #include <sys/time.h>
