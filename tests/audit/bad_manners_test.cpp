@@ -66,7 +66,7 @@ TEST_F(BadManners, WhatConcernsTheWholeProcessIsSaid) {
 }
 
 TEST_F(BadManners, ClosingWhatIsOpenHurtsNobody) {
-  const Outcome outcome = audited("close");  // what a run stands on is not given away
+  const Outcome outcome = audited("close");  // files that a run needs can't be closed
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("Pendulum/Zoo: closes a file descriptor that isn't its own by close("));
   done({"record", scenario("good_own_generator", "close").string(), "-o", "zoo.mcap"});

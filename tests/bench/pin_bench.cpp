@@ -15,7 +15,7 @@
 namespace rehearse {
 namespace {
 
-/// This program once more, as a process that works when it is told.
+/// This program a second time, as a process that works on request.
 class Child {
  public:
   Child(const char* work, bool pinned) {
@@ -49,7 +49,7 @@ class Child {
     char byte = '!';
     if (write(orders_, &byte, 1) != 1 || read(answers_, &byte, 1) != 1) fail("the child has ended");
   }
-  /// Of all the processor time that it takes.
+  /// The clock of the child's total processor time.
   clockid_t clock() const {
     clockid_t clock{};
     if (clock_getcpuclockid(child_, &clock) != 0) fail("the child has no clock");

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t period = 100;  // ticks: each look captures, and what the one before captured arrives
 
-/// SR1 on its floor, and somebody who stands before it with a colour camera, a depth camera and a range sensor.
+/// SR1 on its floor, and a body in front of it with a colour camera, a depth camera and a range sensor.
 class Watcher {
  public:
   enum Device { color, depth, range };

@@ -1,5 +1,5 @@
-# Choreonoid's own sample controllers, unmodified, against our headers: cmake -DREHEARSE_CHOREONOID_SOURCE=DIR, where DIR
-# is a checkout of Choreonoid. Its sources are not part of this repository, so without it the test is skipped.
+# Choreonoid's sample controllers, unmodified, compiled with Rehearse's headers: cmake -DREHEARSE_CHOREONOID_SOURCE=DIR,
+# where DIR is a checkout of Choreonoid. Its sources are not part of this repository, so without it the test is skipped.
 set(REHEARSE_CHOREONOID_SOURCE "" CACHE PATH "A checkout of Choreonoid, whose sample controllers are to be compiled")
 
 set(compat_test CnoidCompatibility.ChoreonoidsOwnControllersCompileUnmodified)

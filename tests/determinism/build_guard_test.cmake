@@ -1,5 +1,5 @@
-# cmake -DMODULES=FOLDER -DFOLDER=FOLDER -DCOMPILER=FILE -P build_guard_test.cmake: builds whose flags change bits are refused
-# when they are configured, wherever the flags come from; and a user's controllers are warned of.
+# cmake -DMODULES=FOLDER -DFOLDER=FOLDER -DCOMPILER=FILE -P build_guard_test.cmake: the configuration of a build whose
+# flags change bits is refused, wherever the flags come from; for a user's controllers CMake prints a warning.
 
 file(REMOVE_RECURSE ${FOLDER})
 file(WRITE ${FOLDER}/ours/CMakeLists.txt "
@@ -24,7 +24,7 @@ file(WRITE ${FOLDER}/wrapped "#!/bin/sh\nexec ${COMPILER} -mfma \"\$@\"\n")
 file(CHMOD ${FOLDER}/wrapped PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
 set(count 0)
-# configure(PROJECT WORDS... ): status and output of cmake; CXXFLAGS is what the variable CXXFLAGS says.
+# configure(PROJECT WORDS... ): status and output of cmake; the variable CXXFLAGS is passed as CXXFLAGS.
 macro(configure project)
   math(EXPR count "${count} + 1")
   execute_process(

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 std::string_view name_in(std::string_view variable) { return variable.substr(0, variable.find('=')); }
 
-/// A sanitized build stops at what it wasn't told to pass over.
+/// True for options of sanitizers, which a sanitized build needs because they contain its suppressions.
 bool is_for_a_sanitizer(std::string_view name) { return name.ends_with("SAN_OPTIONS"); }
 
 std::vector<std::string> environment_of(const Surroundings& surroundings) {

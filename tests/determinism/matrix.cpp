@@ -139,7 +139,7 @@ Result<void> Matrix::record(const Row& row, const fs::path& folder) const {
   return {};
 }
 
-/// What the process told of itself, which is checked: a row that isn't what it says shows nothing.
+/// Checks the conditions that the process reported: a row without the stated conditions proves nothing.
 Result<std::string> Matrix::made_by(const Row& row, const fs::path& folder) const {
   std::ifstream stream(folder / "made_by.txt");
   std::string processor, compiler, pinned, memory;
@@ -169,7 +169,8 @@ Result<void> Matrix::prepare() {
     if (reference.golden.empty()) continue;
     auto golden = content_of(fs::path(GOLDEN_DIR) / (reference.golden + ".mcap"), end_of(reference));
     if (!golden) return golden.errors();
-    reference.content.channels = std::move(golden->channels);  // whoever edits a comment changes an attachment
+    // a changed comment in a source file changes an attachment
+    reference.content.channels = std::move(golden->channels);
   }
   return {};
 }

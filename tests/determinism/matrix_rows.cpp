@@ -37,7 +37,7 @@ Row with_memory_full_of(int byte) {
   const std::string text = fmt::format("{:#04x}", byte);
   Row made = with("fresh memory full of " + text, {{"MALLOC_PERTURB_", std::to_string(byte ^ 0xff)},
                                                    {"GLIBC_TUNABLES", "glibc.malloc.tcache_count=0"}});
-  made.same_file = false;  // it tells of the tunable
+  made.same_file = false;  // the recording contains the tunable
   made.memory = text;
   return made;
 }

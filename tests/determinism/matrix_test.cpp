@@ -59,7 +59,7 @@ class Content : public ::testing::Test {
     return *std::move(read);
   }
 
-  /// Where it differs from the usual one; both say the same of it, or their hashes are wrong.
+  /// The first difference from the usual recording; also checks that the hashes agree with it.
   std::string difference(const Recording& recording) const {
     const RecordingContent usual = content({}), other = content(recording);
     const std::string found = first_difference(usual, other, time_step);

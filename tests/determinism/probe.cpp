@@ -39,7 +39,7 @@ struct Order {
 
 int fail(const Diagnostics& errors) { return std::fputs(to_string(errors).c_str(), stderr), 1; }
 
-/// As the processor calls itself; an emulated one is asked too, which /proc/cpuinfo would not tell.
+/// The processor's name from the processor itself; /proc/cpuinfo would not contain the emulated one.
 std::string processor() {
   char name[49] = "";
   for (std::size_t part = 0; part < 3; ++part) {
@@ -54,8 +54,9 @@ std::string processor() {
 
 /// A byte of what malloc gives where something else was written before, in hexadecimal.
 std::string fresh_memory() {
-  constexpr std::size_t size = 40, place = 30;  // behind the lists of free pieces, which stand at the beginning
-  void* (*volatile allocate)(std::size_t) = std::malloc;  // or the compiler sees that it reads what nobody wrote
+  constexpr std::size_t size = 40, place = 30;  // behind the allocator's list pointers, which are at the beginning
+  // prevents the compiler from removing the read of uninitialised memory
+  void* (*volatile allocate)(std::size_t) = std::malloc;
   auto* used = static_cast<volatile unsigned char*>(allocate(size));
   used[place] = 0x77;
   std::free(const_cast<unsigned char*>(used));

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of texts and numbers one after the other; each text with its length, so that none runs into the next.
+/// Hash of a sequence of texts and numbers; each text is preceded by its length, so that texts can't be confused.
 class Hash {
  public:
   Hash& add(const void* data, std::size_t size) {

@@ -87,11 +87,12 @@ std::string cycle_in(const Rooms& rooms) {
 struct Include {
   int line = 0;
   std::string text;  // with its quotes or brackets
-  std::string room;  // whose header it is; empty: of another project, or of the own folder
+  std::string room;  // the room of the header; empty: of a different project, or of the file's own folder
   std::string header;
 };
 
-/// What a file includes of the rooms. A header in include/rehearse that is no room's counts to the room "?".
+/// The rooms' headers that a file includes. A header in include/rehearse that belongs to no room counts to the room
+/// "?".
 std::vector<Include> includes_in(const Rooms& rooms, std::istream& stream) {
   static const std::regex form(R"re(\s*#include (<rehearse/([^>]+)>|"([^"/]+)/([^"]+)").*)re");
   std::vector<Include> found;
@@ -118,7 +119,7 @@ std::string at(const std::string& file, const Include& include) {
   return file + ":" + std::to_string(include.line) + ": ";
 }
 
-/// What a file of a room includes although the room doesn't link whose it is. Notes the rooms that are included.
+/// Includes of a file of a room that the room's links don't allow. Also collects the included rooms.
 std::vector<std::string> forbidden_in(const Rooms& rooms, const std::string& name, const std::string& file,
                                       std::istream& stream, std::set<std::string>& included) {
   std::vector<std::string> found;
@@ -132,7 +133,7 @@ std::vector<std::string> forbidden_in(const Rooms& rooms, const std::string& nam
   return found;
 }
 
-/// What a program includes although its room keeps it to itself.
+/// Includes of a program that the header's room doesn't allow.
 std::vector<std::string> past_doors_in(const Rooms& rooms, const std::string& file,
                                        const std::vector<Include>& includes) {
   std::vector<std::string> found;

@@ -30,5 +30,5 @@ rehearse_add_test(vision_tests LABEL render
   SOURCES vision/pinhole_test.cpp vision/vision_test.cpp
   LIBRARIES Rehearse::renderer)
 
-# These compute what they compare with, at length.
+# These compute their expected values, which takes long.
 set_source_files_properties(world/hull_contacts_test.cpp world/range_sensor_meshes_test.cpp PROPERTIES COMPILE_OPTIONS -O2)

@@ -44,7 +44,7 @@ const std::vector<std::string>& schemas() {
   return texts;
 }
 
-/// JSON that others can read, and that says the same when they write it again.
+/// Checks that the JSON is valid, and unchanged after parsing and writing.
 void check_json(const std::string& text) {
   const auto read = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!read.is_object() || !nlohmann::ordered_json::accept(read.dump())) std::abort();
@@ -67,7 +67,7 @@ void decode(std::string_view schema_text, Bytes payload) {
   static_cast<void>(ros2msg::to_line(decoder, payload));
 }
 
-/// What was decoded can be written, and is the same when it is decoded again.
+/// Checks that a decoded message can be encoded, and is equal when it is decoded again.
 template <class Message>
 void rewrite(Bytes payload) {
   Message message;

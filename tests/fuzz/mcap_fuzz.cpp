@@ -77,7 +77,7 @@ void read_all(mcap::Bytes bytes, bool check_crcs) {
     time = message.log_time;
     return ++ordered < 100'000;
   }));
-  if (last && !reader.message_at(*last)) std::abort();  // what a pass delivered can be had again
+  if (last && !reader.message_at(*last)) std::abort();  // a message that a pass delivered can be read again
   if (const auto stream = open_stream(bytes, options)) {
     const auto touch = [&](const mcap::Record& record) { return sum(record.body) < ~time; };
     static_cast<void>((*stream)->read({{}, {}, {}, touch}));
@@ -90,7 +90,7 @@ void expect(bool true_of_all_bytes) {
   if (!true_of_all_bytes) std::abort();
 }
 
-/// A message, with where it stands if that is to be the same as well.
+/// A message; with its place in the file if places are compared, too.
 struct Seen {
   std::uint64_t record = 0, inside = 0;
   std::uint32_t sequence = 0;
@@ -139,7 +139,7 @@ Pass read_stream(mcap::Bytes bytes) {
   return stream ? pass_over(**stream, true) : Pass{};
 }
 
-/// Of a whole file that is read well: what our Writer makes of it, in a form that the bytes choose.
+/// For a valid file: a copy by Rehearse's Writer, in a form that the bytes determine.
 void rewrite(mcap::Bytes bytes) {
   const auto reader = mcap::Reader::open_bytes(bytes, "fuzz.mcap", {true, mcap::Opening::walk, small_chunks});
   const std::uint64_t choice = sum(bytes);
@@ -178,7 +178,7 @@ void compare_ways(mcap::Bytes bytes) {
   const Pass summary = read_file(bytes, mcap::Opening::by_summary);
   const Pass stream = read_stream(bytes);
   expect(summary.whole == file.whole && (!file.whole || summary.messages == file.messages));
-  // A stream doesn't know what stands behind a message: it may miss one whose channel comes later, and then says so.
+  // A stream can't look ahead: it may miss a message whose channel comes later, and then reports it.
   expect(!stream.whole || (file.whole && stream.messages == file.messages));
   expect(stream.messages.size() <= file.messages.size());
   if (file.whole) rewrite(bytes);

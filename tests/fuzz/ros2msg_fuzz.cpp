@@ -18,7 +18,7 @@ namespace {
 /// Every index leads somewhere, and no type leads back to itself.
 void check(const ros2msg::Schema& schema) {
   if (schema.definitions.empty()) std::abort();
-  std::vector<int> depth(schema.definitions.size(), 0);  // of what is below; 0: not known yet
+  std::vector<int> depth(schema.definitions.size(), 0);  // nesting of each definition; 0: not known yet
   const std::function<int(std::size_t, int)> visit = [&](std::size_t at, int above) {
     if (above > 1000) std::abort();
     if (depth[at] != 0) return depth[at];

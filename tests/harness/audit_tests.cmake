@@ -1,4 +1,4 @@
-# Watching controllers. The libraries that are watched are no controllers: what is tested is below those.
+# The interposer. The watched libraries are not controllers: these tests need no harness.
 set(audit_libraries ${CMAKE_BINARY_DIR}/tests/audit_libraries)
 function(add_watched_library name)
   add_library(${name} SHARED ${ARGN})

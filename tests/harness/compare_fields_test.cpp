@@ -57,7 +57,7 @@ class TwoFiles {
   std::string topic_, type_, schema_;
 };
 
-/// Where a value stands in a payload.
+/// The place of a value in a payload.
 struct Place {
   std::string path;
   std::size_t begin = 0, size = 0;
@@ -75,7 +75,7 @@ std::vector<Place> places_in(const Payload& payload, const TwoFiles& files) {
   return places;
 }
 
-/// Each value of the message, altered alone in its last bit, makes two files differ, and the finding says where.
+/// For each value of the message: changing only its last bit makes two files differ, and the finding states the place.
 template <class T>
 void every_field_is_compared(const std::string& topic, const T& message) {
   const TwoFiles files = TwoFiles::of<T>(topic);

@@ -38,7 +38,7 @@ class Expectations : public ::testing::Test {
     run_.events = {{msg::Time::from_ns(2'000'000), 2, "note", "Robot/Pd", "the goal is reached"}};
   }
 
-  /// Of the whole run; a tick at a time it has to be judged alike.
+  /// Evaluated for the whole run; evaluation tick by tick must give the same result.
   ExpectationResult judged(const Expectation& expectation) {
     const Trace trace = run_.load(folder_ / "run.mcap");
     const ExpectationResult result = judge_expectations({expectation}, trace)[0];

@@ -97,7 +97,7 @@ TEST_F(GoldenAcceptance, OfACopyOfAGoldenTakesTheHistoryOfTheOneItReplaces) {
 }
 
 TEST_F(GoldenAcceptance, GivesAGoldenWithoutHistoryItsFirst) {
-  SmallTrace().write(store_.trace_file(name_));  // as versions before this wrote them
+  SmallTrace().write(store_.trace_file(name_));  // in the form of earlier versions
   write(store_.digest_file(name_), *digest_of(*Trace::load(store_.trace_file(name_))));
   EXPECT_TRUE(store_.check_digest(name_));
   EXPECT_THAT(digest(), Not(HasSubstr("\naccepted")));

@@ -1,6 +1,6 @@
 include(RehearseControllers)
 
-# Controllers of the tests' own, in a folder of their own. What they do wrong is wanted: no sanitizer has a word in it.
+# Controllers for these tests, in a separate folder. Their errors are intended, so they are built without sanitizers.
 set(test_controllers ${CMAKE_BINARY_DIR}/tests/controllers)
 function(add_test_controller name)
   rehearse_add_simple_controller(${name} ${ARGN})

@@ -1,6 +1,6 @@
 # Installs into a fresh folder, copies the consumer beside it, builds it, makes its golden, and checks it against that.
 # The installed headers are those that the consumer's headers.txt lists, no more and no less.
-# Then the same for a project that `rehearse new` writes, with ctest, as its README says.
+# Then does the same with a project that `rehearse new` writes, with ctest, as its README describes.
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)

@@ -89,7 +89,7 @@ void Screenshots::expect_as_approved(const std::string& name) {
   ASSERT_EQ(expected.height, actual.height);
   const Comparison comparison = compare_with(expected, actual);
   if (comparison.within) return;
-  const fs::path kept = fs::path(KEPT_SCREENSHOTS) / name;  // where somebody can look at it
+  const fs::path kept = fs::path(KEPT_SCREENSHOTS) / name;  // for a review by a person
   fs::create_directories(kept.parent_path());
   fs::copy_file(taken, kept.string() + ".png", fs::copy_options::overwrite_existing);
   const Trace golden = trace_of(expected, scratch_ / "golden.mcap"), run = trace_of(actual, scratch_ / "run.mcap");

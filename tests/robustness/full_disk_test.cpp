@@ -35,7 +35,7 @@ class FullDisk : public ::testing::Test {
                           folder() / "log", prepare));
   }
 
-  /// What is left of a recording that got no further.
+  /// The remaining file of a recording that couldn't continue.
   void examine_rest(const fs::path& trace) const { save_what_is_left(trace, folder() / "saved.mcap"); }
 
   Scratch scratch_;
@@ -72,7 +72,7 @@ TEST_F(FullDisk, ThatIsADeviceWithoutRoomSaysSo) {
 
 constexpr int no_disk = 77;
 
-/// In a process of its own, whose disk nobody else sees.
+/// Runs in a separate process with a private disk.
 int record_on_disk(const fs::path& disk, const std::string& size, const std::function<int(const fs::path&)>& run) {
   if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
       mount("none", disk.c_str(), "tmpfs", 0, size.c_str()) != 0)

@@ -24,12 +24,12 @@ int kills() {
   return text == nullptr ? 40 : std::max(1, std::atoi(text));
 }
 
-/// What became of all the recordings.
+/// The results of all recordings.
 struct Figures {
   int kills = 0;
   int finished = 0;               // it was over before
   int nothing = 0;                // no tick is saved: the kill came before the first chunk was due
-  int traces_lost = 0;            // what is left can't be read, or more than a second is lost
+  int traces_lost = 0;            // the remaining file can't be read, or more than a second is lost
   std::int64_t lost_at_most = 0;  // ticks
 };
 
@@ -52,7 +52,7 @@ class Kill : public ::testing::Test {
     return file;
   }
 
-  /// Runs the words and kills them after a while; true if they had ended before.
+  /// Runs the command and kills it after a while; true if it had ended before.
   bool run_and_kill(const std::vector<std::string>& words, std::chrono::microseconds after) {
     counter_.reset();
     const pid_t child = start(words, folder() / "log", [] { setenv("CI", "true", 1); });
@@ -61,7 +61,7 @@ class Kill : public ::testing::Test {
     return wait_for(child) >= 0;
   }
 
-  /// How long they take if nobody kills them.
+  /// The duration of the command without a kill.
   std::chrono::microseconds whole_run(const std::vector<std::string>& words) {
     const auto begin = Clock::now();
     counter_.reset();

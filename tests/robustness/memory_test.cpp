@@ -7,7 +7,7 @@
 namespace rehearse::test {
 namespace {
 
-/// What the program takes at most [kB]; -1 if it ends with another status.
+/// The largest memory of the program [kB]; -1 if it ends with another status.
 long peak_memory(const std::vector<std::string>& words, const fs::path& log, int expected_status = 0) {
   const pid_t child = start(words, log);
   int status = 0;

@@ -32,7 +32,7 @@ Isometry3d target(int number) {
   return pose({0.65, 0.1, 0.5}, 120.0, 20.0);
 }
 
-/// Where the tool was, as the simulation had it [m].
+/// The tool's position in the simulation [m].
 Isometry3d tool(const Trace& trace, double time) {
   const auto number = [&](const std::string& element) { return trace.at("Arm/Reach/input/TOOL/" + element, time); };
   Isometry3d pose = Isometry3d::Identity();

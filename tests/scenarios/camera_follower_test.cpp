@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using rehearse::ControllerBench;
 using rehearse::Trace;
 
-constexpr double settled = 0.5;  // when the head has found the ball, and somebody kicks it [s]
+constexpr double settled = 0.5;  // when the head has found the ball, and the ball is kicked [s]
 
 const rehearse::Model& head() {
   static const auto model = rehearse::load_urdf(rehearse::fixture_path("models/pan_tilt_head.urdf"));

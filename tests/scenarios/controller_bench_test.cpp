@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 std::string sr1() { return std::string(FIXTURES_DIR) + "/models/sr1.urdf"; }
 
-/// What a piece of code throws.
+/// The message of the exception that a piece of code throws.
 template <class Code>
 std::string thrown_by(Code code) {
   try {

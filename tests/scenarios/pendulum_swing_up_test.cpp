@@ -15,7 +15,7 @@ constexpr double degree = 0.017453292519943295;  // [rad]
 constexpr double limit = 0.6;                    // of the motor [N·m]
 constexpr double weight_torque = 2.20649625;     // m g l: 0.5 kg, 9.80665 m/s², 0.45 m [N·m]
 constexpr double inertia = 0.108734933;          // about the hinge [kg·m²]
-constexpr double tap = 5.0;                      // when somebody taps the ball [s]
+constexpr double tap = 5.0;                      // when the ball is tapped [s]
 
 /// From the upright [rad].
 double lean(double q) { return std::remainder(q - pi, 2.0 * pi); }

@@ -23,7 +23,7 @@ class RunsBesideEachOther : public Command {
           "    box: {size: [0.2, 0.2, 0.2]}\n    mass: 1\n    position: [0, 0, " +
               std::to_string(height) + "]\n");
   }
-  /// How many commands at a time, each as they end, and what they said.
+  /// Runs `count` commands at the same time; returns the exit status and the output of each.
   std::vector<Outcome> at_once(int count, const std::string& line) const {
     std::string script;
     for (int i = 0; i < count; ++i)

@@ -35,7 +35,7 @@ class Cat : public Command {
     for (const auto& line : lines) topics.push_back(line.at("topic"));
     return topics;
   }
-  /// As a shell does it, for pipes.
+  /// Runs the command in a shell, for pipes.
   Outcome shell(const std::string& line) const { return run("/bin/sh", {"-c", line}); }
 };
 

@@ -1,5 +1,5 @@
-# Other people's robots: cmake -DREHEARSE_URDF_CORPUS=DIR, where `rehearse inspect` reads every .urdf below DIR. They are
-# not part of this repository, so without it the test is skipped.
+# Robots from other projects: cmake -DREHEARSE_URDF_CORPUS=DIR, where `rehearse inspect` reads every .urdf below DIR.
+# They are not part of this repository, so without it the test is skipped.
 set(REHEARSE_URDF_CORPUS "" CACHE PATH "A folder with URDF files, all of which are to be inspected")
 
 set(corpus_test UrdfCorpus.IsInspectedWithoutACrash)

@@ -28,7 +28,7 @@ std::vector<std::uint8_t> bytes_of_pixels(const std::vector<Number>& pixels) {
   return data;
 }
 
-/// The samples of a PNG file as they stand in it, 16 bits each.
+/// The raw samples of a PNG file, 16 bits each.
 std::vector<int> samples_of(const fs::path& file) {
   std::FILE* in = std::fopen(file.c_str(), "rb");
   if (in == nullptr) return {};
@@ -112,7 +112,7 @@ TEST_F(Export, LeavesNoPartOfATableOnAFullDisk) {
   done({"record", "sr1.yaml", "-o", "long.mcap"});
   fs::create_directory(folder() / "tables");
   write("tables/tick.csv", "time [s],of an earlier export\n");
-  // 2 KiB a file, which stands for the disk; a signal would come in place of the error
+  // at most 2 KiB per file, like a full disk; the signal is ignored, so that writing returns an error
   const Outcome full =
       run("/bin/sh", {"-c", "trap '' XFSZ; ulimit -f 4; " + quoted(command.string()) + " export long.mcap -o tables"});
   EXPECT_EQ(full.status, 2) << full.out;

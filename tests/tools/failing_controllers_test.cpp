@@ -48,10 +48,10 @@ TEST_F(Library, ThatLacksASymbolIsRefusedWithItsName) {
   EXPECT_THAT(refusal(UNDEFINED_SYMBOL), HasSubstr("it needs the symbol 'gait_phase(double)'"));
 }
 
-/// What misbehaving.cpp is told to do, in the record and in the replay of a healthy recording.
+/// The options for misbehaving.cpp, in the record and in the replay of a healthy recording.
 class FailingController : public Command {
  protected:
-  // What a controller that crashed held stays held; a leak checker would say so, with an exit status of its own.
+  // Memory of a crashed controller is never freed; a leak checker would report this, with its own exit status.
   const std::string no_leak_check_ = "ASAN_OPTIONS=detect_leaks=0";
 
   Outcome record(const std::string& options, const std::vector<std::string>& more = {}) const {
@@ -59,7 +59,7 @@ class FailingController : public Command {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return rehearse(arguments, no_leak_check_);
   }
-  /// The recording is whole, and says how it ended.
+  /// The recording is complete, and states how it ended.
   nlohmann::json kept_trace() const { return done({"info", "pendulum.mcap", "--json"}).json(); }
 
   static nlohmann::json outcome_of(const nlohmann::json& info) {
@@ -141,7 +141,7 @@ TEST_F(FailingController, ThatSetsALimitIsToldAndTheRunGoesOn) {
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
 }
 
-/// What only the parent process sees: the deed, and how the process ended.
+/// Failures that only the parent process can report: the deed, and how the process ended.
 class EndOfTheProcess : public FailingController,
                         public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
 INSTANTIATE_TEST_SUITE_P(By, EndOfTheProcess,

@@ -37,7 +37,7 @@ std::string line_of(const std::string& comment) {
   return "";
 }
 
-/// What is said on arrival, as a regular expression.
+/// The message on arrival, as a regular expression.
 std::string arrival(int tick, const std::string& place, const std::string& of = "Pendulum/Swing") {
   return "tick " + std::to_string(tick) + " [^\n]*, in control\\(\\) of " + of + "\n#0 [^\n]*" + place + "[^\n]*\n";
 }
@@ -71,7 +71,7 @@ class Gdb : public Command {
     const Outcome outcome = quiet({"record", pendulum(LOOKED_AT, options).string(), "-o", "pendulum.mcap"});
     ASSERT_THAT(outcome.status, ::testing::AnyOf(0, 3)) << outcome.err;
   }
-  /// What gdb prints of the bits of an input of that tick.
+  /// gdb's output for the bits of an input of that tick.
   std::string recorded_bits(const std::string& quantity, std::size_t tick) const {
     const auto trace = Trace::load(folder() / "pendulum.mcap");
     EXPECT_TRUE(trace.ok());
@@ -150,7 +150,7 @@ rehearse-commands)");
   const auto trace = Trace::load(folder() / "pendulum.mcap");
   ASSERT_TRUE(trace.ok());
   const auto number = [&](const std::string& series, std::size_t tick) {
-    return nlohmann::json(trace->values("Pendulum/Swing/" + series).at(tick)).dump();  // as few digits as it takes
+    return nlohmann::json(trace->values("Pendulum/Swing/" + series).at(tick)).dump();  // with the shortest digits
   };
   const std::string before = outcome.out.substr(0, later), after = outcome.out.substr(later);
   EXPECT_THAT(before, HasSubstr("inputs of Pendulum/Swing, tick 30 (0.03 s)\n"));

@@ -80,7 +80,7 @@ Outcome GoldenVerbs::on_terminal(const std::vector<std::string>& arguments,
     const bool asks = outcome.out.ends_with("[q]uit ") || outcome.out.ends_with("[n]o ");
     if (!asks || answered == keys.size()) continue;
     const std::string& key = keys[answered++];
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // what is typed before it is asked is thrown away
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // keys typed before the question are discarded
     EXPECT_EQ(::write(terminal, key.data(), key.size()), std::ssize(key));
   }
   int status = 0;

@@ -23,7 +23,7 @@ class InfoOfAnyFile : public Command {
     return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
   }
 
-  /// What the command takes at most [kB], or this test, if that is more.
+  /// The largest memory of the command [kB], or of this test, if that is more.
   long memory_of(const std::vector<std::string>& arguments) const {
     std::string program = command.string(), file = (folder() / arguments.at(1)).string();
     std::string verb = arguments.at(0);
@@ -97,7 +97,7 @@ TEST_F(InfoOfAnyFile, TextOfAFileSteersNoTerminalAndBreaksNoJson) {
   EXPECT_EQ(info["channels"][0]["topic"], "/\xef\xbf\xbd\x1b[2J\xef\xbf\xbd(\n!");
 }
 
-/// What an indexed file holds is known by its end: neither the time nor the memory grows with the messages.
+/// The content of an indexed file is known from its end: neither time nor memory grows with the messages.
 TEST_F(InfoOfAnyFile, MakesNoPassOverALargeFile) {
   LargeFile large(folder() / "large.mcap", 10'000'000'000);
   ASSERT_TRUE(large.ok()) << "no room for it in " << folder();

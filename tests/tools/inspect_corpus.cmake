@@ -1,7 +1,7 @@
 # cmake -D COMMAND=rehearse -D CORPUS=DIR -D OUTPUT=FILE -P inspect_corpus.cmake
 #
-# Inspects every .urdf below DIR, prints counts and the commonest reasons to refuse, and writes a line a file to OUTPUT.
-# Fails if one is answered by anything but a model or a list of errors: a crash, or more than LIMIT seconds.
+# Inspects every .urdf below DIR, prints counts and the most frequent reasons for refusal, and writes one line per file
+# to OUTPUT. Fails if a result is neither a model nor a list of errors: a crash, or more than LIMIT seconds.
 set(LIMIT 20)
 
 file(GLOB_RECURSE files LIST_DIRECTORIES false ${CORPUS}/*.urdf)

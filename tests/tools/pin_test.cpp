@@ -27,14 +27,14 @@ constexpr const char* sanitizer_needs =
 
 class Pin : public Command {
  protected:
-  /// What the recording in the folder says of its process.
+  /// The statement about its process in the folder's recording.
   std::string fact() const {
     const nlohmann::json info = done({"info", "pendulum.mcap", "--json"}).json();
     for (const nlohmann::json& record : info["metadata"])
       if (record["name"] == "rehearse") return record["values"].value("pinned", "not said");
     return "no provenance";
   }
-  /// Records with that in front of the command line; returns what the recording says.
+  /// Records with that text before the command line; returns the recording's statement.
   std::string recorded(const std::string& before, const fs::path& program = command,
                        std::vector<std::string> words = {}) const {
     words.insert(words.end(), {"record", pendulum(MISBEHAVING, "none").string()});

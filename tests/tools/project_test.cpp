@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A project as `rehearse new` lays it out, whose controller is built, or is said to be.
+/// A project in the layout of `rehearse new`; its controller is built, or copied to the place of a built one.
 class Project : public Command {
  protected:
   Project() {
@@ -45,7 +45,8 @@ TEST_F(Project, ItsFoldersAreFoundFromBelow) {
 TEST_F(Project, OfTwoBuildsTheNewerLibraryIsTaken) {
   build("build", NOT_A_CONTROLLER);
   build("build-debug", MISBEHAVING);
-  fs::last_write_time(folder() / "build/lib/rehearse/controllers/Swing.so", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  fs::last_write_time(folder() / "build/lib/rehearse/controllers/Swing.so",
+                      fs::file_time_type::clock::now() - std::chrono::hours(1));
   EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).status, 0);
 }
 

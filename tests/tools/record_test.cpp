@@ -42,7 +42,7 @@ TEST_F(Record, TellsWhatIsNotAsExpectedAndIsDoneAllTheSame) {
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2);
 }
 
-/// What is expected of a run is judged from its trace.
+/// Expectations of a run are evaluated from its trace.
 TEST_F(Record, WritesIntoAPipeOnlyWhatItDoesNotReadAgain) {
   const std::string behind =
       "sh -c 'mkfifo trace; cat trace > copy.mcap & timeout 20 \"$@\"; status=$?; wait; exit $status' sh ";

@@ -61,7 +61,7 @@ TEST_F(ReplayLog, AnswersInJson) {
 }
 
 TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
-  // half a second late, the joystick says something else
+  // half a second late, the joystick has a different reading
   std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"
                                                "joystick: /joy\n"
                                                "commands: {topic: /Tank/Driver/output/joints, shift: 100}\n";

@@ -46,7 +46,7 @@ TEST_F(ReplayTicks, ATickShowsAllThatIsOfIt) {
 
 TEST_F(ReplayTicks, WhatIsAsBeforeIsFolded) {
   const Outcome folded = looks({"--tick", "50"}), full = looks({"--tick", "50", "--full"});
-  EXPECT_THAT(folded.out, HasSubstr("(3 unchanged numbers)"));  // what a gyroscope doesn't measure
+  EXPECT_THAT(folded.out, HasSubstr("(3 unchanged numbers)"));  // the components that a gyroscope doesn't measure
   EXPECT_THAT(full.out, Not(HasSubstr("unchanged")));
   EXPECT_GT(full.out.size(), folded.out.size());
 }

@@ -24,7 +24,7 @@ class Step : public Command {
     write("script", script);
     return run("/bin/sh", {"-c", command.string() + " step sr1.mcap " + arguments + " < script"});
   }
-  /// The last line of what it says to a script.
+  /// The last line of the output for a script.
   std::string last(const std::string& script, const std::string& arguments = "") const {
     const Outcome outcome = step(script, arguments);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -224,7 +224,7 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  /// Keys, as soon as the line editor takes each by itself: it shows its prompt before it says so to the terminal.
+  /// Sends keys after the line editor has entered single-key mode: it shows its prompt before it sets the mode.
   void type(const std::string& keys) {
     termios modes{};
     for (int i = 0; i < 20'000 && (tcgetattr(terminal_, &modes) != 0 || (modes.c_lflag & ICANON)); ++i) usleep(1000);

@@ -19,7 +19,7 @@ enum class Broken { nothing, dropped_frame, missing_tick, stale_input };
 
 struct Fault {
   const char* name;
-  LevelState controller, plant, closed;  // what the levels have to say
+  LevelState controller, plant, closed;  // the results of the levels
   Stage stage;
   const char* sentence;           // a part of the verdict
   const char* library = nullptr;  // of the changed controller
@@ -116,7 +116,7 @@ std::vector<Fault> faults() {
   };
 }
 
-/// What was found of each, for the table.
+/// The results for each fault, for the table.
 std::vector<std::string>& rows() {
   static std::vector<std::string> all;
   return all;

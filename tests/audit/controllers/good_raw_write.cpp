@@ -7,7 +7,7 @@
 
 namespace {
 
-/// A system call past the C library.
+/// A system call without the C library.
 inline long system_call(long number, long a, long b, long c) {
   long result = number;
   asm volatile("syscall" : "+a"(result) : "D"(a), "S"(b), "d"(c) : "rcx", "r11", "memory");

@@ -1,5 +1,5 @@
-# A library that sets variables by rehearse_variable() loads into a program that knows nothing of Rehearse, whatever
-# compiler, language and strictness of linking it was made with; and one that defines the function hears of them.
+# A library that sets variables by rehearse_variable() loads into a program without Rehearse, whatever compiler,
+# language and linker strictness it was made with; a program that defines the function receives the variables.
 # cmake -D SOURCE=folder -D INCLUDE=folder -D OUTPUT=folder -D GXX=g++ [-D CLANGXX=clang++] -P load_everywhere.cmake
 set(strict -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror)
 set(linking -Wl,-z,now -Wl,-z,defs -Wl,--no-undefined)

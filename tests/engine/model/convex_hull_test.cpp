@@ -143,7 +143,7 @@ TEST(ConvexHull, RefusesALineAPointAndNothing) {
 }
 
 TEST(ConvexHull, StandsThinPlatesAndCrookedCones) {
-  // what ran Qhull's numbers out in practice: plates 2000 times as wide as thick, needles, many points on one circle
+  // shapes for which Qhull failed in practice: plates 2000 times as wide as thick, needles, many points on one circle
   std::vector<MeshPart> hard{box_part({2, 1, 0.001}), box_part({0.001, 0.001, 3}, {100, -50, 20})};
   std::vector<Vector3d> cone{{0.3, 0.1, 2.0}};
   Triangles sides;

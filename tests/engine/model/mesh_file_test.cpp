@@ -32,7 +32,8 @@ TEST(Mesh, HasTheMeasuresOfThePart) {
   EXPECT_LT((bracket.lower - Eigen::Vector3d(-0.006, -0.02, 0)).norm(), 1e-7);
   EXPECT_LT((bracket.upper - Eigen::Vector3d(0.09, 0.02, 0.096)).norm(), 1e-7);
   const double step = std::numbers::pi / 20;
-  const double wedge = (0.096 * 0.096 - 0.084 * 0.084) * std::sin(step) / 2;  // of the ring, seen from the side
+  // area of one step of the ring, seen from the side
+  const double wedge = (0.096 * 0.096 - 0.084 * 0.084) * std::sin(step) / 2;
   EXPECT_NEAR(volume_of(bracket), 10 * wedge * 0.04, 1e-10);
 }
 

@@ -66,7 +66,7 @@ TEST(MeshLooks, PictureLiesBesideTheFile) {
   const MeshPart& part = reading.data.parts.at(0);
   ASSERT_NE(part.texture, nullptr);
   EXPECT_THAT(part.texture->rgba, ElementsAre(200, 100, 50, 25));
-  EXPECT_EQ(part.color, Eigen::Vector4f::Ones());  // what multiplies it
+  EXPECT_EQ(part.color, Eigen::Vector4f::Ones());  // the factor of the texture
   EXPECT_EQ(part.texture_coordinates.at(2), Eigen::Vector2f(0, 1));
 }
 

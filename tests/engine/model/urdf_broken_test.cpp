@@ -16,7 +16,7 @@ namespace {
 struct Mistake {
   const char* name;
   int line;             // 0: of the whole file
-  const char* message;  // a regular expression that stands in the message
+  const char* message;  // a regular expression that the message must match
 };
 
 /// Refused, each with this one error.

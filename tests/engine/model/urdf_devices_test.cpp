@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Two links, a hinge between them, and what stands in the <gazebo> block of the second.
+/// Two links, a hinge between them, and the content of the <gazebo> block of the second.
 Model with_sensors(const std::string& sensors, const std::string& reference = "arm") {
   return load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm") + "<gazebo reference='" +
                     reference + "'>" + sensors + "</gazebo>"));

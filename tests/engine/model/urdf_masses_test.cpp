@@ -40,7 +40,7 @@ TEST(UrdfMasses, ARootThatIsFixedAnywayIsNotRepaired) {
   const std::string text =
       robot(link("base_link", "") + link("arm") + joint("hinge", "continuous", "base_link", "arm"));
   const Model model = load(text, {.strict = true, .fixed_root = true});
-  EXPECT_EQ(model.links[0].joint.type, JointType::free);  // as the file has it
+  EXPECT_EQ(model.links[0].joint.type, JointType::free);  // as in the file
   EXPECT_EQ(to_string(model.report), "");
 }
 

@@ -30,7 +30,7 @@ constexpr const char* arm = R"(<robot name="arm">
   </joint>
 </robot>)";
 
-/// What our pass should have made of `arm`.
+/// The correct draft of `arm`.
 Draft arm_draft() {
   Draft draft;
   draft.name = "arm";

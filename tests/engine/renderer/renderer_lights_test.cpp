@@ -69,7 +69,7 @@ class RendererLights : public ::testing::Test {
   /// Where the middle of the nearest pixel is.
   static double pixel_middle(double x) { return std::round(x / metres_a_pixel()) * metres_a_pixel(); }
 
-  /// What a light must add `x` metres from the point under it, within what a step of colour can tell.
+  /// The light that must be added `x` metres from the point under the lamp, within one step of colour.
   void expect_added(const Image& dark, const Image& lit, double x, double expected) {
     const double before = light_at(dark, x), after = light_at(lit, x);
     const double resolution = 2.0 * std::sqrt(after) * one_step / albedo;

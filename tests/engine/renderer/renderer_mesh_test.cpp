@@ -9,7 +9,7 @@ namespace {
 
 const Color white{1.0f, 1.0f, 1.0f, 1.0f};
 
-/// What a camera at the origin sees of shapes in front of it.
+/// The picture of a camera at the origin, with shapes in front of it.
 Frame seen(const std::vector<Shape>& shapes, const Camera& camera, const Color& color = white) {
   const auto renderer = make_renderer({Color(0, 0, 0, 1)});
   for (const Shape& shape : shapes) renderer->add(shape, color);

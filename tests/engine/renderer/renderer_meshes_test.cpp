@@ -11,7 +11,7 @@
 namespace rehearse {
 namespace {
 
-/// Where a vertex stands when the halves of a capsule are 1 apart each way.
+/// The place of a vertex when the halves of a capsule are shifted by 1 each way.
 Eigen::Vector3d place(const Vertex& v) {
   return Eigen::Vector3d(v.position[0], v.position[1], v.position[2] + v.shift);
 }

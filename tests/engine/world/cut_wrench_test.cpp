@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double mass = 3.0;                        // of what hangs behind the cut [kg]
+constexpr double mass = 3.0;                        // of the links behind the cut [kg]
 constexpr double weight = mass * standard_gravity;  // [N]
 
 class CutWrenches : public EachSolver {};

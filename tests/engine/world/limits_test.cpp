@@ -39,7 +39,7 @@ TEST_P(Limits, OfEffortClampACommand) {
   const auto world = make_world(still(), {body});
   run(*world, 100, effort(10.0));
   EXPECT_NEAR(joint_of(*world).dq, 2.0 / wheel_inertia * 0.1, 1e-6);
-  EXPECT_EQ(joint_of(*world).u, 2.0);  // what acted, not what was wanted
+  EXPECT_EQ(joint_of(*world).u, 2.0);  // the applied effort, not the commanded one
   run(*world, 100, effort(-10.0));
   EXPECT_EQ(joint_of(*world).u, -2.0);
   run(*world, 1, effort(1.5));

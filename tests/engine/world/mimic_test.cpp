@@ -40,7 +40,7 @@ TEST_P(Mimics, HoldAgainstAForce) {
     ASSERT_TRUE(world->step());
   }
   EXPECT_NEAR(joint_of(*world, 1).q, 0.1, 1e-6);
-  EXPECT_NEAR(joint_of(*world, 1).u, -50.0, 1e-3);  // what it takes to follow
+  EXPECT_NEAR(joint_of(*world, 1).u, -50.0, 1e-3);  // the effort needed to follow
 }
 
 TEST_P(Mimics, DontListenToCommandsOfTheirOwn) {

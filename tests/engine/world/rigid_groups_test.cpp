@@ -24,7 +24,7 @@ std::shared_ptr<const Model> two_links() {
   return robot.build();
 }
 
-/// The same as one link; mass, centre and inertia added up by hand.
+/// The same body as one link; mass, centre and inertia summed by hand.
 std::shared_ptr<const Model> one_link() {
   const Eigen::Matrix3d turn = tilted_mount().linear();
   const Vector3d tool = tilted_mount() * Vector3d(0.05, 0, 0);

@@ -17,7 +17,7 @@ WorldBody flat_ground() {
 struct Thing {
   const char* what;
   Geometry geometry;
-  Geometry like;  // what its inertia is of
+  Geometry like;  // determines the inertia
   double height;
 };
 
@@ -92,7 +92,7 @@ TEST(Trimesh, IsForFixedBodiesOnly) {
               HasSubstr("body 'Ground': only a fixed body can be touched as a trimesh, and this one moves"));
 }
 
-TEST(Trimesh, IsOfLinksThatNeverMove) {  // what moves on a fixed root is its hulls
+TEST(Trimesh, IsOfLinksThatNeverMove) {  // links that move on a fixed root are touched as their hulls
   RobotBuilder robot(JointType::fixed);
   robot.add("SLED", 0, JointType::prismatic, Vector3d::UnitZ(), inertial(1.0, {0.1, 0.1, 0.1}), at(0, 0, 1));
   robot.add_collision(0, mesh_shape(mesh_of({box_part({1, 1, 0.2})})));

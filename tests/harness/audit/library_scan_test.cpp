@@ -208,7 +208,7 @@ TEST_F(HostileLibrary, WithAnyByteChangedEndsInAnAnswer) {
   for (std::size_t at = 0; at < whole.size(); at += whole.size() / 499 + 1) {
     std::string changed = whole;
     changed[at] = static_cast<char>(~changed[at]);
-    const auto result = scan_library(write("Odd.so", changed));  // whatever it is, it comes back
+    const auto result = scan_library(write("Odd.so", changed));  // whatever the result, the scan returns
     EXPECT_TRUE(result.ok() || to_string(result.errors()).find("'Odd.so'") != std::string::npos);
   }
 }

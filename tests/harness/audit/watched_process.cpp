@@ -20,7 +20,7 @@ int main(int, char** arguments) {
     const Watched watched(&watch, {controller, library, "load"});
     void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle) function = reinterpret_cast<double (*)(int)>(dlsym(handle, arguments[2]));
-    time(nullptr);  // the host's own calls are nobody's business
+    time(nullptr);  // the host's own calls are not recorded
   }
   if (!function) return std::printf("%s\n", dlerror()), 1;
   const int ticks = std::stoi(arguments[3]);

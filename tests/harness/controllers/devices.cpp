@@ -18,7 +18,7 @@
 namespace behaviours {
 namespace {
 
-/// Says what the sensors read in its first two ticks.
+/// Writes the sensors' readings in its first two ticks to os().
 class SensorSayer : public cnoid::SimpleController {
  public:
   explicit SensorSayer(const Words&) {}
@@ -71,7 +71,8 @@ class Fingerprint {
   std::uint64_t sum_ = 0xcbf29ce484222325u;
 };
 
-/// switch TICK [notify] [nodelay]: turns the camera off in that tick (-1: in initialize), and tells or doesn't.
+/// switch TICK [notify] [nodelay]: switches the camera off in that tick (-1: in initialize), with or without a
+/// notification.
 class CameraSwitch : public Pusher {
  public:
   explicit CameraSwitch(const Words& words) : Pusher(0.0), off_tick_(std::stoi(words.at(0))), words_(words) {}
@@ -122,7 +123,7 @@ class PictureReader : public Pusher {
 };
 const Add<PictureReader> picture_reader("look");
 
-/// scan NAME: says what the range sensor is, and whenever it has something new, when and what.
+/// scan NAME: writes the range sensor's parameters, and at each new scan the tick and the data.
 class ScanSayer : public Pusher {
  public:
   explicit ScanSayer(const Words& words) : Pusher(0.0), name_(words.at(0)) {}
@@ -159,7 +160,7 @@ class ScanSayer : public Pusher {
 };
 const Add<ScanSayer> scan_sayer("scan");
 
-/// lamp: says what the lights are.
+/// lamp: writes the parameters of the lights.
 class LampSayer : public Pusher {
  public:
   explicit LampSayer(const Words&) : Pusher(0.0) {}
@@ -224,8 +225,8 @@ class Feeler : public Pusher {
 };
 const Add<Feeler> feeler("feel");
 
-/// bulb TICK [TWICE|silent]: puts light Bulb out in that tick (-1: in initialize) and tells; TWICE: after having told
-/// that it is green; silent: without telling; nan: with a colour that isn't one.
+/// bulb TICK [TWICE|silent]: switches light Bulb off in that tick (-1: in initialize) and notifies. TWICE: after a
+/// notification that it is green; silent: without notification; nan: with an invalid colour.
 class BulbSwitch : public Pusher {
  public:
   explicit BulbSwitch(const Words& words)
@@ -263,7 +264,7 @@ class BulbSwitch : public Pusher {
 };
 const Add<BulbSwitch> bulb_switch("bulb");
 
-/// overhear [throw]: says what it hears of light Bulb and of the info of device Camera, and when; or throws then.
+/// overhear [throw]: writes the changes of light Bulb and of the info of device Camera, with the tick; or throws then.
 class Listener : public cnoid::SimpleController {
  public:
   explicit Listener(const Words& words) : throws_(!words.empty()) {}
@@ -290,7 +291,7 @@ class Listener : public cnoid::SimpleController {
 };
 const Add<Listener> listener("overhear");
 
-/// expose TICK VALUE: writes the value into the info of device Camera in that tick, and tells.
+/// expose TICK VALUE: writes the value into the info of device Camera in that tick, and notifies.
 class Exposer : public Pusher {
  public:
   explicit Exposer(const Words& words)

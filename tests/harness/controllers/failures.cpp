@@ -68,7 +68,7 @@ class Failure : public Pusher {
 };
 const Add<Failure> failure("fail");
 
-/// Says, as an effort of SHOULDER, whether arithmetic still knows denormal numbers.
+/// Commands an effort of SHOULDER that shows whether arithmetic supports denormal numbers.
 class DenormalTester : public Pusher {
  public:
   explicit DenormalTester(const Words&) : Pusher(0.0) {}

@@ -76,7 +76,7 @@ class Driver : public cnoid::SimpleController {
 };
 const Add<Driver> driver("drive");
 
-/// chance SIZE: commands SHOULDER an effort between 0 and SIZE that nobody can foretell [N·m].
+/// chance SIZE: commands SHOULDER a random effort between 0 and SIZE [N·m].
 class Chance : public Pusher {
  public:
   explicit Chance(const Words& words) : Pusher(0.0), size_(std::stod(words.at(0))) {}

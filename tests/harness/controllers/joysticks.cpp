@@ -13,7 +13,7 @@ namespace {
 using cnoid::Joystick;
 using cnoid::SharedJoystick;
 
-/// What a joystick does, in one number: L_STICK_V, 10 for button A, 100 for R_TRIGGER.
+/// The state of a joystick in one number: L_STICK_V, 10 for button A, 100 for R_TRIGGER.
 double sum_of(const cnoid::JoystickInterface& joystick) {
   return joystick.getPosition(Joystick::L_STICK_V_AXIS) + (joystick.getButtonState(Joystick::A_BUTTON) ? 10.0 : 0.0) +
          100.0 * joystick.getPosition(Joystick::R_TRIGGER_AXIS);
@@ -93,7 +93,7 @@ class Sharer : public cnoid::SimpleController {
 };
 const Add<Sharer> sharer("share");
 
-/// listen [throw|abort]: says what its joystick signals, or fails at the first button. It never lets go of the signals.
+/// listen [throw|abort]: writes its joystick's signals, or fails at the first button. It never disconnects its slots.
 class SignalListener : public Pusher {
  public:
   explicit SignalListener(const Words& words) : Pusher(0.0), failure_(words.empty() ? "" : words[0]) {}

@@ -8,7 +8,7 @@
 namespace behaviours {
 namespace {
 
-/// Says the name of each of its functions as it is called; control() only the first time.
+/// Writes the name of each of its functions when it is called; control() only the first time.
 class Narrator : public cnoid::SimpleController {
  public:
   explicit Narrator(const Words&) {}
@@ -36,7 +36,7 @@ class Narrator : public cnoid::SimpleController {
 };
 const Add<Narrator> narrator("narrate");
 
-/// Says in stop() what time it is.
+/// Writes the time in stop().
 class EndTeller : public Pusher {
  public:
   explicit EndTeller(const Words&) : Pusher(1.0) {}
@@ -84,7 +84,7 @@ class ConstantPusher : public Pusher {
 };
 const Add<ConstantPusher> constant_pusher("push");
 
-/// file PATH: the effort that stands in the file; refuses if there is none.
+/// file PATH: commands the effort in the file; refuses if there is no file.
 class FileReader : public Pusher {
  public:
   explicit FileReader(const Words& words) : Pusher(0.0), path_(words.at(0)) {}
@@ -122,7 +122,7 @@ class EarlyPusher : public Pusher {
 };
 const Add<EarlyPusher> early_pusher("early");
 
-/// Commands the time [s] as an effort, and says what time it is in the other functions.
+/// Commands the time [s] as an effort, and writes the time in the other functions.
 class Clock : public Pusher {
  public:
   explicit Clock(const Words&) : Pusher(0.0) {}
@@ -141,7 +141,7 @@ class Clock : public Pusher {
 };
 const Add<Clock> controller_clock("clock");
 
-/// Says its options, in configure() and in initialize().
+/// Writes its options, in configure() and in initialize().
 class OptionSayer : public cnoid::SimpleController {
  public:
   explicit OptionSayer(const Words&) {}

@@ -52,7 +52,7 @@ void close_all() {
   for (int descriptor = 3; descriptor < 1024; ++descriptor) close(descriptor);
 }
 
-/// So that the number of a file that was closed stands for this one.
+/// Opens a file, which gets the descriptor number of a closed file.
 void write_own_file() {
   const int own = open("own.txt", O_CREAT | O_WRONLY | O_TRUNC, 0644);
   static_cast<void>(write(own, "mine", 4));
@@ -118,7 +118,7 @@ class Trespasser : public Pusher {
 };
 const Add<Trespasser> trespasser("trespass");
 
-/// Starts a thread in start(); "joined" ends it in stop(), "left" doesn't, "late" tells it to end and doesn't wait.
+/// Starts a thread in start(); "joined" joins it in stop(), "left" doesn't, "late" requests its end without joining.
 class ThreadOwner : public Pusher {
  public:
   explicit ThreadOwner(const Words& words) : Pusher(1.0), how_(words.at(0)) {}
@@ -139,7 +139,7 @@ class ThreadOwner : public Pusher {
 };
 const Add<ThreadOwner> thread_owner("thread");
 
-/// Ends the threads that others have left.
+/// Ends the threads that other controllers have left running.
 class Ender : public Pusher {
  public:
   explicit Ender(const Words&) : Pusher(0.0) {}

@@ -20,7 +20,7 @@ struct Broken {
   const char* message;  // an extended regular expression found in it, hint included
 };
 
-// What ctest names the test by.
+// The test's name in ctest.
 void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
 
 // clang-format off

@@ -28,7 +28,7 @@ msg::Image picture(const std::string& encoding, std::uint32_t width, std::uint32
   return image;
 }
 
-/// Of one colour.
+/// A picture of one colour.
 std::vector<std::uint8_t> jpeg_of(unsigned width, unsigned height, std::uint8_t red, std::uint8_t green,
                                   std::uint8_t blue) {
   jpeg_compress_struct jpeg{};

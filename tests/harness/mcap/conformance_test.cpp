@@ -108,7 +108,7 @@ class Composition {
   const Buffer& bytes() const { return file_.bytes; }
 
  private:
-  /// With the bytes behind its fields that the feature "pad" stands for.
+  /// With the extra bytes after its fields, which the feature "pad" means.
   void add(std::uint8_t opcode, Composer body) {
     if (variant_.has("pad")) body.raw(bytes_of("\x01\xff\xff"));
     file_.record(opcode, body);
@@ -260,7 +260,7 @@ class McapConformance : public testing::Test {
   }
 };
 
-/// What was delivered, in the words of the suite.
+/// The delivered records, in the form of the suite.
 struct Found {
   std::vector<mcap::StringMap> messages;
   std::vector<std::string> attachments, metadata;
@@ -444,7 +444,7 @@ TEST_F(McapConformance, EachIsReadInEveryWay) {
   }
 }
 
-/// All but those whose records have bytes behind their fields: our Writer has nothing to say there.
+/// All files except those whose records have bytes after their fields, which Rehearse's Writer never writes.
 TEST_F(McapConformance, EachIsWrittenByteForByte) {
   int same = 0, padded = 0;
   for (const Variant& variant : variants()) {

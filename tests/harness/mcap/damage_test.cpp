@@ -9,7 +9,7 @@ using testing::HasSubstr;
 
 namespace {
 
-/// What there is to be had of these bytes: messages, attachments, metadata; and whether anything was complained of.
+/// The readable content of these bytes: messages, attachments, metadata; and whether an error was reported.
 struct Yield {
   std::vector<Seen> messages;
   std::vector<std::string> extras;

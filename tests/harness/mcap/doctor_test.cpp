@@ -84,7 +84,7 @@ TEST(McapDoctor, FindsNothingWrongWithWhatTheWriterWrites) {
   EXPECT_EQ(findings_of(small_file(unsummarised)), "");
 }
 
-/// Whatever is flipped: a CRC, or what an index says of it, doesn't fit any more.
+/// Any flipped bit is found: a CRC, or an index entry, no longer matches.
 TEST(McapDoctor, FindsEveryFlippedBit) {
   const Buffer whole = small_file();
   Buffer bytes = whole;
@@ -254,7 +254,7 @@ TEST(McapDoctor, ComparesTheSummaryWithTheData) {
 TEST(McapDoctor, GoesOnBehindDamage) {
   Buffer bytes = small_file();
   const auto at = find_text(bytes, "scenario.yaml");
-  std::fill(at - 40, at + 4, std::byte{0});  // the attachment's head, and what stands before it
+  std::fill(at - 40, at + 4, std::byte{0});  // the attachment's head, and the bytes before it
   const std::string found = findings_of(bytes);
   EXPECT_THAT(found, HasSubstr("what stands there is no record; the next one begins at byte"));
   const auto examination = mcap::examine_bytes(bytes, "damaged.mcap");

@@ -115,7 +115,7 @@ TEST_F(McapFilter, LeavesAttachmentsAndMetadataOutIfItIsTold) {
   EXPECT_THAT(written.attachments, testing::IsEmpty());
 }
 
-/// Whatever is wrong with the source: nothing is written, or a file without fault.
+/// For any damage of the source: no file is written, or a file without errors.
 TEST_F(McapFilter, RefusesDamagedSources) {
   const Buffer whole = source_.read();
   for (std::size_t i = 0; i < whole.size(); ++i) {

@@ -14,7 +14,7 @@ using namespace std::string_literals;
 
 namespace {
 
-/// As many zeros as one likes, compressed piece by piece.
+/// Any number of zeros, compressed piece by piece.
 Composer zstd_zeros(std::uint64_t size) {
   Composer packed;
   const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
@@ -90,7 +90,7 @@ TEST(McapHostile, AChunkInAChunkIsNotOpened) {
 }
 
 TEST(McapHostile, LengthsInLengthsAreNotBelieved) {
-  // a map of 8 bytes whose first key says that it has 4 gigabytes, in a record that is long enough for neither
+  // a map of 8 bytes whose first key has a stated length of 4 gigabytes, in a record that is long enough for neither
   const auto map = [](Composer head) {
     return head.put(std::uint32_t{8}).put(~std::uint32_t{0}).put(std::uint32_t{0});
   };

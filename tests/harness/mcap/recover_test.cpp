@@ -12,13 +12,13 @@ using testing::HasSubstr;
 
 namespace {
 
-/// What recover() makes of bytes.
+/// The result of recover() for some bytes.
 struct Saved {
   std::optional<mcap::Recovery> recovery;
   std::string refusal;
   std::vector<Seen> messages;
   std::vector<std::string> extras;  // attachments and metadata
-  std::string findings;             // of the doctor, but for notes
+  std::string findings;             // of the doctor, except notes
 };
 
 Saved save(const Buffer& bytes, mcap::RecoverOptions options = {}) {
@@ -50,7 +50,7 @@ Saved save(const Buffer& bytes, mcap::RecoverOptions options = {}) {
 
 bool has(const std::vector<Seen>& all, const Seen& one) { return std::find(all.begin(), all.end(), one) != all.end(); }
 
-/// Nothing is in it that the whole file hasn't, and nothing twice.
+/// Checks that the file contains only records of the whole file, each at most once.
 void expect_no_inventions(const Saved& saved, const Saved& whole, const std::string& what) {
   EXPECT_EQ(saved.findings, "") << what;
   EXPECT_LE(saved.messages.size(), whole.messages.size()) << what;
@@ -199,7 +199,7 @@ TEST(McapRecover, KeepsNumbersAndBothTimes) {
   }));
 }
 
-/// What an attachment holds isn't taken for the file around it.
+/// The contents of an attachment aren't mistaken for records of the file.
 TEST(McapRecover, DoesNotTakeAFileWithinTheFileApart) {
   const Buffer inner = small_file();
   const TempFile source;

@@ -34,7 +34,7 @@ void write_ticks(const std::filesystem::path& file) {
 
 std::unique_ptr<mcap::Reader> open(const TempFile& file) { return std::move(*mcap::Reader::open(file.path())); }
 
-/// What of /a is taken.
+/// The selected messages of /a.
 std::vector<std::string> taken(mcap::Reader& reader, mcap::Selection selection) {
   auto selector = mcap::Selector::of(std::move(selection), reader);
   if (!selector) return {selector.errors()[0].message};

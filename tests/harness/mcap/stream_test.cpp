@@ -50,7 +50,7 @@ std::vector<std::string> complaints(const Result<void>& end) {
   return lines;
 }
 
-/// The stream says the same of these bytes as the reader of files.
+/// The stream delivers the same for these bytes as the reader of files.
 void expect_the_same_as_of_a_file(const Buffer& bytes, const std::string& what) {
   auto reader = mcap::Reader::open_bytes(bytes, "composed.mcap");
   auto stream = mcap::StreamReader::open_source(in_pieces(bytes, 100), "composed.mcap");
@@ -261,7 +261,7 @@ TEST(McapStream, DeliversAMessageAsSoonAsItsChunkHasCome) {
   Pipe pipe;
   pipe.write(Composer().magic().header().channel(1, "/a").bytes);
   auto stream = std::move(*mcap::StreamReader::open(pipe.path()));
-  // Each message writes the next one, and the last closes the pipe: whoever reads ahead waits forever.
+  // Each message writes the next one, and the last closes the pipe: a reader that reads ahead would wait forever.
   std::uint64_t count = 0;
   const auto write_next = [&] { pipe.write(Composer().chunk(count, count, Composer().message(1, count, "x")).bytes); };
   write_next();

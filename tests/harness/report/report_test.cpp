@@ -92,7 +92,7 @@ void expect_same_numbers(const DecodedReport& report, const Trace& actual, const
 TEST_F(Report, HasEveryNumberBitForBit) {
   actual_.ticks[0].q = -0.0;
   actual_.ticks[1].q = nan;
-  actual_.ticks[2].q = std::bit_cast<double>(0xfff8000000001234);  // a NaN with something to say
+  actual_.ticks[2].q = std::bit_cast<double>(0xfff8000000001234);  // a NaN with a payload
   actual_.ticks[1].force = infinity;
   actual_.ticks[2].force = -5e-324;
   actual_.ticks[1].state_hash = 0xfedcba9876543210;

@@ -120,8 +120,8 @@ TEST_F(Actuation, EffortsAreClampedOnlyIfTheScenarioSaysSo) {
   EXPECT_NEAR(record_run(gripper("drive effort 5 LEFT")).values("Rig/LEFT/dq")[2], 0.005, 1e-9);
   const Trace clamped = record_run(gripper("drive effort 5 LEFT", ", effort_limits: true"));
   EXPECT_NEAR(clamped.values("Rig/LEFT/dq")[2], 0.003, 1e-9);
-  EXPECT_EQ(clamped.last("Rig/C/output/LEFT/u"), 5.0);  // what the controller said
-  EXPECT_EQ(clamped.last("Rig/LEFT/u"), 3.0);           // what acted
+  EXPECT_EQ(clamped.last("Rig/C/output/LEFT/u"), 5.0);  // the controller's command
+  EXPECT_EQ(clamped.last("Rig/LEFT/u"), 3.0);           // the applied effort
 }
 
 TEST_F(Actuation, JointsStopAtTheirLimitsOnlyIfTheScenarioSaysSo) {

@@ -224,7 +224,8 @@ TEST_F(BranchTest, AnotherControllerTakesOverWithTheMemoryOfWhatItWouldHaveDone)
   ASSERT_TRUE(again.ok());
   EXPECT_TRUE(again->equal()) << to_string(*again->first);
 
-  // what moved the world is known: its commands alone move it as they did, from the start and from every checkpoint
+  // the commands that acted on the world are recorded: they alone move it in the same way, from the start and from
+  // every checkpoint
   EXPECT_EQ(topics(trace, "/Rig/C/acted/"), std::vector<std::string>{"/Rig/C/acted/joints"});
   expect_plant_repeats("branch.mcap");
   const auto twig = record_branch({path("branch.mcap"), std::nullopt, 150}, path("twig.mcap"), options);

@@ -113,7 +113,7 @@ TEST_F(ContactRuns, ReplayContactsThatAnotherControllerHasRecorded) {
 
 TEST_F(ContactRuns, RefuseToReplayContactsThatWereNotRecorded) {
   record_run(falling_foot(behaviour("C", "push 0")));
-  // the same recording, told that its controller touches
+  // the same recording, with a scenario whose controller reads contacts
   const std::string wanted = falling_foot(behaviour("C", "touch FOOT"));
   auto reader = mcap::Reader::open(path("run.mcap"));
   auto writer = mcap::Writer::create(path("other.mcap"));

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Writes down what it is told.
+/// Records its calls.
 struct Notes : ControllerWatch {
   void enter(const ControllerCall& call) override {
     EXPECT_FALSE(inside);

@@ -53,7 +53,8 @@ TEST_P(FailureInControl, EndsTheRunAndLeavesAWholeTrace) {
   EXPECT_EQ(trace.events().back().tick, 7);
   EXPECT_EQ(trace.find_metadata("rehearse.outcome")->at("complete"), "false");
   EXPECT_EQ(trace.find_metadata("rehearse.outcome")->at("failure"), message);
-  // What came before it in the fatal tick is there, what it didn't answer isn't, and what comes after it wasn't called.
+  // The fatal tick contains the calls before the failure, but no output of the failed call; later controllers weren't
+  // called.
   EXPECT_THAT(trace.values("Rig/First/output/SHOULDER/u"), SizeIs(8));
   EXPECT_THAT(trace.values("Rig/Bad/output/SHOULDER/u"), SizeIs(7));
   EXPECT_THAT(trace.values("Rig/Last/output/SHOULDER/u"), SizeIs(7));
@@ -132,7 +133,7 @@ TEST_P(OddNumbers, AreRecordedAndReportedAndNeverReachTheRobot) {
   EXPECT_THAT(said(trace), Contains("Rig/C: " + std::string(GetParam().what) +
                                     " into u of link 'ARM' at tick 7; it was recorded, but the robot keeps the command "
                                     "before it"));
-  // it goes on with 1 N·m as if nothing had been: 18 steps of 2 rad/s² after the first, which had no command
+  // it continues with 1 N·m as before: 18 steps of 2 rad/s² after the first, which had no command
   EXPECT_NEAR(trace.last("Rig/SHOULDER/dq"), 2.0 * 0.019, 1e-6);
   EXPECT_EQ(trace.values("Rig/SHOULDER/u")[9], 1.0);
   ASSERT_EQ(summary_.remarks.size(), 1u);

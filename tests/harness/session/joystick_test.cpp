@@ -26,12 +26,12 @@ class Joysticks : public RunTest {
     return rig(controllers, "cameras: none\njoystick:\n" + entries);
   }
 
-  /// What a controller that steers SHOULDER commanded in each tick.
+  /// The commands of a controller that steers SHOULDER, in each tick.
   static std::vector<double> commands(const Trace& trace, const std::string& controller = "C") {
     return trace.values("Rig/" + controller + "/output/SHOULDER/u");
   }
 
-  /// What three_moves makes of a controller that steers: 5 ticks of each.
+  /// The effect of three_moves on a controller that steers: 5 ticks of each.
   static std::vector<double> three_moves_read() {
     std::vector<double> values;
     for (const double value : {0.0, -1.0, 9.0, 59.0}) values.insert(values.end(), 5, value);

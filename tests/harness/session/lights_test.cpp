@@ -110,7 +110,7 @@ TEST_F(Lights, AreHeardByOthersInTheNextTickAndNotByTheirWriter) {
     const Trace trace =
         record_run(with(behaviour("A", "bulb 7", delay) + ", " + behaviour("B", "overhear"), "cameras: none\n"));
     EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
-    EXPECT_THAT(trace.values("Rig/A/output/SHOULDER/u"), ::testing::Each(0.0));  // what A has heard
+    EXPECT_THAT(trace.values("Rig/A/output/SHOULDER/u"), ::testing::Each(0.0));  // the changes that A received
     const auto report = replay_run();
     ASSERT_TRUE(report.ok()) << to_string(report.errors());
     EXPECT_TRUE(report->equal());

@@ -25,7 +25,7 @@ class PartialAcceptance : public RunTest {
            "    position: [0, -4, 0]\n" + more;
   }
 
-  /// What becomes of a part of the run; the error's message and hint if it is refused.
+  /// The result of accepting a part of the run; the error's message and hint if it is refused.
   std::string decided(const std::vector<std::string>& channels, double from = 0.0,
                       std::optional<double> until = std::nullopt) {
     const auto golden = Trace::load(path("golden.mcap")), run = Trace::load(path("run.mcap"));

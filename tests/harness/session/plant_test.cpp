@@ -97,7 +97,7 @@ TEST_F(PlantRun, DoesNotTrustCheckpointsThatTheRecordingCallsInexact) {
   EXPECT_EQ(run_.from_the_start, "the recording says that its checkpoints are inexact: at tick 100");
 }
 
-/// The bytes of a text, where they stand, become others of the same length.
+/// Replaces all occurrences of a text by a different text of the same length.
 testing::Mutilation replaced(const std::string& from, const std::string& to) {
   return [=](const mcap::Message& message) {
     auto bytes = *testing::untouched(message);
@@ -219,7 +219,7 @@ TEST_F(PlantRun, TrialNoticesAStateThatIsNotTheRuns) {
   for (const bool other : {false, true}) {
     CheckpointTrial trial(scenario);
     const std::vector<std::byte> state = run->save();
-    if (other) run->nudge(1);  // as if restoring did that
+    if (other) run->nudge(1);  // simulates a fault of restoring
     trial.begin(1, state);
     trial.step(still);
     run->actuate(still);

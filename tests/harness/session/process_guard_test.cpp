@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// What a process may notice of its controllers.
+/// The properties of a process that controllers may change.
 struct Process {
   std::string directory = std::filesystem::current_path();
   std::string locale = std::setlocale(LC_ALL, nullptr);
@@ -245,7 +245,7 @@ TEST_F(LoadingBadly, ByAnEndlessLoopIsEnded) {
                                                      "' failed while it was loaded: it did not return within 0.3 s"));
 }
 
-/// The dynamic linker would say that it is loaded: with static objects that were never constructed.
+/// The dynamic linker would report it as loaded, with static objects that were never constructed.
 TEST_F(LoadingBadly, IsRefusedFromThenOn) {
   setenv("LOADS_BADLY", "crash", 1);
   EXPECT_FALSE(record(load(scenario_), path("run.mcap")).ok());

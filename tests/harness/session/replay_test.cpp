@@ -96,7 +96,7 @@ TEST_F(Replay, FindsAChangedGainAtTheTickInWhichItActs) {
   EXPECT_NEAR(report.first->difference, 0.01 * 50.0 * Trace::load(path("run.mcap"))->values("Rig/SHOULDER/q")[70],
               1e-9);
   EXPECT_GT(report.first->ulps, 0u);
-  EXPECT_EQ(report.ticks, 100);  // it goes on to the end: nothing amplifies
+  EXPECT_EQ(report.ticks, 100);  // it continues to the end: nothing amplifies
   EXPECT_EQ(report.ticks_different, 30);
   EXPECT_EQ(report.values_different, 30);
 }

@@ -19,7 +19,7 @@ using ::testing::Pair;
 
 struct Parts final : ObservationSource, Commander, Sink {
   std::vector<std::string> calls;
-  std::int64_t ticks = 100;       // that there are
+  std::int64_t ticks = 100;       // number of available ticks
   std::int64_t breaks_down = -1;  // in the step after this tick
   std::int64_t fails = -1;        // the controller, at this tick
   bool throws = false;

@@ -58,7 +58,8 @@ TEST_F(Traps, OnlyTheParentsNoDelayFlagCounts) {
 }
 
 TEST_F(Traps, StepZeroRunsWithoutCommand) {
-  // What initialize() wrote into u doesn't act in step 0; it stays in the body, and control() sends it from tick 0 on.
+  // An effort u written in initialize() doesn't act in step 0; it stays in the body, and control() sends it from tick 0
+  // on.
   const Trace trace = record_run(rig_with("early"));
   const std::vector<double> dq = speed(trace);
   EXPECT_EQ(dq[1], 0.0);
@@ -89,7 +90,7 @@ TEST_F(Traps, EnableOutputWithoutAModeSendsNothing) {
 TEST_F(Traps, TheDefaultInputOfEveryJointModeIsTheDisplacementAlone) {
   EXPECT_THAT(input_elements("effort"), ElementsAre("SHOULDER/q"));
   EXPECT_THAT(input_elements("velocity"), ElementsAre("SHOULDER/q"));
-  EXPECT_THAT(input_elements("displacement"), ElementsAre("SHOULDER/q"));  // the manual page says: none
+  EXPECT_THAT(input_elements("displacement"), ElementsAre("SHOULDER/q"));  // the manual page states: none
 }
 
 TEST_F(Traps, TheDefaultInputOfNoModeIsNothing) {
@@ -124,7 +125,7 @@ TEST_F(Traps, ExternalWrenchesOfTwoControllersAddUp) {
   const Trace trace = record_run(text);
   EXPECT_NEAR(trace.last("Box/Box/linear/x"), 2.0 * 0.019, 1e-9);
   EXPECT_NEAR(trace.last("Box/Box/linear/y"), 1.0 * 0.019, 1e-9);
-  // about the world's origin, so that a force through the centre doesn't turn a box that stands elsewhere
+  // about the world's origin, so that a force through the centre doesn't turn a box at a different place
   EXPECT_NEAR(trace.last("Box/Box/angular/z"), 0.0, 1e-3);
 }
 
@@ -184,7 +185,8 @@ class DeviceTraps : public RunTest {
 TEST_F(DeviceTraps, DeviceOutputNeedsNotify) {
   EXPECT_EQ(pictures("push 0"), 8u);  // at ticks 5, 10, ..., and in the state after the last tick
   EXPECT_EQ(pictures("switch 12"), 8u);
-  EXPECT_EQ(pictures("switch 12 notify"), 3u);  // at ticks 5 and 10; the third says that the picture is gone
+  // at ticks 5 and 10; the third message reports that the picture was removed
+  EXPECT_EQ(pictures("switch 12 notify"), 3u);
   EXPECT_EQ(summary_.frames, 2);
 }
 

@@ -124,7 +124,7 @@ TEST_F(Stepped, HasWhatAChangedControllerGivesNow) {
   EXPECT_EQ(found.element, "SHOULDER/u");
   EXPECT_EQ(found.tick, changed_from);
 
-  // the same as a replay says
+  // the same as in a replay
   ReplayOptions options;
   options.libraries["C"] = "HingePdChanged";
   const auto report = replay_run(options);
@@ -223,7 +223,7 @@ TEST_F(Stepped, AFileWithoutTicksIsRefused) {
 
 TEST_F(Stepped, AControllerThatFailsLeavesTheTicksBehindAsRecorded) {
   record_hinge();
-  // the same names, and another library that throws in tick 7
+  // the same names, and a different library that throws in tick 7
   SteppingOptions options;
   options.controllers["Rig/C"] = {"Behaviours", "fail throw control 7"};
   const auto trace = opened(options);
@@ -309,7 +309,7 @@ TEST_F(Stepped, GivesTheLatestPictureAtOrBeforeATick) {
   EXPECT_FALSE(trace->picture("Cammera", 19).ok());
 }
 
-/// Of a behaviour with other options than the recorded ones.
+/// A replay of a behaviour with options other than the recorded ones.
 SteppingOptions as(const std::string& behaviour) {
   SteppingOptions options;
   options.controllers["Rig/C"] = {"Behaviours", behaviour};

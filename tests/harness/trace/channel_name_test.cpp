@@ -178,7 +178,7 @@ TEST(Units, AreStatedForAnElementItsGroupOrAll) {
   EXPECT_EQ(unit_of({}, "force/x"), "");
 }
 
-/// Joints have the units of their joint's type, of which a topic says nothing.
+/// Units of joints depend on the joint's type, which isn't part of a topic.
 void expect_units_of_joints(const mcap::Channel& channel, const ChannelForm& form) {
   for (const auto& [key, unit] : channel.metadata) {
     if (!key.starts_with("unit:")) continue;

@@ -1,6 +1,7 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
 // initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance, slow (each
-// call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C library, see past_the_library().
+// call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C
+// library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdlib>
@@ -83,7 +84,7 @@ void past_the_library(const std::string& deed) {
   if (deed == "detached_crash") std::thread(null_write).detach();
   if (deed == "timer") set_timer_and_wait();
   if (deed == "block_and_hang") block_and_spin();
-  if (deed == "file_limit") {  // and gives whoever writes in the background time to run into it
+  if (deed == "file_limit") {  // and waits, so that a background writer exceeds the limit
     const rlimit none{0, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &none);
     usleep(50000);
@@ -104,7 +105,7 @@ void past_the_library(const std::string& deed) {
 
 volatile bool deeper = true;
 
-/// Never ends, and the compiler neither knows that nor can make a loop of it.
+/// Recurses without end; the compiler can neither know that nor turn it into a loop.
 int sink(volatile char* above) {
   volatile char here[4096];
   here[0] = above[0];
@@ -157,7 +158,7 @@ class Misbehaving : public cnoid::SimpleController {
   int when_ = -1;
   int calls_ = 0;
   cnoid::Link* joint_ = nullptr;
-  cnoid::Link* volatile missing_ = nullptr;  // as of a misspelt name that nobody checked
+  cnoid::Link* volatile missing_ = nullptr;  // as for a misspelt name without a check
 };
 
 }  // namespace

@@ -76,7 +76,7 @@ class Stand : public cnoid::SimpleController {
   std::vector<double> last_;    // [rad]
   std::vector<double> effort_;  // [N·m]
   double strength_ = 1.0;       // by which all gains are multiplied
-  double* offset_ = nullptr;    // [N·m]; kept for good
+  double* offset_ = nullptr;    // [N·m]; never freed
 };
 
 }  // namespace
