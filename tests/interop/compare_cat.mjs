@@ -1,5 +1,5 @@
-// compare_cat.mjs FILE REHEARSE: every message that @mcap/core finds, CRCs checked, has to be in `rehearse cat --json`, in
-// order of log time, with the same values; what isn't decoded with the same bytes. Prints how many there were.
+// compare_cat.mjs FILE REHEARSE: every message that @mcap/core reads, with checked CRCs, must be in `rehearse cat --json`,
+// in order of log time, with the same values, or, if it isn't decoded, the same bytes. Prints the number of messages.
 import { spawn } from "node:child_process";
 import { createInterface } from "node:readline";
 import { makeComparison, parseExactly } from "./decode.mjs";

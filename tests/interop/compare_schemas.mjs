@@ -1,5 +1,5 @@
-// compare_schemas.mjs FILE: the schemas of a file, and all that they use, against the definitions of ROS 2 as another
-// package has them: the same fields, of the same types, in the same order. Prints the names of those that were compared.
+// compare_schemas.mjs FILE: compares the schemas of a file, with all types that they use, with the ROS 2 definitions of an
+// external package: the same fields, of the same types, in the same order. Prints the names of the compared schemas.
 import { parse } from "@foxglove/rosmsg";
 import { ros2humble, ros2jazzy } from "@foxglove/rosmsg-msgs-common";
 import { streamRecords } from "./mcap_files.mjs";
@@ -10,7 +10,7 @@ function fieldsOf(definition) {
   return definition.definitions
     .filter((field) => field.isConstant !== true)
     .map((field) => {
-      // One side reads builtin_interfaces/Time as a type of its own, the other as any other.
+      // One library has a special type for builtin_interfaces/Time, the other has not.
       const type = { time: "builtin_interfaces/Time", duration: "builtin_interfaces/Duration" }[field.type] ?? short(field.type);
       return `${type}${field.isArray ? `[${field.arrayLength ?? ""}]` : ""} ${field.name}`;
     })

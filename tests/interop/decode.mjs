@@ -1,4 +1,4 @@
-// Decoding messages with libraries we didn't write, and comparing them with what `rehearse cat --json` prints.
+// Decodes messages with external libraries, and compares them with the output of `rehearse cat --json`.
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 

@@ -1,4 +1,4 @@
-// Opening MCAP files with the format's own TypeScript library, and decoding ROS 2 messages with libraries we didn't write.
+// Opens MCAP files with the format's own TypeScript library, and decodes ROS 2 messages with external libraries.
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
@@ -66,7 +66,7 @@ export function makeFlattener(schemaText) {
       const here = path === "" ? field.name : `${path}/${field.name}`;
       const value = message[field.name];
       const print = (element, place) => {
-        // The library reads builtin_interfaces/Time as a type of its own.
+        // The library has a special type for builtin_interfaces/Time.
         if (field.type === "time") out.push(`${place}/sec=${element.sec}`, `${place}/nanosec=${element.nanosec ?? element.nsec}`);
         else if (!field.isComplex) out.push(`${place}=${printPrimitive(field.type, element)}`);
         else walk(find(field.type), element, place, out);

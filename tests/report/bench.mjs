@@ -1,4 +1,4 @@
-// What the tests share: one browser, and reports in a folder that is removed.
+// The common parts of the tests: one browser, and reports in a temporary folder.
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';

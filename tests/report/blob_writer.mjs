@@ -1,4 +1,4 @@
-// Blobs as tools/report/FORMAT.md stores them; written by what it says alone, so that page and harness are held against it.
+// Writes blobs according to tools/report/FORMAT.md alone, so that page and harness are tested against the description.
 import { deflateSync } from 'node:zlib';
 
 const arrays = {

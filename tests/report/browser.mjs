@@ -1,4 +1,4 @@
-// Opens reports in Chromium and takes down what a page must not do: complain, or ask the network.
+// Opens reports in Chromium and records errors on the console and requests to the network, which are forbidden.
 import { existsSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 
@@ -56,7 +56,7 @@ export async function open_report(
   return { page, context, complaints, requests, open_seconds, close: () => context.close() };
 }
 
-// What the browser says of a graphics driver that isn't one is no matter of the page.
+// Messages of the browser about software rendering don't concern the page.
 function is_about_the_machine(text) {
   return /GPU stall|GL Driver Message|software WebGL/i.test(text);
 }

@@ -1,4 +1,4 @@
-// Reports that no recording is behind: of a walking figure, as long and with as many channels and cameras as one likes.
+// Makes synthetic reports without a recording: of a walking figure, of any length, with any number of channels and cameras.
 //   node make_report.mjs PAGE OUT [--ticks N] [--channels N] [--cameras N] [--alone] [--equal] [--no-robot] ...
 import { readFileSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -106,7 +106,7 @@ class Maker {
     }
   }
 
-  // The fault: from a tick on a gain of the right knee is wrong, and what hangs on it follows.
+  // The fault: from a tick on a gain of the right knee is wrong; the values that depend on it change, too.
   add_walker_series() {
     const { fault } = this.options;
     const late = (tick, golden, delay) => (golden ? 0 : Math.max(0, tick - fault - delay));

@@ -1,4 +1,4 @@
-// Moving through a report moves all of it, by mouse and by keyboard.
+// Moving the cursor in a report updates all its parts, by mouse and by keyboard.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { settled, state_of, strays, with_report } from './bench.mjs';

@@ -1,4 +1,4 @@
-// A report opens from disk, wherever a link points, in any light, and says what it hasn't got.
+// A report opens from disk, with any link, in dark and light, and reports its missing parts.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { page_text, report_file, settled, state_of, with_file, with_report, write_file } from './bench.mjs';
@@ -62,7 +62,7 @@ test('the address follows cursor and plots', async () => {
   });
 });
 
-// WCAG's contrast of what is written with the ground that it stands on.
+// WCAG's contrast of text with its background.
 function contrasts() {
   const channel = (value) => (value <= 0.03928 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
   const numbers = (color) => color.match(/[\d.]+/g).map(Number);

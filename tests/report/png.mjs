@@ -1,4 +1,4 @@
-// PNG pictures, written.
+// Writes PNG pictures.
 import { deflateSync } from 'node:zlib';
 
 const table = Uint32Array.from({ length: 256 }, (_, n) => {

@@ -1,4 +1,4 @@
-// A report as Rehearse makes it, of a fault that was planted: SR1 under a controller with another gain of one knee.
+// A report made by Rehearse of a planted fault: SR1 under a controller with a different gain of one knee.
 // REHEARSE_COMMAND, CHANGED_GAIN (the controller) and SOURCES (the repository) are in the environment.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';

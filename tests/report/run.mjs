@@ -1,4 +1,4 @@
-// Runs a file of tests, or says why that can't be and leaves with 77, which ctest takes for "skipped".
+// Runs a file of tests, or prints why that is impossible and exits with 77, which means "skipped" for ctest.
 //   node run.mjs PAGE TEST_FILE
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';

@@ -1,5 +1,5 @@
-// How long opening and scrubbing take. The bounds are generous: machines that run tests do other things as well. What
-// was measured is printed, the best of three.
+// The times of opening and scrubbing. The bounds are generous, because machines that run tests have other load. The
+// measured values are printed, the best of three.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { report_file, with_file } from './bench.mjs';

@@ -1,4 +1,4 @@
-// Builds one file that needs nothing else: scripts and styles stand in the page.
+// Builds one self-contained file: the page contains scripts and styles.
 import { readFileSync } from 'node:fs';
 import { deflateSync } from 'node:zlib';
 import { defineConfig, type Plugin } from 'vite';
@@ -13,7 +13,7 @@ function notices(): string {
   return `<!--\nThis page contains libraries.\n\n${texts.join('\n\n')}\n-->`;
 }
 
-// A report of a second is smaller than the page's code: so that stands in the page deflated.
+// A report of a second is smaller than the page's code, so the code is deflated in the page.
 function packed(code: string): string {
   const text = deflateSync(`${code.trim()}\n//# sourceURL=rehearse_report.js`, { level: 9 }).toString('base64');
   return `<script type="text/plain" id="page_code">${text}</script>
@@ -31,7 +31,8 @@ start_page().catch((error) => {
 </script>`;
 }
 
-// What the page loads is put into it. A classic script, in front of the data: it starts before the browser has read them.
+// Puts all loaded files into the page. The classic script comes before the data, so it starts before the browser has
+// read them.
 function inline(): Plugin {
   return {
     name: 'inline',

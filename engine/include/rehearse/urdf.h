@@ -64,7 +64,7 @@ struct UrdfOptions {
 };
 
 /// Reads and checks a URDF file. On failure: every error of the file (at most 20), in document order, each with its
-/// line. On success Model::report holds the repairs, warnings and notes.
+/// line. On success Model::report contains the repairs, warnings and notes.
 Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& options = {});
 
 /// Does the same with text that is already in memory. `name` replaces the file's name in messages, in

@@ -85,7 +85,7 @@ bool is_closed(const std::vector<Triangle>& triangles) {
          });
 }
 
-/// Qhull's state and the memory it holds. (Its C++ classes aren't C++20.)
+/// Qhull's state; the destructor frees its memory. (Its C++ classes aren't C++20.)
 class Qhull {
  public:
   Qhull() : silence_(std::fopen("/dev/null", "w")) { qh_zero(&state_, silence_); }

@@ -4,7 +4,7 @@
 //   the winding, because the file's normals are often wrong or zero. Colours in the file are ignored.
 // - DAE: the up axis is ignored, as in RViz and Gazebo, and the unit is applied. Transforms of nodes are applied;
 //   cameras, lights, lines and points are ignored.
-// - OBJ: polygons become triangles; each object or group with faces has an `object` number of its own. In all other
+// - OBJ: polygons become triangles; each object or group with faces has a separate `object` number. In all other
 //   formats the whole file is one object.
 // - glTF and GLB: y is up by the standard, so they are turned: (x, y, z) becomes (x, -z, y).
 // Vertices keep the bits of the file's floats where no transform and no scale changes them. Mirrored nodes and scales

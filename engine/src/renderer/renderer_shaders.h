@@ -53,10 +53,10 @@ void hand_on(vec3 local) {
 )";
 
 // Light adds up in the square of the colours (a gamma of 2, so that half lit doesn't look nearly dark). The sky's light
-// is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps what faces it from
-// being dark. A surface that faces sun and sky shows about its own colour.
-// The shader consists of three parts. With lamps, one line is inserted between the second and the third part; without
-// lamps the pixels are exactly those of a shader without lamp code. The parts of skin and shadows follow.
+// is bluish from above and warm and dim from below; the sun is warm; the lamp on the camera keeps surfaces that face it
+// from being dark. A surface that faces sun and sky shows about its own colour. The shader consists of three parts.
+// With lamps, one line is inserted between the second and the third part; without lamps the pixels are exactly those of
+// a shader without lamp code. The parts of skin and shadows follow.
 inline constexpr char fragment_shader_head[] = R"(#version 330 core
 in vec3 surface_point;
 in vec3 surface_normal;
