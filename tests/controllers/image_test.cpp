@@ -13,7 +13,7 @@ namespace {
 
 using cnoid::Image;
 
-/// Pixels that differ from one to the next.
+/// Pixels that all differ from their neighbours.
 Image counting_image(int width, int height, int components) {
   Image image;
   image.setSize(width, height, components);
@@ -22,7 +22,7 @@ Image counting_image(int width, int height, int components) {
   return image;
 }
 
-/// The pixels of a PNG file as libpng sees them, brought to `format`.
+/// The pixels of a PNG file as libpng reads them, converted to `format`.
 std::vector<unsigned char> read_png(const std::string& path, png_uint_32 format, int& width, int& height) {
   png_image png;
   std::memset(&png, 0, sizeof png);

@@ -33,7 +33,7 @@ class SixJointArm : public testing::Test {
     for (int i = 0; i < 6; ++i) q.push_back(body_->joint(i)->q());
     return q;
   }
-  /// Where the arm would reach with these angles; the arm itself stays.
+  /// The pose of the arm's end with these angles; the arm itself doesn't move.
   Isometry3 pose_at(const std::vector<double>& q) const {
     const BodyPtr copy = body_->clone();
     for (int i = 0; i < 6; ++i) copy->joint(i)->q() = q[static_cast<std::size_t>(i)];

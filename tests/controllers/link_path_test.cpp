@@ -62,7 +62,7 @@ TEST(LinkPath, RefusesANullLink) {
   EXPECT_THROW(LinkPath(body->rootLink(), body->link("NO SUCH LINK")), std::invalid_argument);
 }
 
-/// The arm in motion, everything known from the root on.
+/// The arm in motion, with all velocities and accelerations known from the root on.
 BodyPtr moving_arm() {
   BodyPtr body = rehearse::test::make_arm();
   cnoid::Link* base = body->rootLink();

@@ -36,7 +36,7 @@ class CompareEvents : public Compare {
   }
 
  private:
-  /// Beginning and end by turns.
+  /// Begin and end in turns.
   static void fill(SmallTrace& trace, const std::vector<std::int64_t>& ticks) {
     trace.contact_changes->clear();
     for (std::size_t i = 0; i < ticks.size(); ++i) trace.contact_changes->push_back(change(ticks[i], i % 2 == 0));

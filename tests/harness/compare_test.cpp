@@ -292,7 +292,7 @@ TEST_F(Compare, AllowsPixelsByDeltaAndByShare) {
   EXPECT_FALSE(compared({pixels}).within);
 }
 
-/// Eyes of 64 x 48 pixels, in the second tick of this run other ones.
+/// Pictures of 64 x 48 pixels; in the second tick those of this run differ.
 class ComparePictures : public Compare {
  protected:
   ComparePictures() {

@@ -19,12 +19,12 @@ class CompareInTime : public Compare {
       for (std::size_t i = 0; i < 20; ++i) move(*trace, i, static_cast<double>(i));
   }
 
-  /// To where it is at that time [ticks].
+  /// Sets the values of that time [ticks].
   static void move(SmallTrace& trace, std::size_t tick, double time) {
     trace.ticks[tick].q = 0.1 * time;
     trace.ticks[tick].rotation = {0.0, 0.0, std::sin(0.01 * time), std::cos(0.01 * time)};
   }
-  /// The run comes that many ticks after the golden.
+  /// Delays the run by that many ticks relative to the golden.
   void delay(double ticks) {
     for (std::size_t i = 0; i < 20; ++i) move(actual_, i, std::max(0.0, static_cast<double>(i) - ticks));
   }

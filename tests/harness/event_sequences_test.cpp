@@ -18,7 +18,7 @@ std::vector<EventEdge> edges(const std::vector<std::int64_t>& ticks, bool begins
   return made;
 }
 
-/// "3=4" for a pair, "3-" for what only the golden has, "-4" for what only the other has; by tick.
+/// "3=4" for a pair, "3-" for an event of the golden only, "-4" for an event of the run only; by tick.
 std::vector<std::string> aligned(const std::vector<EventEdge>& golden, const std::vector<EventEdge>& actual) {
   std::vector<std::string> text;
   for (const EventPair& pair : align(golden, actual)) {

@@ -151,7 +151,7 @@ TEST_F(GoldenDamage, AnAcceptanceInterruptedBetweenItsTwoFilesIsFinishedByAccept
   EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == trace);
 }
 
-/// Whichever of the two drafts can't be written: the old files stay as they were, both.
+/// If either of the two new files can't be written, both old files stay unchanged.
 TEST_F(GoldenDamage, OldFilesStayIfEitherNewOneCanNotBeWritten) {
   place_golden(SmallTrace());
   const std::string trace = bytes_of(store_.trace_file(name_)), text = digest();
@@ -187,8 +187,8 @@ TEST_F(GoldenDamage, OldFilesStayIfAFileMayNotGrow) {
 
 constexpr int no_disk = 77;
 
-/// Accepts on a disk of so many kilobytes; in a process of its own, whose disk nobody else sees. Ends with 0 if the
-/// golden was replaced, 1 if it wasn't and is whole, 2 if it is lost.
+/// Accepts on a disk of `kilobytes`, in a separate process with a private disk. Ends with 0 if the golden was replaced,
+/// 1 if it wasn't and is complete, 2 if it is lost.
 int accept_on_disk(const fs::path& disk, const fs::path& old_run, const fs::path& run, int kilobytes) {
   const std::string size = "size=" + std::to_string(kilobytes) + "k";
   if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||

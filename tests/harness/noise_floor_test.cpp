@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 using testing::SmallTrace;
 using testing::TemporaryFolder;
 
-/// Three ticks of a recording with provenance, and what was measured of them.
+/// Three ticks of a recording with provenance, and a noise measurement of it.
 class NoiseFloorTest : public ::testing::Test {
  protected:
   NoiseFloorTest() {

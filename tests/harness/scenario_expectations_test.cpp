@@ -14,7 +14,7 @@ std::string run_with(const std::string& lines) {
   return "rehearse: 1\nduration: 10\nbodies:\n  - {name: Box, sphere: {radius: 0.1}, mass: 1}\n" + lines;
 }
 
-/// The only expectation of a scenario that has to load.
+/// The only expectation of a scenario that must be valid.
 Expectation expectation(const std::string& entry) {
   const Scenario scenario = loaded(run_with("expect:\n  - " + entry + "\n"));
   EXPECT_EQ(scenario.expectations.size(), 1u);

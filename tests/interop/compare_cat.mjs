@@ -1,5 +1,6 @@
-// compare_cat.mjs FILE REHEARSE: every message that @mcap/core reads, with checked CRCs, must be in `rehearse cat --json`,
-// in order of log time, with the same values, or, if it isn't decoded, the same bytes. Prints the number of messages.
+// compare_cat.mjs FILE REHEARSE: every message that @mcap/core reads, with checked CRCs, must be in the output of
+// `rehearse cat --json`, in order of log time, with the same values, or, if it isn't decoded, the same bytes. Prints the
+// number of messages.
 import { spawn } from "node:child_process";
 import { createInterface } from "node:readline";
 import { makeComparison, parseExactly } from "./decode.mjs";

@@ -1,5 +1,6 @@
-// compare_schemas.mjs FILE: compares the schemas of a file, with all types that they use, with the ROS 2 definitions of an
-// external package: the same fields, of the same types, in the same order. Prints the names of the compared schemas.
+// compare_schemas.mjs FILE: compares the schemas of a file, with all types that they use, with the ROS 2 definitions
+// of an external package: the same fields, of the same types, in the same order. Prints the names of the compared
+// schemas.
 import { parse } from "@foxglove/rosmsg";
 import { ros2humble, ros2jazzy } from "@foxglove/rosmsg-msgs-common";
 import { streamRecords } from "./mcap_files.mjs";

@@ -106,7 +106,7 @@ std::string print(const ros2msg::Value& value) {
   return text;
 }
 
-/// The lines that read_trace.mjs prints, by our own reader and decoder.
+/// The lines that read_trace.mjs prints, made with Rehearse's own reader and decoder.
 std::string print_messages(const fs::path& file) {
   auto reader = std::move(*mcap::Reader::open(file));
   std::ostringstream out;

@@ -1,4 +1,5 @@
-// Makes synthetic reports without a recording: of a walking figure, of any length, with any number of channels and cameras.
+// Makes synthetic reports without a recording: of a walking figure, of any length, with any number of channels and
+// cameras.
 //   node make_report.mjs PAGE OUT [--ticks N] [--channels N] [--cameras N] [--alone] [--equal] [--no-robot] ...
 import { readFileSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';

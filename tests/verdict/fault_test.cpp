@@ -134,7 +134,7 @@ class Faults : public ::testing::TestWithParam<Fault> {
   StandingRobot robot_;
 };
 
-/// A loop that breaks what it records.
+/// A simulation loop that damages its recording.
 template <class Made>
 Result<Made> broken(Result<Made> made, const fs::path& trace, Broken how) {
   if (!made || how == Broken::nothing) return made;

@@ -120,8 +120,8 @@ TEST_F(Innocents, AControllerIsNeverCalledNondeterministicIfTwoReplaysAgree) {
   }
 }
 
-/// The golden's provenance names other functions of the maths library, the controller's gains have other last bits, and
-/// a link has another mass.
+/// The golden's provenance names different functions of the maths library, the last bits of the controller's gains
+/// differ, and a link has a different mass.
 TEST_F(Innocents, AControllerIsNotBlamedForTheLastBitsOfAnotherArithmetic) {
   const char* const known = std::getenv("GLIBC_TUNABLES");
   const std::string tunables = known ? known : "";

@@ -29,7 +29,7 @@ struct Row {
   std::vector<std::pair<std::string, double>> faults;
 };
 
-/// Prints the rows of all tests of this process when they are done.
+/// Prints the rows of all tests of this process after the last one.
 class Table : public ::testing::Environment {
  public:
   static std::vector<Row>& rows() {
@@ -52,9 +52,9 @@ const ::testing::Environment* const table = ::testing::AddGlobalTestEnvironment(
 
 struct Fixture {
   const char* scenario;
-  /// Whether any contact slips, so that friction matters: where none does, 20 % less of it does nothing either.
+  /// True if any contact slips, so that friction matters: without slipping, 20 % less friction has no effect.
   bool slips = true;
-  /// The link that becomes heavier; none: the heaviest. An arm whose joints go by position moves as before.
+  /// The link that becomes heavier; empty: the heaviest. An arm with position-controlled joints moves as before.
   const char* link = nullptr;
   double share = 1.0;  // of the time
 };
@@ -115,7 +115,7 @@ Model& own_model(ScenarioBody& body) {
   return model;
 }
 
-/// Every contact rubs so much less.
+/// Reduces the friction of every contact.
 Scenario with_less_friction(Scenario scenario, double share) {
   scenario.solver.friction *= 1.0 - share;
   for (ScenarioBody& body : scenario.bodies)
@@ -125,7 +125,7 @@ Scenario with_less_friction(Scenario scenario, double share) {
   return scenario;
 }
 
-/// Whether the link can move at all: its body is free, or there is a joint between it and what is fixed.
+/// True if the link can move: its body is free, or there is a joint between it and a fixed link.
 bool moves(const ScenarioBody& body, std::size_t index) {
   for (int link = static_cast<int>(index); link >= 0; link = body.model->links[link].parent) {
     const JointType joint = body.model->links[link].joint.type;
@@ -135,7 +135,7 @@ bool moves(const ScenarioBody& body, std::size_t index) {
   return false;
 }
 
-/// The link that a gram matters least to, or the one of that name.
+/// The link to which a gram matters least, or the link of that name.
 std::pair<std::size_t, std::size_t> heaviest_link(const Scenario& scenario, const char* name) {
   std::pair<std::size_t, std::size_t> heaviest;
   double mass = 0.0;

@@ -30,7 +30,7 @@ double above(const ConvexHull& hull, const std::vector<int>& face, const Vector3
   return normal.normalized().dot(point - hull.vertices[face[0]]);
 }
 
-/// Closed, outward, flat, and with Euler's number of a ball.
+/// Checks that a hull is closed, faces outwards, has flat faces, and has Euler's number of a ball.
 void expect_sound(const ConvexHull& hull, double flatness) {
   std::map<std::pair<int, int>, int> edges;
   for (const auto& face : hull.faces) {

@@ -24,7 +24,7 @@ class MeshPathsTest : public testing::Test {
     for (const char* variable : {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}) unsetenv(variable);
   }
 
-  /// The file below the folder that the robot ws/robot/urdf/arm.urdf means.
+  /// The file below the folder to which the path in ws/robot/urdf/arm.urdf refers.
   std::string find(const std::string& written, const MeshPaths::Packages& packages = {}) {
     MeshPaths paths(folder.path() / "ws/robot/urdf/arm.urdf", packages);
     const Result<MeshPlace> place = paths.find(written);

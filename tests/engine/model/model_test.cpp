@@ -9,7 +9,7 @@
 namespace rehearse {
 namespace {
 
-/// Moments of a solid by throwing points into its bounding box: no formula in common with solid_inertial.
+/// Moments of a solid by random points in its bounding box: independent of the formulas in solid_inertial.
 Eigen::Vector3d sampled_moments(const Eigen::Vector3d& half, const auto& is_inside, double mass) {
   std::mt19937_64 generator(7);
   std::uniform_real_distribution<double> side(-1.0, 1.0);

@@ -252,7 +252,7 @@ Diagnostics of_severity(const Diagnostics& all, Severity severity) {
   return some;
 }
 
-/// They are one, and it is the mistake's.
+/// Checks that there is one finding, and that it is that of the mistake.
 void expect_only(const Diagnostics& found, const Mistake& mistake) {
   ASSERT_EQ(found.size(), 1u) << path_of(mistake) << "\n" << to_string(found);
   EXPECT_EQ(found[0].file, path_of(mistake));

@@ -22,8 +22,8 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
-/// What `work` returns, if it takes less than three seconds of processor time, sanitizers included (a loaded machine
-/// slows only the clock on the wall).
+/// The result of `work`, if it takes less than three seconds of processor time, sanitizers included (other load on the
+/// machine affects only wall time).
 auto quickly(const auto& work) {
   const std::clock_t start = std::clock();
   auto result = work();

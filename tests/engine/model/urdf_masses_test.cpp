@@ -18,7 +18,7 @@ std::string shape(const std::string& kind, const std::string& geometry, const st
          ">";
 }
 
-/// A link on a hinge below the world, with no mass of its own.
+/// A link without mass on a hinge below the world.
 std::string arm(const std::string& shapes, const std::string& more = "") {
   return robot(link("world", "") + link("arm", shapes) + joint("hinge", "continuous", "world", "arm") + more);
 }
@@ -96,7 +96,7 @@ TEST(UrdfMasses, TheBoxIsAroundShapesOfFixedLinksToo) {
   EXPECT_TRUE(inertial.inertia.isApprox(Eigen::Vector3d(1, 5, 5).asDiagonal().toDenseMatrix()));  // 3 x 1 x 1 m
 }
 
-/// The box's sizes, from moments m/12 (b² + c²).
+/// The box's sizes, computed from moments m/12 (b² + c²).
 Eigen::Vector3d box_of(const Inertial& inertial) {
   const Eigen::Vector3d moments = inertial.inertia.diagonal() * 12.0 / inertial.mass;
   return (Eigen::Vector3d::Constant(moments.sum() / 2.0) - moments).cwiseSqrt();

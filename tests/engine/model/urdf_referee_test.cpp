@@ -60,7 +60,7 @@ Draft arm_draft() {
   return draft;
 }
 
-/// The referee's errors.
+/// The errors of the comparison with urdfdom.
 std::string verdict(const Draft& draft, const char* text = arm) {
   tinyxml2::XMLDocument document;
   EXPECT_EQ(document.Parse(text), tinyxml2::XML_SUCCESS);

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 const double quarter = std::acos(0.0);
 
-/// base, an arm on a hinge, a hand welded to the arm and turned about z, and what is added.
+/// base, an arm on a hinge, a hand fixed to the arm and turned about z, and additional elements.
 Model with(const std::string& more, const std::string& hand_shapes = "") {
   return load(
       robot(link("base") + link("arm") + link("hand", hand_shapes) + joint("hinge", "continuous", "base", "arm") +
@@ -203,7 +203,7 @@ TEST(UrdfForceSensor, FromChildToParentIsOurs) {
   EXPECT_EQ(to_string(model.report), "");
 }
 
-/// Index of the shape that feels in a hand with three shapes, of which the last has no name.
+/// Index of the contact sensor's shape in a hand with three shapes, of which the last has no name.
 int feeling(const std::string& names) {
   const std::string sphere = "<geometry><sphere radius='1'/></geometry></collision>";
   const Model model =

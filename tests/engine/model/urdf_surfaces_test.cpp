@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// base, and an arm on a hinge, and what is added.
+/// base, an arm on a hinge, and additional elements.
 Model with_surface(const std::string& more) {
   return load(robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm") + more));
 }

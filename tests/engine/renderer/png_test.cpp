@@ -12,7 +12,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Pixels without any order in them, the same ones each time.
+/// Random pixels, the same ones each time.
 Image noise(int width, int height) {
   Image image{width, height, Bytes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)};
   std::uint32_t state = 1;

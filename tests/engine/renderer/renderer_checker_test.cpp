@@ -9,14 +9,14 @@ Shape checkered(Shape shape, double size, const Color& color = green) {
   return shape;
 }
 
-/// Which colour the shape's own point has: the first where an even number of its coordinates are in odd cells.
+/// The colour of a point of the shape: the first if an even number of its coordinates are in odd cells.
 Hue expected_at(const Eigen::Vector3d& point, double size) {
   const Eigen::Vector3d cell = (point / size).array().floor();
   return std::fmod(std::abs(cell.sum()), 2.0) == 0.0 ? Hue::reddish : Hue::greenish;
 }
 
-/// Compares the colour of every pixel that sees the shape and isn't near an edge of a square; where the shape turns
-/// away from the camera a few see both colours. Returns how many.
+/// Compares the colour of every pixel that shows the shape and isn't near an edge of a square; where the shape turns
+/// away from the camera a few pixels show both colours. Returns the number of compared pixels.
 int expect_squares(const Shape& shape, const Eigen::Isometry3d& pose) {
   const Camera camera = camera_of(120, 120, 0.8);
   const auto renderer = make_renderer();

@@ -26,7 +26,7 @@ Camera wide_camera() {
   return camera;
 }
 
-/// How many of the pixels of the narrow picture, or of those in the middle of the wide one, show something.
+/// The number of pixels of the narrow picture, or of those in the middle of the wide one, that show a shape.
 int hits(Renderer& renderer, const Camera& camera) {
   const DepthImage depth = renderer.draw(camera, Eigen::Isometry3d::Identity()).depth;
   int count = 0;

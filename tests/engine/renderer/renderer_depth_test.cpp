@@ -69,8 +69,8 @@ Hit cast(const Shape& shape, const Camera& camera, const Eigen::Isometry3d& pose
   return hit;
 }
 
-/// Compares every `stride`th pixel each way, but for grazing rays: there a small error of the surface is a large one in
-/// depth. Returns how many pixels were hit.
+/// Compares every `stride`th pixel each way, except for grazing rays, where a small error of the surface is a large one
+/// in depth. Returns the number of pixels with a hit.
 int expect_depth(const Shape& shape, const Camera& camera, const Eigen::Isometry3d& pose, int stride = 5,
                  double least_facing = 0.25) {
   const auto renderer = make_renderer();

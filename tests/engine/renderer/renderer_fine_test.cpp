@@ -17,8 +17,8 @@ std::unique_ptr<Renderer> box_above_floor(const Color& box_color, double box_siz
   return renderer;
 }
 
-/// How bright the floor is `sideways` metres from below the box, on the line of the sun's direction over the ground;
-/// minus is away from the sun.
+/// The brightness of the floor `sideways` metres from the point below the box, on the line of the sun's direction over
+/// the ground; negative is away from the sun.
 int floor_brightness(Renderer& renderer, double sideways, Quality quality) {
   const Eigen::Vector3d place = sideways * Eigen::Vector3d(0.55, 0.45, 0.0).normalized();
   Camera camera = camera_of(3, 3, 0.002);

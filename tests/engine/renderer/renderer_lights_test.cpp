@@ -58,15 +58,15 @@ class RendererLights : public ::testing::Test {
     return renderer_->draw(camera_, at(0, 0, camera_height), quality).color;
   }
 
-  /// The light on the floor `x` metres to the right of the middle, as the shader adds it up: the square of the colour
-  /// over that of the floor.
+  /// The light on the floor `x` metres to the right of the middle, as summed by the shader: the square of the colour
+  /// divided by that of the floor.
   static double light_at(const Image& image, double x, int channel = 0) {
     const double pixel = side / 2 + std::round(x / metres_a_pixel());
     const double color = image.pixels[static_cast<std::size_t>((side / 2 * side + pixel) * 3 + channel)] * one_step;
     return color * color / (albedo * albedo);
   }
   static double metres_a_pixel() { return 2.0 * camera_height * std::tan(0.6) / side; }
-  /// Where the middle of the nearest pixel is.
+  /// The middle of the nearest pixel.
   static double pixel_middle(double x) { return std::round(x / metres_a_pixel()) * metres_a_pixel(); }
 
   /// The light that must be added `x` metres from the point under the lamp, within one step of colour.

@@ -16,7 +16,7 @@ Frame seen(const std::vector<Shape>& shapes, const Camera& camera, const Color& 
   return renderer->draw(camera, at_origin);
 }
 
-/// A camera that sees just a rectangle of 4 x 2 m that is 10 m away.
+/// A camera whose picture is exactly a rectangle of 4 x 2 m that is 10 m away.
 Camera camera_on_4_by_2(int pixels_a_meter) {
   return camera_of(4 * pixels_a_meter, 2 * pixels_a_meter, 2.0 * std::atan(0.1));
 }
@@ -126,7 +126,7 @@ TEST(RendererMesh, ShowsTheInsideOfAnOpenSurface) {
   }
 }
 
-/// The hue that a camera sees from inside, with something blue outside.
+/// The hue in the picture of a camera inside the mesh, with a blue shape outside.
 Hue hue_from_inside(const std::vector<MeshPart>& parts) {
   Shape outside = shape_at(Box{{9, 9, 1}}, {0, 0, -6});
   outside.color = blue;

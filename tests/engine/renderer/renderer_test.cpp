@@ -8,8 +8,7 @@
 namespace rehearse {
 namespace {
 
-
-/// A bit of everything, for pictures that are only compared with each other.
+/// A scene with several kinds of shapes, for pictures that are only compared with each other.
 std::unique_ptr<Renderer> make_scene() {
   auto renderer = make_renderer();
   renderer->add(shape_at(Box{{10, 10, 0.2}}, {0, 0, -0.1}), blue);
@@ -84,8 +83,8 @@ TEST(Renderer, PlacesAShapeByItsLinkThenByItsOwnPose) {
   EXPECT_NEAR(renderer->draw(camera_of(1, 1, 0.1), at_origin).depth.meters[0], 4.5, 0.006);
 }
 
-/// Whether the middle of the top row (or of the leftmost column) sees a bar that reaches `half_extent` from the axis at
-/// 1 m, in a picture whose rule says where its field of view of 0.8 rad ends.
+/// True if the middle of the top row (or of the leftmost column) shows a bar that reaches `half_extent` from the axis
+/// at 1 m. The camera has a field of view of 0.8 rad.
 bool reaches_the_edge(int width, int height, const Eigen::Vector3d& bar_size, bool top) {
   const auto renderer = make_renderer();
   renderer->add(shape_at(Box{bar_size}, {0, 0, -1.0 - 0.5 * bar_size.z()}), red);

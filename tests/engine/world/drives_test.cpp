@@ -13,7 +13,7 @@ class Drives : public EachSolver {
 };
 INSTANTIATE_TEST_SUITE_P(Solver, Drives, both_solvers, solver_name);
 
-/// A wheel on a fixed base, with a joint to be described.
+/// A wheel on a fixed base; the test describes the joint.
 template <class Describe>
 std::shared_ptr<const Model> wheel(Describe&& describe) {
   RobotBuilder robot(JointType::fixed);

@@ -21,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(Solver, HullBodies, both_solvers, solver_name);
 
 double tilt_of(const LinkReading& link) { return std::acos(std::min(1.0, (link.rotation * Vector3d::UnitZ()).z())); }
 
-/// After 2 s: at its height, level, and still.
+/// Checks that after 2 s the body is at its height, level, and at rest.
 void expect_rest(const World& world, int body, double height, double tilt) {
   const LinkReading& link = link_of(world, 0, body);
   EXPECT_NEAR(link.position.z(), height, 2e-4);

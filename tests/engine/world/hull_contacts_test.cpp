@@ -53,7 +53,7 @@ Polytope stone(Numbers& numbers, int count, const Vector3d& size) {
   return polytope_of(part_of(points, triangles));
 }
 
-/// A prism of so many corners about z.
+/// A prism about z with this number of corners.
 Polytope prism(int corners, double radius, double half_length) {
   std::vector<Vector3d> points;
   for (int i = 0; i < corners; ++i)
@@ -163,7 +163,7 @@ TEST(HullContacts, OfCylindersAreThoseOfAFinePrism) {
   EXPECT_GT(touching, 150);
 }
 
-/// The distance of a segment from a hull by sampling; negative distances aren't known.
+/// The distance of a segment from a hull by sampling; only for positive distances.
 double distance(const Polytope& hull, const Vector3d& from, const Vector3d& to) {
   double nearest = 1e30;
   const PlacedPolytope at(hull, Isometry3d::Identity());

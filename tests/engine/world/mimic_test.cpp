@@ -9,7 +9,8 @@ using Eigen::Vector3d;
 
 class Mimics : public EachSolver {
  protected:
-  /// A gripper: two fingers on rails along x, the second going the other way at half the speed, 0.1 m on.
+  /// A gripper: two fingers on rails along x; the second moves in the opposite direction at half the speed, with an
+  /// offset of 0.1 m.
   static WorldBody gripper() {
     RobotBuilder robot(JointType::fixed);
     robot.add("LEFT", 0, JointType::prismatic, Vector3d::UnitX(), inertial(1.0, {0.1, 0.1, 0.1}));

@@ -25,7 +25,7 @@ Model gripper(const Geometry& finger) {
   return *robot.build();
 }
 
-/// How far apart the fingers' middles are after closing for a second [m].
+/// The distance between the fingers' middles after closing for a second [m].
 double closed(const WorldSettings& settings, WorldBody body) {
   WorldSettings weightless = settings;
   weightless.gravity.setZero();

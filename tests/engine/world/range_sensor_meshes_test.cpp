@@ -41,7 +41,7 @@ std::vector<Vector3d> beams(const RangeSensor& sensor) {
   return directions;
 }
 
-/// Along a beam from the origin to the nearest triangle, by Cramer's rule (T. Moeller and B. Trumbore, 1997).
+/// Distance along a beam from the origin to the nearest triangle, by Cramer's rule (T. Moeller and B. Trumbore, 1997).
 double to_triangles(const MeshData& mesh, const Vector3d& place, const Vector3d& beam) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const MeshPart& part : mesh.parts) {

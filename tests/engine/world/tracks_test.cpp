@@ -19,8 +19,8 @@ class Tracks : public EachSolver {
     return settings;
   }
 
-  /// A chassis of 10 kg on two tracks along x, 0.4 m long and 0.6 m apart, which stands on the ground: longer ones
-  /// would hold it against turning.
+  /// A chassis of 10 kg on two tracks along x, 0.4 m long and 0.6 m apart, on the ground: longer tracks would prevent
+  /// it from turning.
   static WorldBody vehicle() {
     RobotBuilder robot(JointType::free, inertial(8.0, {0.3, 0.4, 0.5}));
     robot.add("LEFT", 0, JointType::track, Vector3d::UnitY(), inertial(1.0, {0.01, 0.03, 0.03}), at(0, 0.3, 0));

@@ -24,7 +24,7 @@ TEST_P(WeightlessLinks, Float) {
   EXPECT_EQ(link_of(*world).velocity, Vector3d::Zero());
 }
 
-/// A dumbbell along x, 1 kg at the origin and 3 kg at x = 1 m, held together.
+/// A dumbbell along x, 1 kg at the origin and 3 kg at x = 1 m, connected by a fixed joint.
 WorldBody dumbbell() {
   RobotBuilder robot(JointType::free, inertial(1.0, {0.1, 0.1, 0.1}));
   robot.add("FAR", 0, JointType::fixed, Vector3d::UnitX(), inertial(3.0, {0.1, 0.1, 0.1}), at(1, 0, 0));

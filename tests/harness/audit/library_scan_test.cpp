@@ -51,7 +51,7 @@ class ScanTest : public ::testing::Test {
       if (finding.kind == kind && (function.empty() || finding.function == function)) return finding;
     return std::nullopt;
   }
-  /// Without what it imports.
+  /// The findings without imported functions.
   static std::vector<std::string> sentences(const LibraryScan& scan) {
     std::vector<std::string> all;
     for (const LibraryFinding& finding : scan.findings)
@@ -67,7 +67,7 @@ class ScanTest : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
-  /// Why it can't be scanned.
+  /// The error if it can't be scanned.
   std::string refusal(const std::string& bytes) const {
     const auto result = scan_library(write("Odd.so", bytes));
     return result ? "" : to_string(result.errors());

@@ -7,8 +7,8 @@ namespace {
 
 using cnoid::Link;
 
-/// touch LINK: says when the number of the link's contact points changes. Commands SHOULDER, as its effort, a sum of
-/// all their numbers that is too small to move the robot.
+/// touch LINK: writes a line when the number of the link's contact points changes. Commands SHOULDER, as its effort, a
+/// sum of all numbers of the points that is too small to move the robot.
 class Toucher : public Pusher {
  public:
   explicit Toucher(const Words& words) : Pusher(0.0), name_(words.at(0)) {}
@@ -42,8 +42,8 @@ class Toucher : public Pusher {
 };
 const Add<Toucher> toucher("touch");
 
-/// bump DEVICE: says what a contact sensor says when its number of points changes, and how often it was notified
-/// before.
+/// bump DEVICE: writes a contact sensor's reading when its number of points changes, and the number of earlier
+/// notifications.
 class Bumper : public Pusher {
  public:
   explicit Bumper(const Words& words) : Pusher(0.0), name_(words.at(0)) {}

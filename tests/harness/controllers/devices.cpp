@@ -44,7 +44,7 @@ class SensorSayer : public cnoid::SimpleController {
 };
 const Add<SensorSayer> sensor_sayer("sense");
 
-/// The accelerometer's z as an effort, though its input was never enabled.
+/// Commands the accelerometer's z as an effort, although its input was never enabled.
 class Blind : public Pusher {
  public:
   explicit Blind(const Words&) : Pusher(0.0) {}
@@ -55,7 +55,7 @@ class Blind : public Pusher {
 };
 const Add<Blind> blind("blind");
 
-/// A number in [0, 1) that depends on every bit of what was added.
+/// A number in [0, 1) that depends on every bit of the added data.
 class Fingerprint {
  public:
   void add(const void* data, std::size_t size) {
@@ -199,7 +199,7 @@ class LaserSwitch : public Pusher {
 };
 const Add<LaserSwitch> laser_switch("laser_off");
 
-/// The IMU's numbers, folded into one effort.
+/// Commands the IMU's numbers, combined into one effort.
 class Feeler : public Pusher {
  public:
   explicit Feeler(const Words&) : Pusher(0.0) {}

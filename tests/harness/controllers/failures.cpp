@@ -24,7 +24,7 @@ void hang() {
   }
 }
 
-/// fail HOW FUNCTION [TICK]: pushes with 1 N·m, and fails in that function (control: in that tick, counted from 0).
+/// fail HOW FUNCTION [TICK]: commands 1 N·m, and fails in that function (control: in that tick, counted from 0).
 class Failure : public Pusher {
  public:
   explicit Failure(const Words& words)

@@ -52,7 +52,7 @@ class Everything : public cnoid::SimpleController {
 };
 const Add<Everything> everything("all");
 
-/// drive MODE VALUE [JOINT]: enableOutput with flags and nothing else.
+/// drive MODE VALUE [JOINT]: calls only enableOutput with flags.
 class Driver : public cnoid::SimpleController {
  public:
   explicit Driver(const Words& words)
@@ -91,7 +91,7 @@ class Chance : public Pusher {
 };
 const Add<Chance> chance("chance");
 
-/// Nothing is input. Commands SHOULDER one more than what it commanded before, and RAIL what it believes its q to be.
+/// Enables no inputs. Commands SHOULDER one more than its last command, and RAIL the q in its body.
 class Stale : public cnoid::SimpleController {
  public:
   explicit Stale(const Words&) {}
@@ -148,7 +148,7 @@ class Wrench : public cnoid::SimpleController {
 };
 const Add<Wrench> wrench("wrench");
 
-/// mark VALUE: writes a mark into a place of its body that is neither input nor output.
+/// mark VALUE: writes a mark into a member of its body that is neither input nor output.
 class Marker : public Pusher {
  public:
   explicit Marker(const Words& words) : Pusher(0.0), mark_(std::stod(words.at(0))) {}
@@ -162,7 +162,7 @@ class Marker : public Pusher {
 };
 const Add<Marker> marker("mark");
 
-/// Commands SHOULDER, as its effort, what it finds in that place.
+/// Commands SHOULDER, as its effort, the value of that member.
 class MarkReader : public Pusher {
  public:
   explicit MarkReader(const Words&) : Pusher(0.0) {}
@@ -173,7 +173,7 @@ class MarkReader : public Pusher {
 };
 const Add<MarkReader> mark_reader("read_mark");
 
-/// teleport [LINK]: drives the link, or the root link, by its position: 1 mm further along x in each step.
+/// teleport [LINK]: drives the link, or the root link, by its position: 1 mm along x in each step.
 class Teleporter : public cnoid::SimpleController {
  public:
   explicit Teleporter(const Words& words) : name_(words.empty() ? "" : words[0]) {}

@@ -19,7 +19,7 @@ double sum_of(const cnoid::JoystickInterface& joystick) {
          100.0 * joystick.getPosition(Joystick::R_TRIGGER_AXIS);
 }
 
-/// steer: commands what its joystick does, which it has from its construction on. Says what it found in initialize().
+/// steer: commands the state of its joystick, which it creates in its constructor. Writes its state in initialize().
 class Steered : public Pusher {
  public:
   explicit Steered(const Words&) : Pusher(0.0) {}
@@ -39,7 +39,7 @@ class Steered : public Pusher {
 };
 const Add<Steered> steered("steer");
 
-/// steer_late: looks for a joystick in each control() anew.
+/// steer_late: looks for a joystick again in each control().
 class SteeredLate : public Pusher {
  public:
   explicit SteeredLate(const Words&) : Pusher(0.0) {}
@@ -52,7 +52,7 @@ class SteeredLate : public Pusher {
 };
 const Add<SteeredLate> steered_late("steer_late");
 
-/// steer_once: has a joystick and reads it in tick 5 only.
+/// steer_once: reads its joystick in tick 5 only.
 class SteeredOnce : public Pusher {
  public:
   explicit SteeredOnce(const Words&) : Pusher(0.0) {}
@@ -67,8 +67,8 @@ class SteeredOnce : public Pusher {
 };
 const Add<SteeredOnce> steered_once("steer_once");
 
-/// share JOINT: commands the joint what the joystick does that it shares with its children, or its parent, while it is
-/// its turn.
+/// share JOINT: commands the joint the state of a joystick that it shares with its children, or its parent, while its
+/// mode is active.
 class Sharer : public cnoid::SimpleController {
  public:
   explicit Sharer(const Words& words) : joint_(words.at(0)) {}

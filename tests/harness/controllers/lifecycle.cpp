@@ -44,7 +44,7 @@ class EndTeller : public Pusher {
 };
 const Add<EndTeller> end_teller("tell_end");
 
-/// refuse FUNCTION: that function returns false. Says so if it is called after that, and when it is stopped.
+/// refuse FUNCTION: that function returns false. Writes a line if it is called after that, and when it is stopped.
 class Refuser : public Pusher {
  public:
   explicit Refuser(const Words& words) : Pusher(1.0), function_(words.at(0)) {}
@@ -64,7 +64,7 @@ class Refuser : public Pusher {
 };
 const Add<Refuser> refuser("refuse");
 
-/// push EFFORT [nodelay] [false]: a constant effort; wants no delay; control() returns false.
+/// push EFFORT [nodelay] [false]: commands a constant effort; with no-delay mode; control() returns false.
 class ConstantPusher : public Pusher {
  public:
   explicit ConstantPusher(const Words& words) : Pusher(std::stod(words.at(0))), words_(words) {}
@@ -98,7 +98,7 @@ class FileReader : public Pusher {
 };
 const Add<FileReader> file_reader("file");
 
-/// add EFFORT: to what another controller of the body commands.
+/// add EFFORT: adds to the command of a different controller of the body.
 class Adder : public Pusher {
  public:
   explicit Adder(const Words& words) : Pusher(std::stod(words.at(0))) {}

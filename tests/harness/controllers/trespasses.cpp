@@ -87,7 +87,7 @@ const std::map<std::string, void (*)()>& deeds() {
   return all;
 }
 
-/// trespass DEED FUNCTION [TICK]: pushes with 1 N·m, and does that in initialize, start, stop or that tick of control.
+/// trespass DEED FUNCTION [TICK]: commands 1 N·m, and does DEED in initialize, start, stop or that tick of control.
 class Trespasser : public Pusher {
  public:
   explicit Trespasser(const Words& words)

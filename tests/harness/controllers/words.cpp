@@ -32,7 +32,7 @@ class Varying : public Pusher {
 };
 const Add<Varying> varying("variables");
 
-/// Sets variables as it may not, each twice.
+/// Sets variables with forbidden names and values, each twice.
 class Misnaming : public Pusher {
  public:
   explicit Misnaming(const Words&) : Pusher(1.0) {}
@@ -47,7 +47,7 @@ class Misnaming : public Pusher {
 };
 const Add<Misnaming> misnaming("misnaming");
 
-/// stray HOW: sets a variable in a thread of its own ("thread"), or in stop() ("stop").
+/// stray HOW: sets a variable in a separate thread ("thread"), or in stop() ("stop").
 class Straying : public Pusher {
  public:
   explicit Straying(const Words& words) : Pusher(1.0), how_(words.at(0)) {}
@@ -64,8 +64,8 @@ class Straying : public Pusher {
 };
 const Add<Straying> straying("stray");
 
-/// lines [END] [WORD]: two lines and a half in each of the ticks 0 and 1, the other half in the next. In tick 2 it says
-/// WORD, sets a variable and throws or crashes, if END says so.
+/// lines [END] [WORD]: writes two lines and a half in each of the ticks 0 and 1, the other half in the next tick. In
+/// tick 2 it writes WORD, sets a variable and, depending on END, throws or crashes.
 class Speaking : public Pusher {
  public:
   explicit Speaking(const Words& words) : Pusher(1.0), words_(words) {}

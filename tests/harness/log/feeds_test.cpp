@@ -37,7 +37,7 @@ class FeedTest : public ::testing::Test {
     seen_.joystick.emplace();
   }
 
-  /// Of a map with these lines.
+  /// Makes the feed of a map with these lines.
   void map(const std::string& lines) {
     auto map = LogMap::parse("rehearse_map: 1\ntime_step: 0.01\n" + lines, "map.yaml", model_, topics_);
     ASSERT_TRUE(map.ok()) << to_string(map.errors());

@@ -351,7 +351,7 @@ TEST_F(LogReplay, SaysThatALibraryIsNotThere) {
               ::testing::StartsWith("error: controller library 'NobodysController' not found (looked for "));
 }
 
-/// Sets a variable for as long as it lives; null: removes it.
+/// Sets an environment variable during its lifetime; null: removes it.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {

@@ -36,7 +36,7 @@ void no_crcs(mcap::FileForm& form) {
   form.chunk_crcs = form.attachment_crcs = form.data_crc = form.summary_crc = false;
 }
 
-/// All that is known of a file without a pass.
+/// All information about a file that is available without a pass.
 void expect_the_same_is_known(const mcap::Reader& a, const mcap::Reader& b) {
   const auto chunk = [](const mcap::Chunk& c) {
     return std::tuple(c.offset, c.start_time, c.end_time, c.compression, c.stored_size, c.size);
@@ -58,7 +58,7 @@ void expect_the_same_is_known(const mcap::Reader& a, const mcap::Reader& b) {
   EXPECT_EQ(a.statistics().has_value(), b.statistics().has_value());
 }
 
-/// Where the first record of this kind begins.
+/// The offset of the first record of this kind.
 std::size_t offset_of(const Buffer& bytes, std::uint8_t opcode) {
   std::size_t found = 0;
   for_each_record(bytes, [&](const mcap::Record& record) {

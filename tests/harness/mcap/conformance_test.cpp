@@ -97,7 +97,7 @@ std::uint32_t crc32(mcap::Bytes bytes) {
   return ~crc;
 }
 
-/// A file from the description of its records: nothing of it is ours but the code of this class.
+/// Composes a file from the description of its records, with the code of this class only.
 class Composition {
  public:
   explicit Composition(const Variant& variant) : variant_(variant) {
@@ -352,7 +352,7 @@ void expect_extras(const Variant& variant, const mcap::Reader& reader) {
   }
 }
 
-/// The input of a variant through our Writer, in the form that its features name.
+/// Writes the input of a variant with Rehearse's Writer, in the form that its features name.
 Buffer written(const Variant& variant) {
   mcap::WriterOptions options;
   options.profile = options.library.emplace();

@@ -32,7 +32,7 @@ std::string findings_of(const Composer& file, mcap::DoctorOptions options = {}) 
   return findings_of(file.bytes, options);
 }
 
-/// Without what every file by hand has to be noted for.
+/// The findings without the notes that every hand-made file causes.
 std::string errors_of(const Composer& file) {
   const auto examination = mcap::examine_bytes(file.bytes, "composed.mcap");
   EXPECT_TRUE(examination);

@@ -137,7 +137,7 @@ TEST_F(McapFilter, RefusesATopicThatIsNotThere) {
 
 namespace {
 
-/// Messages at these times on one topic, each saying `word`.
+/// Messages at these times on one topic, each with the text `word`.
 void write_file(const std::filesystem::path& file, std::string_view topic, std::string_view word,
                 const std::vector<std::uint64_t>& times, const std::string& profile = "ros2",
                 std::string_view encoding = "cdr") {

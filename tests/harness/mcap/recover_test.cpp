@@ -90,7 +90,7 @@ TEST(McapRecover, SavesAPrefixWhereverTheFileIsCut) {
   EXPECT_EQ(most, whole.messages.size());
 }
 
-/// A flipped byte costs at most the record it is in: here at most the messages of one chunk.
+/// A flipped byte costs at most its record: here at most the messages of one chunk.
 TEST(McapRecover, LosesLittleByAFlippedByte) {
   const Buffer whole_bytes = small_file();
   const Saved whole = save(whole_bytes);
@@ -238,7 +238,7 @@ TEST(McapRecover, NeverWritesOverWhatItReads) {
   EXPECT_THAT(to_string(mcap::recover(file.path(), "/dev/full").errors()), HasSubstr("it is no regular file"));
 }
 
-/// Many false beginnings cost no more than a few passes.
+/// Many false record beginnings cost no more than a few passes.
 TEST(McapRecover, IsNotLedAstrayByHostileLengths) {
   Composer file;
   file.magic().header();
@@ -270,7 +270,7 @@ TEST(McapRecover, KeepsTheMessagesOfASchemaThatTheFormatForbids) {
               testing::Contains("the schema of '/a' is damaged: its messages are kept without one"));
 }
 
-/// The part of a chunk that a cut left.
+/// The part of a chunk that remains after a cut.
 TEST(McapRecover, TrustsTheBeginningOfAChunkThatIsCutOnlyIfItIsTold) {
   const Composer records = Composer().message(1, 5, "one").message(1, 6, "two");
   Composer file;

@@ -42,7 +42,7 @@ Pass pass_over(mcap::StreamReader& stream) {
   return pass;
 }
 
-/// All that is wrong, a line each, in an order of its own.
+/// All errors, one per line, sorted.
 std::vector<std::string> complaints(const Result<void>& end) {
   std::vector<std::string> lines;
   for (const Diagnostic& diagnostic : end.errors()) lines.push_back(to_string(diagnostic));

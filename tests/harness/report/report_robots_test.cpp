@@ -47,7 +47,7 @@ Eigen::Isometry3d pose_of(const std::vector<double>& numbers) {
   return pose;
 }
 
-/// Values of a series by tick, out of the report alone.
+/// Values of a series by tick, from the report alone.
 class Motion {
  public:
   explicit Motion(const DecodedReport& report) : report_(report) {}
@@ -65,7 +65,7 @@ class Motion {
     return known->second.at(tick);
   }
 
-  /// Poses of all links in the world, by FORMAT.md.
+  /// Poses of all links in the world, computed according to FORMAT.md.
   std::vector<Eigen::Isometry3d> poses(const Json& robot, std::int64_t tick) {
     std::vector<Eigen::Isometry3d> poses;
     for (const Json& link : robot["links"]) {

@@ -42,7 +42,7 @@ class Report : public ::testing::Test {
     if (summary) summary_ = *summary;
     return DecodedReport(folder_ / "report.html");
   }
-  /// Why there is none.
+  /// The reason why there is no report.
   Diagnostic refusal(const std::filesystem::path& trace,
                      const std::optional<std::filesystem::path>& golden = std::nullopt) {
     const auto summary = write_report(trace, golden, folder_ / "report.html", options_);
@@ -66,7 +66,7 @@ std::vector<std::uint64_t> column(const Trace& trace, const std::string& series)
   return bits;
 }
 
-/// All series of a report, against the traces.
+/// Compares all series of a report with the traces.
 void expect_same_numbers(const DecodedReport& report, const Trace& actual, const Trace* golden) {
   std::size_t expected = actual.series().size();
   for (const auto& [name, place] : actual.series()) {

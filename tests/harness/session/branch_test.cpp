@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 
 class BranchTest : public RunTest {
  protected:
-  /// The wheel, out of its place, under a PD controller, for 200 ticks.
+  /// The wheel, away from its rest position, under a PD controller, for 200 ticks.
   void record_hinge() {
     record_run(
         "rehearse: 1\nduration: 0.2\ncameras: none\nbodies:\n  - name: Rig\n    model: rig.urdf\n"
@@ -61,7 +61,7 @@ class BranchTest : public RunTest {
 
   std::vector<std::string> lines_and_warnings(const std::string& file) const { return said(loaded(file)); }
 
-  /// The commands of the recording alone move the world as they did.
+  /// Checks that the commands of the recording alone move the world as recorded.
   void expect_plant_repeats(const std::string& file) const {
     auto scenario = Scenario::load(path("run.yaml"));
     ASSERT_TRUE(scenario.ok()) << to_string(scenario.errors());

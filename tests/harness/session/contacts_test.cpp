@@ -19,7 +19,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A foot with an arm on it (joint SHOULDER), 5 kg in all, which falls by 1 mm: 14 ticks, and lies.
+/// A foot with an arm on it (joint SHOULDER), 5 kg in all, which falls by 1 mm within 14 ticks, and then lies still.
 constexpr const char* foot_urdf = R"(<?xml version="1.0"?>
 <robot name="Rig">
   <link name="FOOT">

@@ -13,7 +13,7 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Forward in tick 5, button A as well in tick 10, the trigger half way in tick 15.
+/// Forward in tick 5, also button A in tick 10, the trigger half way in tick 15.
 constexpr const char* three_moves =
     "  - {at: 0.005, axes: {L_STICK_V: -1}}\n"
     "  - {at: 0.01, buttons: {A: true}}\n"
@@ -45,7 +45,7 @@ class Joysticks : public RunTest {
     return {};
   }
 
-  /// Copies a trace, but for the messages on /joy: none if `change` is null, else what it makes of them.
+  /// Copies a trace, except the messages on /joy: removed if `change` is null, else changed by it.
   void copy_trace(const std::string& from, const std::string& to, const std::function<void(msg::Joy&)>& change) const {
     auto reader = *mcap::Reader::open(path(from));
     auto writer = *mcap::Writer::create(path(to));

@@ -145,7 +145,8 @@ TEST_F(Guest, ThatOpensAFileWhereTheRecordingWasWritesIntoItsOwn) {
   EXPECT_EQ(bytes("own.txt"), "mine");
 }
 
-/// Nobody can keep a system call from closing the file; then no byte goes into what has its number now.
+/// A system call that closes the file can't be prevented; but then no byte is written to the file that has its number
+/// now.
 TEST_F(Guest, ThatClosesTheRecordingPastTheLibraryEndsTheRunWithASentence) {
   std::filesystem::current_path(folder_);
   const Scenario scenario = load(rig(behaviour("C", "trespass close_raw control 7"), "cameras: none\n", "3"));
@@ -195,7 +196,7 @@ bool linker_interrupted = false;  // in this process
 class LoadingBadly : public RunTest {
  protected:
   ~LoadingBadly() override { unsetenv("LOADS_BADLY"); }
-  /// A file of its own for each test, by name as well: what is in memory already is not loaded again.
+  /// A file with a separate name for each test, because a library that is already in memory is not loaded again.
   LoadingBadly() {
     std::filesystem::copy_file(std::filesystem::path(TEST_CONTROLLERS) / "LoadsBadly.so", path(library_));
   }
@@ -257,7 +258,7 @@ TEST_F(LoadingBadly, IsRefusedFromThenOn) {
                         "segmentation fault"));
 }
 
-/// The dynamic linker is interrupted, with its lock held: what watches the calls has to work all the same.
+/// The dynamic linker is interrupted while it holds its lock: the interposer must work nevertheless.
 class UnloadingBadly : public LoadingBadly, public ::testing::WithParamInterface<Deed> {
  protected:
   Trace record_with_limit(const std::string& scenario, const std::string& file) {

@@ -199,7 +199,7 @@ TEST(Sessions, BesideEachOtherDoNotMeet) {
   std::filesystem::remove_all(folder);
 }
 
-/// This program has GoogleTest's own main(), which pins nothing.
+/// This program uses GoogleTest's own main(), which doesn't pin the process.
 TEST_F(Recording, SaysThatTheProgramDidNotPinItself) {
   const Trace trace = record_run(rig_with("push 1"));
   const mcap::StringMap& facts = *trace.find_metadata("rehearse");

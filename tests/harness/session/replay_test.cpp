@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 class Replay : public RunTest {
  protected:
-  /// The wheel, out of its place, under HingePd, for 100 ticks.
+  /// The wheel, away from its rest position, under HingePd, for 100 ticks.
   static std::string hinge_pd() {
     return "rehearse: 1\nduration: 0.1\ncameras: none\nbodies:\n  - name: Rig\n    model: rig.urdf\n"
            "    joints: {SHOULDER: 0.3}\n    controllers: [{name: C, library: HingePd}]\n";

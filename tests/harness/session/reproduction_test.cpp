@@ -36,7 +36,7 @@ class Reproduces : public RunTest {
     return *Trace::load(path(file));
   }
 
-  /// The lowest bit of the last double of the first message on that topic from that time on [ns].
+  /// Flips the lowest bit of the last double of the first message on that topic from that time on [ns].
   static testing::Mutilation flipped(const std::string& topic, std::uint64_t from) {
     return [=, done = false](const mcap::Message& message) mutable {
       auto bytes = *testing::untouched(message);

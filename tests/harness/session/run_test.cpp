@@ -128,7 +128,7 @@ TEST(RunTest, ReportsEachHundredthOfItsProgress) {
   EXPECT_THAT(reported.back(), Pair(250, 250));
 }
 
-/// In a process of its own, because a signal that came is remembered. A process can't interrupt itself: a child does.
+/// Runs in a separate process, because a received signal is remembered. A child sends the signal.
 [[noreturn]] void step_until_interrupted(Run& run, const Parts& parts) {
   end_runs_on_signals();
   const bool stepped = *run.step();

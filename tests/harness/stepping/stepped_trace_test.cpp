@@ -18,7 +18,7 @@ constexpr std::int64_t changed_from = 70;  // where HingePdChanged gives somethi
 
 class Stepped : public RunTest {
  protected:
-  /// The wheel, out of its place, under HingePd, for 100 ticks.
+  /// The wheel, away from its rest position, under HingePd, for 100 ticks.
   void record_hinge() {
     recorded_ = record_run(
         "rehearse: 1\nduration: 0.1\ncameras: none\nbodies:\n  - name: Rig\n    model: rig.urdf\n"

@@ -19,7 +19,7 @@ using AllMessages =
                    msg::TFMessage, msg::Joy, msg::Tick, msg::DeviceState, msg::Contacts, msg::ContactForce,
                    msg::JointAccelerations, msg::Event, msg::Checkpoint>;
 
-/// Gives every field another value, and writes down each with its path as ros2msg::Decoder should find it.
+/// Sets every field to a different value, and records each with the path that ros2msg::Decoder should report.
 class Filler {
  public:
   template <msg::MessageStruct T>

@@ -201,7 +201,7 @@ TEST(Trace, ReadsScansOfFewerAndOfMoreBeams) {
   EXPECT_THAT(trace.values("B/Laser/ranges/2"), ElementsAre(testing::IsNan(), testing::IsNan(), 6));
 }
 
-/// Two rows of three points, each with a distance somewhere in it.
+/// Two rows of three points, each with a distance at some place in it.
 msg::PointCloud2 cloud() {
   msg::PointCloud2 message;
   message.height = 2;

@@ -14,7 +14,7 @@ namespace {
 
 enum Fault { none, gain, sign, late, swapped, stale, uninitialised, no_delay, words };
 
-/// Memory that was used before, and is handed out again as it is.
+/// Allocates memory that was used before and is not cleared.
 double* used_memory() {
   constexpr std::size_t count = 24;
   volatile std::size_t size = count * sizeof(double);
