@@ -14,10 +14,10 @@ using ::testing::HasSubstr;
 struct Animal {
   const char* controller;
   const char* does;
-  const char* found_by;       // the factor; empty: its library's code; null: nothing, it is good
-  const char* reason;         // a part of it
-  const char* place = "";     // another: where it is done
-  const char* rests_on = "";  // a part of what a good one's verdict rests on
+  const char* found_by;       // the factor; empty: found in its library's code; null: deterministic
+  const char* reason;         // a part of the reason
+  const char* place = "";     // a part of the reason: the place in the source
+  const char* rests_on = "";  // for a deterministic one: a part of the conditions of the verdict
 };
 void PrintTo(const Animal& animal, std::ostream* stream) { *stream << animal.controller; }
 

@@ -35,7 +35,7 @@ class Child {
     close(answers[1]);
     orders_ = orders[1];
     answers_ = answers[0];
-    work_once();  // it is ready when it has done that
+    work_once();  // the child is ready after this
   }
   ~Child() {
     close(orders_);

@@ -110,7 +110,7 @@ std::vector<Row> rows(const std::vector<std::pair<std::string, std::filesystem::
       with_memory_full_of(0xaa),
       with("100 kB more of environment, another folder", {{"MUCH", std::string(100'000, 'x')}}, "/"),
       without_environment(),
-      // which would change pixels or mathematics, if they came through
+      // they would change pixels or mathematics without pinning
       with("a user's own settings", {{"GALLIUM_OVERRIDE_CPU_CAPS", "sse2"}, {"LP_NUM_THREADS", "2"}}),
   };
   for (const auto& [name, folder] : builds) all.push_back(built(name, folder));

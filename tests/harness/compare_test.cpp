@@ -248,7 +248,7 @@ TEST_F(Compare, TellsInWhichTickALinkHasFewerOrMoreContacts) {
   for (SmallTrace* trace : {&golden_, &actual_})
     for (auto& tick : trace->ticks) tick.contacts = {contact(10)};
   golden_.ticks[1].contacts = {contact(5), contact(5)};
-  for (const bool fewer : {true, false}) {  // the second point is a column of one of them only
+  for (const bool fewer : {true, false}) {  // only one of the recordings has the second point
     const Comparison comparison = compared();
     ASSERT_TRUE(comparison.first);
     EXPECT_EQ(comparison.first->tick, 1);

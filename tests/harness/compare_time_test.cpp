@@ -79,7 +79,7 @@ TEST_F(CompareInTime, KeepsTheToleranceWhereNothingMoves) {
 TEST_F(CompareInTime, AddsTheToleranceToTheEnvelope) {
   ToleranceRule both = in_time(0.0, 0.001, "Robot/KNEE/q");
   both.atol = 0.02;
-  actual_.ticks[5].q = 0.39;  // 0.4 to 0.5 is what it passes through
+  actual_.ticks[5].q = 0.39;  // 0.4 to 0.5 is the range that it passes through
   EXPECT_TRUE(compared({both}).within);
   actual_.ticks[5].q = 0.37;
   EXPECT_FALSE(compared({both}).within);

@@ -58,7 +58,7 @@ TEST_F(FullDisk, OfAnySizeEndsARecordingWithTheReason) {
     const auto size = static_cast<rlim_t>(whole) * static_cast<rlim_t>(step) / steps;
     EXPECT_EQ(record(trace, [=] { allow_files_of(size); }), bad_input) << size;
     const std::string told = trace.string() + ": error: can't write the trace: File too large";
-    EXPECT_THAT(log(), HasSubstr(size == 0 ? "" : told));  // without any room there is none for the log
+    EXPECT_THAT(log(), HasSubstr(size == 0 ? "" : told));  // without any space the log is empty, too
     EXPECT_LE(fs::file_size(trace), size);
     examine_rest(trace);
     ASSERT_FALSE(HasFailure()) << size << " of " << whole << " bytes";

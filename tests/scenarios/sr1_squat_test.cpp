@@ -17,7 +17,7 @@ using rehearse::Trace;
 
 constexpr double gravity = 9.80665;              // [m/s²]
 constexpr double degree = 0.017453292519943295;  // [rad]
-constexpr double lowest = 1.3;                   // when it is down [s]
+constexpr double lowest = 1.3;                   // when it is lowest [s]
 constexpr double end = 2.55;                     // [s]
 
 // The motion is that of this build, whatever share folder the user has for other controllers.

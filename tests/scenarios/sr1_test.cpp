@@ -143,7 +143,7 @@ TEST(SR1Minimum, HoldsAKneeByItsGains) {
   bench.tick();
   EXPECT_NEAR(bench.joint("RLEG_KNEE").u, -8000.0 * 0.01 - 100.0 * 0.01 / 0.001, 1e-9);  // [N·m]
   EXPECT_EQ(bench.joint("LLEG_KNEE").u, 0.0);
-  bench.tick();  // still there: nothing is left of the speed
+  bench.tick();  // the joint hasn't moved since: its speed is zero
   EXPECT_NEAR(bench.joint("RLEG_KNEE").u, -8000.0 * 0.01, 1e-9);
 }
 

@@ -157,7 +157,7 @@ TEST_F(GoldenVerbs, ReviewOnATerminalRejectsSkipsShowsAndQuits) {
   EXPECT_EQ(on_terminal({"golden", "review"}, {"q"}).status, 1);
   EXPECT_EQ(on_terminal({"golden", "review"}, {"\x03"}).status, 1);  // Ctrl-C
   EXPECT_TRUE(exists(pending_file));
-  EXPECT_EQ(on_terminal({"golden", "review"}, {"x\x1b[Ar"}).status, 0);  // other keys are passed over
+  EXPECT_EQ(on_terminal({"golden", "review"}, {"x\x1b[Ar"}).status, 0);  // other keys are ignored
   EXPECT_FALSE(exists(pending_file));
   EXPECT_TRUE(read_file(folder() / golden_file) == golden);
 }

@@ -94,7 +94,7 @@ TEST_F(GoldenNoise, LetsACheckSayWhichTolerancesLieBelowIt) {
 TEST_F(Command, CheckOfAnotherArithmeticIsWithinTolerance) {
   const fs::path scenario = fixtures / "scenarios/arm_reach.yaml";
   done({"record", scenario.string(), "-o", "golden.mcap"});
-  // behind `rehearse`, which would pin it
+  // without `rehearse`, which would pin it
   const fs::path simulator = command.parent_path() / "../libexec/rehearse/rehearse-simulate";
   const Outcome outcome = run(simulator, {"check", scenario.string(), "--golden", "golden.mcap", "--json"},
                               "REHEARSE_PIN=off GALLIUM_OVERRIDE_CPU_CAPS=sse4.1 LP_NUM_THREADS=1");

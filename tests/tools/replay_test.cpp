@@ -50,7 +50,7 @@ TEST_F(Replay, AnswersInJson) {
 
 TEST_F(Replay, FindsAChangedGainAtTheFirstTickInWhichItActs) {
   record_sr1();
-  // the gain multiplies how far the knee is from where the scenario puts it
+  // the gain multiplies the knee's distance from its position in the scenario
   const auto scenario = Scenario::load(sr1_without_cameras());
   ASSERT_TRUE(scenario.ok());
   const double reference = scenario->bodies[1].joints[3];

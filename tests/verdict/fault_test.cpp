@@ -167,7 +167,7 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
 #endif
   const bool chance = fault.name == std::string("uninitialised memory");
   RecordOptions original;
-  if (chance) original.libraries["Stand"] = fault.library;  // it was always like this
+  if (chance) original.libraries["Stand"] = fault.library;  // the recorded controller has the fault, too
   robot_.record_golden(original);
 
   if (fault.edit) robot_.apply(*fault.edit);
@@ -185,7 +185,7 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
   EXPECT_EQ(report->controller, fault.controller) << report->verdict;
   EXPECT_EQ(report->plant, fault.plant) << report->verdict;
   EXPECT_EQ(report->closed, fault.closed) << report->verdict;
-  if (chance)  // how far off it is is chance too: within tolerance, the run is one that doesn't repeat itself
+  if (chance)  // the size of the difference is random, too: if it is within tolerance, the run doesn't repeat itself
     EXPECT_THAT(report->verdict, ::testing::AnyOf(HasSubstr(fault.sentence), HasSubstr("doesn't repeat itself")));
   else
     EXPECT_THAT(report->verdict, HasSubstr(fault.sentence));

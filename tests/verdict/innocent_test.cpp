@@ -108,7 +108,7 @@ bodies:
   robot_.write("scenario.yaml", text.substr(0, left) + text.substr(right) + text.substr(left, right - left));
   const CheckReport report = checked();
   ASSERT_TRUE(report.plant_comparison && report.plant_comparison->worst) << report.verdict;
-  EXPECT_LT(report.plant_comparison->worst->difference, 1e-5) << report.verdict;  // they are three metres apart
+  EXPECT_LT(report.plant_comparison->worst->difference, 1e-5) << report.verdict;  // the bodies are three metres apart
 }
 
 TEST_F(Innocents, AControllerIsNeverCalledNondeterministicIfTwoReplaysAgree) {

@@ -2,9 +2,9 @@
 //
 // A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It contains neither a position
 // in the world nor a state of motion: World stores both. Units are SI, angles [rad]. Links are in depth-first order,
-// children of a link in the document order of their joints, so a parent always comes before its children and links[0]
-// is the root. A link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent * origin *
-// motion(axis, q).
+// with the children of a link in the document order of their joints. So a parent always comes before its children, and
+// links[0] is the root. A link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent *
+// origin * motion(axis, q).
 #pragma once
 
 #include <rehearse/diagnostic.h>

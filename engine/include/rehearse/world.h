@@ -87,8 +87,8 @@ class World {
   /// after restore() until the next step. Valid until the next call of step() or restore().
   const std::vector<LinkPair>& touching() const;
 
-  /// Sets the joint commands, which apply from the coming step on until the next call, and the external wrenches, which
-  /// act on the links during the coming step only. Every number in `command` must be finite.
+  /// Sets the joint commands and the external wrenches. Joint commands apply from the coming step on until the next
+  /// call; wrenches act on the links during the coming step only. Every number in `command` must be finite.
   void actuate(const Command& command);
 
   /// Applies a force [N] at a point of the link [m, link frame] and a torque [N·m], both in world axes, during the

@@ -18,8 +18,9 @@ struct MadeGeom {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the geom's frame in the shape's, whose axes it has [m]
 };
 
-/// Makes the geoms of a shape. A mesh gives one geom per hull, each about its own middle (the origin of an ODE convex
-/// geom is inside it), or, as a `trimesh`, one geom of all its triangles. The mesh must be loaded.
+/// Makes the geoms of a shape. A mesh gives one geom per hull, or, as a `trimesh`, one geom of all its triangles. The
+/// frame of a hull's geom is at the hull's middle, because the origin of an ODE convex geom must be inside it. The mesh
+/// must be loaded.
 std::vector<MadeGeom> make_geoms(const Geometry& geometry, bool trimesh);
 
 }  // namespace rehearse

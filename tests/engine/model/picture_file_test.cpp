@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include <jpeglib.h>  // needs what is before it
+#include <jpeglib.h>  // needs the headers above
 
 namespace rehearse {
 namespace {

@@ -62,7 +62,7 @@ TEST(UrdfMesh, IsNotReadFromFilesIfItIsSkipped) {
   EXPECT_EQ(meshes_read(), before);
   EXPECT_TRUE(model->report.empty()) << to_string(model->report);
   const Link& finger = model->links.at(static_cast<std::size_t>(model->find_link("left_finger")));
-  EXPECT_EQ(mesh_in(finger.collisions.at(0)).data, nullptr);  // there, so that indices of shapes hold
+  EXPECT_EQ(mesh_in(finger.collisions.at(0)).data, nullptr);  // the shape exists, so that indices of shapes are valid
 }
 
 TEST(UrdfMesh, IsRelativeToTheFileThatATextStandsFor) {

@@ -70,7 +70,7 @@ TEST_P(Contacts, AWorldGivesTheSameBitsWhateverAnotherOneDoesInBetween) {
 }
 
 TEST_P(Contacts, AThirdBodyThatTouchesNothingChangesNoBit) {
-  // The solver sees other rows only if contacts come in another order or number.
+  // The solver's rows change only if the order or the number of contacts changes.
   std::vector<WorldBody> bodies = pile();
   const auto without = make_world(settings(), bodies);
   WorldBody far = free_box("Far", {0.1, 0.1, 0.1}, 1.0, {100, 0, 0});

@@ -91,7 +91,7 @@ TEST_P(CutWrenches, AMassOnATurningArmPullsOutwards) {
   ASSERT_NEAR(joint_of(*world).dq, rate, 1e-6);
   const double pull = mass * radius * rate * rate;
   expect_near(device_of(*world, 0).head<3>(), Vector3d(pull, 0, 0), 0.002 * pull);
-  // w x (I w) = (0, Ixz w², 0) is what the hand needs, and what it gives back is the opposite
+  // the hand needs w x (I w) = (0, Ixz w², 0), and the reading is the opposite
   expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, -0.05 * rate * rate, 0), 0.01);
 }
 
@@ -175,7 +175,7 @@ TEST_P(CutWrenches, InTheMiddleOfAChainTheyCarryTheArmBehind) {
   run(*world, 100, effort(-weight * 0.4));  // holds it level
   expect_near(device_of(*world, 0).head<3>(), Vector3d(0, 0, -weight - standard_gravity), 1e-2);
   expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, weight * 0.6, 0), 1e-2);
-  run(*world, 100, displacement(0.0));  // a motor is a force between the two like any other
+  run(*world, 100, displacement(0.0));  // a motor's force between the two is a force like any other
   expect_near(device_of(*world, 0).tail<3>(), Vector3d(0, weight * 0.6, 0), 2e-2);
 }
 
@@ -246,7 +246,7 @@ TEST_P(CutWrenches, ATracksJointIsCutLikeAFixedOne) {
   const auto world =
       make_world(settings(), {body_of(robot.build()), free_box("Parcel", {0.2, 0.2, 0.2}, 2.0, {-1, 0, 0.1})});
   run(*world, 300, velocity(0.0));
-  run(*world, 1, velocity(1.0));  // it gets hold of the parcel, and is held back
+  run(*world, 1, velocity(1.0));  // the track's friction accelerates the parcel; the reaction acts on the track
   EXPECT_LT(device_of(*world, 0)[0], -1.0);
   EXPECT_NEAR(device_of(*world, 0)[0], -2.0 * link_of(*world, 0, 1).acceleration.x(), 1e-3);
 }

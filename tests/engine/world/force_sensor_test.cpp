@@ -62,7 +62,8 @@ TEST_P(ForceSensors, ReadInTheSensorsFrame) {
 }
 
 TEST_P(ForceSensors, MeasureTheJointsOwnEffortToo) {
-  // Weightless, and turned by effort: the joint gives the rod exactly that, and the rod leans on the parent with it.
+  // Weightless, and turned by effort: the joint applies exactly this effort to the rod, and the rod applies the
+  // opposite to the parent.
   const auto world = make_world(weightless(GetParam()), {body_of(rod_on_a_hinge())});
   run(*world, 1, effort(2.0));
   EXPECT_NEAR(device_of(*world, 0)[4], -2.0, 1e-6);
@@ -106,7 +107,7 @@ TEST_P(ForceSensors, ASliderIsMeasuredInAllSixDirections) {
   const auto world = make_world(settings(), {body_of(robot.build())});
   run(*world, 1, effort(5.0));
   expect_near(device_of(*world, 0).head<3>(), Vector3d(-5.0, 0.0, -held_weight), 1e-2);
-  // the held_weight, 0.2 m aside, and the inertia of the centre that is pulled along beside the axis
+  // the held_weight, 0.2 m aside, and the inertia of the centre of mass, which moves on a circle beside the axis
   expect_near(device_of(*world, 0).tail<3>(), Vector3d(-0.2 * held_weight, 0.0, 0.2 * 5.0), 1e-2);
 }
 

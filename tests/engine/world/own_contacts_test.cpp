@@ -88,7 +88,7 @@ TEST_P(OwnContacts, AreNotMadeBetweenWhatOverlapsAtZeroAndThatIsSaid) {
   WorldSettings weightless = settings();
   weightless.gravity.setZero();
   WorldBody body = chain(0.5);
-  body.joints = {0.3, 0.2, 0.1};  // the pose at zero decides, not that at the start
+  body.joints = {0.3, 0.2, 0.1};  // the zero pose decides, not the start pose
   const auto world = make_world(weightless, {body});
   const Diagnostics remarks = world->remarks();
   ASSERT_EQ(remarks.size(), 1u);
@@ -110,7 +110,7 @@ TEST_P(OwnContacts, AreNotMadeWithinWhatFixedJointsHold) {
   WorldSettings weightless = settings();
   weightless.gravity.setZero();
   const auto world = make_world(weightless, {body});
-  EXPECT_THAT(world->remarks(), IsEmpty());  // the arm's joint holds it to both
+  EXPECT_THAT(world->remarks(), IsEmpty());  // the arm's joint connects it to both
   run(*world, 200);
   EXPECT_EQ(link_of(*world, 2).position, Vector3d(0, 0, 0.1));
 }

@@ -202,7 +202,7 @@ TEST(RangeSensors, OnALinkThatMovesSeeTheRestOfTheirBody) {
   robot.add_device("Laser", 1, pointer(), looking_ahead());
   WorldBody body = body_of(robot.build(), {3.0, 0.0, 1.0});
   expect_range(make_world(weightless(), {body})->measure_ranges(0, 0)[0], 0.9);
-  body.joints = {M_PI};  // it looks back
+  body.joints = {M_PI};  // the sensor faces backwards
   EXPECT_EQ(make_world(weightless(), {body})->measure_ranges(0, 0)[0], nothing);
 }
 

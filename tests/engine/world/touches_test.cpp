@@ -299,7 +299,7 @@ TEST_P(Touching, AKinematicFingerFeelsWhatItPushes) {
     ++touching;
   }
   EXPECT_GT(touching, 100);
-  EXPECT_NEAR(pushed, box_mass * link_of(*world, 0, 1).velocity.x(), 0.02);  // the impulse that set it going
+  EXPECT_NEAR(pushed, box_mass * link_of(*world, 0, 1).velocity.x(), 0.02);  // the impulse that accelerated the box
   EXPECT_GT(link_of(*world, 0, 1).velocity.x(), 0.3);
 }
 

@@ -204,7 +204,7 @@ TEST_F(FeedTest, TurnsTheRootTheShorterWay) {
   pose.pose = {{0, 0, 1}, {0, 0, 0, 1}};
   take(0, pose);
   const double half = std::sqrt(0.5);
-  pose.pose = {{2, 0, 1}, {0, 0, -half, -half}};  // a quarter turn about z, by the other sign
+  pose.pose = {{2, 0, 1}, {0, 0, -half, -half}};  // a quarter turn about z, with the opposite sign of the quaternion
   take(10 * ms, pose);
   look(5 * ms);
   const LinkReading& root = seen_.bodies[0].links[0];

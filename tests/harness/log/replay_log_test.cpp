@@ -81,7 +81,7 @@ class LogReplay : public ::testing::Test {
     return *std::move(trace);
   }
 
-  // The log of a tank that is driven by joystick: the simplest that moves.
+  // The log of a tank that is driven by joystick: the simplest moving robot.
   RobotLog tank() const {
     RobotLog robot;
     robot.topics = {

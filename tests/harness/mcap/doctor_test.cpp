@@ -258,7 +258,7 @@ TEST(McapDoctor, GoesOnBehindDamage) {
   const std::string found = findings_of(bytes);
   EXPECT_THAT(found, HasSubstr("what stands there is no record; the next one begins at byte"));
   const auto examination = mcap::examine_bytes(bytes, "damaged.mcap");
-  EXPECT_EQ(examination->messages, 5u);  // all of them are behind
+  EXPECT_EQ(examination->messages, 5u);  // all messages are behind the damage
 }
 
 TEST(McapDoctor, KeepsItsListShort) {

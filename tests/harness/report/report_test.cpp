@@ -145,7 +145,7 @@ TEST_F(Report, OfARunAloneSaysSo) {
 TEST_F(Report, HasBothRunsBitForBit) {
   actual_.lengthen(200);
   golden_.lengthen(200);
-  for (std::size_t i = 0; i < 200; ++i) {  // alike but for last bits, so that a filter against the run is best
+  for (std::size_t i = 0; i < 200; ++i) {  // equal except for last bits, so that a filter against the run is best
     golden_.ticks[i].q = std::sin(0.1 * static_cast<double>(i));
     actual_.ticks[i].q = std::nextafter(golden_.ticks[i].q, i % 3 == 0 ? 2.0 : golden_.ticks[i].q);
     golden_.ticks[i].force = 1.0 / (1.0 + static_cast<double>(i));
@@ -187,7 +187,7 @@ TEST_F(Report, SaysWhatACompareSays) {
   EXPECT_EQ(knee["beyond"], 4);
   EXPECT_EQ(knee["tolerance"], comparison.first->tolerance);
   EXPECT_EQ(report.series("Robot/BASE/orientation/z")["beyond"], 1);
-  EXPECT_EQ(report.series("Robot/BASE/orientation/x")["beyond"], 1);  // all four are judged as one
+  EXPECT_EQ(report.series("Robot/BASE/orientation/x")["beyond"], 1);  // all four are compared as one orientation
   EXPECT_EQ(report.series("Robot/BASE/position/x")["beyond"], 0);
 }
 

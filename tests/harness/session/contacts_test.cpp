@@ -88,7 +88,7 @@ TEST_F(ContactRuns, AreRecordedPointByPoint) {
     EXPECT_NEAR(std::abs(trace.last(series + "/position/x")), 0.2, 1e-3);
     EXPECT_NEAR(trace.last(series + "/normal/z"), 1.0, 1e-6);
     EXPECT_LT(trace.last(series + "/depth"), 1e-3);
-    EXPECT_TRUE(std::isnan(trace.values(series + "/force/z").front()));  // there was no such point yet
+    EXPECT_TRUE(std::isnan(trace.values(series + "/force/z").front()));  // the point didn't exist yet
   }
   EXPECT_NEAR(load, 5.0 * 9.80665, 2.0);
   EXPECT_EQ(trace.find_series("Rig/C/input/FOOT/contacts/4/depth"), std::nullopt);
@@ -185,7 +185,7 @@ TEST_F(ContactRuns, DifferFromOneWithFewerContactsInTheTickWhereItLeaves) {
   ASSERT_NE(channel, comparison.channels.end());
   EXPECT_EQ(channel->stage, Stage::inputs);
   ASSERT_TRUE(channel->first.has_value());
-  EXPECT_EQ(channel->first->tick, 31);  // the first that the push made
+  EXPECT_EQ(channel->first->tick, 31);  // the first contact caused by the push
   EXPECT_TRUE(channel->worst.has_value());
 }
 

@@ -160,7 +160,7 @@ TEST_F(PartialAcceptance, IsWrittenIntoTheGoldenWithWhatWasAccepted) {
   const auto accepted = store.accept_pending("Rig.Turns", {{"/Rig/Camera/image"}, 0.0, std::nullopt}, again_);
   ASSERT_TRUE(accepted) << to_string(accepted.errors());
   EXPECT_FALSE(accepted->whole);
-  EXPECT_TRUE(fs::exists(store.pending_file("Rig.Turns")));  // the rest of it waits
+  EXPECT_TRUE(fs::exists(store.pending_file("Rig.Turns")));  // the rest of the run is still pending
   EXPECT_EQ(std::distance(fs::directory_iterator(path("pending")), fs::directory_iterator()), 1);
   std::ifstream digest(store.digest_file("Rig.Turns"));
   const std::string text{std::istreambuf_iterator<char>(digest), std::istreambuf_iterator<char>()};

@@ -132,7 +132,7 @@ TEST_F(RangeSensorRuns, FollowTheLinkTheySitOn) {
   const std::vector<double> ahead = trace.values("Rig/Flat/ranges/1"), q = trace.values("Rig/SHOULDER/q");
   ASSERT_EQ(ahead.size(), 10u);
   for (std::size_t i = 1; i < ahead.size(); ++i) {
-    const double yaw = q[10 * i];  // when the scan was made that arrived as the i-th
+    const double yaw = q[10 * i];  // at the time of the scan that arrived as the i-th
     EXPECT_LT(std::abs(yaw), 1.9) << i;
     if (std::abs(yaw) < 1.0) {
       EXPECT_NEAR(ahead[i], 2.0 / std::cos(yaw), 1e-5) << i;
@@ -143,7 +143,7 @@ TEST_F(RangeSensorRuns, FollowTheLinkTheySitOn) {
 TEST_F(RangeSensorRuns, AreSilentWhileSwitchedOff) {
   const Trace trace =
       record_run(before_a_wall(behaviour("C", "scan Flat") + ", " + behaviour("S", "laser_off Flat 12")));
-  EXPECT_THAT(said(trace), Contains("Rig/C: tick 13 delay 0.009:"));  // nothing there any more
+  EXPECT_THAT(said(trace), Contains("Rig/C: tick 13 delay 0.009:"));  // the ranges are empty now
   EXPECT_THAT(said(trace), Contains("Rig/C: tick 38 delay 0.009: inf 2 2.27899"));
   EXPECT_THAT(said(trace), Not(Contains(HasSubstr("tick 20"))));
   EXPECT_THAT(topics(trace, "/Rig/S/output/Flat"), ElementsAre("/Rig/S/output/Flat/state"));
@@ -179,7 +179,7 @@ TEST_F(RangeSensorRuns, ChangeNothingInThePhysics) {
 TEST_F(RangeSensorRuns, RefuseToReplayAScanOfAnotherNumberOfBeams) {
   record_run(before_a_wall(behaviour("C", "scan Flat")));
   EXPECT_TRUE(replay_run().ok());
-  // the same recording, told that its sensor has four beams
+  // the same recording, with a scenario whose sensor has four beams
   auto reader = mcap::Reader::open(path("run.mcap"));
   auto writer = mcap::Writer::create(path("other.mcap"));
   ASSERT_TRUE(reader.ok() && writer.ok());

@@ -64,7 +64,7 @@ TEST_F(Replay, FindsLinksWhoseNamesHaveSlashes) {
 TEST_F(Replay, DeliversPicturesAndPointsBitForBit) {
   expect_equal(rig(behaviour("C", "look"), "", "0.05"));
   const std::vector<double> sums = Trace::load(path("run.mcap"))->values("Rig/C/output/SHOULDER/u");
-  EXPECT_NE(sums.front(), sums[6]);  // it has seen something
+  EXPECT_NE(sums.front(), sums[6]);  // the picture has changed
   EXPECT_NE(sums[6], sums.back());   // and then something else: the delay and the arm's angle
 }
 
@@ -182,7 +182,7 @@ TEST_F(Replay, OfACameraThatDidNotRunNeedsNoPictures) { expect_equal(rig(behavio
 TEST_F(Replay, SaysThatACommandIsMissing) {
   record_run(hinge_pd());
   ReplayOptions options;
-  options.controllers["Rig/C"] = {"Behaviours", "", true, true};  // without options it refuses
+  options.controllers["Rig/C"] = {"Behaviours", "", true, true};  // without options the controller refuses
   const ReplayReport report = replayed(options);
   ASSERT_TRUE(report.first.has_value());
   EXPECT_EQ(report.first->tick, 0);

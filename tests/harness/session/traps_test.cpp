@@ -31,7 +31,7 @@ TEST_F(Traps, ControlReturningFalseDoesNotEndTheRun) {
   EXPECT_FALSE(summary_.failure.has_value());
   EXPECT_FALSE(summary_.controller_refused);
   EXPECT_THAT(trace.values("controller_results/0"), Each(0.0));
-  EXPECT_GT(trace.last("Rig/SHOULDER/dq"), 0.03);  // it was obeyed to the end
+  EXPECT_GT(trace.last("Rig/SHOULDER/dq"), 0.03);  // the command was effective to the end
 }
 
 TEST_F(Traps, CommandsActOneTickLate) {
@@ -109,7 +109,7 @@ TEST_F(Traps, DisabledInputsKeepStaleValues) {
   const std::string pushed = "cameras: none\npushes: [{body: Rig, link: SLED, force: [50, 0, 0], from: 0, until: 1}]\n";
   const Trace trace = record_run(rig(behaviour("C", "stale"), pushed));
   EXPECT_GT(trace.last("Rig/RAIL/q"), 0.254);
-  EXPECT_THAT(trace.values("Rig/C/output/RAIL/u"), Each(0.25));  // where it stood before the run
+  EXPECT_THAT(trace.values("Rig/C/output/RAIL/u"), Each(0.25));  // its position before the run
 }
 
 TEST_F(Traps, OwnOutputsAreReadableBack) {
@@ -193,7 +193,7 @@ TEST_F(DeviceTraps, DeviceOutputNeedsNotify) {
 TEST_F(DeviceTraps, WithoutDelayDeviceOutputIsNotLost) { EXPECT_EQ(pictures("switch 12 notify nodelay"), 3u); }
 
 TEST_F(DeviceTraps, NotifyInInitializeCounts) {
-  EXPECT_EQ(pictures("switch -1 notify"), 1u);  // nothing but that it is off
+  EXPECT_EQ(pictures("switch -1 notify"), 1u);  // only the message that the camera is off
   EXPECT_EQ(summary_.frames, 0);
 }
 

@@ -257,7 +257,7 @@ TEST(Trace, NamesTransformsByTheirChildFrame) {
 TEST(Trace, KeepsHashesExactly) {
   msg::Tick tick;
   tick.tick = 3;
-  tick.state_hash = 0xfedcba9876543211;  // no double holds it
+  tick.state_hash = 0xfedcba9876543211;  // a double can't represent it
   tick.controller_results = {true, false};
   Recording recording;
   recording.add("/tick", 3 * ms, tick);

@@ -58,7 +58,7 @@ class Stand : public cnoid::SimpleController {
       const double q = knee && FAULT == stale ? last_[i] : joint->q();
       last_[i] = joint->q();
       effort_[i] = strength_ * (p * (wanted_[i] - q) - d * joint->dq());
-      if (knee) effort_[i] *= 1.0 + 0.001 * joint->q_upper();  // something that it reads of its model
+      if (knee) effort_[i] *= 1.0 + 0.001 * joint->q_upper();  // a value that it reads from its model
       if (joint->jointName().find("ANKLE_P") != std::string::npos) effort_[i] -= 5.0 * gyro_->w().y();
       if (knee && FAULT == uninitialised) effort_[i] += offset_[12];
     }
@@ -75,7 +75,7 @@ class Stand : public cnoid::SimpleController {
   std::vector<double> wanted_;  // [rad]
   std::vector<double> last_;    // [rad]
   std::vector<double> effort_;  // [N·m]
-  double strength_ = 1.0;       // by which all gains are multiplied
+  double strength_ = 1.0;       // factor of all gains
   double* offset_ = nullptr;    // [N·m]; never freed
 };
 
