@@ -82,6 +82,7 @@ for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, na
 symlinkSync(build, join(folder, 'build'));
 const environment = { ...process.env, PATH: `${build}/bin:${process.env.PATH}`, SOURCE: source, CMAKE_PREFIX_PATH: build };
 for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
+environment.REHEARSE_PENDING = 'rehearse-pending'; // not in the build that tests share
 let place = folder; // a session's working directory
 const run = (command, input = '') => {
   const script = `exec 2>&1; ${command}\nstatus=$?; pwd > ${folder}/.place; exit $status`;

@@ -2,7 +2,7 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME rehearse)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_PACKAGE_CONTACT "The Rehearse authors <rehearse@localhost>")
+set(CPACK_PACKAGE_CONTACT "The Rehearse authors <rehearse@users.noreply.github.com>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_COMPONENTS_ALL runtime development)
@@ -11,7 +11,10 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/doc/triggers)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_THREADS 0)  # all processors
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME rehearse)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
@@ -39,6 +42,7 @@ file(WRITE ${documents}/changelog.Debian
   "rehearse (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"
   "  * changelog.gz has the changes of this version.\n\n"
   " -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")
+file(WRITE ${documents}/triggers "activate-noawait ldconfig\n")
 configure_file(CHANGELOG.md ${documents}/changelog COPYONLY)
 execute_process(COMMAND gzip --no-name --best --force ${documents}/changelog ${documents}/changelog.Debian
   COMMAND_ERROR_IS_FATAL ANY)

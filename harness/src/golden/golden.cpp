@@ -81,7 +81,8 @@ fs::path pending_folder() {
   std::error_code ignored;
   const fs::path project = find_project("./").value_or(fs::current_path(ignored));
   const bool has_build = fs::is_regular_file(project / "build/CMakeCache.txt", ignored);
-  return fs::proximate(project / (has_build ? "build/goldens/pending" : "rehearse-pending"), ignored);
+  const fs::path folder = project / (has_build ? "build/goldens/pending" : "rehearse-pending");
+  return folder.lexically_proximate(fs::current_path(ignored));
 }
 
 Result<fs::path> find_golden_folder(const fs::path& scenario) {
