@@ -21,7 +21,9 @@ using ::testing::Not;
 using testing::SmallTrace;
 using testing::write;
 
-class Golden : public GoldenFolder {};
+class Golden : public GoldenFolder {
+  const Environment ci_{"CI", ""};  // messages advise differently there
+};
 
 TEST(GoldenMode, IsCheckUnlessSaidOtherwise) {
   const Environment ci("CI", "");

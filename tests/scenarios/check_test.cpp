@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "small_traces.h"
 
 namespace rehearse {
@@ -16,6 +18,7 @@ using ::testing::HasSubstr;
 class Check : public ::testing::Test {
  protected:
   Check() : store_(folder_ / "golden", folder_ / "pending") {
+    unsetenv("CI");  // messages advise differently there
     fs::create_directories(folder_ / "golden");
     auto scenario = Scenario::load(FIXTURES_DIR "/scenarios/sr1_standing.yaml");
     EXPECT_TRUE(scenario) << to_string(scenario.errors());
