@@ -1,12 +1,14 @@
 #include "run_survey.h"
 
+#include <rehearse/messages.h>
+
 #include <algorithm>
 #include <array>
 #include <numeric>
 
 #include "compare_parts.h"
-#include "trace/hashing.h"
 #include "series_scale.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 

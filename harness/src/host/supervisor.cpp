@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
+#include <rehearse/pin.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
