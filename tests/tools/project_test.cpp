@@ -57,6 +57,24 @@ TEST_F(Project, AForgottenBuildIsAdvised) {
   EXPECT_THAT(outcome.err, HasSubstr("build it first: cmake -S "));
 }
 
+TEST_F(Project, AControllerThatFailedIsReportedBeforeTheExpectationsThatItsRunViolates) {
+  build("build", MISBEHAVING);
+  const std::string scenario = read_file(folder() / "scenarios/swing.yaml") +
+                               "expect:\n  - {channel: Pendulum/hinge/q, below: 90 deg, at: end}\n";
+  write("scenarios/swing.yaml", scenario);
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  const std::string options = "options: \"\"";
+  write("scenarios/swing.yaml",
+        std::string(scenario).replace(scenario.find(options), options.size(), "options: say-and-refuse"));
+  const Outcome outcome = rehearse({"check"});
+  EXPECT_EQ(outcome.status, 3);
+  const std::size_t failure = outcome.out.find("it wrote: the robot has no joint KNEE");
+  const std::size_t expectation = outcome.out.find("expected Pendulum/hinge/q below 90 deg");
+  ASSERT_NE(failure, std::string::npos) << outcome.out;
+  ASSERT_NE(expectation, std::string::npos) << outcome.out;
+  EXPECT_LT(failure, expectation) << outcome.out;
+}
+
 TEST_F(Project, OutsideOfOneCheckSaysTheRule) {
   fs::remove(folder() / "CMakeLists.txt");
   const Outcome outcome = rehearse({"check"});

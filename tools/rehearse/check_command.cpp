@@ -322,7 +322,7 @@ CiCase ci_case(const Checked& checked) {
   one.details = report.verdict + '\n';
   if (report.comparison) one.details += table(*report.comparison);
   one.details += report.message;
-  if (checked.page) one.pictures.push_back(checked.page->file.string());
+  if (checked.page) one.report = checked.page->file.string();
   return one;
 }
 

@@ -53,13 +53,10 @@ std::int64_t count_of(const std::vector<CiCase>& cases, CiCase::State state) {
 }
 
 std::string summary_of(const std::vector<CiCase>& cases) {
-  std::string text = "### rehearse check\n\n| scenario | | verdict | pictures |\n| --- | --- | --- | --- |\n";
-  for (const CiCase& one : cases) {
-    std::string pictures;
-    for (const std::string& picture : one.pictures)
-      pictures += (pictures.empty() ? "" : ", ") + fs::path(picture).filename().string();
-    text += fmt::format("| {} | {} | {} | {} |\n", cell(one.name), word_of(one.state), cell(one.verdict), cell(pictures));
-  }
+  std::string text = "### rehearse check\n\n| scenario | | verdict | report |\n| --- | --- | --- | --- |\n";
+  for (const CiCase& one : cases)
+    text += fmt::format("| {} | {} | {} | {} |\n", cell(one.name), word_of(one.state), cell(one.verdict),
+                        cell(fs::path(one.report).filename().string()));
   return text;
 }
 

@@ -17,10 +17,10 @@ struct CiCase {
   std::string file;  // of the scenario
   int line = 1;      // of the first violated expectation, else 1
   State state = State::passed;
-  std::string verdict;                // one sentence
-  std::string details;                // lines
-  std::vector<std::string> pictures;  // files
-  double seconds = 0.0;               // wall time [s]
+  std::string verdict;   // one sentence
+  std::string details;   // lines
+  std::string report;    // an HTML file; empty: there is none
+  double seconds = 0.0;  // wall time [s]
 };
 
 /// Writes JUnit's XML, in the form of Jenkins' published schema: a test case for each scenario, whose failure has the

@@ -112,13 +112,7 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
 std::string headline(std::string_view sentence) {
   constexpr std::size_t longest = 160;
   if (width_of(sentence) <= longest) return std::string(sentence);
-  std::size_t end = 0;
-  for (std::size_t at = 0; at < longest - 3; ++at)
-    if (std::string_view(";:,(").find(sentence[at]) != std::string_view::npos && sentence[at + 1] != '/') end = at;
-  if (end == 0) end = sentence.rfind(' ', longest - 4);
-  std::string_view kept = sentence.substr(0, end);
-  while (!kept.empty() && kept.back() == ' ') kept.remove_suffix(1);
-  return fmt::format("{} ...", kept);
+  return fmt::format("{} ...", sentence.substr(0, sentence.rfind(' ', longest - 4)));
 }
 
 std::size_t terminal_width() {

@@ -36,8 +36,7 @@ std::string plain_text(std::string_view text);
 /// at that column already.
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent);
 
-/// Shortens a sentence to at most 160 characters, for one line of a log: it ends after a clause, with "..." if anything
-/// is left out.
+/// A sentence in at most 160 characters, for one line of a log: cut after a word, with "..." if anything is left out.
 std::string headline(std::string_view sentence);
 
 /// The number of columns of the terminal on stdout; 0 if stdout is not a terminal: then text isn't broken into lines.

@@ -182,7 +182,9 @@ void Check::judge_by_expectations(const Trace& fresh) {
   const std::string judged = verdict(report.expectations);
   const ExpectationResult* violation = first_violation(report.expectations);
   const bool is_alone = violation && report.within();
-  report.verdict = violation ? judged + "; " + report.verdict : report.verdict + "; " + judged;
+  const bool failed = report.run && (report.run->failure || report.run->controller_refused);
+  // a run that a controller ended is not as expected because of that
+  report.verdict = violation && !failed ? judged + "; " + report.verdict : report.verdict + "; " + judged;
   if (is_alone) report.first = divergence_of(*violation, fresh);
   if (violation) report.closed = LevelState::differs;
   report.message += violation_lines(report.expectations);
