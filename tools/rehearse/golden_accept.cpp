@@ -25,7 +25,7 @@ Json json_of_accepted(const GoldenStore& store, const std::string& name, const A
           {"digest", store.digest_file(name).string()},
           {"changed", accepted.changed},
           {"whole", accepted.whole},
-          {"verdict", accepted.moved ? Json(verdict(*accepted.moved)) : Json(nullptr)},
+          {"verdict", accepted.moved ? Json(accepted.verdict) : Json(nullptr)},
           {"moved", accepted.moved ? Json(moved_lines(*accepted.moved)) : Json::array()}};
 }
 
@@ -100,7 +100,7 @@ void tell_accepted(const GoldenStore& store, const std::string& name, const Acce
   }
   fmt::print("accepted {}{}\n", golden, accepted.whole ? "" : ", in part: the run waits on");
   if (accepted.moved)
-    fmt::print("the run before it {}\n{}", verdict(*accepted.moved), table(*accepted.moved));
+    fmt::print("{}\n{}", accepted.verdict, table(*accepted.moved));
   else
     fmt::print("there was none before it that could be read\n");
   fmt::print("look at {} and commit both files\n", store.digest_file(name).string());

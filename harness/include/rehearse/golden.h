@@ -158,6 +158,7 @@ struct Accepted {
   bool whole = true;    // false: a part of the run was accepted; the run stays in the pending folder
   /// The comparison of the old golden with the new one; none if no old one could be read.
   std::optional<Comparison> moved;
+  std::string verdict;  // as the digest states it: that of the check, else that of `moved`; empty without `moved`
 };
 
 class GoldenStore {

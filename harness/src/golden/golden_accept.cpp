@@ -116,7 +116,7 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
       acceptance.verdict = "the golden before it can't be read: " + golden.errors()[0].message;
     } else {
       accepted.moved = compare_by_its_tolerances(*golden, *run);
-      acceptance.verdict = judged.empty() ? verdict(*accepted.moved) : judged;
+      accepted.verdict = acceptance.verdict = judged.empty() ? verdict(*accepted.moved) : judged;
       acceptance.moved = moved_lines(*accepted.moved);
       if (is_same_run(*golden, *run, *accepted.moved)) {
         accepted.changed = !check_digest(name);
