@@ -297,5 +297,11 @@ TEST_F(Diff, RefusesAFileThatHasNoTolerances) {
   EXPECT_THAT(refusal("a: [\n"), HasSubstr("t.yaml:"));
 }
 
+TEST_F(Golden, AcceptPrintsTheVerdictOfTheCheck) {
+  accept_golden();
+  EXPECT_EQ(rehearse({"check", scenario_, "--controller", changed_gain}).status, 1);
+  EXPECT_THAT(done({"golden", "accept", "Robot.Stands"}).out, HasSubstr("\nthe controller changed: "));
+}
+
 }  // namespace
 }  // namespace rehearse::test
