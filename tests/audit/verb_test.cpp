@@ -171,12 +171,12 @@ TEST_F(AuditVerb, LeavesNothingBehindWhenItIsStopped) {
   const fs::path zoo = scenario("steady_clock");
   // interrupted as soon as its folder is there, however long the machine takes for that
   const std::string script =
-      "\"$@\" & until ls temporary/rehearse-audit.* > /dev/null 2>&1; do sleep 0.02; done; kill -INT $!; wait $!";
+      "\"$@\" & until ls temporary/rehearse.* > /dev/null 2>&1; do sleep 0.02; done; kill -INT $!; wait $!";
   const Outcome outcome =
       run("/bin/sh", {"-c", script, "sh", command.string(), "audit", zoo.string(), "--repeat", "500"},
           "TMPDIR=" + quoted(temporary.string()));
   EXPECT_EQ(outcome.status, 130) << outcome.out;
-  EXPECT_THAT(outcome.err, HasSubstr("the audit was stopped by Interrupt: nothing was judged"));
+  EXPECT_THAT(outcome.err, HasSubstr("rehearse audit: interrupted by SIGINT; what was begun is removed"));
   EXPECT_TRUE(fs::is_empty(temporary));
 }
 

@@ -42,6 +42,17 @@ TEST_F(GoldenNoise, IsWrittenBesideTheGolden) {
   EXPECT_EQ(read_file(folder() / noise_file), first) << "measured again, it is another file";
 }
 
+TEST_F(GoldenNoise, LeavesNothingBehindWhenItIsStopped) {
+  const std::string script =
+      "\"$@\" & until ls rehearse-pending/noise/*/run.mcap > /dev/null 2>&1; do sleep 0.02; done; kill -INT $!; wait "
+      "$!";
+  const Outcome outcome =
+      run("/bin/sh", {"-c", script, "sh", command.string(), "golden", "noise", "stands.yaml", "--patterns", "500"});
+  EXPECT_EQ(outcome.status, 130) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("rehearse golden: interrupted by SIGINT; what was begun is removed"));
+  EXPECT_TRUE(fs::is_empty(folder() / "rehearse-pending/noise"));
+}
+
 TEST_F(GoldenNoise, AnswersInJson) {
   const nlohmann::json report = done({"golden", "noise", "stands.yaml", "--json", "--patterns", "1"}).json();
   EXPECT_EQ(report["scenario"], "sr1_minimum");

@@ -1,10 +1,7 @@
 // rehearse audit: finds out whether a controller is a function of its inputs, and if not, what it depends on.
 #include <fmt/format.h>
 #include <rehearse/audit.h>
-#include <stdlib.h>
-#include <string.h>
 
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -12,6 +9,7 @@
 #include <string>
 
 #include "command.h"
+#include "host/interruption.h"
 #include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
@@ -23,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t stopped_by = 0;  // the signal that requested the end
-
 struct AuditSettings {
   std::string subject;
   std::string output;  // with --virtualise: output file of the recording
@@ -33,13 +29,6 @@ struct AuditSettings {
   AuditOptions audit;
   AuditedReplay replay;  // the task of this process; without a folder: audit
 };
-
-/// Creates a folder with a unique name; empty if it can't be created.
-fs::path new_temporary_folder() {
-  std::error_code failed;
-  std::string name = (fs::temp_directory_path(failed) / "rehearse-audit.XXXXXX").string();
-  return !failed && mkdtemp(name.data()) ? fs::path(name) : fs::path();
-}
 
 const char* words_for(Factor factor) {
   switch (factor) {
@@ -127,24 +116,21 @@ Exit run_audit(AuditSettings& settings) {
   if (!settings.output.empty())
     if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
-  for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int which) { stopped_by = which; });
-  const ScratchFolder scratch(new_temporary_folder());
+  end_runs_on_signals();
+  const ScratchFolder scratch = ScratchFolder::temporary();
   if (scratch.path().empty())
     return refuse(error("there is no folder for temporary files", "TMPDIR names one that can be written to"));
   std::error_code failed;
   settings.audit.scratch = scratch.path();
   settings.audit.auditor = fs::read_symlink("/proc/self/exe", failed);
   settings.audit.recorder = settings.audit.auditor.parent_path() / "rehearse-simulate";
-  settings.audit.should_stop = [] { return stopped_by != 0; };
+  settings.audit.should_stop = [] { return interruption() != 0; };
   const Result<AuditReport> report = [&] {
     Progress progress("auditing");
     settings.audit.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
     return audit(settings.subject, settings.audit);
   }();
-  if (!report && stopped_by != 0) {
-    fmt::print(stderr, "the audit was stopped by {}: nothing was judged\n", strsignal(stopped_by));
-    return static_cast<Exit>(128 + stopped_by);
-  }
+  if (interruption() != 0) throw Interrupted();
   if (!report) return refuse(report.errors());
   if (!settings.output.empty())
     if (const auto kept = keep_recording(settings); !kept) return refuse(kept.errors());

@@ -1,28 +1,27 @@
 #include "debugger.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/pin.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <iterator>
 #include <sstream>
 
+#include "host/child_process.h"
 #include "host/controller_library.h"
 #include "mcap/whole_input.h"
 #include "model/clock.h"
 #include "output.h"
 #include "scenario/trace_scenario.h"
+#include "scratch_folder.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
@@ -83,29 +82,14 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// The stdout of this program when it is started with these words; empty if it can't be started.
-std::string output_of(std::vector<std::string> words) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return {};
+/// The JSON that this program prints when it is started with these words; discarded if it can't be started or read.
+Json json_from(std::vector<std::string> words) {
+  const ScratchFolder scratch = ScratchFolder::temporary();
+  const fs::path output = scratch.path() / "output";
   words.insert(words.begin(), own_program().string());
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, words[0].c_str(), &files, nullptr, pointers_to(words).data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  close(ends[1]);
-  std::string text;
-  char part[4096];
-  for (ssize_t size; failed == 0 && ((size = read(ends[0], part, sizeof part)) > 0 || (size < 0 && errno == EINTR));)
-    if (size > 0) text.append(part, static_cast<std::size_t>(size));
-  close(ends[0]);
-  if (failed == 0)
-    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-    }
-  return text;
+  const auto ended = run_to_end({std::move(words), environment_with({}), output, ChildProcess::Errors::discarded});
+  if (!ended) return Json(Json::value_t::discarded);
+  return Json::parse(std::ifstream(output), nullptr, false);
 }
 
 /// The tick and the controller at which gdb should stop.
@@ -117,7 +101,7 @@ struct Interesting {
 /// Replays in a separate process, which may crash, and returns its result.
 Interesting find_interesting(const Scenario& scenario, std::vector<std::string> words) {
   words.push_back("--json");
-  const Json report = Json::parse(output_of(std::move(words)), nullptr, false);
+  const Json report = json_from(std::move(words));
   if (!report.is_object()) return {};  // the run in gdb will report the error
   if (const auto failure = report.find("failure"); failure != report.end() && failure->is_string()) {
     fmt::print("{}: stopping at the beginning of that tick\n", failure->get<std::string>());

@@ -12,6 +12,7 @@
 #include "check/noise_floor.h"
 #include "check/perturbed_run.h"
 #include "golden_verbs.h"
+#include "host/interruption.h"
 #include "options.h"
 #include "progress.h"
 #include "scratch_folder.h"
@@ -61,7 +62,7 @@ Result<Measured> measure(const GoldenNoiseSettings& settings, const std::string&
   auto scenario = Scenario::load(file);
   if (!scenario) return scenario.errors();
   if (settings.duration) scenario->duration = *settings.duration;
-  Progress progress("measuring " + scenario->name);
+  StoppableProgress progress("measuring " + scenario->name);
   const ScratchFolder scratch(pending_folder() / "noise" / fmt::format("{}.{}", scenario->name, getpid()));
   std::error_code failed;
   fs::create_directories(scratch.path(), failed);
@@ -71,6 +72,7 @@ Result<Measured> measure(const GoldenNoiseSettings& settings, const std::string&
   const fs::path trace = scratch.path() / "run.mcap";
   const auto run = record(*scenario, trace, running);
   if (!run) return run.errors();
+  if (interruption() != 0) throw Interrupted();
   if (run->failure) return *run->failure;
   const auto recording = Trace::load(trace);
   if (!recording) return recording.errors();
@@ -81,6 +83,7 @@ Result<Measured> measure(const GoldenNoiseSettings& settings, const std::string&
   options.program = fs::read_symlink("/proc/self/exe", failed);
   options.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
   auto noise = measure_noise(*scenario, *recording, {record, run_plant}, options);
+  if (interruption() != 0) throw Interrupted();
   if (!noise) return noise.errors();
   Measured measured{*std::move(noise), "", ""};
   if (auto kept = keep(settings, *scenario, *recording, measured); !kept) return kept.errors();

@@ -1,19 +1,15 @@
 // rehearse golden prune: removes goldens that no test and no scenario names any more. The names in tests are known only
 // from a run of the tests.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <memory>
 #include <set>
 
 #include "golden/run_folder.h"
 #include "golden_verbs.h"
+#include "host/child_process.h"
 #include "options.h"
 #include "terminal.h"
 
@@ -29,29 +25,15 @@ struct GoldenPruneSettings {
   bool json = false;
 };
 
-/// Runs a program and returns its exit status; its output goes to a file. Fails if the program can't be started or is
-/// ended by a signal.
-Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                        const fs::path& output) {
-  std::vector<char*> arguments, variables;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  for (const std::string& variable : environment) variables.push_back(const_cast<char*>(variable.c_str()));
-  for (char** variable = environ; *variable != nullptr; ++variable)
-    if (std::strncmp(*variable, "REHEARSE_", 9) != 0 && std::strncmp(*variable, "GTEST_", 6) != 0)
-      variables.push_back(*variable);
-  for (std::vector<char*>* list : {&arguments, &variables}) list->push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
-  pid_t process = 0;
-  const int failed = ::posix_spawn(&process, arguments[0], &files, nullptr, arguments.data(), variables.data());
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) return error(fmt::format("{} can't be run: {}", words[0], std::strerror(failed)));
-  int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
-  if (!WIFEXITED(status)) return error(fmt::format("{} was ended by signal {}", words[0], WTERMSIG(status)));
-  return WEXITSTATUS(status);
+/// The environment of test programs: as a person starts them by hand, with `own` variables besides.
+std::vector<std::string> environment_of_tests(const EnvironmentChanges& own) {
+  EnvironmentChanges changes = own;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    if (text.starts_with("REHEARSE_") || text.starts_with("GTEST_"))
+      changes.emplace(text.substr(0, text.find('=')), std::nullopt);
+  }
+  return environment_with(changes);
 }
 
 /// The test names in the output of --gtest_list_tests, in the form in which goldens are named.
@@ -77,14 +59,15 @@ std::set<std::string> names_listed(const fs::path& listing) {
 /// test, which may have ended before the comparison.
 Result<std::set<std::string>> named_by_tests(const std::string& program, const fs::path& scratch) {
   const fs::path listing = scratch / "tests.txt", pending = scratch / "pending";
-  const auto listed = run_program({program, "--gtest_list_tests"}, {}, listing);
+  const auto listed = run_to_end({{program, "--gtest_list_tests"}, environment_of_tests({}), listing});
   if (!listed) return listed.errors();
   std::set<std::string> names = names_listed(listing);
   if (*listed != 0 || names.empty())
     return error(fmt::format("{} lists no tests", program), "name programs that GoogleTest made");
-  const auto ran =
-      run_program({program, "--gtest_also_run_disabled_tests=0"},
-                  {"REHEARSE_PENDING=" + fs::absolute(pending).string(), "REHEARSE_REPORT=never"}, scratch / "run.txt");
+  const auto ran = run_to_end(
+      {{program, "--gtest_also_run_disabled_tests=0"},
+       environment_of_tests({{"REHEARSE_PENDING", fs::absolute(pending).string()}, {"REHEARSE_REPORT", "never"}}),
+       scratch / "run.txt"});
   if (!ran) return ran.errors();
   if (*ran != 0 && *ran != 1)
     return error(fmt::format("{} ended with status {} before all its tests had run", program, *ran),
@@ -119,7 +102,7 @@ bool is_committed(const fs::path& file, const fs::path& scratch) {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"/usr/bin/git", "-C", folder, "ls-files", "--error-unmatch", "--", name},
         {"/usr/bin/git", "-C", folder, "diff", "--quiet", "HEAD", "--", name}}) {
-    const auto ended = run_program(words, {}, scratch / "git.txt");
+    const auto ended = run_to_end({words, environment_with({}), scratch / "git.txt"});
     if (!ended || *ended != 0) return false;
   }
   return true;

@@ -105,7 +105,7 @@ Result<void> Audit::record() {
   if (!changes) return changes.errors();
   for (const auto& [name, value] : pinned_environment()) (*changes)[name] = value;
   if (options_.virtualise) changes->merge(virtualised_environment(options_.seed));
-  const auto status = run_program(words, environment_with(*changes), output, options_.should_stop);
+  const auto status = run_to_end({words, environment_with(*changes), output}, options_.should_stop);
   if (!status) return status.errors();
   std::error_code ignored;
   if (!fs::exists(trace_, ignored)) {

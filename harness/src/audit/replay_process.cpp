@@ -1,11 +1,8 @@
 #include "replay_process.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <rehearse/pin.h>
-#include <spawn.h>
 #include <string.h>
-#include <sys/personality.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,53 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
-using Changes = std::map<std::string, std::optional<std::string>>;
 
 constexpr int at_a_time = 2;
 constexpr std::chrono::milliseconds poll_interval{1};
 constexpr std::chrono::milliseconds heartbeat_interval{250};
 constexpr double patience = 10.0;  // time after the limit of a call until a silent process is killed [s]
 constexpr double valgrind_slowness = 50.0;
-
-std::vector<char*> pointers_to(std::vector<std::string>& words) {
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
-/// Switches off random addresses for processes that this thread starts during its lifetime.
-class FixedAddresses {
- public:
-  explicit FixedAddresses(bool wanted) : before_(::personality(0xffffffff)) {
-    if (wanted && before_ != -1) ::personality(static_cast<unsigned long>(before_) | ADDR_NO_RANDOMIZE);
-  }
-  ~FixedAddresses() {
-    if (before_ != -1) ::personality(static_cast<unsigned long>(before_));
-  }
-  FixedAddresses(const FixedAddresses&) = delete;
-  FixedAddresses& operator=(const FixedAddresses&) = delete;
-
- private:
-  int before_;
-};
-
-Result<pid_t> spawn(std::vector<std::string> words, std::vector<std::string> environment, const fs::path& output,
-                    const fs::path& folder, bool fixed_addresses) {
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
-  if (!folder.empty()) posix_spawn_file_actions_addchdir_np(&files, folder.c_str());
-  pid_t child = 0;
-  const FixedAddresses fixed(fixed_addresses);
-  const int failed = posix_spawn(&child, words[0].c_str(), &files, nullptr, pointers_to(words).data(),
-                                 pointers_to(environment).data());
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) return error(fmt::format("{} can't be started: {}", words[0], strerror(failed)));
-  return child;
-}
 
 /// True for variables that a replay needs, or that influence its arithmetic: they are equal in all replays.
 bool is_needed(const std::string& name) {
@@ -84,7 +40,7 @@ bool is_needed(const std::string& name) {
 }
 
 /// Removes the user's variables, sets the usual ones to different values, and adds 100 kB.
-void change_environment(Changes& changes, const fs::path& home) {
+void change_environment(EnvironmentChanges& changes, const fs::path& home) {
   for (char** entry = environ; *entry; ++entry) {
     const std::string name(*entry, std::min(strcspn(*entry, "="), strlen(*entry)));
     if (!is_needed(name)) changes.emplace(name, std::nullopt);
@@ -120,41 +76,6 @@ std::string sentence_of_death(int status, const std::optional<UnfinishedCall>& c
 }
 
 }  // namespace
-
-bool can_fix_addresses() {
-  const int before = ::personality(0xffffffff);
-  if (before == -1) return false;
-  const FixedAddresses fixed(true);
-  return (::personality(0xffffffff) & ADDR_NO_RANDOMIZE) != 0;
-}
-
-std::vector<std::string> environment_with(const Changes& changes) {
-  std::vector<std::string> variables;
-  for (char** entry = environ; *entry; ++entry) {
-    const std::string_view text = *entry;
-    if (changes.count(std::string(text.substr(0, text.find('=')))) == 0) variables.emplace_back(text);
-  }
-  for (const auto& [name, value] : changes)
-    if (value) variables.push_back(name + "=" + *value);
-  return variables;
-}
-
-Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                        const fs::path& output, const std::function<bool()>& should_stop) {
-  const auto child = spawn(words, environment, output, {}, false);
-  if (!child) return child.errors();
-  int status = 0;
-  for (pid_t ended = 0; ended == 0; std::this_thread::sleep_for(poll_interval)) {
-    ended = waitpid(*child, &status, WNOHANG);
-    if (ended < 0 && errno == EINTR) ended = 0;
-    if (ended < 0) return error(fmt::format("{} was lost: {}", words[0], strerror(errno)));
-    if (ended != 0 || !should_stop || !should_stop()) continue;
-    ::kill(*child, SIGKILL);
-    waitpid(*child, &status, 0);
-    return error("the audit was stopped");
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 struct ReplayProcesses::Child {
   const ReplaySettings* settings = nullptr;
@@ -200,7 +121,7 @@ std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& set
 }
 
 Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettings& settings) const {
-  Changes changes = settings.environment;
+  EnvironmentChanges changes = settings.environment;
   if (settings.other_environment) change_environment(changes, folder_of(settings));
   for (const auto& [name, value] : pinned_environment()) changes[name] = value;
   if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
@@ -224,8 +145,11 @@ Result<ReplayProcesses::Child> ReplayProcesses::start(const ReplaySettings& sett
   if (failed) return error(fmt::format("the folder {} can't be made: {}", elsewhere.string(), failed.message()));
   const auto variables = environment(settings);
   if (!variables) return variables.errors();
-  const auto process = spawn(command_line(settings), *variables, child.folder / "output.txt",
-                             settings.other_folder ? elsewhere : fs::path(), !settings.other_addresses);
+  const auto process = rehearse::start({.words = command_line(settings),
+                                        .environment = *variables,
+                                        .output = child.folder / "output.txt",
+                                        .folder = settings.other_folder ? elsewhere : fs::path(),
+                                        .fixed_addresses = !settings.other_addresses});
   if (!process) return process.errors();
   child.process = *process;
   return child;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "call_log.h"
+#include "host/child_process.h"
 #include "host/interposer.h"
 #include "outputs_file.h"
 
@@ -26,9 +27,9 @@ struct ReplaySettings {
   unsigned char fill = 0;       // fills fresh and freed memory and the stack; 0: not filled
   std::uint32_t padding = 0;    // AuditedReplay::padding
   bool other_addresses = true;  // random for each process, as usual; false: equal in all of them
-  std::map<std::string, std::optional<std::string>> environment;  // variables; none: removed
-  bool other_environment = false;                                 // replaces all variables that the audit doesn't need
-  bool other_folder = false;                                      // works in a separate folder
+  EnvironmentChanges environment;
+  bool other_environment = false;  // replaces all variables that the audit doesn't need
+  bool other_folder = false;       // works in a separate folder
   bool valgrind = false;
 };
 
@@ -75,17 +76,5 @@ class ReplayProcesses {
   std::filesystem::path trace_;
   int done_ = 0;
 };
-
-/// Runs a program to its end and waits; its stdout and stderr are written to a file. Returns its exit status, 128 + n
-/// if signal n ended it. Fails if it can't be started, or if `should_stop` (may be null) returned true and it was
-/// killed.
-Result<int> run_program(const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                        const std::filesystem::path& output, const std::function<bool()>& should_stop);
-
-/// The variables of this process with changes.
-std::vector<std::string> environment_with(const std::map<std::string, std::optional<std::string>>& changes);
-
-/// True if a process can be started at addresses that aren't random.
-bool can_fix_addresses();
 
 }  // namespace rehearse

@@ -8,13 +8,10 @@
 #include <string>
 #include <utility>
 
+#include "host/child_process.h"
 #include "perturbed_run.h"
 
 namespace rehearse {
-
-/// Variables of the process's environment, with their values; none: taken away. It doesn't pin itself
-/// (REHEARSE_PIN=off).
-using EnvironmentChanges = std::map<std::string, std::optional<std::string>>;
 
 struct PerturbedOutcome {
   bool same_mathematics = false;  // its C library computes the bits that this process's does
@@ -22,7 +19,8 @@ struct PerturbedOutcome {
   std::optional<Divergence> beyond;                                // the first command beyond tolerance
 };
 
-/// Starts `program golden noise --perturbed ...` and waits for it. Its traces stay in the run's folder.
+/// Starts `program golden noise --perturbed ...` with a changed environment and REHEARSE_PIN=off, and waits for it. Its
+/// traces stay in the run's folder.
 Result<PerturbedOutcome> run_perturbed_process(const std::filesystem::path& program, const PerturbedRun& run,
                                                const EnvironmentChanges& changes);
 

@@ -1,18 +1,14 @@
 #include "perturbed_run.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "compare/place_json.h"
 #include "golden/golden_files.h"
+#include "host/interruption.h"
 #include "perturbed_process.h"
 #include "trace/hashing.h"
 
@@ -52,45 +48,6 @@ Result<void> replay_into(const PerturbedRun& run, const Scenario& scenario, Json
   for (const auto& [place, difference] : largest)
     report["commands"].push_back({{"channel", place.first}, {"unit", place.second}, {"difference", difference}});
   report["beyond"] = json_of_place(replayed->beyond);
-  return {};
-}
-
-/// All of this process's own but the changes.
-std::vector<std::string> changed_environment(EnvironmentChanges changes) {
-  changes.insert_or_assign("REHEARSE_PIN", std::string("off"));
-  std::vector<std::string> variables;
-  for (char** entry = environ; *entry; ++entry) {
-    const std::string_view text = *entry;
-    if (changes.count(std::string(text.substr(0, text.find('=')))) == 0) variables.emplace_back(text);
-  }
-  for (const auto& [name, value] : changes)
-    if (value) variables.push_back(fmt::format("{}={}", name, *value));
-  return variables;
-}
-
-std::vector<char*> pointers_to(std::vector<std::string>& words) {
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
-/// Runs it to its end. What it says on stderr is this process's; on stdout it says nothing that is wanted.
-Result<void> run_to_end(std::vector<std::string> arguments, std::vector<std::string> environment) {
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, arguments[0].c_str(), &files, nullptr, pointers_to(arguments).data(),
-                                 pointers_to(environment).data());
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) return error(fmt::format("{} can't be started: {}", arguments[0], std::strerror(failed)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return error(fmt::format("{} was lost: {}", arguments[0], std::strerror(errno)));
-  if (!WIFEXITED(status)) return error(fmt::format("the perturbed run was ended by signal {}", WTERMSIG(status)));
-  if (WEXITSTATUS(status) != 0)
-    return error(fmt::format("the perturbed run failed with status {}", WEXITSTATUS(status)));
   return {};
 }
 
@@ -156,7 +113,14 @@ Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simul
 
 Result<PerturbedOutcome> run_perturbed_process(const fs::path& program, const PerturbedRun& run,
                                                const EnvironmentChanges& changes) {
-  if (auto done = run_to_end(command_line(program, run), changed_environment(changes)); !done) return done.errors();
+  EnvironmentChanges unpinned = changes;
+  unpinned.insert_or_assign("REHEARSE_PIN", std::string("off"));
+  const auto status = run_to_end({.words = command_line(program, run),
+                                  .environment = environment_with(unpinned),
+                                  .errors = ChildProcess::Errors::shown},
+                                 [] { return interruption() != 0; });
+  if (!status) return status.errors();
+  if (*status != 0) return error(fmt::format("the perturbed run failed with status {}", *status));
   return outcome_in(run.folder / report_file);
 }
 

@@ -1,0 +1,101 @@
+#include "child_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/personality.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <string_view>
+#include <thread>
+
+namespace rehearse {
+namespace {
+
+constexpr std::chrono::milliseconds look_interval{1};
+
+std::vector<char*> pointers_to(const std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));  // spawn changes nothing
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// Switches off random addresses for processes that this thread starts during its lifetime.
+class FixedAddresses {
+ public:
+  explicit FixedAddresses(bool wanted) : before_(::personality(0xffffffff)) {
+    if (wanted && before_ != -1) ::personality(static_cast<unsigned long>(before_) | ADDR_NO_RANDOMIZE);
+  }
+  ~FixedAddresses() {
+    if (before_ != -1) ::personality(static_cast<unsigned long>(before_));
+  }
+  FixedAddresses(const FixedAddresses&) = delete;
+  FixedAddresses& operator=(const FixedAddresses&) = delete;
+
+ private:
+  int before_;
+};
+
+}  // namespace
+
+std::vector<std::string> environment_with(const EnvironmentChanges& changes) {
+  std::vector<std::string> variables;
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string_view text = *entry;
+    if (changes.count(std::string(text.substr(0, text.find('=')))) == 0) variables.emplace_back(text);
+  }
+  for (const auto& [name, value] : changes)
+    if (value) variables.push_back(name + "=" + *value);
+  return variables;
+}
+
+Result<pid_t> start(const ChildProcess& process) {
+  using Errors = ChildProcess::Errors;
+  const char* const output = process.output.empty() ? "/dev/null" : process.output.c_str();
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  if (process.errors == Errors::with_output) posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  if (process.errors == Errors::discarded)
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  if (!process.folder.empty()) posix_spawn_file_actions_addchdir_np(&files, process.folder.c_str());
+  pid_t child = 0;
+  const FixedAddresses fixed(process.fixed_addresses);
+  const int failed = posix_spawn(&child, process.words[0].c_str(), &files, nullptr, pointers_to(process.words).data(),
+                                 pointers_to(process.environment).data());
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) return error(fmt::format("{} can't be started: {}", process.words[0], strerror(failed)));
+  return child;
+}
+
+Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop) {
+  const auto child = start(process);
+  if (!child) return child.errors();
+  int status = 0;
+  for (pid_t ended = 0; ended == 0; std::this_thread::sleep_for(look_interval)) {
+    ended = waitpid(*child, &status, WNOHANG);
+    if (ended < 0 && errno == EINTR) ended = 0;
+    if (ended < 0) return error(fmt::format("{} was lost: {}", process.words[0], strerror(errno)));
+    if (ended != 0 || !should_stop || !should_stop()) continue;
+    ::kill(*child, SIGKILL);
+    waitpid(*child, &status, 0);
+    return error(fmt::format("{} was stopped", process.words[0]));
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+bool can_fix_addresses() {
+  const int before = ::personality(0xffffffff);
+  if (before == -1) return false;
+  const FixedAddresses fixed(true);
+  return (::personality(0xffffffff) & ADDR_NO_RANDOMIZE) != 0;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,46 @@
+// Child processes: other programs that this process starts with changed conditions, and waits for. Internal.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <sys/types.h>
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+/// Variables with their new values; none: removed.
+using EnvironmentChanges = std::map<std::string, std::optional<std::string>>;
+
+/// The variables of this process with changes, as "NAME=VALUE".
+std::vector<std::string> environment_with(const EnvironmentChanges& changes);
+
+/// A program to start. Its stdin is empty.
+struct ChildProcess {
+  std::vector<std::string> words;        // the program's path, and its arguments
+  std::vector<std::string> environment;  // all its variables, as "NAME=VALUE"
+  std::filesystem::path output = {};     // the file for its stdout; empty: discarded
+  enum class Errors {
+    with_output,
+    discarded,
+    shown
+  } errors = Errors::with_output;     // its stderr; shown: this process's
+  std::filesystem::path folder = {};  // working folder; empty: that of this process
+  bool fixed_addresses = false;       // without random addresses
+};
+
+/// The process's number. Fails if the program can't be started.
+Result<pid_t> start(const ChildProcess& process);
+
+/// Starts a program and waits for its end. Returns its exit status, 128 + n if signal n ended it. Fails if it can't be
+/// started, or if `should_stop` (may be null) returned true and the program was killed.
+Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop = nullptr);
+
+/// True if a process can be started at addresses that aren't random.
+bool can_fix_addresses();
+
+}  // namespace rehearse
