@@ -12,6 +12,7 @@
 #include "export/trace_export.h"
 #include "options.h"
 #include "output.h"
+#include "output_file.h"
 #include "progress.h"
 
 namespace rehearse::tool {
@@ -27,7 +28,7 @@ struct ExportSettings {
   ExportOptions options;
 };
 
-Result<ExportReport> write(const ExportSettings& settings) {
+Result<ExportReport> write(const ExportSettings& settings, const std::filesystem::path& output) {
   StoppableProgress progress("exporting");
   ExportOptions options = settings.options;
   options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
@@ -35,7 +36,7 @@ Result<ExportReport> write(const ExportSettings& settings) {
                     : settings.frames ? export_frames
                     : settings.video  ? export_video
                                       : export_tables;
-  return form(settings.trace, settings.output, options);
+  return form(settings.trace, output, options);
 }
 
 Json json_of_export(const ExportReport& report) {
@@ -71,14 +72,21 @@ void tell(const ExportReport& report, bool of_pictures) {
 }
 
 Exit run_export(const ExportSettings& settings) {
-  const auto report = write(settings);
+  auto output = OutputFile::open(settings.output, settings.json);
+  if (!output) return refuse(output.errors());
+  if (output->path() != settings.output && !settings.joined)
+    return refuse(error("-o - is for one table: --joined", "name a folder"));
+  auto report = write(settings, output->path());
   if (!report) return refuse(report.errors());
+  if (settings.joined)
+    for (ExportedTopic& table : report->written) table.file = settings.output;
   if (settings.json) {
     print(json_of_export(*report));
   } else {
     tell(*report, settings.frames || settings.video);
   }
   std::fflush(stdout);  // before related output on stderr
+  if (const Exit sent = send(*output, Exit::done); sent != Exit::done) return sent;
   if (report->damage.empty()) return Exit::done;
   return settings.json ? Exit::bad_input : refuse(report->damage);
 }
@@ -88,7 +96,8 @@ std::function<Exit()> declare_export(CLI::App& options) {
   options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file")->required()->type_name("");
   options
       .add_option("-o,--output", settings->output,
-                  "the folder for tables and pictures, made if it isn't there; the file of --joined and --video")
+                  "the folder for tables and pictures, made if it isn't there; the file of --joined, or - for stdout, "
+                  "and of --video")
       ->required()
       ->type_name("PATH");
   CLI::Option* joined = options.add_flag("--joined", settings->joined,

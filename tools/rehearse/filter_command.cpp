@@ -10,6 +10,7 @@
 #include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
+#include "output_file.h"
 #include "progress.h"
 #include "trace/filter.h"
 
@@ -70,27 +71,29 @@ Json filtered_json(const FilterSettings& settings, const mcap::Filtered& filtere
 
 Exit run_filter(FilterSettings& settings) {
   if (const auto read = read_selection(settings); !read) return refuse(read.errors());
-  if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
+  auto output = OutputFile::open(settings.target, settings.json);
+  if (!output) return refuse(output.errors());
+  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto filtered = [&] {
     StoppableProgress progress("filtering");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
     };
-    return mcap::filter(settings.source, settings.target, settings.options);
+    return mcap::filter(settings.source, output->path(), settings.options);
   }();
   if (!filtered) return refuse(filtered.errors());
   if (settings.json)
     print(filtered_json(settings, *filtered));
   else
     tell(settings, *filtered);
-  return Exit::done;
+  return send(*output, Exit::done);
 }
 
 std::function<Exit()> declare_filter(CLI::App& options) {
   const auto settings = std::make_shared<FilterSettings>();
   options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
-  options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
+  options.add_option("-o,--output", settings->target, "the file to write; - is stdout")->required()->type_name("FILE");
   options.add_option("--topics", settings->options.selection.topics, "these only; * stands for any text")
       ->type_name("GLOB...");
   options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")

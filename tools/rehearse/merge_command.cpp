@@ -12,6 +12,7 @@
 #include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
+#include "output_file.h"
 #include "progress.h"
 
 namespace rehearse::tool {
@@ -63,27 +64,29 @@ Json merged_json(const MergeSettings& settings, const mcap::Merged& merged) {
 Exit run_merge(MergeSettings& settings) {
   const auto sources = sources_of(settings);
   if (!sources) return refuse(sources.errors());
-  if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
+  auto output = OutputFile::open(settings.target, settings.json);
+  if (!output) return refuse(output.errors());
+  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto merged = [&] {
     StoppableProgress progress("merging");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
     };
-    return mcap::merge(*sources, settings.target, settings.options);
+    return mcap::merge(*sources, output->path(), settings.options);
   }();
   if (!merged) return refuse(merged.errors());
   if (settings.json)
     print(merged_json(settings, *merged));
   else
     tell(settings, *merged);
-  return Exit::done;
+  return send(*output, Exit::done);
 }
 
 std::function<Exit()> declare_merge(CLI::App& options) {
   const auto settings = std::make_shared<MergeSettings>();
   options.add_option("TRACE", settings->sources, "recordings, or any other MCAP files")->required()->type_name("");
-  options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
+  options.add_option("-o,--output", settings->target, "the file to write; - is stdout")->required()->type_name("FILE");
   options.add_option("--prefix", settings->prefixes, "put before the topics of a file; as often as one likes")
       ->expected(1)
       ->take_all()

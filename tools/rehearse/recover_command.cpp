@@ -11,6 +11,7 @@
 #include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
+#include "output_file.h"
 #include "progress.h"
 
 namespace rehearse::tool {
@@ -87,27 +88,29 @@ Json recovery_json(const RecoverSettings& settings, const mcap::Recovery& recove
 }
 
 Exit run_recover(RecoverSettings& settings) {
-  if (const auto allowed = check_replaceable(settings.target, mcap_magic, "trace"); !allowed)
+  auto output = OutputFile::open(settings.target, settings.json);
+  if (!output) return refuse(output.errors());
+  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
   const auto recovery = [&] {
     StoppableProgress progress("recovering");
     settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
       progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
     };
-    return mcap::recover(settings.source, settings.target, settings.options);
+    return mcap::recover(settings.source, output->path(), settings.options);
   }();
   if (!recovery) return refuse(recovery.errors());
   if (settings.json)
     print(recovery_json(settings, *recovery));
   else
     tell(settings, *recovery);
-  return Exit::done;
+  return send(*output, Exit::done);
 }
 
 std::function<Exit()> declare_recover(CLI::App& options) {
   const auto settings = std::make_shared<RecoverSettings>();
   options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
-  options.add_option("-o,--output", settings->target, "the file to write")->required()->type_name("FILE");
+  options.add_option("-o,--output", settings->target, "the file to write; - is stdout")->required()->type_name("FILE");
   options.add_flag("--trust-damaged", settings->options.trust_damaged,
                    "keep what seems whole in chunks whose CRC doesn't match; nothing says that it is right");
   add_json_flag(options, settings->json);

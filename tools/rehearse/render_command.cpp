@@ -21,6 +21,7 @@
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"
+#include "output_file.h"
 #include "png/png.h"
 #include "scenario_text.h"
 #include "viewpoint.h"
@@ -110,7 +111,9 @@ Exit run_render(RenderSettings& settings) {
   const auto scene = load_scene(settings.input, settings.urdf);
   if (!scene) return refuse(scene.errors());
   if (const auto few = check_lights(scene->models); !few) return refuse(few.errors());
-  if (const auto allowed = check_replaceable(settings.picture, png_magic, "PNG picture"); !allowed)
+  auto output = OutputFile::open(settings.picture, false);
+  if (!output) return refuse(output.errors());
+  if (const auto allowed = check_replaceable(output->path(), png_magic, "PNG picture"); !allowed)
     return refuse(allowed.errors());
   const Viewpoint view = default_viewpoint(scene->models, settings.camera, settings.eye, settings.target);
   const double distance = (view.target - view.eye).norm();
@@ -122,12 +125,12 @@ Exit run_render(RenderSettings& settings) {
   if (!renderer) return refuse(renderer.errors());
   for (const PlacedModel& placed : scene->models) add_to(**renderer, placed);
   const Frame frame = (*renderer)->draw(settings.camera, look_at(view.eye, view.target), Quality::fine);
-  if (const auto written = write_file(settings.picture, encode_png(frame.color)); !written)
+  if (const auto written = write_file(output->path(), encode_png(frame.color)); !written)
     return refuse(written.errors());
   fmt::print("{}: {} x {} pixels, seen from {:.3g},{:.3g},{:.3g} m towards {:.3g},{:.3g},{:.3g} m\n", settings.picture,
              settings.camera.width, settings.camera.height, view.eye.x(), view.eye.y(), view.eye.z(), view.target.x(),
              view.target.y(), view.target.z());
-  return Exit::done;
+  return send(*output, Exit::done);
 }
 
 /// "x,y,z" [m].
@@ -160,7 +163,9 @@ std::function<Exit()> declare_render(CLI::App& options) {
                   "a scenario as it starts, or a model with its joints at 0, or as near as they can be")
       ->required()
       ->type_name("");
-  options.add_option("-o,--output", settings->picture, "the picture to write")->required()->type_name("PNG");
+  options.add_option("-o,--output", settings->picture, "the picture to write; - is stdout")
+      ->required()
+      ->type_name("PNG");
   settings->urdf.kinematic = true;  // a picture needs no masses
   add_mesh_options(options, settings->urdf);
   add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,

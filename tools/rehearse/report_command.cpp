@@ -10,6 +10,7 @@
 #include "command.h"
 #include "options.h"
 #include "output.h"
+#include "output_file.h"
 #include "progress.h"
 
 namespace rehearse::tool {
@@ -46,24 +47,27 @@ Exit run_report(ReportSettings& settings) {
   }
   const fs::path file =
       settings.report.empty() ? fs::path(settings.trace).stem().concat(".html") : fs::path(settings.report);
+  auto output = OutputFile::open(file.string(), settings.json);
+  if (!output) return refuse(output.errors());
   settings.options.scenario = settings.scenario;
   std::optional<fs::path> golden;
   if (!settings.golden.empty()) golden = settings.golden;
   const auto written = [&] {
     StoppableProgress progress("reporting");
     settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
-    return write_report(settings.trace, golden, file, settings.options);
+    return write_report(settings.trace, golden, output->path(), settings.options);
   }();
   if (!written) return refuse(written.errors());
   if (settings.json) {
     print(json_of_report(file, *written));
   } else {
-    fmt::print("{}\n{}, {}\n", written->verdict, report_link(file, written->first_tick),
-               file_size_text(written->bytes));
+    fmt::print("{}\n", written->verdict);
+    if (output->path() == file)
+      fmt::print("{}, {}\n", report_link(file, written->first_tick), file_size_text(written->bytes));
     std::fflush(stdout);
   }
   for (const std::string& sentence : written->omitted) fmt::print(stderr, "{}: note: {}\n", settings.trace, sentence);
-  return Exit::done;
+  return send(*output, Exit::done);
 }
 
 std::function<Exit()> declare_report(CLI::App& options) {
@@ -71,7 +75,9 @@ std::function<Exit()> declare_report(CLI::App& options) {
   options.add_option("TRACE", settings->trace, "the run")->required()->type_name("");
   options.add_option("GOLDEN", settings->golden, "the trace with the expected values, which are shown beside it")
       ->type_name("");
-  options.add_option("-o,--output", settings->report, "the file (TRACE's name with .html, in the working directory)")
+  options
+      .add_option("-o,--output", settings->report,
+                  "the file; - is stdout (TRACE's name with .html, in the working directory)")
       ->type_name("HTML");
   constexpr double longest = Scenario::max_duration;
   add_number(options, "--from", "only what was recorded from this time on [s]", 0.0, longest,
