@@ -38,6 +38,14 @@ struct RunSummary {
   bool controller_refused = false;  // a controller returned false from configure, initialize or start
   /// Misbehaviour of controllers, and World::remarks(); warnings and errors.
   Diagnostics remarks;
+
+  /// The failure, or the message of the controller that refused; null: the run is complete.
+  const Diagnostic* ending() const {
+    if (failure) return &*failure;
+    for (const Diagnostic& remark : remarks)
+      if (controller_refused && remark.severity == Severity::error) return &remark;
+    return nullptr;
+  }
 };
 
 struct PlantOptions {

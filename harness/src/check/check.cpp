@@ -182,7 +182,7 @@ void Check::judge_by_expectations(const Trace& fresh) {
   const std::string judged = verdict(report.expectations);
   const ExpectationResult* violation = first_violation(report.expectations);
   const bool is_alone = violation && report.within();
-  const bool failed = report.run && (report.run->failure || report.run->controller_refused);
+  const bool failed = report.run && report.run->ending();
   // a run that a controller ended is not as expected because of that
   report.verdict = violation && !failed ? judged + "; " + report.verdict : report.verdict + "; " + judged;
   if (is_alone) report.first = divergence_of(*violation, fresh);

@@ -48,12 +48,24 @@ Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual,
   return false;
 }
 
+/// The command that stops in the controller whose failure ended a run, on a line of its own; nothing for a refusal,
+/// which no tick repeats, and nothing in CI, whose disk a person doesn't reach.
+std::string debugging_advice(const RunSummary& summary, const fs::path& run) {
+  return is_ci() || !summary.failure ? "" : fmt::format("\nstop there in gdb: rehearse replay {} --gdb", run.string());
+}
+
 /// There is no golden yet: the run becomes it, or waits to be.
 Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation) {
   const fs::path actual = store.pending_file(scenario.golden);
   auto report = check_by_expectations(scenario, actual, options, simulation);
   if (!report) return report;
+  if (const Diagnostic* ending = report->run->ending()) {
+    report->closed = LevelState::differs;
+    report->verdict = ending->message;
+    report->message = fmt::format("this run: {}{}", actual.string(), debugging_advice(*report->run, actual));
+    return report;
+  }
   const bool violated = !report->within();
   const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
   if (mode == GoldenMode::check || violated) {
@@ -86,7 +98,9 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
 Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
                             const Simulation& simulation, CheckReport& report) {
   const std::string& name = scenario.golden;
-  if (first_violation(report.expectations)) {
+  if (report.run && report.run->ending()) {
+    report.message += debugging_advice(*report.run, store.pending_file(name));
+  } else if (first_violation(report.expectations)) {
     report.message += fmt::format("\nif it is right, {} expects what is wrong", scenario.file);
   } else if (mode == GoldenMode::accept) {
     auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);

@@ -77,8 +77,12 @@ std::vector<fs::path> search_folders(const std::string& name, const fs::path& di
 /// Advice about a missing controller.
 std::string advice_on_missing(const std::string& looked, const fs::path& directory) {
   const auto project = find_project(directory / "");
-  if (project && build_folders(*project).empty())
-    return fmt::format("build it first: cmake -S {0} -B {0}/build && cmake --build {0}/build", project->string());
+  if (project && build_folders(*project).empty()) {
+    std::error_code ignored;
+    const std::string source = fs::proximate(*project, ignored).string();
+    const std::string build = fs::proximate(*project / "build", ignored).string();
+    return fmt::format("build it first: cmake -S {0} -B {1} && cmake --build {1}", source, build);
+  }
   return "looked for " + looked + "; REHEARSE_CONTROLLER_PATH names further folders";
 }
 

@@ -9,8 +9,8 @@ namespace fs = std::filesystem;
 std::optional<fs::path> find_project(const fs::path& inside) {
   std::error_code ignored;
   std::optional<fs::path> with_build;
-  for (fs::path folder = fs::absolute(inside, ignored).lexically_normal().parent_path();;
-       folder = folder.parent_path()) {
+  const fs::path begin = fs::absolute(inside.empty() ? "./" : inside, ignored);  // absolute() has no result for ""
+  for (fs::path folder = begin.lexically_normal().parent_path();; folder = folder.parent_path()) {
     if (fs::is_directory(folder / "golden", ignored)) return folder;
     if (!with_build && fs::is_regular_file(folder / "CMakeLists.txt", ignored)) with_build = folder;
     if (folder == folder.parent_path()) return with_build;

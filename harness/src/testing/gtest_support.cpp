@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "golden/run_folder.h"
@@ -44,6 +45,15 @@ std::map<std::string, std::string>& recorded_scenarios() {
   return scenario_by_trace;
 }
 
+/// Prints repairs and warnings on stderr, each once in a process.
+void print_warnings(const Diagnostics& found) {
+  static std::set<std::string> printed;
+  for (const Diagnostic& warning : found)
+    if ((warning.severity == Severity::repair || warning.severity == Severity::warning) &&
+        printed.insert(to_string(warning)).second)
+      fmt::print(stderr, "{}\n", to_string(warning));
+}
+
 }  // namespace
 
 GoldenStore golden_store() {
@@ -60,10 +70,12 @@ std::string scenario_file_of(const Trace& trace) {
 Trace record_for_test(const std::string& scenario_file, const std::string& test) {
   const auto scenario = Scenario::load(fixture_path(scenario_file));
   if (!scenario) throw std::runtime_error(to_string(scenario.errors()));
+  print_warnings(scenario->warnings);
   const fs::path file = new_trace_file(test);
   const auto run = rehearse::record(*scenario, file);
   if (!run) throw std::runtime_error(to_string(run.errors()));
   publish(file);
+  print_warnings(run->remarks);
   if (run->failure)
     throw std::runtime_error(fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure),
                                          (traces_folder() / file.filename()).string()));
@@ -88,7 +100,9 @@ std::string remarks_text(const ReplayReport& report) {
 TestVerdict replay_golden(const std::string& name) {
   const GoldenStore store = golden_store();
   report_golden_owner(store.where_runs_wait(), name, "EXPECT_REPLAYS");
-  if (!store.has(name)) return {false, fmt::format("there is no golden {}", store.trace_file(name).string())};
+  if (!store.has(name))
+    return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
+                               store.trace_file(name).string())};
   const auto report = replay(store.trace_file(name));
   if (!report) return {false, to_string(report.errors())};
   if (report->failure) return {false, report->failure->message};

@@ -1,0 +1,115 @@
+// The commonest mistakes of a user: the text of `rehearse check`, and that of a test with EXPECT_MATCHES_GOLDEN.
+#include <gmock/gmock.h>
+
+#include "command.h"
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Matcher;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// A project with the scenario fall.yaml, which `check` and the test Macro.Falls compare with the golden Macro.Falls.
+class Mistake : public Command {
+ protected:
+  Mistake() { fs::create_directory(folder() / "golden"); }
+
+  void scenario(const std::string& library, const std::string& options, const std::string& joint = "hinge",
+                const std::string& model = (fixtures / "models/pendulum.urdf").string()) const {
+    write("fall.yaml", "rehearse: 1\ngolden: Macro.Falls\nduration: 0.05\nbodies:\n  - name: Pendulum\n    model: " +
+                           model + "\n    joints: {" + joint +
+                           ": 20 deg}\n    controllers:\n      - name: Swing\n        library: " + library +
+                           "\n        options: \"" + options + "\"\n");
+  }
+  std::string checked(const std::string& environment = "") const {
+    const Outcome outcome = rehearse({"check", "--no-report", "fall.yaml"}, environment);
+    EXPECT_NE(outcome.status, 0);
+    return outcome.out + outcome.err;
+  }
+  std::string tested(const std::string& environment = "") const {
+    const Outcome outcome = run(OWNING_TESTS, {"--gtest_filter=Macro.Falls"}, environment);
+    EXPECT_NE(outcome.status, 0);
+    return outcome.out + outcome.err;
+  }
+  /// Both texts must contain that.
+  void expect_both(const Matcher<const std::string&>& text, const std::string& environment = "") const {
+    EXPECT_THAT(checked(environment), text);
+    EXPECT_THAT(tested(environment), text);
+  }
+};
+
+TEST_F(Mistake, AWrongJointNameIsCorrected) {
+  scenario(MISBEHAVING, "nothing 0", "hing");
+  expect_both(HasSubstr("fall.yaml:7:14: error: Pendulum has no joint 'hing' (did you mean 'hinge'?)"));
+}
+
+TEST_F(Mistake, AForgottenBuildIsAdvised) {
+  write("CMakeLists.txt", "project(fall)\n");
+  scenario("Swing", "");
+  expect_both(
+      HasSubstr("fall.yaml:10:18: error: controller library 'Swing' not found (build it first: cmake -S . -B build "
+                "&& cmake --build build)"));
+}
+
+TEST_F(Mistake, AForgottenGoldenIsAdvised) {
+  scenario(MISBEHAVING, "nothing 0");
+  expect_both(AllOf(HasSubstr("there is no golden golden/Macro.Falls.mcap"),
+                    HasSubstr("\nif it is right: rehearse golden accept Macro.Falls\n")));
+}
+
+TEST_F(Mistake, AForgottenGoldenInCiGetsAdviceThatWorksThere) {
+  scenario(MISBEHAVING, "nothing 0");
+  expect_both(AllOf(HasSubstr("there is no golden golden/Macro.Falls.mcap"),
+                    HasSubstr("\nif it is right: make this run on a machine of yours, accept it there, and commit the "
+                              "golden Macro.Falls"),
+                    Not(HasSubstr("golden accept")), Not(HasSubstr("REHEARSE_GOLDEN"))),
+              "CI=true");
+}
+
+TEST_F(Mistake, AGoldenOfAnotherMachinesArithmeticIsTold) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new REHEARSE_PIN=off").status, 0);
+  std::string text = read_file(folder() / "fall.yaml");
+  write("fall.yaml", text.replace(text.find("20 deg"), 6, "20.0001 deg"));
+  expect_both(HasSubstr("pinned was \"no (REHEARSE_PIN=off)\" and is \"yes\": everything may differ for that alone"));
+}
+
+TEST_F(Mistake, ARefusalRepeatsTheControllersReason) {
+  scenario(MISBEHAVING, "say-and-refuse");
+  expect_both(AllOf(HasSubstr("controller 'Pendulum/Swing' refuses to take part: initialize() returned false"),
+                    HasSubstr("the robot has no joint KNEE"), Not(HasSubstr("golden accept"))));
+}
+
+TEST_F(Mistake, ACrashComesFirstAndLeadsToTheDebugger) {
+  scenario(MISBEHAVING, "crash 3");
+  expect_both(AllOf(HasSubstr("controller 'Pendulum/Swing' crashed: segmentation fault"),
+                    HasSubstr("at tick 3 (0.003 s)"), Not(HasSubstr("golden accept"))));
+  EXPECT_THAT(checked(), StartsWith("fall: controller 'Pendulum/Swing' crashed"));
+  EXPECT_THAT(checked(), HasSubstr("\nstop there in gdb: rehearse replay rehearse-pending/Macro.Falls.mcap --gdb\n"));
+}
+
+TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  scenario(MISBEHAVING, "crash 3");
+  expect_both(AllOf(HasSubstr("controller 'Pendulum/Swing' crashed"), Not(HasSubstr("golden accept"))));
+  EXPECT_THAT(checked(), HasSubstr("\nstop there in gdb: rehearse replay rehearse-pending/Macro.Falls.mcap --gdb\n"));
+  EXPECT_THAT(checked("CI=true"), Not(HasSubstr("--gdb")));
+}
+
+TEST_F(Mistake, LimitsInDegreesAreWarnedOf) {
+  std::string model = read_file(fixtures / "models/pendulum.urdf");
+  model.replace(model.find("continuous"), 10, "revolute");
+  model.insert(model.find("<axis"), "<limit lower='-90' upper='90' effort='1' velocity='1'/>");
+  write("degrees.urdf", model);
+  scenario(MISBEHAVING, "nothing 0", "hinge", "degrees.urdf");
+  expect_both(
+      HasSubstr("degrees.urdf:22: warning: joint 'hinge' has limits of -90 and 90 rad, which look like degrees (in "
+                "radians: -1.5708 and 1.5708)"));
+}
+
+}  // namespace
+}  // namespace rehearse::test
