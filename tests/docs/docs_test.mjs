@@ -1,4 +1,5 @@
-// docs_test.mjs SOURCE BUILD PAGE: runs the sessions of a README and compares what they print.
+// docs_test.mjs SOURCE BUILD PAGE: runs the sessions of a README and compares what they print. Its links must lead to
+// files and headings that exist. The main README and its pictures must be small.
 //
 // A session is a fenced block with lines that begin with "$ ". It runs in a folder with the fixtures and the goldens of
 // the checkout and its build; what a session leaves is there for the next. Numbers are masked, white space counts as one
@@ -7,9 +8,9 @@
 //   <!-- docs skip: REASON -->     the block isn't run
 // A block marked sh, without "$ ", is run line by line and has to succeed.
 import { spawnSync } from 'node:child_process';
-import { cpSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from 'node:fs';
+import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, statSync, symlinkSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 
 const [source, build, page] = process.argv.slice(2);
 
@@ -126,6 +127,35 @@ for (const block of blocksOf(readFileSync(join(source, page), 'utf8'))) {
     if (missing !== null) fail(block, `'${command}' doesn't print '${missing}'; it printed:\n${outcome.stdout}`);
   }
 }
+
+/** The anchors that a heading gets on a page: small letters, no punctuation, hyphens for spaces. */
+const anchorsOf = (file) =>
+  readFileSync(file, 'utf8')
+    .replace(/^```[^]*?^```/gm, '')
+    .split('\n')
+    .filter((line) => /^#+ /.test(line))
+    .map((line) =>
+      line
+        .replace(/^#+ /, '')
+        .toLowerCase()
+        .replace(/[^\p{L}\p{N} _-]/gu, '')
+        .replaceAll(' ', '-'),
+    );
+
+const text = readFileSync(join(source, page), 'utf8');
+text.split('\n').forEach((line, index) => {
+  for (const [, picture, target] of line.matchAll(/(!?)\[[^\]]*\]\(([^)\s]+)\)/g)) {
+    if (/^https?:/.test(target)) continue;
+    const [path, anchor] = target.split('#');
+    const file = path ? join(source, dirname(page), path) : join(source, page);
+    if (!existsSync(file)) fail({ line: index + 1 }, `the link leads to ${path}, which doesn't exist`);
+    else if (anchor && !anchorsOf(statSync(file).isDirectory() ? join(file, 'README.md') : file).includes(anchor))
+      fail({ line: index + 1 }, `${path || page} has no heading #${anchor}`);
+    else if (picture && statSync(file).size > 2e6) fail({ line: index + 1 }, `${path} has more than 2 MB`);
+  }
+});
+if (page === 'README.md' && Buffer.byteLength(text) > 8192) fail({ line: 1 }, 'the page has more than 8 kB');
+
 rmSync(folder, { recursive: true });
 console.log(`${page}: ${done} commands, ${failures} failures`);
 process.exit(failures ? 1 : 0);
