@@ -265,7 +265,8 @@ Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& 
 //
 // A number x passes against its golden g if |x - g| <= max(atol, rtol * scale). The scale is the largest |g| of its
 // series; for a vector with elements x, y and z, the largest norm, so that an axis without motion is not judged by its
-// own noise. A scenario states rules (`tolerances:`). A series without a rule has the default of its unit.
+// own noise. A number in an array of varying length is in no series: its own |g| is the scale. A scenario states rules
+// (`tolerances:`). A series without a rule has the default of its unit.
 //
 // A rule may allow for time, with `lead` and `lag`. At time t the golden's values from t - lag to t + lead have a least
 // and a greatest one. x passes if it is within that bound of any value between these two. An orientation passes if it
