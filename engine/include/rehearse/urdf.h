@@ -12,6 +12,8 @@
 // - A moving link without mass that isn't the root is an error, unless UrdfOptions::default_mass gives its mass. It
 //   then has the inertia of the solid box around its collision shapes (else its visible ones) and those of links fixed
 //   to it; without shapes, of a ball of water (1000 kg/m³) about its origin. This is a repair.
+// - A moving link with mass but without inertia gets that of its shapes; one that isn't positive definite becomes the
+//   nearest that is. Both are repairs, described in fixtures/README.md.
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
 // - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
 //   fixtures/README.md describes the search for mesh files and the meaning of the formats. A mesh that is missing or
@@ -26,6 +28,7 @@
 //   `<horizontal_fov>`, `<image><width>, <height>`, `<clip><near>, <far>`, with SDF's defaults (1.047 rad, 320 x 240,
 //   0.1 m, 100 m; 30 Hz). SDF's camera looks along +x with +z up; Device::pose is already turned to look along -z with
 //   +y up.
+//   A sensor or light that can't be read, or whose link doesn't exist, is left out with a warning, even when strict.
 //   Two children are extensions of Rehearse: `<sensor><id>N</id>` is Device::id, and `<camera><vertical_fov>` [rad]
 //   replaces `<horizontal_fov>`.
 // - The limits below bound the time and memory that a hostile file can use.

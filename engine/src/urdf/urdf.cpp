@@ -33,10 +33,22 @@ void check_version(const XMLElement& robot, Findings& findings) {
                    fmt::format("the file is of URDF version {}; it is read as 1.1", in_quotes(version)));
 }
 
+/// The robot's name; if it has none, the name of its file, which urdfdom needs in the document.
+std::string read_robot_name(XMLElement& robot, const std::filesystem::path& file, Findings& findings) {
+  const char* text = robot.Attribute("name");
+  const std::string of_file = file.stem().string();
+  if ((text == nullptr || *text == '\0') && !of_file.empty()) {
+    findings.repair(robot.GetLineNum(),
+                    fmt::format("the robot has no name; it gets that of its file, {}", in_quotes(of_file)));
+    robot.SetAttribute("name", of_file.c_str());
+  }
+  return urdf::read_name(robot, "name", findings).value_or("");
+}
+
 /// Everything that Rehearse's own reader reads of the robot; it also prepares the document for urdfdom.
-urdf::Draft read_draft(XMLElement& robot, urdf::Meshes& meshes, Findings& findings) {
+urdf::Draft read_draft(XMLElement& robot, const std::filesystem::path& file, urdf::Meshes& meshes, Findings& findings) {
   urdf::Draft draft;
-  draft.name = urdf::read_name(robot, "name", findings).value_or("");
+  draft.name = read_robot_name(robot, file, findings);
   urdf::prune_to_schema(robot, findings);
   check_version(robot, findings);
   urdf::note_transmissions(robot, findings);
@@ -111,12 +123,12 @@ bool has_broken_inertial(const urdf::Draft& draft) {
 }
 
 /// Reads the robot from a text that passed the first checks; nullopt if there is an error.
-std::optional<Model> read_robot(const std::string& text, const UrdfOptions& options, urdf::Meshes& meshes,
-                                Findings& findings) {
+std::optional<Model> read_robot(const std::string& text, const std::filesystem::path& file, const UrdfOptions& options,
+                                urdf::Meshes& meshes, Findings& findings) {
   XMLDocument document;
   XMLElement* robot = urdf::parse_xml(text, document, findings);
   if (robot == nullptr) return std::nullopt;
-  const urdf::Draft draft = read_draft(*robot, meshes, findings);
+  const urdf::Draft draft = read_draft(*robot, file, meshes, findings);
   if (draft.links.size() > max_urdf_links) {
     findings.error(0, fmt::format("the robot has {} links, more than {}", draft.links.size(), max_urdf_links));
     return std::nullopt;
@@ -124,6 +136,7 @@ std::optional<Model> read_robot(const std::string& text, const UrdfOptions& opti
   std::optional<Model> model = urdf::join(draft, findings);
   if (model && !has_broken_inertial(draft)) {
     urdf::complete_masses(*model, options, findings);
+    urdf::repair_inertias(*model, options, findings);
     urdf::check_dynamics(*model, options, findings);
   }
   if (findings.has_error()) return std::nullopt;
@@ -160,7 +173,7 @@ Result<Model> parse_urdf(const std::string& text, const std::string& name, const
   Findings findings(name, options.strict);
   urdf::Meshes meshes(name, options, findings);
   std::optional<Model> model;
-  if (urdf::text_is_sound(text, findings)) model = read_robot(text, options, meshes, findings);
+  if (urdf::text_is_sound(text, findings)) model = read_robot(text, name, options, meshes, findings);
   if (findings.has_error()) return findings.errors();
   REHEARSE_ASSERT(model.has_value(), "a robot that can't be read leaves an error");
   model->source_file = name;

@@ -7,8 +7,10 @@
 #include <tinyxml2.h>
 
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 
 namespace rehearse::urdf {
@@ -162,9 +164,9 @@ bool read_reference(const XMLElement& element, DeviceDraft& draft, Findings& fin
   return true;
 }
 
-/// Reads a <sensor> or <light> of a known kind. For other kinds it returns nullopt with a note, and without a name
-/// nullopt with an error.
-void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, Findings& findings) {
+/// Adds the devices that a <sensor> or <light> describes; none for an unknown kind, with a note. Any error means that
+/// the element can't be understood.
+void read_description(const XMLElement& element, std::vector<DeviceDraft>& devices, Findings& findings) {
   const auto kind = kind_of(element);
   if (!kind) {
     const char* type = element.Attribute("type");
@@ -193,53 +195,86 @@ void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, F
   }
 }
 
+/// Adds the devices of an element, or a warning and none if it can't be understood.
+void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, Findings& findings) {
+  const char* name = element.Attribute("name");
+  const std::string what = name == nullptr || *name == '\0' ? fmt::format("a {}", element.Name())
+                                                            : fmt::format("{} {}", element.Name(), in_quotes(name));
+  std::vector<DeviceDraft> described;
+  Findings of_element = findings.of_part();
+  read_description(element, described, of_element);
+  if (!findings.take(of_element, what))
+    devices.insert(devices.end(), std::make_move_iterator(described.begin()), std::make_move_iterator(described.end()));
+}
+
 /// The kinds within which ids are unique: a RangeCamera is a Camera, a SpotLight a PointLight.
 std::string_view id_group(const Device& device) {
   if (std::holds_alternative<Light>(device.kind)) return "light";
   return std::holds_alternative<Camera>(device.kind) ? "camera" : type_name(device);
 }
 
-/// A robot for several simulators describes its sensors for each of them. A sensor with the name and place of an
-/// earlier one is left out if it is meant for a different reader, or if it has the same kind.
-void drop_repetitions(std::vector<DeviceDraft>& devices, Findings& findings) {
-  std::map<std::pair<std::string, std::string>, std::size_t> first_of;  // by name and reference
+/// A robot for several simulators describes its sensors for each of them: one name, and one place or one kind.
+bool are_for_two_readers(const DeviceDraft& a, const DeviceDraft& b) {
+  return a.is_of_robot != b.is_of_robot && (a.reference == b.reference || type_name(a.device) == type_name(b.device));
+}
+
+/// Gives a device whose name an earlier one has a name of its own, which begins with its place as in Gazebo's scopes.
+/// False if that name is taken, too.
+bool rename(DeviceDraft& draft, const DeviceDraft& first, const std::set<std::string>& names, Findings& findings) {
+  Device& device = draft.device;
+  const std::string own = draft.reference + "_" + device.name;
+  if (names.contains(own)) return false;
+  const bool is_same = word_for(device) == word_for(first.device);
+  findings.repair(device.line, fmt::format("a second {} with the name {}, after the one in line {}; it is called {}",
+                                           is_same ? word_for(device) : "device", in_quotes(device.name),
+                                           first.device.line, in_quotes(own)));
+  device.name = own;
+  return true;
+}
+
+/// Leaves out descriptions that repeat an earlier one, and gives other devices of one name names of their own.
+void settle_names(std::vector<DeviceDraft>& devices, Findings& findings) {
+  std::set<std::string> names;
+  for (const DeviceDraft& draft : devices) names.insert(draft.device.name);
+  std::map<std::string, std::size_t> first_of;  // by name as written
   std::vector<DeviceDraft> kept;
   kept.reserve(devices.size());
   for (DeviceDraft& draft : devices) {
-    const Device& device = draft.device;
-    const auto [place, is_new] = first_of.emplace(std::pair(device.name, draft.reference), kept.size());
+    const auto [place, is_new] = first_of.emplace(draft.device.name, kept.size());
     const DeviceDraft* first = is_new ? nullptr : &kept[place->second];
-    if (first != nullptr && first->is_of_robot != draft.is_of_robot) {
+    const Device& device = draft.device;
+    if (first != nullptr && are_for_two_readers(*first, draft)) {
       findings.ignored(device.line, "a sensor's second description, in <robot> or <gazebo>,");
-    } else if (first != nullptr && type_name(first->device) == type_name(device)) {
-      findings.repair(device.line,
-                      fmt::format("a second {} {} of the same kind at the same place, after the one in line "
-                                  "{}; it is left out",
-                                  word_for(device), in_quotes(device.name), first->device.line));
-    } else {
-      kept.push_back(std::move(draft));
+      continue;
     }
+    const bool is_repeated =
+        first != nullptr && first->reference == draft.reference && type_name(first->device) == type_name(device);
+    if (is_repeated || (first != nullptr && !rename(draft, *first, names, findings))) {
+      findings.repair(device.line, fmt::format("a second {} {} of the same {} at the same place, after the one in line "
+                                               "{}; it is left out",
+                                               word_for(device), in_quotes(device.name), is_repeated ? "kind" : "name",
+                                               first->device.line));
+      continue;
+    }
+    names.insert(device.name);
+    kept.push_back(std::move(draft));
   }
   devices = std::move(kept);
 }
 
-void report_doubles(const std::vector<DeviceDraft>& devices, Findings& findings) {
-  std::map<std::string_view, const Device*> by_name;
+/// Takes the id from a device if an earlier one of its kind has it.
+void settle_ids(std::vector<DeviceDraft>& devices, Findings& findings) {
   std::map<std::pair<std::string_view, int>, const Device*> by_id;
-  for (const DeviceDraft& draft : devices) {
-    const Device& device = draft.device;
-    if (const auto [first, is_new] = by_name.emplace(device.name, &device); !is_new) {
-      const Device& other = *first->second;
-      const std::string_view word = word_for(device), others = word_for(other);
-      findings.error(device.line, fmt::format("a second {} with the name {}, after the one in line {}",
-                                              word == others ? word : "device", in_quotes(device.name), other.line));
-    }
+  for (DeviceDraft& draft : devices) {
+    Device& device = draft.device;
     if (device.id < 0) continue;
-    if (const auto [first, is_new] = by_id.emplace(std::pair(id_group(device), device.id), &device); !is_new) {
-      const std::string_view word = word_for(device);
-      findings.error(device.line, fmt::format("{} {} has the id {} of {} {} in line {}", word, in_quotes(device.name),
-                                              device.id, word, in_quotes(first->second->name), first->second->line));
-    }
+    const auto [first, is_new] = by_id.emplace(std::pair(id_group(device), device.id), &device);
+    if (is_new) continue;
+    const std::string_view word = word_for(device);
+    findings.repair(device.line,
+                    fmt::format("{} {} has the id {} of {} {} in line {}; it gets none", word, in_quotes(device.name),
+                                device.id, word, in_quotes(first->second->name), first->second->line));
+    device.id = -1;
   }
 }
 
@@ -322,8 +357,8 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
                        "write <sensor name=\"...\" type=\"...\">");
     }
   }
-  drop_repetitions(devices, findings);
-  report_doubles(devices, findings);
+  settle_names(devices, findings);
+  settle_ids(devices, findings);
   return devices;
 }
 

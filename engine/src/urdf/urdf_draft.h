@@ -122,7 +122,7 @@ void declare_world(tinyxml2::XMLElement& robot, Draft& draft, Findings& findings
 /// an error for each reason, if they don't form a tree.
 std::optional<Model> join(const Draft& draft, Findings& findings);
 
-/// Puts the draft's devices onto the model's links. An error for a device whose link doesn't exist.
+/// Puts the draft's devices onto the model's links. A device whose link doesn't exist is left out, with a warning.
 void place_devices(const Draft& draft, Model& model, Findings& findings);
 
 /// Sets Joint::mimic of the joints that follow a leader, with chains resolved. An error for a leader that doesn't exist
@@ -133,8 +133,13 @@ void resolve_mimics(const Draft& draft, Model& model, Findings& findings);
 /// are repairs. Else an error.
 void complete_masses(Model& model, const UrdfOptions& options, Findings& findings);
 
+/// Repairs the inertia of links with mass in rigid groups that move and whose inertia isn't positive definite: a link
+/// without inertia gets that of its shapes, an inertia that isn't positive definite becomes the nearest that is. Call
+/// it after complete_masses().
+void repair_inertias(Model& model, const UrdfOptions& options, Findings& findings);
+
 /// Checks what the physics engine requires: an error for a moving link without inertia or with one that isn't positive
-/// definite; warnings about improbable values. Call it after complete_masses().
+/// definite; warnings about improbable values. Call it after repair_inertias().
 void check_dynamics(const Model& model, const UrdfOptions& options, Findings& findings);
 
 /// Parses the document with urdfdom and compares its robot with the draft; each difference is an error.

@@ -37,6 +37,22 @@ void Findings::counted(int line, const std::string& sentence) {
   if (passed.count++ == 0) passed.line = line;
 }
 
+bool Findings::take(const Findings& part, const std::string& what) {
+  if (part.has_error()) {
+    for (const Diagnostic& found : part.found_) {
+      if (found.severity != Severity::error) continue;
+      warning(found.line, fmt::format("{} is left out: {}", what, found.message), found.hint);
+    }
+    return true;
+  }
+  found_.insert(found_.end(), part.found_.begin(), part.found_.end());
+  for (const auto& [sentence, passed] : part.counted_) {
+    const auto [known, is_new] = counted_.emplace(sentence, passed);
+    if (!is_new) known->second.count += passed.count;
+  }
+  return false;
+}
+
 Diagnostics Findings::errors() const {
   Diagnostics errors;
   std::copy_if(found_.begin(), found_.end(), std::back_inserter(errors),

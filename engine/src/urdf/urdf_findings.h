@@ -30,6 +30,13 @@ class Findings {
   /// Like ignored(), but with a complete sentence.
   void counted(int line, const std::string& sentence);
 
+  /// An empty list for the findings about one part of the file, to be passed to take().
+  Findings of_part() const { return Findings(file_, false); }
+
+  /// Adds the findings about a part. If there is an error, the part is left out: true, and only the errors are added,
+  /// as warnings that begin with `what`, the part's name.
+  bool take(const Findings& part, const std::string& what);
+
   bool has_error() const { return error_count_ > 0; }
   int error_count() const { return error_count_; }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace rehearse::urdf {
 namespace {
@@ -52,22 +53,6 @@ std::optional<Geometry> read_shape(XMLElement& element, Meshes& meshes, Meshes::
   return std::nullopt;
 }
 
-/// Reads the geometry of a <visual> or <collision>.
-std::optional<Geometry> read_geometry(XMLElement& element, Meshes& meshes, Meshes::Use use, Findings& findings) {
-  XMLElement* geometry = element.FirstChildElement("geometry");
-  XMLElement* shape = geometry == nullptr ? nullptr : geometry->FirstChildElement();
-  if (shape == nullptr) {
-    findings.error((geometry == nullptr ? element : *geometry).GetLineNum(),
-                   fmt::format("<{}> has no shape", element.Name()), fmt::format("<geometry> with a {}", known_shapes));
-    return std::nullopt;
-  }
-  if (const XMLElement* second = shape->NextSiblingElement()) {
-    findings.error(second->GetLineNum(), "a second shape in one <geometry>",
-                   fmt::format("one <{}> for each shape", element.Name()));
-  }
-  return read_shape(*shape, meshes, use, findings);
-}
-
 /// The smallest dimension of a shape [m].
 double smallest(const Geometry& geometry) {
   struct Measure {
@@ -85,34 +70,84 @@ bool has_name(const XMLElement& element) {
   return name != nullptr && *name != '\0';
 }
 
-/// Reads all shapes of one kind; shapes that are left out are removed from the document, too.
+/// Removes a shape, and its <visual> or <collision> if it was the only one.
+void leave_out(XMLElement& shape, XMLElement& element) {
+  XMLElement* geometry = shape.Parent()->ToElement();
+  geometry->DeleteChild(&shape);
+  if (geometry->FirstChildElement() == nullptr) element.Parent()->DeleteChild(&element);
+}
+
+/// Reads a shape of a <visual> or <collision>. One that is left out, with a warning, is removed from the document, too.
+std::optional<Geometry> read_geometry(XMLElement& shape, XMLElement& element, Meshes& meshes, Meshes::Use use,
+                                      Findings& findings) {
+  const int errors = findings.error_count();
+  const std::optional<Geometry> geometry = read_shape(shape, meshes, use, findings);
+  if (!geometry) {
+    if (findings.error_count() == errors) leave_out(shape, element);
+    return std::nullopt;
+  }
+  if (smallest(*geometry) < 0.0) {
+    findings.error(element.GetLineNum(), fmt::format("<{}> has a shape of negative size", element.Name()));
+    return std::nullopt;
+  }
+  if (smallest(*geometry) == 0.0) {
+    findings.warning(element.GetLineNum(), fmt::format("<{}> has a shape of size 0; it is left out", element.Name()));
+    leave_out(shape, element);
+    return std::nullopt;
+  }
+  return geometry;
+}
+
+/// urdfdom reads one shape of a <geometry>: each further one gets a <visual> or <collision> of its own.
+void separate_shapes(XMLElement& element) {
+  XMLElement* geometry = element.FirstChildElement("geometry");
+  XMLElement* last = &element;
+  while (XMLElement* shape = geometry->FirstChildElement()->NextSiblingElement()) {
+    XMLElement* copy = element.DeepClone(element.GetDocument())->ToElement();
+    copy->FirstChildElement("geometry")->DeleteChildren();
+    copy->FirstChildElement("geometry")->InsertEndChild(shape);
+    last = element.Parent()->InsertAfterChild(last, copy)->ToElement();
+  }
+}
+
+/// Reads the shapes of a <visual> or <collision>.
+void read_element(XMLElement& element, const Materials* materials, Meshes& meshes, std::vector<Shape>& shapes,
+                  Findings& findings) {
+  const Meshes::Use use = materials != nullptr ? Meshes::Use::visual : Meshes::Use::collision;
+  Shape common;
+  common.pose = read_origin(element, findings);
+  XMLElement* geometry = element.FirstChildElement("geometry");
+  XMLElement* next = geometry == nullptr ? nullptr : geometry->FirstChildElement();
+  if (next == nullptr) {
+    findings.error((geometry == nullptr ? element : *geometry).GetLineNum(),
+                   fmt::format("<{}> has no shape", element.Name()), fmt::format("<geometry> with a {}", known_shapes));
+    return;
+  }
+  if (const XMLElement* second = next->NextSiblingElement()) {
+    findings.repair(second->GetLineNum(), "a second shape in one <geometry>; each is taken",
+                    fmt::format("one <{}> for each shape", element.Name()));
+  }
+  if (has_name(element)) common.name = read_name(element, "name", findings).value_or("");
+  if (materials != nullptr) common.color = materials->of(element);
+  const std::size_t before = shapes.size();
+  while (next != nullptr) {
+    XMLElement* shape = std::exchange(next, next->NextSiblingElement());
+    if (const auto read = read_geometry(*shape, element, meshes, use, findings)) {
+      shapes.push_back(common);
+      shapes.back().geometry = *read;
+    }
+  }
+  if (shapes.size() > before + 1) separate_shapes(element);
+}
+
+/// Reads all shapes of one kind.
 std::vector<Shape> read_shapes(XMLElement& link, const char* kind, const Materials* materials, Meshes& meshes,
                                Findings& findings) {
-  const Meshes::Use use = materials != nullptr ? Meshes::Use::visual : Meshes::Use::collision;
   std::vector<Shape> shapes;
-  XMLElement* next = nullptr;
-  for (XMLElement* element = link.FirstChildElement(kind); element != nullptr; element = next) {
-    next = element->NextSiblingElement(kind);
-    const int errors = findings.error_count();
-    const std::optional<Geometry> geometry = read_geometry(*element, meshes, use, findings);
-    const bool is_left_out = !geometry && findings.error_count() == errors;
-    const Eigen::Isometry3d pose = read_origin(*element, findings);
-    if (is_left_out) link.DeleteChild(element);
-    if (!geometry) continue;
-    if (smallest(*geometry) < 0.0) {
-      findings.error(element->GetLineNum(), fmt::format("<{}> has a shape of negative size", kind));
-      continue;
-    }
-    if (smallest(*geometry) == 0.0) {
-      findings.warning(element->GetLineNum(), fmt::format("<{}> has a shape of size 0; it is left out", kind));
-      link.DeleteChild(element);
-      continue;
-    }
-    Shape& shape = shapes.emplace_back();
-    if (has_name(*element)) shape.name = read_name(*element, "name", findings).value_or("");
-    shape.geometry = *geometry;
-    shape.pose = pose;
-    if (materials != nullptr) shape.color = materials->of(*element);
+  XMLElement* next = link.FirstChildElement(kind);
+  while (next != nullptr) {
+    XMLElement* element = std::exchange(next, next->NextSiblingElement(kind));
+    read_element(*element, materials, meshes, shapes, findings);
   }
   return shapes;
 }
@@ -130,20 +165,25 @@ std::optional<Eigen::Matrix3d> read_tensor(const XMLElement& element, Findings& 
   return (Eigen::Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
 }
 
+/// The <inertia>; where there is none, one of zeros is added to the document, which urdfdom requires.
+const XMLElement& require_inertia(XMLElement& inertial) {
+  if (const XMLElement* inertia = inertial.FirstChildElement("inertia")) return *inertia;
+  XMLElement* added = inertial.InsertNewChildElement("inertia");
+  for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) added->SetAttribute(name, "0");
+  return *added;
+}
+
 /// Returns false if the <inertial> can't be read.
-bool read_inertial(const XMLElement& element, LinkDraft& draft, Findings& findings) {
+bool read_inertial(XMLElement& element, LinkDraft& draft, Findings& findings) {
   const XMLElement* mass = element.FirstChildElement("mass");
-  const XMLElement* inertia = element.FirstChildElement("inertia");
-  if (mass == nullptr || inertia == nullptr) {
-    findings.error(element.GetLineNum(),
-                   fmt::format("<inertial> of link {} has no <{}>", in_quotes(draft.link.name),
-                               mass == nullptr ? "mass" : "inertia"),
+  if (mass == nullptr) {
+    findings.error(element.GetLineNum(), fmt::format("<inertial> of link {} has no <mass>", in_quotes(draft.link.name)),
                    "an <inertial> has <mass value> and <inertia ixx ixy ixz iyy iyz izz>");
     return false;
   }
   const Eigen::Isometry3d frame = read_origin(element, findings);
   const auto kilograms = read_number(*mass, "value", findings);
-  const auto tensor = read_tensor(*inertia, findings);
+  const auto tensor = read_tensor(require_inertia(element), findings);
   if (!kilograms || !tensor) return false;
   if (*kilograms < 0.0) {
     findings.error(mass->GetLineNum(), fmt::format("link {} has negative mass", in_quotes(draft.link.name)));
@@ -165,7 +205,7 @@ std::optional<LinkDraft> read_link(XMLElement& element, const Materials& materia
   draft.link.line = element.GetLineNum();
   const auto name = read_name(element, "name", findings);
   if (name) draft.link.name = *name;
-  if (const XMLElement* inertial = element.FirstChildElement("inertial")) {
+  if (XMLElement* inertial = element.FirstChildElement("inertial")) {
     draft.has_broken_inertial = !read_inertial(*inertial, draft, findings);
   }
   draft.link.visuals = read_shapes(element, "visual", &materials, meshes, findings);

@@ -1,5 +1,6 @@
 #include "urdf_devices.h"
 #include "urdf_draft.h"
+#include "urdf_suggestions.h"
 
 #include <fmt/format.h>
 
@@ -70,12 +71,16 @@ void settle(const DeviceDraft& draft, const Model& model, AllShapeNames& names, 
 void place_devices(const Draft& draft, Model& model, Findings& findings) {
   const Names names(model);
   AllShapeNames shape_names;
+  Suggestions links = links_of(model);
   for (const DeviceDraft& device : draft.devices) {
     const int link = names.link_of(device);
     if (link < 0) {
-      findings.error(device.device.line, fmt::format("{} {} is on {}, which is not a {}", word_for(device.device),
-                                                     in_quotes(device.device.name), in_quotes(device.reference),
-                                                     device.meaning == Reference::joint ? "joint" : "link"));
+      const bool needs_joint = device.meaning == Reference::joint;
+      findings.warning(
+          device.device.line,
+          fmt::format("{} {} is left out: it is on {}, which is not a {}", word_for(device.device),
+                      in_quotes(device.device.name), in_quotes(device.reference), needs_joint ? "joint" : "link"),
+          needs_joint ? "" : links.of(device.reference));
       continue;
     }
     Device& placed = model.devices.emplace_back(device.device);

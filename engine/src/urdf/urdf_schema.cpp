@@ -117,6 +117,8 @@ void prune(XMLElement& element, const Rule& rule, Findings& findings) {
 
 }  // namespace
 
+bool is_read(std::string_view element) { return find_rule(element) != nullptr; }
+
 void prune_to_schema(XMLElement& robot, Findings& findings) { prune(robot, *find_rule("robot"), findings); }
 
 }  // namespace rehearse::urdf

@@ -1,5 +1,6 @@
 // Contact properties of links: <gazebo reference="LINK"> of Gazebo, and <contact> in a <link> of PyBullet.
 #include "urdf_draft.h"
+#include "urdf_suggestions.h"
 #include "urdf_values.h"
 
 #include <fmt/format.h>
@@ -66,10 +67,6 @@ void set(const Figure& figure, double value, const XMLElement& element, Surface&
     findings.repair(element.GetLineNum(), fmt::format("{} is {}; it is left out", tag(element.Name()), value),
                     figure.hint);
   }
-}
-
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 /// In Gazebo 0 0 0 means no direction.
@@ -173,6 +170,7 @@ void apply_surfaces(const Draft& draft, Model& model, Findings& findings) {
     joints.emplace(link.joint.name, &link);
     link.collides_with_own = draft.collides_with_own.value_or(false);
   }
+  Suggestions suggestions = links_of(model);
   for (const SurfaceDraft& surface : draft.surfaces) {
     const bool is_joint = joints.contains(surface.reference);
     if (const auto link = links.find(surface.reference); link != links.end()) {
@@ -182,8 +180,10 @@ void apply_surfaces(const Draft& draft, Model& model, Findings& findings) {
                        fmt::format("<gazebo> says of joint {} what can be said of links only; it is passed over",
                                    in_quotes(surface.reference)));
     } else if (!is_joint && !surface.has_devices) {
-      findings.warning(surface.line, fmt::format("<gazebo> refers to {}, which is neither a link nor a joint",
-                                                 in_quotes(surface.reference)));
+      findings.warning(
+          surface.line,
+          fmt::format("<gazebo> refers to {}, which is neither a link nor a joint", in_quotes(surface.reference)),
+          suggestions.of(surface.reference));
     }
   }
 }

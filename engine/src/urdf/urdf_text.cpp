@@ -7,6 +7,9 @@
 
 #include <algorithm>
 
+#include "urdf_schema.h"
+#include "urdf_values.h"
+
 namespace rehearse::urdf {
 namespace {
 
@@ -123,15 +126,14 @@ std::string describe(tinyxml2::XMLError error) {
   }
 }
 
-/// The element after `element` in document order, or null.
-const XMLElement* next_in_document(const XMLElement* element) {
-  if (const XMLElement* child = element->FirstChildElement()) return child;
-  while (element != nullptr) {
-    if (const XMLElement* sibling = element->NextSiblingElement()) return sibling;
-    const XMLNode* parent = element->Parent();
-    element = parent == nullptr ? nullptr : parent->ToElement();
-  }
-  return nullptr;
+/// True if the loader needs nothing of the element and its children: definitions of xacro, elements that describe no
+/// link and no joint, and those in which a mistake costs no more than a sensor.
+bool can_do_without(const XMLElement& element) {
+  const std::string_view name = element.Name();
+  if (name.starts_with("xacro:")) return is_one_of(name, {"xacro:property", "xacro:arg", "xacro:macro"});
+  const XMLNode* parent = element.Parent();
+  const bool is_shape = parent->ToElement() != nullptr && std::string_view(parent->Value()) == "geometry";
+  return is_one_of(name, {"gazebo", "sensor", "transmission"}) || (!is_shape && name != "geometry" && !is_read(name));
 }
 
 bool is_xacro(const XMLElement& element) {
@@ -143,13 +145,14 @@ bool is_xacro(const XMLElement& element) {
   return false;
 }
 
-void find_xacro(const XMLElement& root, Findings& findings) {
-  for (const XMLElement* element = &root; element != nullptr; element = next_in_document(element)) {
-    if (!is_xacro(*element)) continue;
-    findings.error(element->GetLineNum(), "this is a xacro file that hasn't been expanded",
-                   "run: xacro FILE.urdf.xacro > FILE.urdf");
-    return;
+/// The first element from which xacro would make a part of the robot, or null. The depth of the document is limited.
+const XMLElement* find_xacro(const XMLElement& element) {
+  if (is_xacro(element)) return &element;
+  for (const auto* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const XMLElement* found = can_do_without(*child) ? nullptr : find_xacro(*child);
+    if (found != nullptr) return found;
   }
+  return nullptr;
 }
 
 }  // namespace
@@ -191,7 +194,10 @@ XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& fi
     findings.error(node->GetLineNum(), "something follows after </robot>", "a file describes one robot");
     break;
   }
-  find_xacro(*root, findings);
+  if (const XMLElement* xacro = find_xacro(*root)) {
+    findings.error(xacro->GetLineNum(), "this is a xacro file that hasn't been expanded",
+                   "run: xacro FILE.urdf.xacro > FILE.urdf");
+  }
   return findings.has_error() ? nullptr : root;
 }
 

@@ -20,7 +20,7 @@ inline constexpr std::string_view blanks = " \t\r\n";
 bool text_is_sound(std::string_view text, Findings& findings);
 
 /// Parses the text into `document`, and checks that there is one root element <robot> and
-/// no xacro left. Null if there is an error.
+/// no xacro left where it would make a part of the robot. Null if there is an error.
 tinyxml2::XMLElement* parse_xml(std::string_view text, tinyxml2::XMLDocument& document, Findings& findings);
 
 }  // namespace rehearse::urdf

@@ -1,4 +1,5 @@
 #include "urdf_draft.h"
+#include "urdf_suggestions.h"
 
 #include <fmt/format.h>
 
@@ -38,11 +39,14 @@ void name_parts(const Draft& draft, Graph& graph, Findings& findings) {
 }
 
 /// Index of the link that a joint names, or -1 with an error.
-int end_of(const JointDraft& joint, const char* end, const std::string& name, const Graph& graph, Findings& findings) {
+int end_of(const JointDraft& joint, const char* end, const std::string& name, const Graph& graph, Suggestions& links,
+           Findings& findings) {
   const auto found = graph.link_by_name.find(name);
   if (found != graph.link_by_name.end()) return found->second;
-  findings.error(joint.joint.line, fmt::format("joint {} has the {} {}, which is not a link",
-                                               in_quotes(joint.joint.name), end, in_quotes(name)));
+  findings.error(
+      joint.joint.line,
+      fmt::format("joint {} has the {} {}, which is not a link", in_quotes(joint.joint.name), end, in_quotes(name)),
+      links.of(name));
   return -1;
 }
 
@@ -50,10 +54,12 @@ void connect(const Draft& draft, Graph& graph, Findings& findings) {
   graph.parent_joint.assign(draft.links.size(), -1);
   graph.parent_link.assign(draft.links.size(), -1);
   graph.children.resize(draft.links.size());
+  Suggestions links("links");
+  for (const LinkDraft& link : draft.links) links.add(link.link.name);
   for (std::size_t i = 0; i < draft.joints.size(); ++i) {
     const JointDraft& joint = draft.joints[i];
-    const int parent = end_of(joint, "parent", joint.parent, graph, findings);
-    const int child = end_of(joint, "child", joint.child, graph, findings);
+    const int parent = end_of(joint, "parent", joint.parent, graph, links, findings);
+    const int child = end_of(joint, "child", joint.child, graph, links, findings);
     if (parent < 0 || child < 0) continue;
     if (const int other = graph.parent_joint[index(child)]; other >= 0) {
       findings.error(joint.joint.line,

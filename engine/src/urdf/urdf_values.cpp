@@ -76,6 +76,10 @@ Eigen::Matrix3d read_quaternion(const XMLElement& origin, Findings& findings) {
 
 }  // namespace
 
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
 std::string_view text_of(const XMLElement& element) {
   const char* text = element.GetText();
   if (text == nullptr) text = element.Attribute("value");

@@ -6,6 +6,7 @@
 #include "urdf_findings.h"
 
 #include <Eigen/Geometry>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,8 @@ class XMLElement;
 }
 
 namespace rehearse::urdf {
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words);
 
 /// A finite decimal number, with nothing but blanks around it; independent of the locale.
 std::optional<double> parse_number(std::string_view text);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "log_map_parts.h"
+#include "model/names.h"
 
 namespace rehearse {
 namespace {

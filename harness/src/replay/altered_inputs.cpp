@@ -14,7 +14,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "scenario/scenario_findings.h"
+#include "model/names.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

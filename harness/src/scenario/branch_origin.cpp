@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "model/clock.h"
-#include "scenario_findings.h"
+#include "model/names.h"
 #include "tick_span.h"
 #include "trace/hashing.h"
 

@@ -1,7 +1,6 @@
 #include "scenario_findings.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
@@ -11,25 +10,6 @@ namespace rehearse {
 namespace {
 
 constexpr std::size_t max_errors = 20;
-constexpr std::size_t max_names_listed = 16;
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-// Levenshtein's distance, ignoring the case of ASCII letters: `Knee` for `KNEE` is the most common mistake.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (lower(a[i - 1]) == lower(b[j - 1]) ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
-}
 
 }  // namespace
 
@@ -73,34 +53,6 @@ Diagnostics Findings::warnings() const {
   for (const Finding& finding : in_document_order(warnings_))
     told.insert(told.end(), finding.lines.begin(), finding.lines.end());
   return told;
-}
-
-std::vector<std::string> near_names(std::string_view wanted, const std::vector<std::string>& names) {
-  constexpr std::size_t longest = 100;  // limits the time for a hostile key
-  if (wanted.size() > longest) return {};
-  std::vector<std::pair<std::size_t, std::string>> near;
-  for (const std::string& name : names) {
-    const std::size_t shorter = std::min(wanted.size(), name.size());
-    const std::size_t longer = std::max(wanted.size(), name.size());
-    const std::size_t most = std::max<std::size_t>(1, shorter / 3);
-    if (longer - shorter > most) continue;
-    const std::size_t distance = edit_distance(wanted, name);
-    if (distance <= most) near.emplace_back(distance, name);
-  }
-  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<std::string> result;
-  for (std::size_t i = 0; i < std::min<std::size_t>(near.size(), 3); ++i) result.push_back(near[i].second);
-  return result;
-}
-
-std::string name_hint(std::string_view wanted, const std::vector<std::string>& names, std::string_view kind) {
-  if (names.empty()) return fmt::format("there are no {}", kind);
-  const std::vector<std::string> near = near_names(wanted, names);
-  if (!near.empty()) return fmt::format("did you mean '{}'?", fmt::join(near, "' or '"));
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(names.size(), max_names_listed));
-  std::string hint = fmt::format("known {}: {}", kind, fmt::join(names.begin(), names.begin() + shown, ", "));
-  if (names.size() > max_names_listed) hint += fmt::format(" and {} more", names.size() - max_names_listed);
-  return hint;
 }
 
 }  // namespace rehearse

@@ -1,3 +1,4 @@
+#include "model/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 

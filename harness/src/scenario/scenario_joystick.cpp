@@ -1,4 +1,5 @@
 // The `joystick` of a scenario: moves of axes and presses of buttons.
+#include "model/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 

@@ -2,6 +2,7 @@
 #include <rehearse/scenario.h>
 
 #include "mcap/glob.h"
+#include "model/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 

@@ -1,5 +1,7 @@
 #include "scenario_values.h"
 
+#include "model/names.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

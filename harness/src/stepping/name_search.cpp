@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "scenario/scenario_findings.h"
+#include "model/names.h"
 
 namespace rehearse {
 namespace {

@@ -21,10 +21,6 @@ Model with(const std::string& more, const std::string& hand_shapes = "") {
             joint("weld", "fixed", "arm", "hand", "<origin xyz='1 2 3' rpy='0 0 1.5707963267948966'/>") + more));
 }
 
-std::string block(const std::string& reference, const std::string& content) {
-  return "<gazebo reference='" + reference + "'>" + content + "</gazebo>";
-}
-
 const Device& only_device(const Model& model) {
   static const Device none;
   EXPECT_EQ(model.devices.size(), 1u);

@@ -28,6 +28,10 @@ inline std::string joint(const std::string& name, const std::string& type, const
          content + "</joint>";
 }
 
+inline std::string block(const std::string& reference, const std::string& content) {
+  return "<gazebo reference='" + reference + "'>" + content + "</gazebo>";
+}
+
 /// The model; throws, and so fails the test, if it can't be loaded.
 inline Model load(const std::string& text, const UrdfOptions& options = {}) {
   Result<Model> result = parse_urdf(text, "test.urdf", options);
