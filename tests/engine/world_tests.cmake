@@ -4,6 +4,7 @@ rehearse_add_test(world_tests LABEL sim
     world/create_test.cpp
     world/cut_wrench_test.cpp
     world/drives_test.cpp
+    world/floating_joints_test.cpp
     world/force_sensor_test.cpp
     world/hull_bodies_test.cpp
     world/hull_contacts_test.cpp

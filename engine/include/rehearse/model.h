@@ -116,6 +116,8 @@ struct Inertial {
 enum class JointType { free, fixed, revolute, continuous, prismatic, track };
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+/// A free joint is none: its link is the root, or a body of its own that begins where the joint is, and that forward
+/// kinematics leave there.
 
 /// Makes a joint follow a leader joint: displacement = multiplier * (the leader's displacement) + offset.
 struct Mimic {

@@ -9,6 +9,7 @@
 // - Joint ids count the revolute, continuous and prismatic joints in document order.
 // - A root link called "world" is fixed to the world. Any other root is free if it has mass; otherwise it is fixed,
 //   too, which is a repair. A single floating joint below an empty "world" means the same as a file without "world".
+//   The child of any other floating joint is a free body that begins at the joint.
 // - A moving link without mass that isn't the root is an error, unless UrdfOptions::default_mass gives its mass. It
 //   then has the inertia of the solid box around its collision shapes (else its visible ones) and those of links fixed
 //   to it; without shapes, of a ball of water (1000 kg/m³) about its origin. This is a repair.

@@ -30,7 +30,7 @@ RigidGroups group_links(const Model& model) {
   RigidGroups groups;
   for (const Link& link : model.links) {
     GroupedLink grouped;
-    grouped.leads_group = link.parent < 0 || is_movable(link.joint.type);
+    grouped.leads_group = link.parent < 0 || is_movable(link.joint.type) || link.joint.type == JointType::free;
     if (grouped.leads_group) {
       grouped.group = static_cast<int>(groups.first_links.size());
       groups.first_links.push_back(static_cast<int>(groups.links.size()));

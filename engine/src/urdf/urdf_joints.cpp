@@ -25,7 +25,7 @@ std::optional<JointType> read_type(const XMLElement& element, Findings& findings
       text == nullptr ? "a joint without a type" : fmt::format("unknown joint type {}", in_quotes(type));
   const bool is_known = type == "planar" || type == "spherical" || type == "ball";
   findings.error(element.GetLineNum(), is_known ? fmt::format("{} joints aren't supported", type) : what,
-                 "fixed, revolute, continuous, prismatic, or floating below a root link 'world'");
+                 "fixed, revolute, continuous, prismatic or floating");
   return std::nullopt;
 }
 

@@ -118,26 +118,22 @@ bool is_bare_world(const Draft& draft, const Graph& graph, int root) {
          graph.children[index(root)].size() == 1;
 }
 
-bool is_floating(const Draft& draft, int joint) { return draft.joints[index(joint)].joint.type == JointType::free; }
-
-/// Handles a floating joint, which is allowed in one place only: from the world to the free base.
-int skip_floating(const Draft& draft, const Graph& graph, int root, Findings& findings) {
+/// The root of the model: the child of a floating joint that is the only joint below a bare 'world', else the file's
+/// root. The child of any other floating joint is a free body that begins at the joint.
+int skip_bare_world(const Draft& draft, const Graph& graph, int root, Findings& findings) {
   int base = root;
-  if (is_bare_world(draft, graph, root)) {
-    const int below = graph.children[index(root)].front();
-    const JointDraft& joint = draft.joints[index(below)];
-    if (joint.joint.type == JointType::free) {
-      base = graph.link_by_name.at(joint.child);
-      findings.note(joint.joint.line, fmt::format("floating joint {} below 'world': link {} is the free root",
-                                                  in_quotes(joint.joint.name), in_quotes(joint.child)));
+  const bool is_bare = is_bare_world(draft, graph, root);
+  for (const JointDraft& draft_joint : draft.joints) {
+    const Joint& joint = draft_joint.joint;
+    if (joint.type != JointType::free) continue;
+    if (is_bare && draft_joint.parent == "world") {
+      base = graph.link_by_name.at(draft_joint.child);
+      findings.note(joint.line, fmt::format("floating joint {} below 'world': link {} is the free root",
+                                            in_quotes(joint.name), in_quotes(draft_joint.child)));
+    } else {
+      findings.note(joint.line, fmt::format("floating joint {}: link {} is a free body, which begins at the joint",
+                                            in_quotes(joint.name), in_quotes(draft_joint.child)));
     }
-  }
-  for (std::size_t i = 0; i < draft.joints.size(); ++i) {
-    const bool is_skipped = base != root && static_cast<int>(i) == graph.parent_joint[index(base)];
-    if (!is_floating(draft, static_cast<int>(i)) || is_skipped) continue;
-    findings.error(draft.joints[i].joint.line,
-                   fmt::format("floating joint {} isn't supported here", in_quotes(draft.joints[i].joint.name)),
-                   "only as the single joint below an empty root link 'world', which makes a free base");
   }
   return base;
 }
@@ -220,7 +216,7 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
 
   Model model;
   model.name = draft.name;
-  add_links(draft, graph, skip_floating(draft, graph, root, findings), model);
+  add_links(draft, graph, skip_bare_world(draft, graph, root, findings), model);
   if (draft.is_static && !model.joints.empty())
     findings.warning(draft.static_line, "<static> fixes the root link to the world; the joints move nevertheless");
   apply_surfaces(draft, model, findings);

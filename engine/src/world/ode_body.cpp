@@ -106,7 +106,7 @@ void OdeBody::create_force_sensors(const RigidGroups& groups) {
   wrenches_.assign(model().devices.size(), Eigen::Matrix<double, 6, 1>::Zero());
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
     const Device& device = model().devices[i];
-    if (!std::holds_alternative<ForceSensor>(device.kind) || device.link == 0) continue;
+    if (!std::holds_alternative<ForceSensor>(device.kind) || !has_joint(device.link)) continue;
     if (links_[device.link].leads_group)
       joints_[slots_[model().links[device.link].joint.id].index].measure_wrench();
     else
@@ -237,7 +237,7 @@ void OdeBody::after_step() {
   for (OdeJoint& joint : joints_) joint.after_step(time_step_);
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
     const Device& device = model().devices[i];
-    if (std::holds_alternative<ForceSensor>(device.kind) && device.link != 0 && links_[device.link].leads_group)
+    if (std::holds_alternative<ForceSensor>(device.kind) && has_joint(device.link) && links_[device.link].leads_group)
       measure_force(i);
   }
   for (CutSensor& cut : cuts_) {

@@ -74,6 +74,8 @@ class OdeBody final : public SimulatedBody {
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
   void create_force_sensors(const RigidGroups& groups);
   void create_cut(const RigidGroups& groups, std::size_t device);
+  /// False for the root, and for a link that a free joint separates from its parent.
+  bool has_joint(int link) const { return link != 0 && model().links[link].joint.type != JointType::free; }
   void measure_force(std::size_t device);
   void begin_motions();
   void measure_cut(const CutSensor& cut);

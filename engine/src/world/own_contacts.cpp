@@ -16,7 +16,8 @@ using Pair = std::pair<int, int>;
 std::set<Pair> joined_groups(const std::vector<Link>& links, const std::vector<int>& groups) {
   std::set<Pair> joined;
   for (std::size_t i = 0; i < links.size(); ++i)
-    if (links[i].parent >= 0) joined.insert(std::minmax(groups[i], groups[links[i].parent]));
+    if (links[i].parent >= 0 && links[i].joint.type != JointType::free)
+      joined.insert(std::minmax(groups[i], groups[links[i].parent]));
   return joined;
 }
 

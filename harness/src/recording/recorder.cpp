@@ -86,7 +86,14 @@ struct ControllerChannels {
 };
 
 struct BodyChannels {
-  std::uint16_t joints = 0, measured_joints = 0, pose = 0, twist = 0;  // 0: none
+  /// A link that no joint places.
+  struct FreeLink {
+    int link = 0;
+    std::uint16_t pose = 0, twist = 0;
+  };
+
+  std::uint16_t joints = 0, measured_joints = 0;  // 0: none
+  std::vector<FreeLink> free_links;
   msg::JointState joint_message;
   msg::PoseStamped pose_message;
   msg::TwistStamped twist_message;
@@ -119,7 +126,10 @@ mcap::StringMap first_words_metadata(const ControllerChannels& channels, const D
   return metadata;
 }
 
-bool root_moves(const ScenarioBody& body) { return !body.fixed && body.model->links[0].joint.type == JointType::free; }
+bool is_free(const ScenarioBody& body, int link) {
+  const bool is_fixed_root = link == 0 && body.fixed;
+  return !is_fixed_root && body.model->links[static_cast<std::size_t>(link)].joint.type == JointType::free;
+}
 
 }  // namespace
 
@@ -250,12 +260,16 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
       channels.measured_joints =
           channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::measured_joints), units);
   }
-  if (root_moves(body)) {
-    const auto root = [&](ChannelKind kind) { return ChannelName::of_owner(body.name, model.links[0].name, kind); };
-    channels.pose = channel<msg::PoseStamped>(root(ChannelKind::pose));
-    channels.twist = channel<msg::TwistStamped>(root(ChannelKind::twist));
-    channels.pose_message.header.frame_id = "world";
-    channels.twist_message.header.frame_id = "world";
+  channels.pose_message.header.frame_id = "world";
+  channels.twist_message.header.frame_id = "world";
+  for (int link = 0; link < static_cast<int>(model.links.size()); ++link) {
+    if (!is_free(body, link)) continue;
+    const auto of_link = [&](ChannelKind kind) {
+      return ChannelName::of_owner(body.name, model.links[link].name, kind);
+    };
+    BodyChannels::FreeLink& free = channels.free_links.emplace_back(BodyChannels::FreeLink{link});
+    free.pose = channel<msg::PoseStamped>(of_link(ChannelKind::pose));
+    free.twist = channel<msg::TwistStamped>(of_link(ChannelKind::twist));
   }
   for (const Device& device : model.devices) channels.devices.emplace_back(*this, scenario, body, device);
 }
@@ -346,13 +360,13 @@ Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, co
     if (auto done = write_joints(tick, channels, channels.joints, seen.joints); !done) return done;
   if (channels.measured_joints)
     if (auto done = write_joints(tick, channels, channels.measured_joints, read); !done) return done;
-  if (channels.pose) {
-    const LinkReading& root = seen.links[0];
+  for (const BodyChannels::FreeLink& free : channels.free_links) {
+    const LinkReading& link = seen.links[free.link];
     channels.pose_message.header.stamp = channels.twist_message.header.stamp = stamp(tick);
-    channels.pose_message.pose = {point(root.position.data()), quaternion(root.rotation.coeffs().data())};
-    channels.twist_message.twist = {vector3(root.velocity), vector3(root.angular_velocity)};
-    if (auto done = write(channels.pose, tick, channels.pose_message); !done) return done;
-    if (auto done = write(channels.twist, tick, channels.twist_message); !done) return done;
+    channels.pose_message.pose = {point(link.position.data()), quaternion(link.rotation.coeffs().data())};
+    channels.twist_message.twist = {vector3(link.velocity), vector3(link.angular_velocity)};
+    if (auto done = write(free.pose, tick, channels.pose_message); !done) return done;
+    if (auto done = write(free.twist, tick, channels.twist_message); !done) return done;
   }
   for (std::size_t i = 0; i < seen.devices.size(); ++i) {
     if (!seen.devices[i].fresh) continue;

@@ -49,9 +49,22 @@ TEST(UrdfLoader, AFloatingJointBelowTheWorldMakesAFreeBase) {
   EXPECT_THAT(to_string(model.report), HasSubstr("link 'base' is the free root"));
 }
 
-TEST(UrdfLoader, AFloatingJointFurtherDownIsRefused) {
-  const std::string text = robot(link("root") + link("leaf") + joint("float", "floating", "root", "leaf"));
-  EXPECT_THAT(refusal(text), HasSubstr("floating joint 'float' isn't supported here"));
+TEST(UrdfLoader, AFloatingJointFurtherDownMakesAFreeBody) {
+  const Model model =
+      load(robot(link("root") + link("leaf") +
+                 joint("float", "floating", "root", "leaf", "<origin xyz='1 2 3'/><axis xyz='0 0 1'/>")));
+  EXPECT_EQ(model.links.at(1).joint.type, JointType::free);
+  EXPECT_EQ(model.links[1].joint.id, -1);
+  EXPECT_EQ(model.links[1].joint.origin.translation(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: floating joint 'float': link 'leaf' is a free body"));
+}
+
+TEST(UrdfLoader, AFloatingJointBesideAnotherMakesAFreeBody) {
+  const Model model =
+      load(robot(link("world", "") + link("ball") + link("mast") + joint("float", "floating", "world", "ball") +
+                 joint("weld", "fixed", "world", "mast")));
+  EXPECT_EQ(model.links[0].joint.type, JointType::fixed);
+  EXPECT_EQ(model.links.at(static_cast<std::size_t>(model.find_link("ball"))).joint.type, JointType::free);
 }
 
 TEST(UrdfLoader, ReadsAJointsFigures) {

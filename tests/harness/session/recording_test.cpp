@@ -71,6 +71,20 @@ TEST_F(Recording, HoldsTheRepairsOfEveryBodyOfAModel) {
   EXPECT_EQ(both.find("nothing touches them"), both.rfind("nothing touches them")) << "what is common is told once";
 }
 
+TEST_F(Recording, HoldsTheMotionOfALinkBehindAFloatingJoint) {
+  const std::string inertial =
+      "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+  write("drop.urdf", "<robot name='drop'><link name='world'/><link name='stand'/><link name='ball'>" + inertial +
+                         "</link><joint name='weld' type='fixed'><parent link='world'/><child link='stand'/></joint>"
+                         "<joint name='float' type='floating'><origin xyz='0 0 2'/><parent link='stand'/>"
+                         "<child link='ball'/></joint></robot>");
+  const Trace trace = record_run("rehearse: 1\nduration: 0.1\nbodies:\n  - {name: D, model: drop.urdf}\n");
+  EXPECT_EQ(trace.find_channel("/D/world/pose"), nullptr);
+  EXPECT_NE(trace.find_channel("/D/ball/twist"), nullptr);
+  EXPECT_EQ(trace.first("D/ball/position/z"), 2.0);
+  EXPECT_NEAR(trace.last("D/ball/position/z"), 2.0 - 9.80665 * 1e-6 * 100 * 101 / 2, 1e-9);
+}
+
 TEST_F(Recording, OfAnotherFolderGivesTheSameBytes) {
   record_run(with_camera(), "a.mcap");
   const std::filesystem::path there = path("elsewhere");
