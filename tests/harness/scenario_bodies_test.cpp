@@ -203,6 +203,18 @@ TEST(ScenarioBodies, NeedsNoMassesOfAKinematicModel) {
   EXPECT_THAT(to_string(result->warnings), IsEmpty());
 }
 
+TEST(ScenarioBodies, LeavesOutMissingMeshesWhereThatIsAllowed) {
+  write_file("arm.urdf",
+             "<robot name='arm'><link name='world'><visual><geometry><mesh filename='absent.stl'/></geometry></visual>"
+             "</link></robot>");
+  const std::string body = "rehearse: 1\nduration: 1\nbodies: [{name: A, model: arm.urdf";
+  EXPECT_THAT(mistakes(load_text(body + "}]\n")), HasSubstr("the mesh 'absent.stl' can't be used"));
+  const Scenario scenario = loaded(body + ", allow_missing_meshes: true}]\n");
+  EXPECT_TRUE(scenario.bodies.at(0).model->links.at(0).visuals.empty());
+  EXPECT_THAT(to_string(scenario.warnings), HasSubstr("warning: the mesh 'absent.stl' can't be used: it isn't there; "
+                                                      "its shape is left out"));
+}
+
 TEST(ScenarioBodies, LoadsAModelAsEachBodyWantsIt) {
   write_file("hollow.urdf", hollow_slider());
   const Scenario scenario = loaded(

@@ -113,6 +113,7 @@ const Broken all_broken[] = {
     {"joints_too_few", 6, 13, "lists 3 displacements, but Arm has 29 joints"},
     {"joints_text", 6, 13, "joints is 'standing'.*map of NAME"},
     {"dynamics_unknown", 4, 59, "dynamics is 'static'.*forward .* or kinematic"},
+    {"missing_meshes_of_a_shape", 4, 69, "allow_missing_meshes is given for a body without a model file"},
     {"default_mass_of_a_shape", 4, 61, "default_mass is given for a body without a model file.*mass is what a shape weighs"},
     {"default_mass_zero", 4, 58, "default_mass is 0.*from 1e-09"},
     {"joint_limits_of_text", 4, 63, "joint_limits is 'sometimes'.*true or false"},

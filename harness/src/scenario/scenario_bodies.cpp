@@ -38,6 +38,7 @@ class BodyReader {
   void read_contact(const Keys& keys, ScenarioBody& body);
   void check_contact(const Keys& keys, const ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
+  void refuse_keys_of_a_file(const Keys& keys);
   void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
   std::shared_ptr<const Model> load_model(const YamlNode& node, const std::string& file, const UrdfOptions& options);
   InlineShape read_shape(std::string_view kind, const YamlNode& node);
@@ -51,15 +52,15 @@ class BodyReader {
   Scenario& scenario_;
   // By file: the packages of its first body.
   std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;
-  // by file, fixed, kinematic and default mass; null: loading failed, and this was reported
-  std::map<std::tuple<std::string, bool, bool, std::optional<double>>, std::shared_ptr<const Model>> models_;
+  // by file, fixed, kinematic, default mass and missing meshes; null: loading failed, and this was reported
+  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool>, std::shared_ptr<const Model>> models_;
 };
 
 void BodyReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, "a body",
-                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass", "fixed",
-                   "dynamics", "joint_limits", "effort_limits", "collision", "self_collision", "position", "rotation",
-                   "joints", "controllers"});
+                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass",
+                   "allow_missing_meshes", "fixed", "dynamics", "joint_limits", "effort_limits", "collision",
+                   "self_collision", "position", "rotation", "joints", "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -162,10 +163,19 @@ void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
       make_shape(keys, chosen, *entry.value, body);
     }
   }
-  if (const YamlNode* packages = keys.find("packages"); packages != nullptr && !chosen.empty() && chosen != "model")
-    findings_.error(*packages, "packages are given for a body without a model file",
-                    "they say where a model's meshes are");
+  if (!chosen.empty() && chosen != "model") refuse_keys_of_a_file(keys);
   if (chosen.empty()) keys.require("model", "a URDF file, or instead one of box, sphere, cylinder");
+}
+
+void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
+  const std::tuple<std::string_view, const char*, const char*> of_a_file[] = {
+      {"packages", "are", "they say where a model's meshes are"},
+      {"default_mass", "is", "mass is what a shape weighs"},
+      {"allow_missing_meshes", "is", "it leaves out the shapes of meshes that can't be had"},
+  };
+  for (const auto& [key, verb, hint] : of_a_file)
+    if (const YamlNode* node = keys.find(key))
+      findings_.error(*node, fmt::format("{} {} given for a body without a model file", key, verb), hint);
 }
 
 void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
@@ -174,6 +184,7 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     options.fixed_root = body.fixed;
     options.kinematic = body.kinematic;
     keys.number("default_mass", any_mass, options.default_mass);
+    keys.flag("allow_missing_meshes", options.allow_missing_meshes);
     options.packages.insert(body.packages.begin(), body.packages.end());
     body.model_file = *file;
     body.model = load_model(node, *file, options);
@@ -187,8 +198,9 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
   if (packages_.emplace(file, options.packages).first->second != options.packages)
     findings_.error(node, fmt::format("the model '{}' has other packages in a body above", shortened(file, 500)),
                     "a recording holds a model once: give both bodies the same packages");
-  const auto [known, is_new] =
-      models_.emplace(std::tuple(file, options.fixed_root, options.kinematic, options.default_mass), nullptr);
+  const auto [known, is_new] = models_.emplace(
+      std::tuple(file, options.fixed_root, options.kinematic, options.default_mass, options.allow_missing_meshes),
+      nullptr);
   if (!is_new) return known->second;
   Result<Model> model = source_(file, options);
   if (!model) {
@@ -255,8 +267,6 @@ BodyReader::InlineShape BodyReader::read_shape(std::string_view kind, const Yaml
 }
 
 void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlNode& node, ScenarioBody& body) {
-  if (const YamlNode* mass = keys.find("default_mass"))
-    findings_.error(*mass, "default_mass is given for a body without a model file", "mass is what a shape weighs");
   const InlineShape shape = read_shape(kind, node);
   const bool needs_mass = !body.fixed && !body.kinematic;
   const YamlNode* mass_node = needs_mass ? keys.require("mass", "its mass [kg], or fixed: true") : keys.find("mass");
