@@ -1,5 +1,5 @@
-// Finds the shape of a contact sensor. The sensor names a collision shape of Gazebo's world. There, shapes of links
-// behind fixed joints are moved to the link that moves, and shapes without a name have received one.
+// Finds the shape of a contact sensor. The sensor names a collision shape of another simulator's world, where links
+// that fixed joints connect are merged. Gazebo gives the merged shapes new names, PyBullet leaves them theirs.
 #include "urdf_devices.h"
 #include "urdf_draft.h"
 #include "urdf_values.h"
@@ -35,32 +35,50 @@ std::optional<int> take_ending(std::string_view& name) {
   return number;
 }
 
-/// Index of the shape with this name in Gazebo, or -1: its name; LINK_collision and LINK_collision_N; and the same, or
-/// the shape's name with "_collision", after OTHER_LINK_fixed_joint_lump__. The part before a "::" is a scope.
-int find_shape_of_gazebo(const Link& link, const ShapeNames& shapes, std::string_view name) {
-  if (const std::size_t scope = name.rfind("::"); scope != std::string_view::npos) name = name.substr(scope + 2);
-  if (const int exact = shapes.find(name); exact >= 0) return exact;
-  if (const std::size_t lumped = name.find(lump); lumped != std::string_view::npos) {
-    name = name.substr(lumped + lump.size());
-    if (const int exact = shapes.find(name); exact >= 0) return exact;
-  }
-  const auto number = take_ending(name);
-  if (!number) return -1;
-  if (const int named = shapes.find(name); named >= 0) return named;
-  return name == link.name && *number < static_cast<int>(link.collisions.size()) ? *number : -1;
-}
-
 }  // namespace
 
-ShapeNames::ShapeNames(const Link& link) {
-  for (std::size_t i = 0; i < link.collisions.size(); ++i) {
-    if (!link.collisions[i].name.empty()) shapes_.emplace(link.collisions[i].name, static_cast<int>(i));
+MergedShapes::MergedShapes(const Model& model, const RigidGroups& groups, int group) : model_(model) {
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    if (groups.links[i].group != group) continue;
+    const Link& link = model.links[i];
+    const auto index = static_cast<int>(i);
+    links_.emplace(link.name, MergedLink{index, shape_count_});
+    shape_count_ += static_cast<int>(link.collisions.size());
+    for (std::size_t shape = 0; shape < link.collisions.size(); ++shape)
+      if (!link.collisions[shape].name.empty())
+        shapes_.emplace(std::pair(std::string_view(link.collisions[shape].name), index), static_cast<int>(shape));
   }
 }
 
-int ShapeNames::find(std::string_view name) const {
-  const auto found = shapes_.find(name);
-  return found == shapes_.end() ? -1 : found->second;
+std::optional<NamedShape> MergedShapes::find_named(std::string_view name, int own) const {
+  auto found = shapes_.find({name, own});
+  if (found == shapes_.end()) found = shapes_.lower_bound({name, 0});
+  if (found == shapes_.end() || found->first.first != name) return std::nullopt;
+  return NamedShape{found->first.second, found->second};
+}
+
+std::optional<NamedShape> MergedShapes::find(std::string_view name, int own) const {
+  if (const std::size_t scope = name.rfind("::"); scope != std::string_view::npos) name = name.substr(scope + 2);
+  if (const auto exact = find_named(name, own)) return exact;
+  const std::size_t lumped = name.find(lump);
+  if (lumped != std::string_view::npos) name = name.substr(lumped + lump.size());
+  if (const auto exact = find_named(name, own)) return exact;
+  const auto number = take_ending(name);
+  if (!number) return std::nullopt;
+  if (const auto named = find_named(name, own)) return named;
+  const auto found = links_.find(name);
+  if (found == links_.end()) return std::nullopt;
+  const auto [link, first] = found->second;
+  const auto count = static_cast<int>(model_.links[static_cast<std::size_t>(link)].collisions.size());
+  if (lumped != std::string_view::npos && count == 1) return NamedShape{link, 0};
+  const int shape = lumped != std::string_view::npos ? *number - first : *number;
+  if (shape < 0 || shape >= count) return std::nullopt;
+  return NamedShape{link, shape};
+}
+
+std::string_view unmerged(std::string_view link) {
+  const std::size_t place = link.find(lump);
+  return place == std::string_view::npos ? link : link.substr(place + lump.size());
 }
 
 void read_contact_sensor(const XMLElement& sensor, DeviceDraft& draft, Findings& findings) {
@@ -73,29 +91,50 @@ void read_contact_sensor(const XMLElement& sensor, DeviceDraft& draft, Findings&
   }
 }
 
-int find_feeling_shape(const DeviceDraft& draft, const Link& link, const ShapeNames& names, Findings& findings) {
-  const std::string sensor = "contact sensor " + in_quotes(draft.device.name);
+/// The shapes of one link that the sensor names; nullopt with a warning if it names something else.
+std::optional<std::set<NamedShape>> named_shapes(const DeviceDraft& draft, const Device& device, const Link& link,
+                                                 const MergedShapes& merged, Findings& findings) {
+  const std::string sensor = "contact sensor " + in_quotes(device.name);
   const std::string all = fmt::format("; all shapes of link {} feel", in_quotes(link.name));
+  std::set<NamedShape> shapes;
+  for (const std::string& name : draft.collisions) {
+    const auto shape = merged.find(name, device.link);
+    if (!shape) {
+      findings.warning(draft.device.line, fmt::format("{} names the collision shape {}, which link {} doesn't have{}",
+                                                      sensor, in_quotes(name), in_quotes(link.name), all));
+      return std::nullopt;
+    }
+    shapes.insert(*shape);
+  }
+  if (!shapes.empty() && shapes.begin()->link != shapes.rbegin()->link) {
+    findings.warning(draft.device.line, fmt::format("{} names collision shapes of several links{}", sensor, all));
+    return std::nullopt;
+  }
+  return shapes;
+}
+
+void set_feeling_shape(const DeviceDraft& draft, const Model& model, const RigidGroups& groups,
+                       const MergedShapes& merged, Device& device, Findings& findings) {
+  const auto link_of = [&](const Device& of) -> const Link& { return model.links[static_cast<std::size_t>(of.link)]; };
+  const auto place_of = [&](int link) { return groups.links[static_cast<std::size_t>(link)].in_group; };
+  const auto shapes = named_shapes(draft, device, link_of(device), merged, findings);
+  if (shapes && !shapes->empty() && shapes->begin()->link != device.link) {
+    const int link = shapes->begin()->link;
+    device.pose = place_of(link).inverse() * place_of(device.link) * device.pose;
+    device.link = link;
+  }
+  const Link& link = link_of(device);
+  const std::string sensor = "contact sensor " + in_quotes(draft.device.name);
   if (link.collisions.empty()) {
     findings.warning(draft.device.line,
                      fmt::format("{} feels nothing: link {} has no collision shape", sensor, in_quotes(link.name)));
-    return -1;
+  } else if (shapes && shapes->size() == 1 && link.collisions.size() > 1) {
+    std::get<ContactSensor>(device.kind).collision = shapes->begin()->collision;
+  } else if (shapes && shapes->size() > 1 && shapes->size() < link.collisions.size()) {
+    findings.warning(draft.device.line,
+                     fmt::format("{} names {} of {} collision shapes; all shapes of link {} feel", sensor,
+                                 shapes->size(), link.collisions.size(), in_quotes(link.name)));
   }
-  std::set<int> shapes;
-  for (const std::string& name : draft.collisions) {
-    const int shape = find_shape_of_gazebo(link, names, name);
-    if (shape < 0) {
-      findings.warning(draft.device.line, fmt::format("{} names the collision shape {}, which link {} doesn't have{}",
-                                                      sensor, in_quotes(name), in_quotes(link.name), all));
-      return -1;
-    }
-    shapes.insert(shape);
-  }
-  if (shapes.empty() || shapes.size() == link.collisions.size()) return -1;
-  if (shapes.size() == 1) return *shapes.begin();
-  findings.warning(draft.device.line, fmt::format("{} names {} of {} collision shapes{}", sensor, shapes.size(),
-                                                  link.collisions.size(), all));
-  return -1;
 }
 
 }  // namespace rehearse::urdf

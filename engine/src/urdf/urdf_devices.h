@@ -7,12 +7,14 @@
 
 #include <rehearse/model.h>
 
+#include "model/rigid_groups.h"
 #include "urdf_findings.h"
 
 #include <Eigen/Geometry>
 #include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace tinyxml2 {
@@ -70,21 +72,46 @@ void read_force_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, F
 /// Reads the names of collision shapes in <contact>.
 void read_contact_sensor(const tinyxml2::XMLElement& sensor, DeviceDraft& draft, Findings& findings);
 
-/// The collision shapes of a link by name.
-class ShapeNames {
- public:
-  explicit ShapeNames(const Link& link);
+/// A collision shape, by link index and by its index in the link.
+struct NamedShape {
+  int link = 0;
+  int collision = 0;
 
-  /// Index of the first shape of that name, or -1.
-  int find(std::string_view name) const;
-
- private:
-  std::map<std::string_view, int> shapes_;
+  auto operator<=>(const NamedShape&) const = default;
 };
 
-/// Index of the link's collision shape that a contact sensor refers to, or -1 for all shapes; a warning if it refers to
-/// something else.
-int find_feeling_shape(const DeviceDraft& draft, const Link& link, const ShapeNames& names, Findings& findings);
+/// The collision shapes of a rigid group, which other simulators merge into one link, by their names there.
+class MergedShapes {
+ public:
+  MergedShapes(const Model& model, const RigidGroups& groups, int group);
+
+  /// The shape with this name: its own, as in PyBullet; or as in Gazebo LINK_collision and LINK_collision_N, the
+  /// shape's name with "_collision", and either after OTHER_LINK_fixed_joint_lump__, where N counts the shapes of all
+  /// links before it, too. The part before a "::" is a scope.
+  /// If several links have it, the shape of `own` is meant, else that of the first link.
+  std::optional<NamedShape> find(std::string_view name, int own) const;
+
+ private:
+  std::optional<NamedShape> find_named(std::string_view name, int own) const;
+
+  struct MergedLink {
+    int link = 0;
+    int first = 0;  // number of its first shape among those of the group
+  };
+
+  const Model& model_;
+  int shape_count_ = 0;
+  std::map<std::string_view, MergedLink> links_;
+  std::map<std::pair<std::string_view, int>, int> shapes_;  // by name and link: the first shape of that name
+};
+
+/// The link's own name in the name that Gazebo gives to a merged link; else the name itself.
+std::string_view unmerged(std::string_view link);
+
+/// Sets the shape of a contact sensor. A sensor that names a shape of another link of its rigid group moves to that
+/// link. A warning if it names something else.
+void set_feeling_shape(const DeviceDraft& draft, const Model& model, const RigidGroups& groups,
+                       const MergedShapes& merged, Device& device, Findings& findings);
 
 /// A light of that type with default parameters; nullopt for an unknown type.
 std::optional<Light> light_of_type(std::string_view type);

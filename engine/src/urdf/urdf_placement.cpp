@@ -25,9 +25,10 @@ struct Names {
     return found == names.end() ? -1 : found->second;
   }
 
-  /// Index of the link to which a device's reference refers, or -1.
+  /// Index of the link to which a device's reference refers, or -1. Gazebo's names of merged links are known.
   int link_of(const DeviceDraft& device) const {
-    const int link = find(links, device.reference);
+    const int whole = find(links, device.reference);
+    const int link = whole >= 0 ? whole : find(links, unmerged(device.reference));
     const int joint = find(joints, device.reference);
     switch (device.meaning) {
       case Reference::link: return link;
@@ -54,23 +55,25 @@ void turn_to_parents_axes(const Link& link, Device& device, Findings& findings) 
   }
 }
 
-/// Shape names by link index, computed on demand.
-using AllShapeNames = std::map<int, ShapeNames>;
+/// The shapes by rigid group, found on demand.
+using AllMergedShapes = std::map<int, MergedShapes>;
 
-void settle(const DeviceDraft& draft, const Model& model, AllShapeNames& names, Device& device, Findings& findings) {
+void settle(const DeviceDraft& draft, const Model& model, const RigidGroups& groups, AllMergedShapes& merged,
+            Device& device, Findings& findings) {
   const Link& link = model.links[static_cast<std::size_t>(device.link)];
   if (draft.has_parents_axes) turn_to_parents_axes(link, device, findings);
-  if (auto* contact = std::get_if<ContactSensor>(&device.kind)) {
-    const ShapeNames& of_link = names.try_emplace(device.link, link).first->second;
-    contact->collision = find_feeling_shape(draft, link, of_link, findings);
-  }
+  if (!std::holds_alternative<ContactSensor>(device.kind)) return;
+  const int group = groups.links[static_cast<std::size_t>(device.link)].group;
+  const MergedShapes& of_group = merged.try_emplace(group, model, groups, group).first->second;
+  set_feeling_shape(draft, model, groups, of_group, device, findings);
 }
 
 }  // namespace
 
 void place_devices(const Draft& draft, Model& model, Findings& findings) {
   const Names names(model);
-  AllShapeNames shape_names;
+  const RigidGroups groups = group_links(model);
+  AllMergedShapes merged;
   Suggestions links = links_of(model);
   for (const DeviceDraft& device : draft.devices) {
     const int link = names.link_of(device);
@@ -85,7 +88,7 @@ void place_devices(const Draft& draft, Model& model, Findings& findings) {
     }
     Device& placed = model.devices.emplace_back(device.device);
     placed.link = link;
-    settle(device, model, shape_names, placed, findings);
+    settle(device, model, groups, merged, placed, findings);
   }
   std::stable_sort(model.devices.begin(), model.devices.end(),
                    [](const Device& a, const Device& b) { return a.link < b.link; });

@@ -236,6 +236,65 @@ TEST(UrdfContactSensor, MayNameItsShapeAsGazeboWould) {
     EXPECT_EQ(feeling("<collision>" + std::string(name) + "</collision>"), shape) << name;
 }
 
+/// A calf with one shape, a foot fixed below it, and a contact sensor on the calf.
+Model with_foot(const std::string& names, const std::string& foot_shapes, const std::string& reference = "calf") {
+  const std::string calf_shape = "<collision name='collision'><geometry><box size='1 1 1'/></geometry></collision>";
+  return load(robot(link("base") + link("calf", some_inertial + calf_shape) + link("foot", foot_shapes) +
+                    joint("knee", "continuous", "base", "calf") +
+                    joint("ankle", "fixed", "calf", "foot", "<origin xyz='0 0 -0.25' rpy='0 0 1.5707963267948966'/>") +
+                    block(reference, "<sensor name='skin' type='contact'><pose>0 0 1 0 0 0</pose><contact>" + names +
+                                         "</contact></sensor>")));
+}
+
+const std::string one_ball = "<collision><geometry><sphere radius='1'/></geometry></collision>";
+const std::string two_balls = one_ball + "<collision name='toe'><geometry><sphere radius='1'/></geometry></collision>";
+
+TEST(UrdfContactSensor, OfALinkThatGazeboMergesFindsTheFoot) {
+  const Model model = with_foot("<collision>calf_fixed_joint_lump__foot_collision_1</collision>", one_ball);
+  EXPECT_EQ(only_device(model).link, model.find_link("foot"));
+  EXPECT_EQ(std::get<ContactSensor>(only_device(model).kind).collision, -1);
+  // It stays where it was: 1 m above the knee, along the calf's axes.
+  EXPECT_TRUE(only_device(model).pose.translation().isApprox(Eigen::Vector3d(0, 0, 1.25)));
+  EXPECT_TRUE((only_device(model).pose.linear() * Eigen::Vector3d::UnitX()).isApprox(-Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(to_string(model.report), "");
+}
+
+TEST(UrdfContactSensor, CountsTheShapesOfMergedLinksAsGazeboDoes) {
+  // The merged link has the calf's shape, number 0, and the foot's, 1 and 2.
+  const std::pair<const char*, int> names[] = {{"calf_fixed_joint_lump__foot_collision_1", 0},
+                                               {"calf_fixed_joint_lump__foot_collision_2", 1},
+                                               {"calf_fixed_joint_lump__toe_collision_2", 1}};
+  for (const auto& [name, shape] : names) {
+    const Model model = with_foot("<collision>" + std::string(name) + "</collision>", two_balls);
+    EXPECT_EQ(only_device(model).link, model.find_link("foot")) << name;
+    EXPECT_EQ(std::get<ContactSensor>(only_device(model).kind).collision, shape) << name;
+  }
+}
+
+TEST(UrdfContactSensor, FindsTheFootByTheShapesOwnNameAsPyBulletKeepsIt) {
+  const Model model = with_foot("<collision>toe</collision>", two_balls);
+  EXPECT_EQ(only_device(model).link, model.find_link("foot"));
+  EXPECT_EQ(std::get<ContactSensor>(only_device(model).kind).collision, 1);
+}
+
+TEST(UrdfContactSensor, PrefersTheShapeOfItsOwnLink) {
+  const std::string same = "<collision name='collision'><geometry><sphere radius='1'/></geometry></collision>";
+  const Model model = with_foot("<collision>collision</collision>", same, "foot");
+  EXPECT_EQ(only_device(model).link, model.find_link("foot"));
+}
+
+TEST(UrdfContactSensor, MayReferToTheMergedLink) {
+  const Model model = with_foot("", one_ball, "calf_fixed_joint_lump__foot");
+  EXPECT_EQ(only_device(model).link, model.find_link("foot"));
+}
+
+TEST(UrdfContactSensor, OfShapesOfTwoLinksFeelsWithItsOwnLink) {
+  const Model model = with_foot("<collision>collision</collision><collision>toe</collision>", two_balls);
+  EXPECT_EQ(only_device(model).link, model.find_link("calf"));
+  EXPECT_THAT(to_string(model.report), HasSubstr("'skin' names collision shapes of several links; all shapes of link "
+                                                 "'calf' feel"));
+}
+
 TEST(UrdfContactSensor, ThatNamesEachShapeNamesAll) {
   EXPECT_EQ(feeling("<collision>palm</collision><collision>thumb_collision</collision>"
                     "<collision>hand_collision_2</collision>"),
