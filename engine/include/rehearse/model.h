@@ -42,6 +42,7 @@ struct MeshPart {
   std::vector<Eigen::Vector2f> texture_coordinates;     // one a vertex, (0, 0) is the picture's lower left; empty: none
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of vertices
   std::optional<Eigen::Vector4f> color;    // red, green, blue, opacity, 0 to 1, as in the file; nullopt: the shape's
+  bool has_default_color = false;          // of a material that a program wrote by itself: the shape's goes before it
   std::shared_ptr<const Texture> texture;  // its pixels are multiplied with the colour; null: no texture
 };
 
@@ -105,19 +106,23 @@ struct Shape {
   std::optional<Checker> checker;                          // visuals only; not of meshes
 };
 
+/// The colour of a part of the shape's mesh: its own, unless that is a default and the shape states one; else the
+/// shape's, else `otherwise`.
+Color color_of(const MeshPart& part, const Shape& shape, const Color& otherwise);
+
 struct Inertial {
   double mass = 0.0;                                  // [kg]
   Eigen::Vector3d center = Eigen::Vector3d::Zero();   // centre of mass in the link frame [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the link's axes [kg·m²]
 };
 
+/// A free joint is none: its link is the root, or a body of its own that begins where the joint is, and that forward
+/// kinematics leave there.
 /// A track is a belt around its link (Choreonoid's pseudo continuous track). The link is fixed to its parent, as by a
 /// fixed joint. Its surface runs about the axis, in the direction in which a wheel with that axis would turn.
 enum class JointType { free, fixed, revolute, continuous, prismatic, track };
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
-/// A free joint is none: its link is the root, or a body of its own that begins where the joint is, and that forward
-/// kinematics leave there.
 
 /// Makes a joint follow a leader joint: displacement = multiplier * (the leader's displacement) + offset.
 struct Mimic {

@@ -23,6 +23,22 @@ float srgb_of_linear(float linear) {
   return static_cast<float>(value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055);
 }
 
+/// True for names that programs give to the material of an object without one, as in Material.001 or lambert1-effect.
+bool is_default_name(std::string_view name) {
+  for (const std::string_view suffix : {"-material", "-effect", "-fx"})
+    if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
+  name = name.substr(0, name.find_last_not_of("0123456789._- ") + 1);
+  std::string word;
+  for (const char c : name) word += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (const char* known : {"", "default", "defaultmaterial", "default_material", "initialshadinggroup", "lambert",
+                            "material", "mat", "none", "phong"}) {
+    if (word == known) return true;
+  }
+  return false;
+}
+
+bool is_grey(const Eigen::Vector4f& color) { return color.x() == color.y() && color.y() == color.z(); }
+
 /// A texture that is embedded in the file.
 Result<Texture> decode_embedded(const aiTexture& embedded) {
   const auto* bytes = reinterpret_cast<const char*>(embedded.pcData);
@@ -82,6 +98,7 @@ Paint MeshMaterials::read(const aiMaterial& material) {
     break;
   }
   paint.color = read_color(material, text_of(name), path.length > 0, paint.texture != nullptr);
+  paint.is_default = paint.texture == nullptr && paint.color && is_grey(*paint.color) && is_default_name(text_of(name));
   aiString alpha_mode;
   const bool is_opaque =
       material.Get(AI_MATKEY_GLTF_ALPHAMODE, alpha_mode) == AI_SUCCESS && text_of(alpha_mode) == "OPAQUE";

@@ -23,6 +23,7 @@ struct Paint {
   std::optional<Eigen::Vector4f> color;    // red, green, blue, opacity; nullopt: the file states no colour
   std::shared_ptr<const Texture> texture;  // null: no texture
   unsigned channel = 0;                    // of the texture coordinates that the texture uses
+  bool is_default = false;                 // the program that wrote the file added the material by itself
 };
 
 /// The materials of a scene. Diffuse colours, or glTF's base colours, and the pictures in their place:
@@ -31,6 +32,7 @@ struct Paint {
 /// - A DAE states a colour or a picture. A colour without any opacity is taken for opaque, with a warning: exporters
 ///   disagree on which end of the scale is opaque.
 /// - A glTF's base colour is linear and is converted to sRGB; its opacity counts only if its mode is BLEND or MASK.
+/// A grey without a picture, of a material with one of the names that programs give by themselves, is a default.
 /// Other maps and vertex colours aren't read. A picture that can't be read is a warning.
 class MeshMaterials {
  public:

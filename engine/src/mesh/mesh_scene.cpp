@@ -114,6 +114,7 @@ Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat
     if (!part.vertices.back().allFinite()) return error("a vertex of it isn't finite");
   }
   part.color = paint.color;
+  part.has_default_color = paint.is_default;
   if (paint.texture != nullptr && mesh.HasTextureCoords(paint.channel)) {
     part.texture = paint.texture;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {

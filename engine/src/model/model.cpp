@@ -57,6 +57,11 @@ Eigen::Vector3d unit_moments(const Mesh& mesh) { return unit_moments(Box{mesh.da
 
 }  // namespace
 
+Color color_of(const MeshPart& part, const Shape& shape, const Color& otherwise) {
+  if (part.color && !(part.has_default_color && shape.color)) return *part.color;
+  return shape.color.value_or(otherwise);
+}
+
 bool is_movable(JointType type) {
   return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
 }

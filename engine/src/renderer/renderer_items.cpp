@@ -63,7 +63,7 @@ std::vector<Item> ItemMaker::items_of(const Shape& shape, const Color& color) {
     REHEARSE_ASSERT(mesh->data, "a model that is drawn was loaded with its meshes");
     const std::vector<KnownPart>& parts = know(mesh->data).parts;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Color own = mesh->data->parts[i].color.value_or(base);
+      const Color own = color_of(mesh->data->parts[i], shape, color);
       items.push_back({parts[i].batch, mesh_scale(shape.geometry), to_floats(own), parts[i].shines_through,
                        parts[i].centre, parts[i].radius, shape.pose});
     }

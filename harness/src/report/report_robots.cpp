@@ -82,8 +82,7 @@ Color texel(const Texture& texture, const Eigen::Vector2f& at) {
   return color;
 }
 
-void append_colors(std::vector<std::uint8_t>& colors, const MeshPart& part, const Color& otherwise) {
-  const Color plain = part.color.value_or(otherwise);
+void append_colors(std::vector<std::uint8_t>& colors, const MeshPart& part, const Color& plain) {
   const bool textured = part.texture && part.texture_coordinates.size() == part.vertices.size() &&
                         part.texture->width > 0 && part.texture->height > 0;
   for (std::size_t i = 0; i < part.vertices.size(); ++i) {
@@ -254,7 +253,7 @@ void RobotWriter::add_shape(ReportJson& shapes, const Shape& shape) {
   } else {
     const Mesh& mesh = std::get<Mesh>(shape.geometry);
     ReportJson& added = add(shape.pose);
-    added["mesh"] = mesh_of(*mesh.data, color);
+    added["mesh"] = mesh_of(*mesh.data, shape);
     added["scale"] = {1.0, 1.0, 1.0};  // the vertices are already scaled
   }
   if (shape.checker)
@@ -262,11 +261,11 @@ void RobotWriter::add_shape(ReportJson& shapes, const Shape& shape) {
 }
 
 /// Its index among the meshes. A mesh with colours of its own is a separate mesh for each colour of a shape.
-int RobotWriter::mesh_of(const MeshData& mesh, const Color& color) {
+int RobotWriter::mesh_of(const MeshData& mesh, const Shape& shape) {
   const bool has_colors = std::any_of(mesh.parts.begin(), mesh.parts.end(),
                                       [](const MeshPart& part) { return part.color || part.texture; });
   std::vector<float> shade;
-  if (has_colors) shade.assign(color.data(), color.data() + color.size());
+  if (has_colors && shape.color) shade.assign(shape.color->data(), shape.color->data() + shape.color->size());
   const std::vector<double> corners{mesh.lower.x(), mesh.lower.y(), mesh.lower.z(),
                                     // A file with two scales is two meshes.
                                     mesh.upper.x(), mesh.upper.y(), mesh.upper.z()};
@@ -282,7 +281,7 @@ int RobotWriter::mesh_of(const MeshData& mesh, const Color& color) {
       positions.insert(positions.end(), vertex.data(), vertex.data() + 3);
     for (const auto& triangle : part.triangles)
       for (const std::uint32_t corner : triangle) indices.push_back(first + corner);
-    if (has_colors) append_colors(colors, part, color);
+    if (has_colors) append_colors(colors, part, color_of(part, shape, default_color));
   }
   ReportJson json{{"positions", blobs_.array(array_of(std::span<const float>(positions)))},
                   {"indices", blobs_.array(array_of(std::span<const std::uint32_t>(indices)))}};

@@ -40,7 +40,7 @@ class RobotWriter {
   ReportJson pose_series(const ScenarioBody& body);
   ReportJson shapes_json(const ScenarioBody& body, const Link& link);
   void add_shape(ReportJson& shapes, const Shape& shape);
-  int mesh_of(const MeshData& mesh, const Color& color);
+  int mesh_of(const MeshData& mesh, const Shape& shape);
   std::shared_ptr<const Model> with_meshes(const ScenarioBody& body);
   bool is_as_recorded(const ScenarioBody& body, const Mesh& mesh) const;
 

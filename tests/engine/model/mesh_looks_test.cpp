@@ -51,6 +51,21 @@ TEST(MeshLooks, ColourIsOnlyWhatTheFileStates) {
   EXPECT_FALSE(mesh_of(folder.write("a.dae", collada("", node))).parts.at(0).color);
 }
 
+TEST(MeshLooks, AreADefaultInGreyUnderANameThatProgramsGive) {
+  TestFolder folder;
+  const auto is_default = [&folder](const std::string& name, const std::string& color) {
+    folder.write("a.mtl", "newmtl " + name + "\nKd " + color + "\n");
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl " + name + "\nf 1 2 3\n";
+    const MeshData data = mesh_of(folder.write("a.obj", "mtllib a.mtl\n" + triangle));
+    EXPECT_TRUE(data.parts.at(0).color.has_value()) << name;
+    return data.parts.at(0).has_default_color;
+  };
+  for (const char* name : {"Material", "Material.001", "material_0", "None", "Default", "lambert1", "Material-effect"})
+    EXPECT_TRUE(is_default(name, "0.8 0.8 0.8")) << name;
+  EXPECT_FALSE(is_default("Material", "0.8 0.1 0.1")) << "a colour that somebody chose";
+  EXPECT_FALSE(is_default("steel", "0.8 0.8 0.8")) << "a name that somebody chose";
+}
+
 TEST(MeshLooks, WithoutAnyOpacityAreOpaque) {
   TestFolder folder;
   const MeshReading reading = painted(folder, "Kd 1 0 0\nd 0\n");

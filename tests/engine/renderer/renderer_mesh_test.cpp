@@ -86,6 +86,15 @@ TEST(RendererMesh, TakesThePartsColourThenTheShapesThenTheDefault) {
   EXPECT_EQ(hue_in_the_middle(shape, red), Hue::reddish);
 }
 
+TEST(RendererMesh, TakesTheShapesColourBeforeADefaultOfTheMeshFile) {
+  MeshPart part = with_color(quad(1, 1), green);
+  part.has_default_color = true;
+  Shape shape = shape_at(mesh_of({part}), {0, 0, -3});
+  EXPECT_EQ(hue_in_the_middle(shape, red), Hue::greenish);
+  shape.color = blue;
+  EXPECT_EQ(hue_in_the_middle(shape, red), Hue::bluish);
+}
+
 TEST(RendererMesh, ColoursEachOfItsPartsAndEachOfItsShapes) {
   const Mesh mesh = mesh_of({with_color(moved(quad(1, 1), {0, 0.5f, 0}), red), moved(quad(1, 1), {0, -0.5f, 0})});
   Shape left = shape_at(mesh, {-1.5, 0, -10}), right = shape_at(mesh, {1.5, 0, -10});
