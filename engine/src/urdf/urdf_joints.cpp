@@ -78,10 +78,12 @@ double read_magnitude(XMLElement& limit, const char* attribute, const Joint& joi
   return unlimited;
 }
 
-/// Typical angles in degrees: multiples of 15 from 30 to 360. No joint reaches such a value in [rad].
+/// Typical angles in degrees: multiples of 5 from 30 to 360, but not the hundreds, which stand for "without limit". No
+/// joint reaches such a value in [rad].
 bool looks_like_degrees(double angle) {
   const double magnitude = std::abs(angle);
-  return magnitude >= 30.0 && magnitude <= 360.0 && std::fmod(magnitude, 15.0) == 0.0;
+  const bool is_round = std::fmod(magnitude, 5.0) == 0.0 && std::fmod(magnitude, 100.0) != 0.0;
+  return magnitude >= 30.0 && magnitude <= 360.0 && is_round;
 }
 
 void warn_of_degrees(const XMLElement& limit, double lower, double upper, const Joint& joint, Findings& findings) {

@@ -42,6 +42,22 @@ TEST(UrdfLoader, RootIsFreeUnlessItIsTheWorld) {
   EXPECT_EQ(load(robot(link("world", ""))).links[0].joint.type, JointType::fixed);
 }
 
+TEST(UrdfLoader, WarnsOfLimitsThatLookLikeDegrees) {
+  const auto report = [](const std::string& lower, const std::string& upper, const std::string& type = "revolute") {
+    const std::string limit = "<limit lower='" + lower + "' upper='" + upper + "' effort='1' velocity='1'/>";
+    return to_string(load(robot(link("base") + link("arm") + joint("hinge", type, "base", "arm", limit))).report);
+  };
+  const std::pair<const char*, const char*> degrees[] = {{"-180", "180"}, {"-90", "90"}, {"-360", "360"},
+                                                         {"0", "90"},     {"-170", "0"}, {"-1", "185"}};
+  for (const auto& [lower, upper] : degrees)
+    EXPECT_THAT(report(lower, upper), HasSubstr("which look like degrees")) << lower << " " << upper;
+  EXPECT_THAT(report("-180", "180"), HasSubstr("in radians: -3.1416 and 3.1416"));
+  EXPECT_EQ(report("-180", "180", "prismatic"), "");  // metres
+  const std::pair<const char*, const char*> radians[] = {
+      {"-3.14159", "3.14159"}, {"-100", "100"}, {"-1000", "1000"}, {"-6.28", "6.28"}, {"-20", "20"}};
+  for (const auto& [lower, upper] : radians) EXPECT_EQ(report(lower, upper), "") << lower << " " << upper;
+}
+
 TEST(UrdfLoader, AFloatingJointBelowTheWorldMakesAFreeBase) {
   const Model model = load(robot(link("world", "") + link("base") + joint("float", "floating", "world", "base")));
   EXPECT_THAT(link_names(model), ElementsAre("base"));
