@@ -9,9 +9,11 @@ rehearse_add_test(world_tests LABEL sim
     world/hull_bodies_test.cpp
     world/hull_contacts_test.cpp
     world/inertial_sensors_test.cpp
+    world/initial_velocities_test.cpp
     world/joints_test.cpp
     world/kinematic_test.cpp
     world/limits_test.cpp
+    world/material_pairs_test.cpp
     world/mimic_test.cpp
     world/own_contacts_test.cpp
     world/range_sensor_meshes_test.cpp

@@ -172,6 +172,57 @@ Result<Scenario> load_hollow(const std::string& keys) {
   return load_text("rehearse: 1\nduration: 1\nbodies: [{name: S, model: hollow.urdf" + keys + "}]\n");
 }
 
+TEST(ScenarioBodies, BeginWithTheirVelocities) {
+  const auto result =
+      load_slider("    velocity: {linear: [1, 2, 3], angular: [0, 0, 0.5]}\n    joint_velocities: {SLIDE: -0.25}\n");
+  ASSERT_TRUE(result.ok()) << mistakes(result);
+  const ScenarioBody& body = result->bodies[0];
+  EXPECT_EQ(body.linear_velocity, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(body.angular_velocity, Eigen::Vector3d(0, 0, 0.5));
+  EXPECT_EQ(body.joint_velocities, std::vector<double>{-0.25});
+  EXPECT_EQ(load_slider("")->bodies[0].joint_velocities, std::vector<double>{0.0});
+}
+
+TEST(ScenarioBodies, GivesAFollowerTheVelocityOfWhatItFollows) {
+  const std::string file = (fixtures / "models/gripper.urdf").string();
+  const Scenario scenario =
+      loaded("rehearse: 1\nduration: 1\nbodies:\n  - {name: G, model: " + file + ", joint_velocities: {LEFT: 0.01}}\n");
+  const Model& model = *scenario.bodies.at(0).model;
+  const auto id_of = [&model](const char* joint) {
+    return static_cast<std::size_t>(model.links.at(static_cast<std::size_t>(model.find_joint(joint))).joint.id);
+  };
+  EXPECT_EQ(scenario.bodies[0].joint_velocities.at(id_of("LEFT")), 0.01);
+  EXPECT_EQ(scenario.bodies[0].joint_velocities.at(id_of("RIGHT")), -0.01);
+}
+
+TEST(ScenarioBodies, GivesAShapeItsSurface) {
+  const std::string box = "box: {size: [1, 1, 1]}, mass: 1";
+  const Surface surface = only_body(box + ", friction: 0.2, restitution: 0.5").model->links[0].surface;
+  EXPECT_EQ(surface.friction, 0.2);
+  EXPECT_EQ(surface.restitution, 0.5);
+  EXPECT_FALSE(surface.second_friction);
+  const Surface across = only_body(box + ", mu2: 0.1").model->links[0].surface;
+  EXPECT_EQ(across.second_friction, 0.1);
+  EXPECT_EQ(across.friction_direction, Eigen::Vector3d::UnitX());
+  EXPECT_EQ(only_body(box + ", mu2: 0.1, fdir1: [0, 2, 0]").model->links[0].surface.friction_direction,
+            Eigen::Vector3d::UnitY());
+}
+
+TEST(ScenarioMaterials, AreOfBodiesAndOfLinks) {
+  write_file("slider.urdf", slider);
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: S, model: slider.urdf}\n  - {name: T, model: slider.urdf}\n"
+      "materials: {S/CART: rubber, S: steel}\n"
+      "pairs:\n  - {between: [steel, rubber], friction: 0.7}\n  - {between: [steel, steel], restitution: 0.9}\n");
+  EXPECT_THAT(scenario.bodies.at(0).materials, ::testing::ElementsAre("steel", "rubber", "steel"));
+  EXPECT_THAT(scenario.bodies.at(1).materials, IsEmpty());
+  ASSERT_EQ(scenario.pairs.size(), 2u);
+  EXPECT_THAT(scenario.pairs[0].materials, ::testing::ElementsAre("rubber", "steel"));
+  EXPECT_EQ(scenario.pairs[0].friction, 0.7);
+  EXPECT_FALSE(scenario.pairs[0].restitution);
+  EXPECT_EQ(scenario.pairs[1].restitution, 0.9);
+}
+
 TEST(ScenarioBodies, GivesWhatMovesWithoutMassTheDefaultMass) {
   EXPECT_THAT(mistakes(load_hollow("")), HasSubstr("error: link 'CART' moves but has no mass"));
   const auto result = load_hollow(", default_mass: 2");

@@ -3,6 +3,10 @@
 
 #include <rehearse/model.h>
 
+#include <array>
+#include <optional>
+#include <string>
+
 namespace rehearse {
 
 /// How the physics engine solves a step. The defaults are those of Choreonoid's ODE simulator item.
@@ -21,6 +25,13 @@ struct SolverSettings {
   double surface_layer = 1e-4;            // contacts rest this deep [m]
   double friction = 1.0;                  // coefficient of every contact
   int max_contacts = 100;                 // per pair of shapes
+};
+
+/// The friction and restitution between two materials, in place of those of the surfaces.
+struct MaterialPair {
+  std::array<std::string, 2> materials;  // ascending; two equal names: the material with itself
+  std::optional<double> friction;        // coefficient, in all directions
+  std::optional<double> restitution;     // ratio of the speeds after and before a bounce, 0 to 1
 };
 
 /// The appearance of a scene apart from its bodies.

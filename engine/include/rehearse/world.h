@@ -33,9 +33,10 @@ struct WorldSettings {
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
   std::uint32_t seed = 0;
   SolverSettings solver;
+  std::vector<MaterialPair> pairs = {};
 };
 
-/// One body and its initial pose. It starts at rest.
+/// One body, its initial pose and its initial velocity.
 struct WorldBody {
   std::string name;
   std::shared_ptr<const Model> model;
@@ -48,6 +49,10 @@ struct WorldBody {
   bool effort_limits = false;                                    // commanded efforts are clamped to their limits
   bool trimesh = false;         // contacts of links that never move use the mesh's triangles, not its convex hulls
   bool self_collision = false;  // all links of the body touch each other, not only those with collides_with_own
+  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // of the root link's origin, world [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // of the root link, world [rad/s]
+  std::vector<double> joint_velocities = {};                   // by joint id [rad/s] or [m/s]; empty: zero
+  std::vector<std::string> materials = {};  // by link index, for pairs; empty names and an empty list: none
 };
 
 class World {

@@ -27,6 +27,7 @@ bool limits_velocity(const Link& link) { return link.surface.stiffness || link.s
 
 ContactLaw::ContactLaw(const WorldSettings& settings, const std::vector<WorldBody>& bodies)
     : solver_(settings.solver),
+      pairs_(settings.pairs),
       time_step_(settings.time_step),
       bounce_speed_(2.0 * settings.gravity.norm() * settings.time_step) {
   for (const WorldBody& body : bodies) {
@@ -43,10 +44,22 @@ void ContactLaw::apply(const TouchedSurface& a, const TouchedSurface& b, dContac
   contact.surface.mode = dContactApprox1;
   apply_friction(a, b, contact);
   apply_spring(a.surface, b.surface, contact);
-  apply_bounce(a.surface, b.surface, contact);
+  apply_bounce(a, b, contact);
+}
+
+const MaterialPair* ContactLaw::pair_of(const TouchedSurface& a, const TouchedSurface& b) const {
+  const auto& [first, second] = std::minmax(a.material, b.material);
+  const auto found = std::find_if(pairs_.begin(), pairs_.end(), [&](const MaterialPair& pair) {
+    return pair.materials[0] == first && pair.materials[1] == second;
+  });
+  return found == pairs_.end() ? nullptr : &*found;
 }
 
 void ContactLaw::apply_friction(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const {
+  if (const MaterialPair* pair = pair_of(a, b); pair != nullptr && pair->friction) {
+    contact.surface.mu = *pair->friction;
+    return;
+  }
   contact.surface.mu = smaller(a.surface.friction, b.surface.friction).value_or(solver_.friction);
   const Vector3d normal = vector(contact.geom.normal);
   for (const auto& [directed, other] : {std::pair(&a, &b), std::pair(&b, &a)}) {
@@ -83,8 +96,11 @@ void ContactLaw::apply_spring(const Surface& a, const Surface& b, dContact& cont
   contact.geom.depth = overlap + solver_.surface_layer;
 }
 
-void ContactLaw::apply_bounce(const Surface& a, const Surface& b, dContact& contact) const {
-  const std::optional<double> restitution = smaller(a.restitution, b.restitution);
+void ContactLaw::apply_bounce(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const {
+  const MaterialPair* pair = pair_of(a, b);
+  const bool is_stated = pair != nullptr && pair->restitution;
+  const std::optional<double> restitution =
+      is_stated ? pair->restitution : smaller(a.surface.restitution, b.surface.restitution);
   if (!restitution || *restitution <= 0.0) return;
   contact.surface.mode |= dContactBounce;
   contact.surface.bounce = *restitution;

@@ -4,6 +4,7 @@
 #include <ode/ode.h>
 #include <rehearse/world.h>
 
+#include <string_view>
 #include <vector>
 
 namespace rehearse {
@@ -12,10 +13,12 @@ namespace rehearse {
 struct TouchedSurface {
   const Surface& surface;
   Eigen::Vector3d friction_direction;  // in the world; zero: none
+  std::string_view material = {};      // empty: none
 };
 
 /// Combines two surfaces. A property that one side states applies; if both state it, the smaller value applies, but
-/// stiffness and damping act in series. For a property that neither side states, the solver's settings apply.
+/// stiffness and damping act in series. For a property that neither side states, the solver's settings apply. What the
+/// pair of both materials states goes before all of that.
 class ContactLaw {
  public:
   ContactLaw(const WorldSettings& settings, const std::vector<WorldBody>& bodies);
@@ -31,9 +34,13 @@ class ContactLaw {
  private:
   void apply_friction(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const;
   void apply_spring(const Surface& a, const Surface& b, dContact& contact) const;
-  void apply_bounce(const Surface& a, const Surface& b, dContact& contact) const;
+  void apply_bounce(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const;
+
+  /// What is stated for the pair of materials, or null.
+  const MaterialPair* pair_of(const TouchedSurface& a, const TouchedSurface& b) const;
 
   SolverSettings solver_;
+  std::vector<MaterialPair> pairs_;
   double time_step_;
   double bounce_speed_;  // slower contacts don't bounce [m/s]
   bool each_has_its_limit_ = false;

@@ -79,7 +79,8 @@ TouchedSurface surface_of(const Side& side) {
   if (surface.friction_direction)
     direction = side.body.link_point(side.shape.link, *surface.friction_direction) -
                 side.body.link_point(side.shape.link, Eigen::Vector3d::Zero());
-  return {surface, direction};
+  const std::vector<std::string>& materials = side.body.description().materials;
+  return {surface, direction, materials.empty() ? std::string_view() : materials[side.shape.link]};
 }
 
 /// Adds the contacts of two shapes; true if they touch. Two shapes that no force moves don't touch.

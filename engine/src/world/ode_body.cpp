@@ -28,7 +28,9 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   create_force_sensors(groups);
   create_shapes();
   pair_own_shapes();
-  set_posture(forward_kinematics(model(), root, description().joints));
+  const auto posture = forward_kinematics(model(), root, description().joints);
+  set_posture(posture);
+  set_velocities(initial_motions(description(), posture));
   for (std::size_t id = 0; id < slots_.size(); ++id)
     if (!slots_[id].is_track) joints_[slots_[id].index].count_turns(description().joints[id]);
 }
@@ -159,6 +161,17 @@ void OdeBody::set_posture(const std::vector<Isometry3d>& poses) {
     const Vector3d center = frame * group.center;
     dBodySetPosition(group.body, center.x(), center.y(), center.z());
     dBodySetRotation(group.body, OdeRotation(frame.linear()).r);
+  }
+}
+
+void OdeBody::set_velocities(const std::vector<LinkMotion>& motions) {
+  for (RigidGroup& group : groups_) {
+    if (!group.body) continue;
+    const Vector3d& w = motions[group.first_link].angular_velocity;
+    const Vector3d v =
+        motions[group.first_link].velocity + w.cross(rotation(dBodyGetRotation(group.body)) * group.center);
+    dBodySetLinearVel(group.body, v.x(), v.y(), v.z());
+    dBodySetAngularVel(group.body, w.x(), w.y(), w.z());
   }
 }
 

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "cut.h"
-#include "ode_joint.h"
+#include "initial_motion.h"
 #include "model/rigid_groups.h"
+#include "ode_joint.h"
 #include "simulated_body.h"
 
 namespace rehearse {
@@ -71,11 +72,12 @@ class OdeBody final : public SimulatedBody {
   bool has_weight(int group) const;
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
+  void set_velocities(const std::vector<LinkMotion>& motions);
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
-  void create_force_sensors(const RigidGroups& groups);
-  void create_cut(const RigidGroups& groups, std::size_t device);
   /// False for the root, and for a link that a free joint separates from its parent.
   bool has_joint(int link) const { return link != 0 && model().links[link].joint.type != JointType::free; }
+  void create_force_sensors(const RigidGroups& groups);
+  void create_cut(const RigidGroups& groups, std::size_t device);
   void measure_force(std::size_t device);
   void begin_motions();
   void measure_cut(const CutSensor& cut);

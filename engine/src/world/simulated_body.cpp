@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geoms.h"
+#include "initial_motion.h"
 #include "model/rigid_groups.h"
 
 namespace rehearse {
@@ -173,6 +174,10 @@ Diagnostics check_dynamics(const WorldBody& description) {
     return findings;
   }
   findings = check_meshes(description, body);
+  if (!description.materials.empty() && description.materials.size() != model.links.size())
+    findings.push_back(error(body + "the model has " + std::to_string(model.links.size()) + " links, but " +
+                             std::to_string(description.materials.size()) + " materials were given"));
+  for (Diagnostic& finding : check_velocities(description, body)) findings.push_back(std::move(finding));
   for (Diagnostic& finding : check_surfaces(description, body)) findings.push_back(std::move(finding));
   if (description.kinematic) return findings;
   const RigidGroups groups = group_links(model);

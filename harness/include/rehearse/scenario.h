@@ -157,6 +157,10 @@ struct ScenarioBody {
   bool trimesh = false;         // meshes of links that never move collide as exact triangle meshes
   bool self_collision = false;  // all links of the body can collide with each other
   std::vector<double> joints;   // initial displacement by joint id [rad] or [m]
+  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // initial, of the root link's origin, world [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // initial, of the root link, world [rad/s]
+  std::vector<double> joint_velocities;                        // initial, by joint id [rad/s] or [m/s]
+  std::vector<std::string> materials;  // by link index, empty names: none; an empty list: no link has one
   std::vector<ScenarioController> controllers;
   BodyNoise noise;  // of its sensors and joints
   Place place;      // of its name
@@ -225,8 +229,9 @@ struct Scenario {
   std::uint32_t seed = 0;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
   SolverSettings solver;
-  std::string options;  // option string of the simulator, before each controller's option string
+  std::string options;     // option string of the simulator, before each controller's option string
   std::vector<ScenarioBody> bodies;
+  std::vector<MaterialPair> pairs;  // of materials of the bodies
   std::vector<Push> pushes;
   std::optional<JoystickScript> joystick;  // nullopt: the scenario has none
   Look look;                               // of all pictures

@@ -131,10 +131,10 @@ bool check_version(Findings& findings, const YamlNode& root) {
 
 void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(
-      findings, root, "the scenario",
-      {"rehearse", "name", "golden", "duration", "time_step", "seed", "gravity", "options", "solver", "bodies",
-       "pushes", "joystick", "noise", "look", "cameras", "record", "tolerances", "horizon", "expect"});
+  const Keys keys(findings, root, "the scenario",
+                  {"rehearse", "name",       "golden", "duration",   "time_step", "seed",   "gravity",  "options",
+                   "solver",   "bodies", "materials",  "pairs",     "pushes", "joystick", "noise",
+                   "look",     "cameras",    "record", "tolerances", "horizon",   "expect"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -144,6 +144,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
   if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))
     read_bodies(findings, *node, models, scenario);
+  read_materials(findings, keys.find("materials"), keys.find("pairs"), scenario);
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
   if (const YamlNode* node = keys.find("joystick")) read_joystick(findings, *node, scenario);
   if (const YamlNode* node = keys.find("noise")) read_noise(findings, *node, scenario);

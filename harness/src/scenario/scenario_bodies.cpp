@@ -46,6 +46,8 @@ class BodyReader {
   std::optional<Checker> read_checker(const YamlNode& node);
   void make_shape(const Keys& keys, std::string_view kind, const YamlNode& shape, ScenarioBody& body);
   void check_root(const Keys& keys, ScenarioBody& body);
+  void read_velocities(const Keys& keys, ScenarioBody& body);
+  std::optional<Surface> read_surface(const Keys& keys);
 
   Findings& findings_;
   const Scenario::ModelSource& source_;
@@ -57,10 +59,15 @@ class BodyReader {
 };
 
 void BodyReader::read(const YamlNode& node) {
-  const Keys keys(findings_, node, "a body",
-                  {"name", "model", "packages", "box", "sphere", "cylinder", "mass", "default_mass",
-                   "allow_missing_meshes", "fixed", "dynamics", "joint_limits", "effort_limits", "collision",
-                   "self_collision", "position", "rotation", "joints", "controllers"});
+  const Keys keys(findings_, node, "a body", {"name",          "model",        "packages",
+                                              "box",           "sphere",       "cylinder",
+                                              "mass",          "default_mass", "allow_missing_meshes",
+                                              "fixed",         "dynamics",     "joint_limits",
+                                              "effort_limits", "collision",    "self_collision",
+                                              "friction",      "mu2",          "fdir1",
+                                              "restitution",   "position",     "rotation",
+                                              "joints",        "velocity",     "joint_velocities",
+                                              "controllers"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -82,6 +89,7 @@ void BodyReader::read(const YamlNode& node) {
     check_root(keys, body);
     check_contact(keys, body);
     read_joints(findings_, node, keys.find("joints"), body);
+    read_velocities(keys, body);
   }
   if (const YamlNode* controllers = keys.find("controllers"))
     read_controllers(findings_, *controllers, body, scenario_.file);
@@ -191,6 +199,10 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
   }
   if (const YamlNode* mass = keys.find("mass"))
     findings_.error(*mass, "mass is given for a body with a model file", "the masses of a model stand in its file");
+  for (const char* key : {"friction", "mu2", "fdir1", "restitution"})
+    if (const YamlNode* found = keys.find(key))
+      findings_.error(*found, fmt::format("{} is given for a body with a model file", key),
+                      "the surfaces of a model stand in its file: <gazebo reference=\"LINK\"> or <contact>");
 }
 
 std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file,
@@ -278,10 +290,50 @@ void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlN
   } else if (needs_mass) {
     return;
   }
-  if (!shape.geometry) return;
+  const std::optional<Surface> surface = read_surface(keys);
+  if (!shape.geometry || !surface) return;
   Model model = single_shape_model(body.name, *shape.geometry, mass, shape.color);
   model.links.front().visuals.front().checker = shape.checker;
+  model.links.front().surface = *surface;
   body.model = std::make_shared<const Model>(std::move(model));
+}
+
+// The surface of a shape; nothing if it has a mistake.
+std::optional<Surface> BodyReader::read_surface(const Keys& keys) {
+  constexpr Range any_friction{0.0, 1e6};
+  Surface surface;
+  keys.number("friction", any_friction, surface.friction);
+  keys.number("mu2", any_friction, surface.second_friction);
+  keys.number("restitution", {0.0, 1.0}, surface.restitution);
+  const YamlNode* direction = keys.find("fdir1");
+  if (direction != nullptr && keys.find("mu2") == nullptr) {
+    findings_.error(*direction, "fdir1 is given without mu2", "mu2 is the friction across that direction");
+    return std::nullopt;
+  }
+  if (surface.second_friction) surface.friction_direction = Eigen::Vector3d::UnitX();
+  if (direction == nullptr) return surface;
+  const auto along = read_vector3(findings_, *direction, "fdir1", {-1e6, 1e6});
+  if (along && along->isZero(0.0)) expected(findings_, *direction, "fdir1", "a direction as in [1, 0, 0]");
+  if (!along || along->isZero(0.0)) return std::nullopt;
+  surface.friction_direction = along->stableNormalized();
+  return surface;
+}
+
+// Called after check_root(), because the model may fix the body.
+void BodyReader::read_velocities(const Keys& keys, ScenarioBody& body) {
+  const YamlNode* root = keys.find("velocity");
+  const YamlNode* joints = keys.find("joint_velocities");
+  for (const auto& [node, key] : {std::pair(root, "velocity"), std::pair(joints, "joint_velocities")})
+    if (node != nullptr && body.kinematic)
+      findings_.error(*node, fmt::format("{} is given for a kinematic body", key), "its commands move it");
+  if (root != nullptr && body.fixed && !body.kinematic)
+    findings_.error(*root, fmt::format("velocity is given, but {} is fixed", body.name), "a fixed root never moves");
+  if (root != nullptr) {
+    const Keys parts(findings_, *root, "a velocity", {"linear", "angular"});
+    parts.vector3("linear", any_velocity, body.linear_velocity);
+    parts.vector3("angular", any_angular_velocity, body.angular_velocity);
+  }
+  if (joints != nullptr) read_joint_velocities(findings_, *joints, body);
 }
 
 // A model may itself be fixed to the world; a scenario can't make it movable.

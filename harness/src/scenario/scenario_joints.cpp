@@ -17,18 +17,19 @@ class JointReader {
  public:
   JointReader(Findings& findings, ScenarioBody& body)
       : findings_(findings), body_(body), model_(*body.model), places_(model_.joints.size(), nullptr) {
-    body.joints.assign(model_.joints.size(), 0.0);
+    body.joint_velocities.resize(model_.joints.size(), 0.0);
   }
 
   void read(const YamlNode& node);
   void place_within_limits(const YamlNode& body_node);
   void place_followers();
   void check_limits(const YamlNode& body_node);
+  void read_velocities(const YamlNode& node);
 
  private:
   const Joint& joint(std::size_t id) const { return model_.links[static_cast<std::size_t>(model_.joints[id])].joint; }
   std::vector<std::string> joint_names() const;
-  void read_by_name(const NamedEntry& entry);
+  std::optional<std::size_t> find_id(const NamedEntry& entry, std::string_view quantity);
   void read_all(const YamlNode& node);
   void read_displacement(std::size_t id, const YamlNode& node);
 
@@ -40,7 +41,8 @@ class JointReader {
 
 void JointReader::read(const YamlNode& node) {
   if (node.kind == YamlNode::Kind::map) {
-    for (const NamedEntry& entry : read_entries(findings_, node)) read_by_name(entry);
+    for (const NamedEntry& entry : read_entries(findings_, node))
+      if (const auto id = find_id(entry, "displacement")) read_displacement(*id, *entry.value);
   } else if (node.kind == YamlNode::Kind::list) {
     read_all(node);
   } else {
@@ -54,26 +56,27 @@ std::vector<std::string> JointReader::joint_names() const {
   return names;
 }
 
-void JointReader::read_by_name(const NamedEntry& entry) {
+std::optional<std::size_t> JointReader::find_id(const NamedEntry& entry, std::string_view quantity) {
   const int link = model_.find_joint(entry.name);
   if (link < 0) {
     findings_.error(*entry.key, fmt::format("{} has no joint '{}'", body_.name, shortened(entry.name)),
                     name_hint(entry.name, joint_names(), "joints"));
-    return;
+    return std::nullopt;
   }
   const Joint& found = model_.links[static_cast<std::size_t>(link)].joint;
   if (found.name != entry.name) {  // find_joint also accepts the name of the link that a joint moves
     findings_.error(*entry.key, fmt::format("'{}' is a link of {}", entry.name, body_.name),
                     found.name.empty() ? "expected a joint" : fmt::format("its joint is '{}'", found.name));
   } else if (found.id < 0) {
-    findings_.error(*entry.key, fmt::format("joint '{}' of {} is fixed", entry.name, body_.name),
-                    "only movable joints have a displacement");
+    findings_.error(*entry.key, fmt::format("joint '{}' of {} is {}", entry.name, body_.name, type_name(found.type)),
+                    fmt::format("only movable joints have a {}", quantity));
   } else if (found.type == JointType::track) {
     findings_.error(*entry.key, fmt::format("joint '{}' of {} is a track", entry.name, body_.name),
-                    "a track has a speed, but no displacement");
+                    fmt::format("a track has a speed by its command, but no initial {}", quantity));
   } else {
-    read_displacement(static_cast<std::size_t>(found.id), *entry.value);
+    return static_cast<std::size_t>(found.id);
   }
+  return std::nullopt;
 }
 
 void JointReader::read_all(const YamlNode& node) {
@@ -130,9 +133,36 @@ void JointReader::check_limits(const YamlNode& body_node) {
   }
 }
 
+void JointReader::read_velocities(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::map) {
+    expected(findings_, node, "joint_velocities", "a map of NAME: VELOCITY, [rad/s] or [m/s]");
+    return;
+  }
+  std::vector<double>& velocities = body_.joint_velocities;
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    const auto id = find_id(entry, "velocity");
+    if (!id) continue;
+    const Range range = joint(*id).type == JointType::prismatic ? any_velocity : any_angular_velocity;
+    if (const auto value = read_number(findings_, *entry.value, entry.name, range)) velocities[*id] = *value;
+    if (const std::optional<Mimic>& mimic = joint(*id).mimic)
+      findings_.error(*entry.key,
+                      fmt::format("{} has no initial velocity of its own: it follows {}", entry.name,
+                                  joint(static_cast<std::size_t>(mimic->leader)).name),
+                      "give the velocity of the joint that it follows");
+  }
+  for (std::size_t id = 0; id < velocities.size(); ++id)
+    if (const std::optional<Mimic>& mimic = joint(id).mimic)
+      velocities[id] = mimic->multiplier * velocities[static_cast<std::size_t>(mimic->leader)];
+}
+
 }  // namespace
 
+void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBody& body) {
+  JointReader(findings, body).read_velocities(node);
+}
+
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body) {
+  body.joints.assign(body.model->joints.size(), 0.0);
   JointReader reader(findings, body);
   if (node != nullptr) reader.read(*node);
   reader.place_within_limits(body_node);

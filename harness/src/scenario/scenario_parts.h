@@ -20,6 +20,13 @@ void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& bo
 /// displacements outside of their limits. `body_node` is the node of the whole body; body.model must not be null.
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body);
 
+/// Initial velocities of joints, a map by name. body.model must not be null.
+void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBody& body);
+
+/// `materials`, a map from bodies and links to names, and the `pairs` list; null: the scenario has none. After the
+/// bodies.
+void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario);
+
 /// The `pushes` list. After the bodies.
 void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario);
 

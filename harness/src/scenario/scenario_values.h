@@ -38,6 +38,8 @@ inline constexpr Range any_mass{1e-9, 1e9, "[kg]"};
 inline constexpr Range any_force{-1e9, 1e9, "[N]"};
 inline constexpr Range any_torque{-1e9, 1e9, "[N·m]"};
 inline constexpr Range any_acceleration{-1e6, 1e6, "[m/s²]"};
+inline constexpr Range any_velocity{-1e6, 1e6, "[m/s]"};
+inline constexpr Range any_angular_velocity{-1e6, 1e6, "[rad/s]"};
 inline constexpr Range any_angle{-1e6, 1e6, "[rad]"};
 
 /// The user's text for a message: on one line, of about `longest` bytes at most, never cut inside a UTF-8 sequence.

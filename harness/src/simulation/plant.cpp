@@ -35,12 +35,13 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario.bodies)
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
-                      body.joint_limits, body.effort_limits, body.trimesh, body.self_collision});
+                      body.joint_limits, body.effort_limits, body.trimesh, body.self_collision, body.linear_velocity,
+                      body.angular_velocity, body.joint_velocities, body.materials});
   return bodies;
 }
 
 WorldSettings world_settings(const Scenario& scenario) {
-  return {scenario.time_step, scenario.gravity, scenario.seed, scenario.solver};
+  return {scenario.time_step, scenario.gravity, scenario.seed, scenario.solver, scenario.pairs};
 }
 
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario) { return create(scenario, scenario); }
