@@ -127,6 +127,7 @@ const Broken all_broken[] = {
     {"restitution_of_two", 7, 18, "restitution is 2"},
     {"direction_without_mu2", 7, 12, "fdir1 is given without mu2"},
     {"direction_zero", 8, 12, "fdir1 is .*a direction as in"},
+    {"lever_arms_number", 3, 13, "lever_arms is 2"},
     {"joint_velocity_of_a_follower", 6, 24, "RIGHT has no initial velocity of its own: it follows LEFT"},
     {"materials_list", 5, 12, "materials is a list.*BODY: MATERIAL"},
     {"material_of_nobody", 5, 13, "no body .*'Bix'.*did you mean 'Box'"},

@@ -33,6 +33,9 @@ struct WorldSettings {
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
   std::uint32_t seed = 0;
   SolverSettings solver;
+  /// Accelerometers and IMUs measure the acceleration at their own place. False: at their link's origin, as in
+  /// Choreonoid.
+  bool lever_arms = true;
   std::vector<MaterialPair> pairs = {};
 };
 

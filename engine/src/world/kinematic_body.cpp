@@ -130,10 +130,10 @@ void KinematicBody::after_step() {
   place();
 }
 
-void KinematicBody::observe(BodyObservation& observation, const Vector3d& gravity, bool stepped) const {
+void KinematicBody::observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const {
   observation.joints = joints_;
   observation.links = links_;
-  observe_devices(observation, gravity, stepped);
+  observe_devices(observation, settings, stepped);
 }
 
 bool KinematicBody::finite() const {

@@ -321,7 +321,7 @@ LinkReading OdeBody::reading_of(int index) const {
   return link;
 }
 
-void OdeBody::observe(BodyObservation& observation, const Vector3d& gravity, bool stepped) const {
+void OdeBody::observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const {
   observation.joints.resize(slots_.size());
   observation.links.resize(links_.size());
   for (std::size_t id = 0; id < slots_.size(); ++id) {
@@ -331,7 +331,7 @@ void OdeBody::observe(BodyObservation& observation, const Vector3d& gravity, boo
       observation.joints[id] = joints_[slots_[id].index].reading();
   }
   for (std::size_t i = 0; i < links_.size(); ++i) observation.links[i] = reading_of(static_cast<int>(i));
-  observe_devices(observation, gravity, stepped);
+  observe_devices(observation, settings, stepped);
 }
 
 std::vector<double> OdeBody::force_reading(std::size_t device) const {

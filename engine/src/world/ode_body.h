@@ -55,7 +55,7 @@ class OdeBody final : public SimulatedBody {
   Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
   Belt belt(int index) const override;
   void after_step() override;
-  void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const override;
+  void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
   bool finite() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override;

@@ -12,13 +12,22 @@
 namespace rehearse {
 namespace {
 
-/// The readings of a gyro, an accelerometer or an Imu from the link's motion, in the device's frame. As in Choreonoid,
-/// the sensor's lever arm in its link is ignored.
-std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const Eigen::Vector3d& gravity) {
-  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * device.pose.linear()).transpose();
+/// The acceleration of a point fixed to the link: a + dw/dt x r + w x (w x r), with the arm r from the link's origin.
+Eigen::Vector3d acceleration_at(const Eigen::Vector3d& arm, const LinkReading& link) {
+  const Eigen::Vector3d& w = link.angular_velocity;
+  return link.acceleration + link.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
+}
+
+/// The readings of a gyro, an accelerometer or an Imu from the link's motion, in the device's frame.
+std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const WorldSettings& settings) {
+  const Eigen::Matrix3d to_world = link.rotation.toRotationMatrix();
+  const Eigen::Matrix3d to_sensor = (to_world * device.pose.linear()).transpose();
   const Eigen::Vector3d w = to_sensor * link.angular_velocity;
-  const Eigen::Vector3d f = to_sensor * (link.acceleration - gravity);  // specific force
   if (std::holds_alternative<Gyro>(device.kind)) return {w.x(), w.y(), w.z()};
+  const Eigen::Vector3d& arm = device.pose.translation();
+  const bool has_arm = settings.lever_arms && !arm.isZero(0.0);
+  const Eigen::Vector3d acceleration = has_arm ? acceleration_at(to_world * arm, link) : link.acceleration;
+  const Eigen::Vector3d f = to_sensor * (acceleration - settings.gravity);  // specific force
   if (std::holds_alternative<Accelerometer>(device.kind)) return {f.x(), f.y(), f.z()};
   return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
 }
@@ -98,7 +107,7 @@ void SimulatedBody::visit_contact_sensors(StateVisitor& visitor) {
   }
 }
 
-void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const {
+void SimulatedBody::observe_devices(BodyObservation& observation, const WorldSettings& settings, bool stepped) const {
   observation.devices.resize(model().devices.size());
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
     const Device& device = model().devices[i];
@@ -111,7 +120,7 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const Eigen::V
     else if (std::holds_alternative<ContactSensor>(device.kind))
       reading.values = contact_reading(i, link);
     else
-      reading.values = inertial_reading(device, link, gravity);
+      reading.values = inertial_reading(device, link, settings);
     if (!stepped) reading.values.assign(reading.values.size(), 0.0);
   }
   if (watched_.empty()) return;

@@ -88,7 +88,7 @@ class SimulatedBody {
   /// Reads the results of the step. Call take_touches() before it.
   virtual void after_step() = 0;
   /// Fills the readings from the state.
-  virtual void observe(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const = 0;
+  virtual void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const = 0;
   virtual bool finite() const = 0;
 
   /// Passes every piece of state to the visitor, in a fixed order. This function alone defines the state. The visitor
@@ -135,7 +135,7 @@ class SimulatedBody {
   void feel(int link);
   const std::vector<Touch>& touches() const { return touches_; }
   /// Fills the readings of sensors with values, from the links in the observation and the contacts of the last step.
-  void observe_devices(BodyObservation& observation, const Eigen::Vector3d& gravity, bool stepped) const;
+  void observe_devices(BodyObservation& observation, const WorldSettings& settings, bool stepped) const;
   /// Visits the state of contact sensors; the last part of visit_state().
   void visit_contact_sensors(StateVisitor& visitor);
 

@@ -151,7 +151,7 @@ const Observation& World::sense() const {
   if (!impl_->observed) {
     impl_->observation.bodies.resize(impl_->bodies.size());
     for (std::size_t i = 0; i < impl_->bodies.size(); ++i)
-      impl_->bodies[i]->observe(impl_->observation.bodies[i], impl_->settings.gravity, impl_->tick > 0);
+      impl_->bodies[i]->observe(impl_->observation.bodies[i], impl_->settings, impl_->tick > 0);
     for (BodyObservation& body : impl_->observation.bodies)
       for (DeviceReading& device : body.devices) device.measured_at = time();
     impl_->observed = true;

@@ -229,6 +229,7 @@ struct Scenario {
   std::uint32_t seed = 0;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
   SolverSettings solver;
+  bool lever_arms = true;  // accelerometers and IMUs measure at their own place, not at their link's origin
   std::string options;     // option string of the simulator, before each controller's option string
   std::vector<ScenarioBody> bodies;
   std::vector<MaterialPair> pairs;  // of materials of the bodies

@@ -133,13 +133,14 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
                   {"rehearse", "name",       "golden", "duration",   "time_step", "seed",   "gravity",  "options",
-                   "solver",   "bodies", "materials",  "pairs",     "pushes", "joystick", "noise",
+                   "solver",   "lever_arms", "bodies", "materials",  "pairs",     "pushes", "joystick", "noise",
                    "look",     "cameras",    "record", "tolerances", "horizon",   "expect"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
   keys.vector3("gravity", any_acceleration, scenario.gravity);
   keys.text("options", scenario.options);
+  keys.flag("lever_arms", scenario.lever_arms);
   if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
   if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
   if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))

@@ -41,7 +41,7 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
 }
 
 WorldSettings world_settings(const Scenario& scenario) {
-  return {scenario.time_step, scenario.gravity, scenario.seed, scenario.solver, scenario.pairs};
+  return {scenario.time_step, scenario.gravity, scenario.seed, scenario.solver, scenario.lever_arms, scenario.pairs};
 }
 
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario) { return create(scenario, scenario); }

@@ -76,13 +76,53 @@ TEST_P(InertialSensors, AGyroTurnsWithItsLink) {
   expect_near(link_of(*world).angular_acceleration, Vector3d(1, 0, 0), 1e-9);
 }
 
-TEST_P(InertialSensors, TheLeverArmOfASensorInItsLinkIsIgnored) {
-  WorldSettings still = settings();
-  still.gravity.setZero();
-  const auto world = make_world(still, {body_of(sensor_box(JointType::free, at(1, 0, 0)).build())});
-  world->push(0, 0, Vector3d::Zero(), Vector3d::Zero(), {0.0, 0.0, 0.04});
+/// A link on a hinge about z, with an accelerometer and an Imu 0.5 m off its origin; the axes of the Imu are turned by
+/// a quarter about z.
+RobotBuilder turning_arm() {
+  RobotBuilder robot(JointType::fixed);
+  robot.add("ARM", 0, JointType::revolute, Vector3d::UnitZ(), inertial(1.0, {0.1, 0.1, 0.1}));
+  robot.add_device("Accelerometer", 1, Accelerometer{}, at(0.5, 0, 0));
+  Eigen::Isometry3d turned = at(0.5, 0, 0);
+  turned.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ()).toRotationMatrix();
+  robot.add_device("Imu", 1, Imu{}, turned);
+  return robot;
+}
+
+TEST_P(InertialSensors, OffTheirLinksOriginReadTheCentripetalAcceleration) {
+  WorldBody body = body_of(turning_arm().build());
+  body.joint_velocities = {2.0};
+  const auto world = make_world(weightless(GetParam()), {body});
+  run(*world, 100);
+  // w² r = 2² x 0.5 towards the axis
+  expect_near(device_of(*world, 0), Vector3d(-2, 0, 0), 1e-9);
+  expect_near(device_of(*world, 1).tail<3>(), Vector3d(0, 2, 0), 1e-9);
+  expect_near(device_of(*world, 1).head<3>(), Vector3d(0, 0, 2), 1e-9);
+}
+
+TEST_P(InertialSensors, OffTheirLinksOriginReadTheTangentialAcceleration) {
+  const auto world = make_world(weightless(GetParam()), {body_of(turning_arm().build())});
+  world->push(0, 1, Vector3d::Zero(), Vector3d::Zero(), {0.0, 0.0, 0.3});  // 3 rad/s²
   run(*world, 1);
-  expect_near(device_of(*world, accelerometer), Vector3d::Zero(), 1e-12);
+  const double w = 3.0 * 0.001;
+  expect_near(device_of(*world, 0), Vector3d(-w * w * 0.5, 3.0 * 0.5, 0), 1e-9);
+}
+
+TEST_P(InertialSensors, ReadTheirLinksOriginWithoutLeverArms) {
+  WorldSettings as_in_choreonoid = weightless(GetParam());
+  as_in_choreonoid.lever_arms = false;
+  WorldBody body = body_of(turning_arm().build());
+  body.joint_velocities = {2.0};
+  const auto world = make_world(as_in_choreonoid, {body});
+  run(*world, 100);
+  expect_near(device_of(*world, 0), Vector3d::Zero(), 1e-9);
+}
+
+TEST_P(InertialSensors, OfAKinematicBodyReadTheLeverArm) {
+  WorldBody body = body_of(turning_arm().build());
+  body.kinematic = true;
+  const auto world = make_world(weightless(GetParam()), {body});
+  run(*world, 100, velocity(2.0));
+  expect_near(device_of(*world, 0), Vector3d(-2, 0, 0), 1e-5);
 }
 
 TEST_P(InertialSensors, AllReadZeroBeforeTheFirstStepAndAreNotFresh) {
