@@ -45,7 +45,10 @@ bool Findings::take(const Findings& part, const std::string& what) {
     }
     return true;
   }
-  found_.insert(found_.end(), part.found_.begin(), part.found_.end());
+  for (const Diagnostic& found : part.found_) {
+    const bool is_refused = strict_ && found.severity == Severity::repair;
+    add(is_refused ? Severity::error : found.severity, found.line, found.message, found.hint);
+  }
   for (const auto& [sentence, passed] : part.counted_) {
     const auto [known, is_new] = counted_.emplace(sentence, passed);
     if (!is_new) known->second.count += passed.count;
