@@ -208,7 +208,7 @@ TEST_P(ForkingController, IsToldAndTheRunGoesOnOnce) {
                                "child ends where the call ends in it\n");
   EXPECT_EQ(outcome.out.find("recorded "), outcome.out.rfind("recorded ")) << outcome.out;
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
-  EXPECT_EQ(kept_trace()["ticks"], 51);
+  EXPECT_EQ(kept_trace()["ticks"], 50);
 }
 
 TEST_F(FailingController, ThatRefusesEndsTheRunBeforeItsFirstTick) {

@@ -143,7 +143,7 @@ TEST_F(Record, SeedAndDurationOfTheCommandLineStandInTheTrace) {
   const nlohmann::json info = done({"info", "a.mcap", "--json"}).json();
   EXPECT_EQ(info["metadata"][0]["values"]["seed"], "4294967295");
   EXPECT_EQ(info["metadata"][0]["values"]["duration"], "0.25");
-  EXPECT_EQ(info["ticks"], 251);  // and the state after the last
+  EXPECT_EQ(info["ticks"], 250);  // with the states of ticks 0 to 250
 }
 
 TEST_F(Record, LeavesPicturesOut) {

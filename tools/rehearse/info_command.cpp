@@ -16,6 +16,7 @@
 #include "command.h"
 #include "options.h"
 #include "output.h"
+#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {
@@ -54,11 +55,14 @@ struct Contents {
   bool by_summary = false;                         // bytes, events and damage are unknown
   std::map<std::uint16_t, ChannelCount> channels;  // by id
   ChannelCount all;
-  std::uint64_t ticks = 0;
+  std::uint64_t ticks = 0;  // messages of that type
   std::uint64_t event_count = 0;
   std::vector<msg::Event> events;
   Diagnostics damage;
 
+  std::int64_t ticks_of(const mcap::Reader& reader) const {
+    return RunFacts::of(reader).ticks(static_cast<std::int64_t>(ticks));
+  }
   double begin() const { return all.messages == 0 ? 0.0 : static_cast<double>(all.first) / 1e9; }  // [s]
   double end() const { return static_cast<double>(all.last) / 1e9; }                               // [s]
   double duration() const {                                                                        // [s]
@@ -209,7 +213,7 @@ Json trace_json(const mcap::Reader& reader, const Contents& contents) {
           {"duration", contents.duration()},
           {"begin_ns", contents.all.messages == 0 ? 0 : contents.all.first},
           {"end_ns", contents.all.last},
-          {"ticks", contents.ticks},
+          {"ticks", contents.ticks_of(reader)},
           {"messages", contents.all.messages},
           {"schemas", schemas},
           {"channels", channels_json(reader, contents)},
@@ -242,7 +246,7 @@ void tell_file(const mcap::Reader& reader, const Contents& contents) {
   tell_line("profile", reader.profile().empty() ? "none" : plain_text(reader.profile()));
   tell_line("messages",
             fmt::format("{} in {}", contents.all.messages, count_text(reader.channels().size(), "channel")));
-  if (contents.ticks > 0) tell_line("ticks", std::to_string(contents.ticks));
+  if (contents.ticks > 0) tell_line("ticks", std::to_string(contents.ticks_of(reader)));
   if (contents.all.messages > 0) {
     tell_line("duration", fmt::format("{:.15g} s", contents.duration()));
     tell_line("start", time_text(contents.all.first));

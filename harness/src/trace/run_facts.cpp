@@ -4,6 +4,7 @@
 #include <rehearse/mcap.h>
 #include <rehearse/trace.h>
 
+#include <algorithm>
 #include <charconv>
 
 namespace rehearse {
@@ -110,6 +111,11 @@ std::string RunFacts::stated(const std::string& fact) const {
 bool RunFacts::had_library(const std::string& controller_label, const std::string& content_hash) const {
   const auto found = controllers.find(controller_label);
   return found != controllers.end() && found->second.ends_with(" " + content_hash);
+}
+
+std::int64_t RunFacts::ticks(std::int64_t messages) const {
+  const bool is_one_run = provenances == 1 && outcome && outcome->ticks;
+  return is_one_run ? std::min(*outcome->ticks, messages) : messages;
 }
 
 RunFacts RunFacts::of(const std::vector<mcap::Metadata>& metadata) {

@@ -105,6 +105,9 @@ struct RunFacts {
   std::string stated(const std::string& fact) const;
   /// True if that controller's library had that hash.
   bool had_library(const std::string& controller_label, const std::string& content_hash) const;
+  /// The ticks that were simulated or replayed. `messages`: number of messages on /tick, of which one more states the
+  /// state after the last tick if the run is complete.
+  std::int64_t ticks(std::int64_t messages) const;
 
   /// If a record occurs more than once, the first counts.
   static RunFacts of(const std::vector<mcap::Metadata>& metadata);
