@@ -29,7 +29,7 @@ export async function launch() {
 export async function open_report(
   browser,
   file,
-  { hash = '', width = 1280, height = 800, dark = false, ready = true, fonts = false } = {},
+  { hash = '', width = 1280, height = 800, dark = false, ready = true, fonts = false, no_storage = false } = {},
 ) {
   const context = await browser.newContext({
     viewport: { width, height },
@@ -46,6 +46,7 @@ export async function open_report(
   page.on('pageerror', (error) => complaints.push(String(error)));
   page.on('request', (request) => requests.push(request.url()));
   if (fonts) await use_our_fonts(page);
+  if (no_storage) await page.addInitScript(refuse_storage);
   const begin = performance.now();
   await page.goto(pathToFileURL(file).href + hash, { waitUntil: 'commit' });
   if (ready) {
@@ -54,6 +55,15 @@ export async function open_report(
   }
   const open_seconds = (performance.now() - begin) / 1000;
   return { page, context, complaints, requests, open_seconds, close: () => context.close() };
+}
+
+// As browsers do for pages from files, by their settings.
+function refuse_storage() {
+  Object.defineProperty(window, 'localStorage', {
+    get() {
+      throw new DOMException('The operation is insecure.', 'SecurityError');
+    },
+  });
 }
 
 // Messages of the browser about software rendering don't concern the page.

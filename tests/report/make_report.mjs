@@ -23,6 +23,8 @@ export const defaults = {
   robot: true,
   events: true,
   mesh: true,
+  expectations: true,
+  fails: false, // expectations are violated without a golden
 };
 
 /** JSON has no NaN. */
@@ -107,14 +109,24 @@ class Maker {
     }
   }
 
+  late(tick, golden, delay) {
+    return golden ? 0 : Math.max(0, tick - this.options.fault - delay);
+  }
+
+  knee_strays(tick, golden, delay) {
+    return 0.25 * (1 - Math.exp(-this.late(tick, golden, delay) / 250));
+  }
+
+  root_z(tick, golden) {
+    return pose_at(tick).root[2] - 0.02 * (1 - Math.exp(-this.late(tick, golden, 40) / 400));
+  }
+
   // The fault: from a tick on a gain of the right knee is wrong; the values that depend on it change, too.
   add_walker_series() {
-    const { fault } = this.options;
-    const late = (tick, golden, delay) => (golden ? 0 : Math.max(0, tick - fault - delay));
     joints.forEach((joint, i) => {
       const of_knee = joint === 'RIGHT_KNEE';
       const strays = (tick, golden, delay) =>
-        of_knee ? 0.25 * (1 - Math.exp(-late(tick, golden, delay) / 250)) : 2e-10 * late(tick, golden, delay + 5);
+        of_knee ? this.knee_strays(tick, golden, delay) : 2e-10 * this.late(tick, golden, delay + 5);
       this.add_series(
         `Walker/${joint}/q`,
         'state',
@@ -136,11 +148,8 @@ class Maker {
       );
     });
     ['x', 'y', 'z', 'qx', 'qy', 'qz', 'qw'].forEach((name, i) => {
-      this.add_series(
-        `Walker/root/${name}`,
-        'state',
-        i < 3 ? 'm' : '',
-        (tick, golden) => pose_at(tick).root[i] + (i === 2 ? -0.02 * (1 - Math.exp(-late(tick, golden, 40) / 400)) : 0),
+      this.add_series(`Walker/root/${name}`, 'state', i < 3 ? 'm' : '', (tick, golden) =>
+        i === 2 ? this.root_z(tick, golden) : pose_at(tick).root[i],
       );
     });
     this.add_series(
@@ -232,6 +241,50 @@ class Maker {
       : [];
   }
 
+  /** The series by their largest difference. */
+  worst() {
+    return this.series.filter(({ beyond }) => beyond > 0).map(({ name }) => name);
+  }
+
+  /** Of three, the fault violates two: the knee bends too far, and the run ends too low. */
+  expectations() {
+    const last = Math.max(0, this.options.ticks - 1);
+    const fails = this.faulty || this.options.fails;
+    const expected = (pattern, text, low, high, begin = 0) => {
+      const entry = { text, holds: true, sentence: '', line: 9, subject: 'series', pattern, series: null, low, high };
+      return { ...entry, begin, end: last, sometime: false, first: null, worst: null };
+    };
+    const violated = (entry, value_at, unit) => {
+      let tick = entry.begin;
+      const is_wrong = (value) => value > (entry.high ?? Infinity) || value < (entry.low ?? -Infinity);
+      while (tick <= last && !is_wrong(value_at(tick))) ++tick;
+      if (!fails || tick > last) return entry;
+      const value = Number(value_at(tick).toFixed(6)),
+        sentence = `expected ${entry.text}: ${value} ${unit} at tick ${tick} (${tick / 1000} s)`;
+      return {
+        ...entry,
+        holds: false,
+        series: entry.pattern,
+        sentence,
+        first: { tick, value },
+        worst: { tick, value },
+      };
+    };
+    return [
+      expected('Walker/*/u', 'the magnitude of Walker/*/u below 150 N·m', -150, 150),
+      violated(
+        expected('Walker/root/z', 'Walker/root/z above 0.86 m at the end', 0.86, null, last),
+        (tick) => this.root_z(tick, false),
+        'm',
+      ),
+      violated(
+        expected('Walker/RIGHT_KNEE/q', 'Walker/RIGHT_KNEE/q below 0.7 rad', null, 0.7),
+        (tick) => pose_at(tick).joints[4] + this.knee_strays(tick, false, 3),
+        'rad',
+      ),
+    ];
+  }
+
   events() {
     const { ticks, fault } = this.options;
     const events = [{ run: 0, tick: 0, severity: 'note', source: 'WalkerController', text: 'gait: standing' }];
@@ -290,7 +343,7 @@ class Maker {
     return {
       role,
       file: golden ? 'golden/Walk.mcap' : 'Walk.mcap',
-      ticks: this.options.ticks,
+      ticks: Math.max(0, this.options.ticks - 1),
       complete: true,
       outcome: '',
       facts,
@@ -311,7 +364,9 @@ class Maker {
     const { robots, meshes } = options.robot
       ? walker(this.blobs, options.mesh, with_series)
       : { robots: [], meshes: [] };
+    const expectations = options.expectations && with_series && options.robot ? this.expectations() : [];
     const state = !options.golden ? 'alone' : first ? 'beyond' : 'equal';
+    const is_violated = expectations.some(({ holds }) => !holds);
     const sentences = {
       alone: 'A run alone: there is nothing to compare it with.',
       equal: 'Every number, picture and event has the same bits as the golden’s.',
@@ -323,12 +378,14 @@ class Maker {
       format: 1,
       title: 'Walk',
       rehearse: '0.1.0',
-      verdict: { sentence: sentences[state], state },
+      verdict: { sentence: sentences[state], besides: sentences[state], state: is_violated ? 'violated' : state },
       time_step: 0.001,
       begin: 0,
       end: options.ticks,
       runs: options.golden ? [this.run('actual'), this.run('golden')] : [this.run('actual')],
+      expectations,
       divergences: this.divergences,
+      worst: this.worst(),
       first: first ? 0 : null,
       spans: this.spans(),
       axes: [{ begin: 0, count: options.ticks }, { ticks: this.blobs.numbers(every_fifth, 'columns') }],

@@ -301,3 +301,24 @@ test('pictures are compared: side by side, or with a slider', async () => {
     assert.equal((await sums()).difference, 0, 'before the fault');
   });
 });
+
+test('contacts have the names of both links, in plots and in the table at a tick', async () => {
+  await with_report(options, { hash: '#tick=1050' }, async ({ page }) => {
+    await page.selectOption('.values select', 'Contacts');
+    const rows = async (tick) => {
+      await page.evaluate((to) => window.rehearse.go(to), tick);
+      const { table } = await state_of(page);
+      return ['LEFT', 'RIGHT'].map((side) => {
+        const { expected, actual } = table[`contact Walker/${side}_FOOT – Floor`];
+        return `${expected} ${actual}`;
+      });
+    };
+    assert.deepEqual(await rows(99), ['apart apart', 'apart apart']);
+    assert.deepEqual(await rows(550), ['touch touch', 'touch touch']);
+    assert.deepEqual(await rows(1410), ['apart touch', 'touch touch'], 'this run’s ends 23 ticks late');
+    await page.click('.row:has-text("RIGHT_FOOT – Floor")');
+    await settled(page);
+    const { shown: plotted } = await state_of(page);
+    assert.ok(plotted.includes('contact Walker/RIGHT_FOOT – Floor'));
+  });
+});

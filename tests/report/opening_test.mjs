@@ -14,17 +14,16 @@ test('opens from disk without a complaint, and asks for nothing but itself', asy
     assert.match(requests[0], /^file:.*report_\d+\.html$/);
     assert.match(await page.textContent('h1'), /Walk/);
     assert.match(await page.textContent('.sentence'), /Tick 640/);
-    assert.equal(await page.textContent('.state'), 'Beyond tolerance');
+    assert.equal(await page.textContent('.state'), 'Expectation violated');
   });
 });
 
-test('opens at the first divergence, with its series and the command beside it plotted', async () => {
+test('opens at the first divergence; violated series are plotted first, then the command that diverges', async () => {
   await with_report(small, {}, async ({ page }) => {
     await settled(page);
     const { tick, shown, plots } = await state_of(page);
     assert.equal(tick, 640);
-    assert.equal(shown[0], 'Walker/RIGHT_KNEE/u');
-    assert.ok(shown.includes('Walker/RIGHT_KNEE/q'));
+    assert.deepEqual(shown.slice(0, 3), ['Walker/RIGHT_KNEE/q', 'Walker/root/z', 'Walker/RIGHT_KNEE/u']);
     assert.equal(plots['Walker/RIGHT_KNEE/u'], 640);
   });
 });
@@ -93,7 +92,7 @@ for (const dark of [false, true]) {
   test(`is readable in ${dark ? 'dark' : 'light'}`, async () => {
     await with_report(small, { dark }, async ({ page }) => {
       await settled(page);
-      for (const tab of ['values', 'divergences', 'messages', 'provenance', 'scenario']) {
+      for (const tab of ['values', 'expectations', 'divergences', 'messages', 'provenance', 'scenario']) {
         await page.click(`#tab-${tab}`);
         await settled(page);
         const found = await page.evaluate(contrasts);
@@ -120,11 +119,140 @@ test('the theme is that of the system, until a key changes it', async () => {
   });
 });
 
-test('fits a window of 900 pixels', async () => {
-  await with_report(small, { width: 900 }, async ({ page }) => {
+for (const width of [900, 420]) {
+  test(`fits a window of ${width} pixels, with letters of 12 pixels or more`, async () => {
+    await with_report(small, { width, height: 900 }, async ({ page }) => {
+      await settled(page);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(wide <= width, `it is ${wide} pixels wide`);
+      for (const tab of ['values', 'expectations', 'divergences', 'messages', 'provenance', 'scenario']) {
+        await page.click(`#tab-${tab}`);
+        await settled(page);
+        const beyond = await page.evaluate((right) => {
+          const parts = [...document.querySelectorAll('button, input, select, .sentence, h1, .note, [role=tab]')];
+          return parts
+            .filter((part) => part.offsetParent !== null && part.getBoundingClientRect().right > right)
+            .map((part) => part.outerHTML.slice(0, 100));
+        }, width);
+        assert.deepEqual(beyond, []);
+        const small_text = await page.evaluate(() =>
+          [...document.querySelectorAll('#app *')]
+            .filter((part) => part.offsetParent !== null && part.textContent.trim() !== '')
+            .filter((part) => parseFloat(getComputedStyle(part).fontSize) < 12)
+            .map((part) => part.outerHTML.slice(0, 100)),
+        );
+        assert.deepEqual(small_text, []);
+      }
+    });
+  });
+}
+
+test('the robot is at least 300 pixels high in a window of 1280 x 720, and all panels are on the screen', async () => {
+  await with_report(small, { width: 1280, height: 720 }, async ({ page }) => {
     await settled(page);
-    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-    assert.ok(wide <= 900, `it is ${wide} pixels wide`);
+    const { robot } = await state_of(page);
+    assert.ok(robot.height >= 300, `it is ${robot.height} pixels high`);
+    const below = await page.evaluate(
+      () =>
+        [...document.querySelectorAll('.top, .panel, .lower')].filter(
+          (panel) => panel.getBoundingClientRect().bottom > innerHeight,
+        ).length,
+    );
+    assert.equal(below, 0);
+  });
+});
+
+test('the camera goes along with the robot to the end of the run', async () => {
+  await with_report({ ...small, ticks: 9000 }, { width: 1280, height: 720 }, async ({ page }) => {
+    await settled(page);
+    const { robot, links } = await state_of(page);
+    await page.keyboard.press('End');
+    await settled(page);
+    const at_end = await state_of(page);
+    assert.ok(at_end.links['Walker/WAIST'][0] - links['Walker/WAIST'][0] > 1.5, 'it walks');
+    assert.ok(Math.abs(at_end.robot.height - robot.height) < 0.2 * robot.height);
+    const [x, y] = at_end.robot.centre;
+    assert.ok(Math.abs(x) < 0.5 && Math.abs(y) < 0.5, `it is at ${x}, ${y} of the view`);
+  });
+});
+
+test('splitters are seen, dragged, moved by keys, remembered, and restored by a double click', async () => {
+  const width_of = (page) => page.evaluate(() => document.querySelector('.left').getBoundingClientRect().width);
+  await with_report(small, {}, async ({ page }) => {
+    const before = await width_of(page);
+    const bars = page.locator('.splitter');
+    assert.equal(await bars.count(), 3);
+    for (const bar of await bars.all()) {
+      const grip = await bar.evaluate((one) => {
+        const style = getComputedStyle(one, '::after');
+        return { color: style.backgroundColor, size: [parseFloat(style.width), parseFloat(style.height)] };
+      });
+      assert.notEqual(grip.color, 'rgba(0, 0, 0, 0)');
+      assert.ok(Math.min(...grip.size) >= 3 && Math.max(...grip.size) >= 40);
+    }
+    const upright = page.locator('.splitter.upright');
+    const box = await upright.boundingBox();
+    await page.mouse.move(box.x + 4, box.y + 100);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 154, box.y + 100, { steps: 3 });
+    await page.mouse.up();
+    const dragged = await width_of(page);
+    assert.ok(Math.abs(dragged - before - 150) < 4, `${before} became ${dragged}`);
+    await page.reload();
+    await page.waitForFunction(() => window.rehearse !== undefined);
+    assert.ok(Math.abs((await width_of(page)) - dragged) < 2, 'remembered');
+    await upright.focus();
+    await page.keyboard.press('ArrowLeft');
+    assert.ok((await width_of(page)) < dragged - 10);
+    await upright.dblclick();
+    assert.ok(Math.abs((await width_of(page)) - before) < 2, 'restored');
+  });
+});
+
+test('a browser that refuses storage shows the page all the same', async () => {
+  await with_report(small, { no_storage: true }, async ({ page, complaints }) => {
+    await settled(page);
+    await page.locator('.splitter.upright').focus();
+    await page.keyboard.press('ArrowLeft');
+    await page.keyboard.press('t');
+    await settled(page);
+    assert.deepEqual(complaints, []);
+  });
+});
+
+test('all violated expectations are in the verdict; a click leads there, a run alone has them, too', async () => {
+  for (const golden of [true, false]) {
+    await with_report({ ...small, golden, fails: true }, {}, async ({ page }) => {
+      await settled(page);
+      assert.equal(await page.locator('.violation').count(), 2);
+      await page.click('.violation >> nth=1');
+      await settled(page);
+      assert.equal((await state_of(page)).tick, 1499);
+      await page.click('.violation >> nth=0');
+      await settled(page);
+      assert.equal((await state_of(page)).tick, 1321);
+      assert.deepEqual((await state_of(page)).shown.slice(0, 2), ['Walker/RIGHT_KNEE/q', 'Walker/root/z']);
+      await page.keyboard.press('Home');
+      await page.keyboard.press('v');
+      await settled(page);
+      assert.equal((await state_of(page)).tick, 1321);
+      await page.click('#tab-expectations');
+      assert.match(await page.innerText('#panel-expectations'), /2 of 3 expectations are violated[^]*150 N·m/);
+    });
+  }
+});
+
+test('a run alone opens with its root, its contacts and its largest commands', async () => {
+  await with_report({ ...small, golden: false, cameras: 0 }, {}, async ({ page }) => {
+    await settled(page);
+    const { shown } = await state_of(page);
+    assert.deepEqual(shown.slice(0, 4), [
+      'Walker/root/z',
+      'Walker/root/x',
+      'contact Walker/LEFT_FOOT – Floor',
+      'contact Walker/RIGHT_FOOT – Floor',
+    ]);
+    assert.match(shown[4], /\/u$/);
   });
 });
 
@@ -133,44 +261,62 @@ const absences = [
     what: 'a golden',
     options: { ...small, golden: false },
     says: ['One run'],
-    tabs: { divergences: /no golden/ },
-    without: '.plot .difference:not(:empty), .legend',
+    provenance: /no golden/,
+    without: '.plot .difference:not(:empty), .legend, #tab-divergences',
   },
   {
     what: 'differences',
     options: { ...small, equal: true },
     says: ['Equal'],
-    tabs: { divergences: /Nothing differs/ },
-    without: '.primary:not(dialog *)',
+    provenance: /do not differ in any bit/,
+    without: '.primary:not(dialog *), #tab-divergences',
   },
   {
     what: 'cameras',
     options: { ...small, cameras: 0 },
-    says: ['no camera pictures'],
-    tabs: { provenance: /Point clouds are left out/ },
+    says: [],
+    provenance: /no camera pictures[^]*Point clouds are left out/,
+    without: '.cameras, .left .splitter',
   },
-  { what: 'robots', options: { ...small, robot: false }, says: ['of no robot'], tabs: {} },
-  { what: 'messages', options: { ...small, events: false }, says: [], tabs: { messages: /Nobody said anything/ } },
-  { what: 'channels', options: { ...small, channels: 0 }, says: ['no channels of numbers'], tabs: {} },
+  {
+    what: 'robots',
+    options: { ...small, robot: false, cameras: 0 },
+    says: [],
+    provenance: /no model of a robot/,
+    without: '.scene, .left, .splitter.upright, #tab-expectations',
+  },
+  {
+    what: 'messages',
+    options: { ...small, events: false },
+    says: [],
+    provenance: /no messages/,
+    without: '#tab-messages',
+  },
+  {
+    what: 'channels',
+    options: { ...small, channels: 0, events: false },
+    says: [],
+    provenance: /no channels of numbers/,
+    without: '.plots, #tab-values',
+  },
   {
     what: 'ticks',
     options: { ...small, ticks: 0, channels: 20 },
-    says: ['no tick was recorded', 'there is nothing to plot'],
-    tabs: {},
+    says: ['no tick was recorded'],
+    provenance: /No tick was recorded/,
+    without: '.plots, .timeline, .transport',
   },
 ];
 
-for (const { what, options, says, tabs, without } of absences) {
-  test(`says what is missing: a report without ${what}`, async () => {
+for (const { what, options, says, provenance, without } of absences) {
+  test(`has no empty panel: a report without ${what}`, async () => {
     await with_report(options, {}, async ({ page, complaints }) => {
       await settled(page);
       const text = await page.innerText('#app');
       for (const sentence of says) assert.ok(text.includes(sentence), `"${sentence}" is not in:\n${text}`);
-      for (const [tab, sentence] of Object.entries(tabs)) {
-        await page.click(`#tab-${tab}`);
-        assert.match(await page.innerText(`#panel-${tab}`), sentence);
-      }
-      if (without) assert.equal(await page.locator(without).count(), 0);
+      assert.equal(await page.locator(without).count(), 0);
+      await page.click('#tab-provenance');
+      assert.match(await page.innerText('#panel-provenance'), provenance);
       for (const key of ['d', 'n', 'ArrowRight', ' ', 'End', 'Home', 'z', 'a']) await page.keyboard.press(key);
       await settled(page);
       assert.deepEqual(complaints, []);

@@ -7,10 +7,18 @@ import { make_report } from './make_report.mjs';
 
 const options = { ticks: 2000, channels: 60, cameras: 1, picture_every: 50, noise: false };
 const shots = {
-  light: { hash: '#tick=900' },
-  dark: { hash: '#tick=900&view=600..1200', dark: true },
-  narrow: { hash: '#tick=640', width: 900, height: 760 },
-  alone: { hash: '#tick=300', options: { ...options, golden: false, cameras: 0, events: false } },
+  light: { hash: '#tick=900', width: 1280, height: 720 },
+  dark: { hash: '#tick=900&view=600..1200', width: 1280, height: 720, dark: true },
+  wide_light: { width: 1920, height: 1080 },
+  wide_dark: { hash: '#tick=900', width: 1920, height: 1080, dark: true },
+  narrow_light: { hash: '#tick=900', width: 420, height: 900 },
+  narrow_dark: { hash: '#tick=900', width: 420, height: 900, dark: true },
+  alone: {
+    hash: '#tick=300',
+    width: 1280,
+    height: 720,
+    options: { ...options, golden: false, cameras: 0, events: false },
+  },
 };
 
 const [page_file, picture, name] = process.argv.slice(2);

@@ -43,6 +43,16 @@ TEST_F(ReportVerb, ShowsARunBesideItsGolden) {
   EXPECT_THAT(read_file(folder() / "both.html"), HasSubstr("\"role\":\"golden\""));
 }
 
+TEST_F(ReportVerb, CountsTicksAsAllVerbsDo) {
+  const nlohmann::json recorded = rehearse({"record", box_scenario.string(), "-o", "box.mcap", "--json"}).json();
+  with_page({"report", "box.mcap"});
+  const std::int64_t ticks = recorded["ticks"];
+  EXPECT_EQ(rehearse({"info", "box.mcap", "--json"}).json()["ticks"], ticks);
+  const std::string report = read_file(folder() / "box.html");
+  EXPECT_THAT(report, HasSubstr("\"ticks\":" + std::to_string(ticks) + ","));
+  EXPECT_THAT(report, HasSubstr("\"begin\":0,\"end\":" + std::to_string(ticks + 1) + ","));  // states
+}
+
 TEST_F(ReportVerb, TakesAPart) {
   record_box("box.mcap");
   const nlohmann::json report =

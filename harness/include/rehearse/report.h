@@ -23,7 +23,7 @@ namespace rehearse {
 /// The verdict of a check, which contains more than that of a comparison.
 struct ReportVerdict {
   std::string sentence;                            // without a full stop
-  std::string state;                               // "equal", "within", "beyond" or "failed"
+  std::string state;                               // "equal", "within", "beyond", "violated" or "failed"
   std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
   std::optional<Divergence> first = std::nullopt;  // the place of the first difference to show; none: the comparison's
 };
@@ -35,7 +35,9 @@ struct ReportOptions {
   /// Tolerances of the comparison; none: those of the golden's scenario.
   std::optional<std::vector<ToleranceRule>> tolerances;
   std::optional<double> horizon;         // values are judged up to this time [s]; none: all
-  std::optional<ReportVerdict> verdict;  // none: that of the comparison
+  std::optional<ReportVerdict> verdict;  // none: that of the comparison and the expectations
+  /// The judged expectations; none: those of the recorded scenario are judged.
+  std::optional<std::vector<ExpectationResult>> expectations;
   /// The file of the run's scenario, beside which models and meshes are; empty: they are searched in the repository
   /// that contains the recording or the working directory.
   std::filesystem::path scenario;
@@ -51,7 +53,7 @@ struct ReportOptions {
 struct ReportSummary {
   std::string verdict;                     // a sentence, without a full stop
   std::string state;                       // as in ReportVerdict, or "alone"
-  std::optional<std::int64_t> first_tick;  // tick of the first difference; none: no difference
+  std::optional<std::int64_t> first_tick;  // of the first difference, or else of the first violation; none: neither
   std::int64_t begin = 0, end = 0;         // ticks: the first, and one past the last
   std::uintmax_t bytes = 0;                // of the file
   std::uintmax_t data_bytes = 0;           // size of the data: the file without the page

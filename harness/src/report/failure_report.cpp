@@ -27,7 +27,11 @@ fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
 ReportVerdict report_verdict(const CheckReport& checked) {
   ReportVerdict verdict;
   verdict.sentence = checked.verdict;
-  verdict.state = has_failed(checked) ? "failed" : !checked.within() ? "beyond" : checked.equal() ? "equal" : "within";
+  verdict.state = has_failed(checked)                     ? "failed"
+                  : first_violation(checked.expectations) ? "violated"
+                  : !checked.within()                     ? "beyond"
+                  : checked.equal()                       ? "equal"
+                                                          : "within";
   verdict.levels = {{"controller", std::string(to_string(checked.controller))},
                     {"plant", std::string(to_string(checked.plant))},
                     {"closed", std::string(to_string(checked.closed))}};
@@ -47,6 +51,7 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   options.tolerances = scenario.tolerances;
   options.horizon = checked.horizon;
   options.verdict = report_verdict(checked);
+  if (trace != actual) options.expectations.emplace();  // they were judged on the closed loop
   options.scenario = scenario.file;
   const std::optional<fs::path> beside = fs::is_regular_file(golden, ignored) ? std::optional(golden) : std::nullopt;
   const fs::path file = fs::path(trace).replace_extension(".html");

@@ -10,10 +10,11 @@
 
 #include "compare/compare_parts.h"
 #include "compare/counterpart.h"
-#include "compare/report_json.h"
 #include "mcap/glob.h"
+#include "report_expectations.h"
 #include "report_page.h"
 #include "report_pictures.h"
+#include "report_places.h"
 #include "report_robots.h"
 #include "report_run.h"
 #include "report_series.h"
@@ -102,12 +103,10 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
   const mcap::Attachment* scenario = trace.find_attachment("scenario.yaml");
   ReportJson remarks = ReportJson::array();
   for (const Diagnostic& damage : trace.damage()) remarks.push_back(damage.message);
-  const std::int64_t messages = trace.ticks();
-  const std::int64_t ticks = stated.outcome ? stated.outcome->ticks.value_or(messages) : messages;
   return {
       {"role", role},
       {"file", file.filename().string()},
-      {"ticks", std::min(ticks, messages)},
+      {"ticks", stated.ticks(trace.ticks())},
       {"complete", stated.outcome && stated.outcome->complete},
       {"outcome", outcome_of(stated)},
       {"facts", std::move(provenance)},
@@ -122,54 +121,6 @@ double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scena
   const std::vector<std::uint64_t>& times = run.clock.times();
   constexpr double usual = 0.001;
   return times.size() < 2 || times[1] <= times[0] ? usual : static_cast<double>(times[1] - times[0]) / 1e9;
-}
-
-/// The name of the series of a divergence; null: it has none.
-ReportJson series_at(const Divergence& divergence, const Trace& golden, const Trace* actual) {
-  for (const Trace* trace : {actual, &golden}) {
-    const TraceChannel* channel = trace ? trace->find_channel(divergence.channel) : nullptr;
-    if (!channel) continue;
-    const std::size_t column = column_of(*channel, divergence.element);
-    if (column < channel->columns.size()) return channel->columns[column].series;
-  }
-  return nullptr;
-}
-
-/// The differences by tick: for each channel the first beyond tolerance, and the first in any bit.
-struct Places {
-  std::vector<std::pair<Divergence, bool>> all;  // true: it is beyond tolerance
-  std::optional<std::size_t> first;
-
-  /// `told`: the first difference by a more precise judgement; null: none.
-  Places(const Comparison& comparison, const Divergence* told) {
-    for (const ChannelComparison& channel : comparison.channels) {
-      if (channel.first) all.emplace_back(*channel.first, true);
-      if (channel.first_bit && (!channel.first || to_string(*channel.first) != to_string(*channel.first_bit)))
-        all.emplace_back(*channel.first_bit, false);
-    }
-    const Divergence* wanted = told;
-    if (!wanted && comparison.first) wanted = &*comparison.first;
-    if (!wanted && comparison.first_bit) wanted = &*comparison.first_bit;
-    if (!wanted) return;
-    const std::string text = to_string(*wanted);
-    if (std::none_of(all.begin(), all.end(), [&](const auto& place) { return to_string(place.first) == text; }))
-      all.emplace_back(*wanted, true);
-    std::stable_sort(all.begin(), all.end(),
-                     [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
-    for (std::size_t i = 0; i < all.size() && !first; ++i)
-      if (to_string(all[i].first) == text) first = i;
-  }
-};
-
-ReportJson places_json(const Places& places, const Trace& golden, const Trace& actual) {
-  ReportJson list = ReportJson::array();
-  for (const auto& [divergence, beyond] : places.all) {
-    ReportJson place = json_of(std::optional<Divergence>(divergence));
-    place["series"] = series_at(divergence, golden, &actual);
-    place["beyond"] = beyond;
-    list.push_back(std::move(place));
-  }
-  return list;
 }
 
 /// Writes one report.
@@ -188,6 +139,8 @@ class ReportMaker {
  private:
   const ReportedRun* golden() const { return golden_ ? &*golden_ : nullptr; }
   void judge();
+  void judge_expectations(const fs::path& file);
+  void conclude();
   ReportJson verdict_json() const;
   void write_channels(ReportJson& object);
   void write_happenings(ReportJson& object) const;
@@ -202,6 +155,7 @@ class ReportMaker {
   std::optional<Scenario> scenario_, golden_scenario_;  // none: it can't be read
   std::optional<Comparison> comparison_;
   std::optional<JudgedValues> judged_;
+  std::vector<ExpectationResult> expectations_;  // of the run
   ReportSummary summary_;
 };
 
@@ -221,30 +175,67 @@ void ReportMaker::judge() {
   judged_->conclude(*comparison_);
 }
 
+/// The sentence without the violations at its beginning, which the page lists.
+std::string besides_violations(const std::string& sentence, const std::vector<ExpectationResult>& expectations) {
+  const std::string violated = verdict(expectations);
+  if (!first_violation(expectations) || !sentence.starts_with(violated)) return sentence;
+  const std::string rest = sentence.substr(violated.size());
+  return rest.starts_with("; ") ? rest.substr(2) : rest;
+}
+
 ReportJson ReportMaker::verdict_json() const {
-  ReportJson verdict{{"sentence", summary_.verdict}, {"state", summary_.state}};
+  ReportJson verdict{{"sentence", summary_.verdict},
+                     {"besides", besides_violations(summary_.verdict, expectations_)},
+                     {"state", summary_.state}};
   if (options_.verdict && !options_.verdict->levels.empty()) verdict["levels"] = options_.verdict->levels;
   return verdict;
 }
 
-void conclude(ReportSummary& summary, const ReportOptions& options, const Comparison* comparison,
-              const std::string& outcome) {
-  if (options.verdict) {
-    summary.verdict = options.verdict->sentence;
-    summary.state = options.verdict->state;
-  } else if (comparison) {
-    summary.verdict = verdict(*comparison, options.horizon);
-    summary.state = !comparison->within ? "beyond" : comparison->equal ? "equal" : "within";
-  } else if (!outcome.empty()) {
-    summary.verdict = outcome;
-    summary.state = "failed";
-  } else if (summary.begin == summary.end) {
-    summary.verdict = "the recording has no ticks";
-    summary.state = "alone";
-  } else {
-    summary.verdict = "a run by itself: there is nothing to compare it with";
-    summary.state = "alone";
+/// Judges the whole recording, of which the report may show a part.
+void ReportMaker::judge_expectations(const fs::path& file) {
+  if (options_.expectations || !scenario_ || scenario_->expectations.empty()) {
+    expectations_ = options_.expectations.value_or(std::vector<ExpectationResult>());
+    return;
   }
+  if (!options_.from && !options_.until) {
+    expectations_ = rehearse::judge_expectations(scenario_->expectations, actual_.trace);
+    return;
+  }
+  auto judged = rehearse::judge_expectations(scenario_->expectations, file);
+  if (judged)
+    expectations_ = *std::move(judged);
+  else
+    summary_.omitted.push_back("The expectations were not judged: " + judged.errors()[0].message);
+}
+
+void ReportMaker::conclude() {
+  const bool is_violated = first_violation(expectations_) != nullptr;
+  const std::string outcome = outcome_of(RunFacts::of(actual_.trace));
+  if (options_.verdict) {
+    summary_.verdict = options_.verdict->sentence;
+    summary_.state = options_.verdict->state;
+    return;
+  }
+  if (comparison_) {
+    summary_.verdict = verdict(*comparison_, options_.horizon);
+    summary_.state = !comparison_->within ? "beyond" : comparison_->equal ? "equal" : "within";
+  } else if (!outcome.empty()) {
+    summary_.verdict = outcome;
+    summary_.state = "failed";
+  } else if (summary_.begin == summary_.end) {
+    summary_.verdict = "the recording has no ticks";
+    summary_.state = "alone";
+  } else {
+    summary_.verdict = "a run by itself: there is nothing to compare it with";
+    summary_.state = "alone";
+  }
+  if (expectations_.empty() || summary_.state == "failed") return;
+  const std::string judged = verdict(expectations_);
+  if (summary_.state == "alone")
+    summary_.verdict = judged;
+  else
+    summary_.verdict = is_violated ? judged + "; " + summary_.verdict : summary_.verdict + "; " + judged;
+  if (is_violated) summary_.state = "violated";
 }
 
 bool ReportMaker::is_wanted(const TraceChannel& channel) const {
@@ -344,20 +335,25 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
   if (golden_) range.take(golden_->clock);
   summary_.begin = range.begin;
   summary_.end = range.end;
-  conclude(summary_, options_, comparison_ ? &*comparison_ : nullptr, outcome_of(RunFacts::of(actual_.trace)));
+  judge_expectations(actual_file);
+  conclude();
 
+  const double time_step = time_step_of(actual_, scenario_);
   ReportJson object{{"format", 1},
                     {"title", scenario_ ? scenario_->name : actual_file.stem().string()},
                     {"rehearse", REHEARSE_VERSION},
                     {"verdict", verdict_json()},
-                    {"time_step", time_step_of(actual_, scenario_)},
+                    {"time_step", time_step},
                     {"begin", range.begin},
                     {"end", range.end}};
   ReportJson runs = ReportJson::array({run_json(actual_, "actual", actual_file)});
   if (golden_) runs.push_back(run_json(*golden_, "golden", golden_file));
   object["runs"] = std::move(runs);
+  object["expectations"] =
+      expectations_json(expectations_, time_step, range.begin, std::max(range.begin, range.end - 1));
   object["divergences"] = ReportJson::array();
   object["first"] = nullptr;
+  object["worst"] = ReportJson::array();
   object["spans"] = ReportJson::array();
   if (comparison_) {
     if (scenario_ && golden_scenario_ && scenario_->name != golden_scenario_->name)
@@ -371,8 +367,11 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
       object["first"] = *places.first;
       summary_.first_tick = places.all[*places.first].first.tick;
     }
+    object["worst"] = worst_json(*comparison_, golden_->trace, actual_.trace);
     for (const auto& [begin, end] : judged_->spans(most_spans)) object["spans"].push_back({begin, end});
   }
+  const ExpectationResult* violation = first_violation(expectations_);
+  if (!summary_.first_tick && violation && violation->first) summary_.first_tick = violation->first->tick;
   write_channels(object);
   write_happenings(object);
   object["omitted"] = summary_.omitted;

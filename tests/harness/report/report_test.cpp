@@ -16,9 +16,11 @@
 namespace rehearse::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -140,6 +142,79 @@ TEST_F(Report, OfARunAloneSaysSo) {
   EXPECT_EQ(report.text().find("<!doctype html><!-- a report of Rehearse -->\n<html>"), 0u);
   EXPECT_FALSE(summary_.first_tick);
   EXPECT_EQ(summary_.bytes, std::filesystem::file_size(folder_ / "report.html"));
+}
+
+/// A scenario of three ticks with these expectations.
+std::string expecting(const std::string& expectations) {
+  return "rehearse: 1\nname: small\nduration: 0.003\nbodies:\n  - {name: Robot, box: {size: [1, 1, 1]}, mass: "
+         "1}\nexpect:\n" +
+         expectations;
+}
+
+TEST_F(Report, OfARunAloneHasAllViolatedExpectations) {
+  actual_.scenario = expecting(
+      "  - {channel: Robot/KNEE/q, below: 0.6}\n"
+      "  - {channel: Robot/Foot/force/z, near: 650, within: 10, at: end}\n"
+      "  - {channel: \"Robot/*/KNEE/u\", abs: true, below: 20, from: 0.001, until: 0.002}\n");
+  actual_.ticks[1].u = -25.0;
+  actual_.ticks[2].force = 700.0;
+  const DecodedReport report = alone();
+  const Json& expectations = report["expectations"];
+  ASSERT_EQ(expectations.size(), 3u) << report["omitted"];
+  EXPECT_EQ(expectations[0]["holds"], true);
+  EXPECT_EQ(expectations[0]["text"], "Robot/KNEE/q below 0.6 rad");
+  EXPECT_TRUE(expectations[0]["low"].is_null());
+  EXPECT_EQ(expectations[0]["high"], 0.6);
+  EXPECT_EQ(expectations[0]["begin"], 0);
+  EXPECT_EQ(expectations[0]["end"], 2);
+  EXPECT_EQ(expectations[1]["holds"], false);
+  EXPECT_EQ(expectations[1]["low"], 640.0);
+  EXPECT_EQ(expectations[1]["begin"], 2);
+  EXPECT_EQ(expectations[1]["first"], Json({{"tick", 2}, {"value", 700.0}}));
+  EXPECT_EQ(expectations[2]["series"], "Robot/Pd/output/KNEE/u");
+  EXPECT_EQ(expectations[2]["low"], -20.0);
+  EXPECT_EQ(expectations[2]["begin"], 1);
+  EXPECT_EQ(expectations[2]["first"], Json({{"tick", 1}, {"value", 25.0}}));
+  EXPECT_EQ(report["verdict"]["state"], "violated");
+  EXPECT_EQ(report["verdict"]["sentence"],
+            expectations[2]["sentence"].get<std::string>() + "; 1 more of 3 expectations is violated");
+  EXPECT_EQ(report["verdict"]["besides"], "");
+  EXPECT_EQ(summary_.first_tick, 1);
+}
+
+TEST_F(Report, BesideAGoldenTellsViolationsBeforeDifferences) {
+  actual_.scenario = golden_.scenario = expecting("  - {channel: Robot/KNEE/q, below: 0.6}\n");
+  actual_.ticks[1].force = 651.0;
+  actual_.ticks[2].q = 0.7;
+  const DecodedReport report = beside_golden();
+  EXPECT_EQ(report["verdict"]["state"], "violated");
+  EXPECT_THAT(report["verdict"]["sentence"].get<std::string>(),
+              AllOf(StartsWith("expected Robot/KNEE/q below 0.6 rad: 0.7 rad at tick 2"), HasSubstr("; differs at")));
+  EXPECT_THAT(report["verdict"]["besides"].get<std::string>(), StartsWith("differs at tick 1"));
+  EXPECT_EQ(summary_.first_tick, 1);
+}
+
+TEST_F(Report, JudgesThePartThatItDoesNotShow) {
+  actual_.scenario = expecting("  - {channel: Robot/KNEE/q, below: 0.6}\n");
+  actual_.ticks[0].q = 0.7;
+  options_.from = 0.001;
+  const DecodedReport report = alone();
+  EXPECT_EQ(report["begin"], 1);
+  ASSERT_EQ(report["expectations"].size(), 1u) << report["omitted"];
+  EXPECT_EQ(report["expectations"][0]["first"]["tick"], 0);
+}
+
+TEST_F(Report, NamesTheWorstSeriesOfEachChannelByItsTolerance) {
+  actual_.ticks[1].q = 0.5 + 1e-6;
+  actual_.ticks[1].force = 700.0;
+  options_.tolerances.emplace();
+  options_.tolerances->resize(2);
+  options_.tolerances->at(0).channel = "Robot/KNEE/q";
+  options_.tolerances->at(0).atol = 1e-9;
+  options_.tolerances->at(1).channel = "Robot/Foot/*";
+  options_.tolerances->at(1).atol = 10.0;
+  const DecodedReport report = beside_golden();
+  EXPECT_EQ(report["worst"], Json({"Robot/KNEE/q", "Robot/Foot/force/z"}));
 }
 
 TEST_F(Report, HasBothRunsBitForBit) {

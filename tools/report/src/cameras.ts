@@ -1,8 +1,8 @@
 // Pictures of cameras at the cursor: expected, actual, difference; or one picture with a slider between expected and
 // actual.
-import { absence, button, element, set_text } from './dom';
+import { button, element, set_text } from './dom';
 import type { CameraEntry } from './format';
-import { count_text } from './numbers';
+import { count_text, short_text } from './numbers';
 import { draw_difference, picture_of, shown_at, type Shown } from './pictures';
 import type { Report } from './report';
 import type { Store } from './store';
@@ -61,7 +61,9 @@ class CameraView {
       element('figure', { class: part }, this.canvases[part], element('figcaption', {}, compared ? part : '')),
     );
     const range =
-      camera.kind === 'depth' && camera.near !== undefined ? `, white ${camera.near} m to black ${camera.far} m` : '';
+      camera.kind === 'depth' && camera.near !== undefined
+        ? `, white ${short_text(camera.near)} m to black ${short_text(camera.far ?? camera.near)} m`
+        : '';
     this.root = element(
       'section',
       { class: 'camera', 'aria-label': `camera ${label_of(camera)}` },
@@ -169,11 +171,6 @@ export class Cameras {
     this.views = report.data.cameras.map(
       (camera) => new CameraView(camera, report.compared, () => ({ wipe: this.wipe, gain: this.gain })),
     );
-    if (this.views.length === 0) {
-      this.root.classList.add('none');
-      this.root.append(absence('The recording has no camera pictures.'));
-      return;
-    }
     this.root.append(...this.views.map((view) => view.root));
     this.root.addEventListener('redraw', () => this.update());
     store.on(['tick', 'data'], () => this.update());
@@ -182,7 +179,7 @@ export class Cameras {
 
   /** For the head of the panel. */
   get tools(): HTMLElement | null {
-    if (!this.report.compared || this.views.length === 0) return null;
+    if (!this.report.compared) return null;
     const wipe = button(
       'Slider',
       'Expected and actual in one picture, with a slider between them',

@@ -9,6 +9,7 @@ import type { Store } from './store';
 import { VirtualList } from './virtual_list';
 
 const group_names: Record<Group, string> = {
+  contact: 'Contacts',
   state: 'State of the bodies',
   sensor: 'Sensors',
   input: 'Inputs of the controllers',

@@ -1,9 +1,10 @@
 // Moves from divergence to divergence, and selects the series to plot for one.
+import { go_to_expectation, tick_of, violations } from './expectations';
 import type { DivergenceEntry } from './format';
 import type { Report, Series } from './report';
 import type { Store } from './store';
 
-const most_plots = 6;
+const most_plots = 9;
 
 /** SR1/RLEG_KNEE of SR1/RLEG_KNEE/q. */
 function owner_of(name: string): string {
@@ -21,9 +22,21 @@ export class Tour {
     return first === null ? null : (divergences[first] ?? null);
   }
 
-  /** Ticks at which something diverges, without repetition. */
+  /** The tick of the first violated expectation; null: all hold. */
+  get first_violation(): number | null {
+    const [violated] = violations(this.report);
+    return violated ? tick_of(violated) : null;
+  }
+
+  /** Ticks at which something diverges or violates an expectation, without repetition. */
   private get ticks(): number[] {
-    return [...new Set(this.report.data.divergences.map((entry) => entry.tick))].sort((a, b) => a - b);
+    const ticks = [...this.report.data.divergences.map((entry) => entry.tick), ...violations(this.report).map(tick_of)];
+    return [...new Set(ticks)].sort((a, b) => a - b);
+  }
+
+  go_to_violation() {
+    const [violated] = violations(this.report);
+    if (violated) go_to_expectation(this.store, violated);
   }
 
   /** To the first; its series is plotted if it isn't. */
@@ -56,29 +69,44 @@ export class Tour {
     return [...series].sort((a, b) => (rank(a) === rank(b) ? 0 : rank(a) - rank(b)));
   }
 
-  /** What one wants to see first: the series that diverges first, commands and inputs beside it, and what diverges next;
-   * of a run alone, its first commands. */
+  /** The series to plot first: those of violated expectations, then the first divergence with the commands beside it,
+   * then the worst differences. Of a run that isn't compared, or is equal: see series_of_a_run(). */
   series_to_open_with(): string[] {
     const { report, first } = this;
-    const names: string[] = [];
-    const add = (series: Series | null | undefined) => {
-      if (series && !names.includes(series.name) && names.length < most_plots) names.push(series.name);
+    const names = new Set<string>();
+    const add = (name: string | null | undefined, most = most_plots) => {
+      if (name && names.size < most && report.find(name)) names.add(name);
     };
-    if (first?.series) {
-      add(report.find(first.series));
+    for (const entry of violations(report)) add(entry.series, most_plots - 1);
+    if (first?.series && first.beyond) {
+      add(first.series);
       const owner = owner_of(first.series);
       const beside = report.series.filter((series) => owner_of(series.name) === owner);
-      for (const series of beside.filter(({ entry }) => entry.group === 'output')) add(series);
+      for (const { name } of beside.filter(({ entry }) => entry.group === 'output')) add(name);
     }
-    const diverging = report.data.divergences.filter((entry) => entry.beyond);
-    for (const entry of diverging.slice(0, 40)) {
-      if (names.length >= 4) break;
-      if (entry.series) add(report.find(entry.series));
-    }
-    if (names.length === 0) {
-      const commands = report.series.filter(({ entry }) => entry.group === 'output');
-      for (const series of (commands.length > 0 ? commands : report.series).slice(0, 3)) add(series);
-    }
-    return names;
+    // /tf repeats poses that other series state
+    const repeats = (name: string) => Number(report.find(name)?.entry.group === 'other');
+    for (const name of [...report.data.worst].sort((a, b) => repeats(a) - repeats(b))) add(name);
+    if (names.size < 2) for (const name of this.series_of_a_run()) add(name);
+    return [...names];
+  }
+
+  /** The root's position, contacts, and the largest commands. */
+  private series_of_a_run(): string[] {
+    const { report } = this;
+    const moves = (name: string) => {
+      const range = report.find(name)?.entry.range;
+      return range ? range[1] > range[0] : false;
+    };
+    const roots = report.data.robots
+      .map(({ links }) => ({ links, position: (links[0]?.pose ?? []).slice(0, 3) }))
+      .filter(({ position }) => position.some(moves))
+      .sort((a, b) => b.links.length - a.links.length);
+    const [x, y, z] = roots[0]?.position ?? [];
+    const size = ({ entry: { range } }: Series) => (range ? Math.max(-range[0], range[1]) : 0);
+    const commands = report.series.filter(({ entry }) => entry.group === 'output').sort((a, b) => size(b) - size(a));
+    const names = [z, x, y].filter((name): name is string => name !== undefined && moves(name)).slice(0, 2);
+    names.push(...report.pairs.slice(0, 4).map((pair) => pair.name), ...commands.slice(0, 3).map(({ name }) => name));
+    return names.length > 0 ? names : report.series.slice(0, 3).map(({ name }) => name);
   }
 }

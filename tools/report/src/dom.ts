@@ -1,6 +1,6 @@
 // Creates elements with one expression.
 
-type Child = Node | string | null | undefined | false;
+export type Child = Node | string | null | undefined | false;
 type Properties = Record<string, string | number | boolean | EventListener | null | undefined>;
 
 /** Properties that are functions are listeners (`onclick`); false, null and undefined leave an attribute out. */

@@ -117,6 +117,19 @@ export class Figure {
     );
   }
 
+  /** Corners of the boxes around all shapes, in the world [m]. */
+  corners(): three.Vector3[] {
+    const corners: three.Vector3[] = [];
+    for (const shape of this.groups.flatMap((group) => group.children as three.Mesh[])) {
+      shape.geometry.computeBoundingBox();
+      const { min, max } = shape.geometry.boundingBox!;
+      for (const x of [min.x, max.x])
+        for (const y of [min.y, max.y])
+          for (const z of [min.z, max.z]) corners.push(new three.Vector3(x, y, z).applyMatrix4(shape.matrixWorld));
+    }
+    return corners;
+  }
+
   update() {
     this.groups.forEach((group, i) => group.matrix.copy(this.kinematics.links[i]!));
   }

@@ -27,7 +27,7 @@ export interface ConstantArray {
 
 export type NumberArray = StoredArray | ConstantArray;
 
-export type VerdictState = 'alone' | 'equal' | 'within' | 'beyond' | 'failed';
+export type VerdictState = 'alone' | 'equal' | 'within' | 'beyond' | 'violated' | 'failed';
 
 export interface Run {
   role: 'actual' | 'golden';
@@ -57,20 +57,44 @@ export interface DivergenceEntry {
   beyond: boolean;
 }
 
+export interface SampleEntry {
+  tick: number;
+  value: JsonNumber | null;
+}
+
+export interface ExpectationEntry {
+  text: string;
+  holds: boolean;
+  sentence: string;
+  line: number;
+  subject: 'series' | 'event' | 'no_event';
+  pattern: string;
+  series: string | null;
+  low: number | null;
+  high: number | null;
+  begin: number;
+  end: number;
+  sometime: boolean;
+  first: SampleEntry | null;
+  worst: SampleEntry | null;
+}
+
 export interface AxisEntry {
   begin?: number;
   count?: number;
   ticks?: NumberArray;
 }
 
-export type Group = 'state' | 'sensor' | 'input' | 'output' | 'variable' | 'other';
+export type ValueKind = 'floating' | 'signed_integer' | 'unsigned_integer' | 'boolean' | 'contact';
+
+export type Group = 'contact' | 'state' | 'sensor' | 'input' | 'output' | 'variable' | 'other';
 
 export interface SeriesEntry {
   name: string;
   topic: string;
   unit: string;
   group: Group;
-  kind: 'floating' | 'signed_integer' | 'unsigned_integer' | 'boolean';
+  kind: ValueKind;
   axis: number;
   golden_axis?: number;
   values: NumberArray | null;
@@ -160,13 +184,15 @@ export interface ReportData {
   format: number;
   title: string;
   rehearse: string;
-  verdict: { sentence: string; state: VerdictState; levels?: Record<string, string> };
+  verdict: { sentence: string; besides: string; state: VerdictState; levels?: Record<string, string> };
   time_step: number;
   begin: number;
   end: number;
   runs: Run[];
+  expectations: ExpectationEntry[];
   divergences: DivergenceEntry[];
   first: number | null;
+  worst: string[]; // series
   spans: [number, number][];
   axes: AxisEntry[];
   series: SeriesEntry[];

@@ -7,14 +7,15 @@ import { go_to_place, keep_address, parse_address } from './address';
 import { Cameras } from './cameras';
 import { Channels } from './channels';
 import { Tour } from './divergences';
-import { button, element } from './dom';
+import { button, element, type Child } from './dom';
+import { Expectations } from './expectations';
 import { help_dialog, listen_to_keys, type Key } from './keys';
 import { Divergences, Messages } from './messages';
 import { Plots } from './plots';
 import { provenance, scenario } from './provenance';
 import { Report } from './report';
 import { Scene } from './scene';
-import { add_splitters } from './splitters';
+import { splitter } from './splitters';
 import { Store } from './store';
 import { Table } from './table';
 import { Tabs } from './tabs';
@@ -38,6 +39,7 @@ function keys_of(
   const by = (event: KeyboardEvent) => (event.shiftKey ? 10 : 1);
   return [
     { keys: ['d'], shown: 'd', does: 'the first divergence', action: () => tour.go_to_first() },
+    { keys: ['v'], shown: 'v', does: 'the first violated expectation', action: () => tour.go_to_violation() },
     { keys: ['n'], shown: 'n', does: 'the next divergence', action: () => tour.next() },
     { keys: ['p'], shown: 'p', does: 'the previous divergence', action: () => tour.previous() },
     {
@@ -85,6 +87,57 @@ function scene_tools(store: Store, report: Report, scene: Scene) {
   return { tools, set_ghost };
 }
 
+function robot_panel(scene: Scene, tools: Child[]) {
+  return element(
+    'section',
+    { class: 'panel robot', 'aria-label': 'robot' },
+    scene.root,
+    element('header', {}, scene.note, element('div', { class: 'tools' }, ...tools)),
+  );
+}
+
+function cameras_panel(cameras: Cameras) {
+  return element(
+    'section',
+    { class: 'panel', 'aria-label': 'cameras' },
+    element('header', {}, element('h2', {}, 'Cameras'), cameras.tools),
+    cameras.root,
+  );
+}
+
+function plots_panel(report: Report, channels: Channels, plots: Plots) {
+  const legend =
+    report.compared &&
+    element(
+      'p',
+      { class: 'legend', 'aria-label': 'colours of the curves' },
+      element('span', { class: 'golden' }, 'golden'),
+      element('span', { class: 'actual' }, 'this run'),
+      element('span', { class: 'band' }, 'tolerance'),
+      element('span', { class: 'bad' }, 'beyond it'),
+    );
+  return element(
+    'section',
+    { class: 'panel', 'aria-label': 'channels' },
+    element('header', {}, element('h2', {}, 'Channels'), channels.root, legend),
+    plots.root,
+  );
+}
+
+/** A column of one or two panels with a splitter between them; null without a panel. */
+function panels_beside(
+  name: string,
+  upper: HTMLElement | false,
+  lower: HTMLElement | false,
+  label: string,
+): HTMLElement | null {
+  if (!upper && !lower) return null;
+  const column = element('div', { class: `column ${name}${upper && lower ? ' two' : ''}` }, upper);
+  if (upper && lower) column.append(splitter(column, { label, name: `${name}-rows`, upright: false }));
+  if (lower) column.append(lower);
+  return column;
+}
+
 function put_together(report: Report) {
   const store = new Store(report);
   const tour = new Tour(store, report);
@@ -99,74 +152,60 @@ function put_together(report: Report) {
   const keys = keys_of(store, report, tour, transport, channels, () => dialog.showModal(), set_ghost);
   const dialog = help_dialog(keys);
   const count = report.data.divergences.length;
+  const { expectations, events } = report.data;
   const tabs = new Tabs([
-    { name: 'values', title: 'Values', content: table.root },
-    {
+    report.has_numbers && { name: 'values', title: 'Values', content: table.root },
+    expectations.length > 0 && {
+      name: 'expectations',
+      title: `Expectations (${expectations.length})`,
+      content: new Expectations(store, report).root,
+    },
+    count > 0 && {
       name: 'divergences',
-      title: count > 0 ? `Divergences (${count})` : 'Divergences',
+      title: `Divergences (${count})`,
       content: new Divergences(store, report, (index) => tour.go_to(report.data.divergences[index]!)).root,
     },
-    {
+    events.length > 0 && {
       name: 'messages',
-      title: report.data.events.length > 0 ? `Messages (${report.data.events.length})` : 'Messages',
+      title: `Messages (${events.length})`,
       content: new Messages(store, report).root,
     },
     { name: 'provenance', title: 'Provenance', content: provenance(report) },
-    { name: 'scenario', title: 'Scenario', content: scenario(report) },
+    report.data.runs.some((run) => run.scenario !== '') && {
+      name: 'scenario',
+      title: 'Scenario',
+      content: scenario(report),
+    },
   ]);
-  const legend =
-    report.compared &&
-    element(
-      'p',
-      { class: 'legend', 'aria-label': 'colours of the curves' },
-      element('span', { class: 'golden' }, 'golden'),
-      element('span', { class: 'actual' }, 'this run'),
-      element('span', { class: 'band' }, 'tolerance'),
-      element('span', { class: 'bad' }, 'beyond it'),
-    );
-  app.replaceChildren(
-    element(
-      'div',
-      { class: 'top' },
-      verdict(report, () => dialog.showModal()),
-      transport.root,
-      timeline.root,
-    ),
-    element(
-      'main',
-      { class: report.data.cameras.length === 0 ? 'no-cameras' : '' },
-      element(
-        'div',
-        { class: 'left' },
-        element(
-          'section',
-          { class: 'panel', 'aria-label': 'robot' },
-          element('header', {}, element('h2', {}, 'Robot'), scene.note, element('div', { class: 'tools' }, ...tools)),
-          scene.root,
-        ),
-        element(
-          'section',
-          { class: 'panel', 'aria-label': 'cameras' },
-          element('header', {}, element('h2', {}, 'Cameras'), cameras.tools),
-          cameras.root,
-        ),
-      ),
-      element(
-        'section',
-        { class: 'panel right', 'aria-label': 'channels' },
-        element('header', {}, element('h2', {}, 'Channels'), channels.root, legend),
-        plots.root,
-      ),
-    ),
-    tabs.root,
-    dialog,
+  const top = element(
+    'div',
+    { class: 'top' },
+    verdict(store, report, () => dialog.showModal()),
+    report.ticks > 0 && transport.root,
+    report.ticks > 0 && timeline.root,
   );
-  add_splitters(app);
+  const left = panels_beside(
+    'left',
+    report.data.robots.length > 0 && robot_panel(scene, tools),
+    report.data.cameras.length > 0 && cameras_panel(cameras),
+    'between robot and cameras',
+  );
+  const right = panels_beside(
+    'right',
+    report.has_numbers && plots_panel(report, channels, plots),
+    tabs.root,
+    'between plots and tables',
+  );
+  const main = element('main', { class: left ? '' : 'wide' }, left);
+  if (left) main.append(splitter(main, { label: 'between robot and plots', name: 'columns', upright: true }));
+  main.append(right!);
+  app.replaceChildren(top, main, dialog);
   document.title = `${report.data.title || 'Report'} – ${report.data.verdict.state} – Rehearse`;
   watch_theme(() => store.changed('theme'));
   const place = parse_address(location.hash);
   store.show(place.series ?? tour.series_to_open_with());
-  if (tour.first) store.go(tour.first.tick);
+  const start = tour.first ? tour.first.tick : tour.first_violation;
+  if (start !== null) store.go(start);
   go_to_place(store, place);
   keep_address(store);
   listen_to_keys(keys);

@@ -1,5 +1,5 @@
 // Messages of controllers and harness; a click on one moves the cursor to its tick.
-import { absence, element, set_name, set_text } from './dom';
+import { element, set_name, set_text } from './dom';
 import type { DivergenceEntry, EventEntry } from './format';
 import { difference_text, number_of, plural, short_text, time_text, value_text } from './numbers';
 import type { Report } from './report';
@@ -23,10 +23,6 @@ export class Messages {
       (row, i) => this.fill(row, i),
       { role: 'list', 'aria-label': 'messages' },
     );
-    if (report.data.events.length === 0) {
-      this.root = absence('Nobody said anything during this run.');
-      return;
-    }
     const input = element('input', {
       type: 'search',
       placeholder: 'Filter',
@@ -107,12 +103,6 @@ export class Divergences {
       (row, i) => this.fill(row, i),
       { role: 'list', 'aria-label': 'divergences' },
     );
-    if (divergences.length === 0) {
-      this.root = absence(
-        report.compared ? 'Nothing differs: run and golden have the same bits.' : 'There is no golden to compare with.',
-      );
-      return;
-    }
     const beyond = divergences.filter((entry) => entry.beyond).length;
     const summary = element(
       'span',

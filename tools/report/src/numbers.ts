@@ -8,6 +8,7 @@ export function number_of(value: JsonNumber | null | undefined): number | null {
 /** Six decimals, or an exponent where these would say nothing. */
 export function value_text(value: number | null, kind = 'floating'): string {
   if (value === null) return '–';
+  if (kind === 'contact') return value ? 'touch' : 'apart';
   if (!Number.isFinite(value)) return String(value);
   if (kind !== 'floating') return kind === 'boolean' ? (value ? 'true' : 'false') : String(value);
   const size = Math.abs(value);

@@ -2,13 +2,16 @@
 import uPlot from 'uplot';
 import { curves_in_view, type Curves } from './decimate';
 import { button, element, set_name, set_text } from './dom';
+import { concerns } from './expectations';
+import type { ExpectationEntry } from './format';
 import { difference_text, short_text, value_text } from './numbers';
 import { Columns, type Report, type Series } from './report';
 import type { Store } from './store';
 import { palette } from './theme';
 
-const values_height = 112,
-  difference_height = 72,
+const values_height = 96,
+  difference_height = 64,
+  state_height = 30, // of two states, as contacts
   axis_width = 66;
 
 /** Zoom and cursor of all plots go through the store; the line under the mouse is shared by this key. */
@@ -30,6 +33,7 @@ export class Plot {
   private readonly markers: HTMLElement[] = [];
   private values: uPlot | null = null;
   private difference: uPlot | null = null;
+  private readonly bounds: ExpectationEntry[]; // expectations of this series that bound its values
   private columns: Columns | null = null;
   private curves: Curves | null = null;
   visible = false;
@@ -40,6 +44,9 @@ export class Plot {
     readonly series: Series,
   ) {
     const { name, unit } = series.entry;
+    this.bounds = report.data.expectations.filter(
+      (entry) => (entry.low !== null || entry.high !== null) && concerns(entry, series),
+    );
     const title = element('h3', { title: name });
     set_name(title, name);
     this.root = element(
@@ -59,8 +66,17 @@ export class Plot {
     this.charts.append(element('p', { class: 'absence' }, 'Decoding…'));
   }
 
+  private get has_two_states() {
+    return ['boolean', 'contact'].includes(this.series.entry.kind);
+  }
+
+  private get has_difference() {
+    return this.series.compared && this.series.entry.differing > 0 && !this.has_two_states;
+  }
+
   private get height() {
-    return values_height + (this.series.compared ? difference_height : 22);
+    if (this.has_two_states) return state_height;
+    return values_height + (this.has_difference ? difference_height : 22);
   }
 
   /** The tick at which the line stands, by where it is on the screen; null if it isn't in view. */
@@ -110,12 +126,12 @@ export class Plot {
     const width = this.charts.clientWidth;
     if (width === 0) return;
     this.cut_curves(width);
-    const { compared } = this.series;
+    const compared = this.has_difference;
     this.values = this.chart({
       width,
       height: compared ? values_height : this.height,
       series: this.value_series(),
-      times: !compared,
+      times: !compared && !this.has_two_states,
       space: 20,
       range: () => this.value_range(),
     });
@@ -189,6 +205,7 @@ export class Plot {
   // Shows the tolerance only as far as the curves stay readable.
   private value_range(): [number, number] {
     const curves = this.curves!;
+    if (this.has_two_states) return [-0.2, 1.2];
     if (curves.low > curves.high) return [-1, 1];
     const spread = curves.high - curves.low;
     const room = Math.max(
@@ -202,6 +219,11 @@ export class Plot {
         upper = curves.upper[i];
       if (typeof lower === 'number') low = Math.min(low, Math.max(lower, curves.low - spread));
       if (typeof upper === 'number') high = Math.max(high, Math.min(upper, curves.high + spread));
+    }
+    for (const bound of this.bounds.flatMap((entry) => [entry.low, entry.high])) {
+      if (bound === null || bound < curves.low - 2 * spread || bound > curves.high + 2 * spread) continue;
+      low = Math.min(low, bound);
+      high = Math.max(high, bound);
     }
     return [low - room, high + room];
   }
@@ -220,7 +242,7 @@ export class Plot {
   private chart({ width, height, series, times, space, range }: Chart): uPlot {
     const colors = palette();
     const { store, report } = this;
-    const font = `11px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
+    const font = `12px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
     const grid = { stroke: colors.line, width: 1 };
     const axis = { stroke: colors.muted, grid, font, ticks: { show: false } };
     const chart = new uPlot(
@@ -249,7 +271,8 @@ export class Plot {
             size: axis_width,
             gap: 6,
             space,
-            values: (_, splits) => splits.map((split) => short_text(Number(split.toPrecision(9)))),
+            values: (_, splits) =>
+              this.has_two_states ? [] : splits.map((split) => short_text(Number(split.toPrecision(9)))),
           },
         ],
         bands: [{ series: [2, 1], fill: colors.band }],
@@ -261,7 +284,12 @@ export class Plot {
           bind: { dblclick: () => () => (store.look_at_all(), null) },
         },
         hooks: {
-          draw: [() => this.move_cursor()],
+          draw: [
+            (self) => {
+              if (self === this.values || !this.values) this.draw_bounds(self);
+              this.move_cursor();
+            },
+          ],
           setSelect: [
             (self) => {
               if (self.select.width < 3) return;
@@ -288,6 +316,40 @@ export class Plot {
     });
     this.markers.push(marker);
     return chart;
+  }
+
+  // Of an expectation, the bounds over the judged ticks, and the first violation.
+  private draw_bounds(chart: uPlot) {
+    if (this.bounds.length === 0) return;
+    const colors = palette(),
+      { ctx: context, bbox } = chart,
+      scale = window.devicePixelRatio || 1;
+    const x_of = (tick: number) => chart.valToPos(this.report.time(tick), 'x', true);
+    context.save();
+    context.beginPath();
+    context.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    context.clip();
+    for (const entry of this.bounds) {
+      context.strokeStyle = context.fillStyle = entry.holds ? colors.good : colors.bad;
+      context.lineWidth = 1.5 * scale;
+      context.setLineDash([6 * scale, 4 * scale]);
+      const [begin, end] = [x_of(entry.begin), x_of(entry.end)];
+      for (const bound of [entry.low, entry.high]) {
+        if (bound === null) continue;
+        const y = chart.valToPos(bound, 'y', true);
+        context.beginPath();
+        context.moveTo(Math.min(begin, end - 12 * scale), y);
+        context.lineTo(end, y);
+        context.stroke();
+      }
+      if (!entry.first || entry.series !== this.series.name) continue;
+      const sample = Columns.sample(this.columns?.actual ?? null, entry.first.tick);
+      if (!sample) continue;
+      context.beginPath();
+      context.arc(x_of(entry.first.tick), chart.valToPos(sample.value, 'y', true), 4 * scale, 0, 2 * Math.PI);
+      context.fill();
+    }
+    context.restore();
   }
 
   /** The line at the cursor's tick, and what the series is there. */

@@ -48,10 +48,6 @@ export class Plots {
       this.plots.delete(name);
     }
     this.root.querySelector(':scope > .absence')?.remove();
-    if (this.report.ticks === 0) {
-      this.root.append(absence('No tick was recorded: there is nothing to plot.'));
-      return;
-    }
     for (const name of shown) {
       let plot = this.plots.get(name);
       if (!plot) {
@@ -62,13 +58,7 @@ export class Plots {
       this.root.append(plot.root);
     }
     if (shown.size === 0) {
-      this.root.append(
-        absence(
-          this.report.series.length === 0
-            ? 'The recording has no channels of numbers.'
-            : 'No channel is plotted. Choose some above ( / ), or click a row of the table below.',
-        ),
-      );
+      this.root.append(absence('No channel is plotted. Choose some above ( / ), or click a row of the table below.'));
     }
   }
 

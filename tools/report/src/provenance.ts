@@ -1,5 +1,5 @@
 // The provenance of the runs: facts of both, different ones first; the parts left out; the scenario.
-import { absence, element } from './dom';
+import { element } from './dom';
 import type { Run } from './format';
 import { count_text } from './numbers';
 import type { Report } from './report';
@@ -12,6 +12,21 @@ function facts_of(run: Run): [string, string][] {
     ...(run.outcome ? [['outcome', run.outcome] as [string, string]] : []),
     ...Object.entries(run.facts),
   ];
+}
+
+// A panel without content isn't shown; these sentences state the reason.
+function absences({ data, compared }: Report): string[] {
+  return [
+    data.end === data.begin && 'No tick was recorded.',
+    data.series.length === 0 && 'The recording has no channels of numbers.',
+    data.robots.length === 0 && 'The recording has no model of a robot to draw.',
+    data.cameras.length === 0 && 'The recording has no camera pictures.',
+    data.events.length === 0 && 'The recording has no messages.',
+    !compared && 'There is no golden to compare with.',
+    compared && data.divergences.length === 0 && 'Run and golden do not differ in any bit.',
+    data.expectations.length === 0 && 'The scenario has no expectations.',
+    data.runs.every((run) => run.scenario === '') && 'The recording has no scenario.',
+  ].filter((sentence): sentence is string => sentence !== false);
 }
 
 /** A table of facts, run and golden side by side. */
@@ -50,7 +65,7 @@ export function provenance(report: Report): HTMLElement {
     'div',
     { class: 'provenance', tabindex: '0' },
     ...runs.map((run) => sentences(run.role === 'golden' ? 'Of the golden' : 'Of this run', run.remarks)),
-    sentences('Left out of this report', report.data.omitted),
+    sentences('Not in this report', [...absences(report), ...report.data.omitted]),
     table,
     element('p', { class: 'note' }, `Written by Rehearse ${report.data.rehearse}.`),
   );
@@ -86,7 +101,6 @@ function merged_lines(golden: string[], actual: string[]): Line[] {
 export function scenario(report: Report): HTMLElement {
   const actual = report.data.runs.find((run) => run.role === 'actual')?.scenario ?? '';
   const golden = report.data.runs.find((run) => run.role === 'golden')?.scenario ?? actual;
-  if (actual === '' && golden === '') return absence('The recording doesn’t hold its scenario.');
   if (actual === golden) return element('pre', { class: 'scenario', tabindex: '0' }, actual);
   const lines = merged_lines(golden.split('\n'), actual.split('\n'));
   return element(

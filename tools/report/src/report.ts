@@ -1,5 +1,6 @@
 // The data of the page: series with the ticks of their values, found by name, decoded on demand and kept in a cache.
 import { as_doubles, numbers_of, text_of, type Numbers } from './blobs';
+import { contact_entry, contact_values, pairs_of_links, type PairOfLinks } from './contacts';
 import type { AxisEntry, ReportData, SeriesEntry } from './format';
 
 type Column = ReturnType<typeof as_doubles>;
@@ -11,6 +12,10 @@ export class Axis {
     readonly count: number,
     private readonly ticks: Uint32Array | null,
   ) {}
+
+  static of_ticks(begin: number, count: number): Axis {
+    return new Axis(begin, count, null);
+  }
 
   static async load(entry: AxisEntry): Promise<Axis> {
     if (!entry.ticks) return new Axis(entry.begin ?? 0, entry.count ?? 0, null);
@@ -104,6 +109,7 @@ export class Series {
   constructor(
     private readonly report: Report,
     readonly entry: SeriesEntry,
+    private readonly contact: PairOfLinks | null = null,
   ) {}
 
   get name() {
@@ -111,6 +117,7 @@ export class Series {
   }
 
   get compared() {
+    if (this.contact) return this.report.compared;
     return this.entry.values !== null && this.entry.golden !== null;
   }
 
@@ -138,6 +145,7 @@ export class Series {
 
   private async decode(): Promise<Columns> {
     const { entry, report } = this;
+    if (this.contact) return this.take(contact_columns(this, report, this.contact));
     const axis = report.axes[entry.axis] ?? null;
     const numbers = entry.values && axis ? await numbers_of(entry.values) : undefined;
     const actual = numbers && axis ? values_of(axis, numbers) : null;
@@ -148,9 +156,13 @@ export class Series {
       const golden_axis = report.axes[entry.golden_axis ?? entry.axis];
       if (golden_axis) golden = values_of(golden_axis, await numbers_of(entry.golden, numbers));
     }
-    this.columns_ = new Columns(this, actual, golden);
-    report.keep(this, this.columns_);
-    return this.columns_;
+    return this.take(new Columns(this, actual, golden));
+  }
+
+  private take(columns: Columns): Columns {
+    this.columns_ = columns;
+    this.report.keep(this, columns);
+    return columns;
   }
 
   forget() {
@@ -163,18 +175,30 @@ function values_of(axis: Axis, numbers: Numbers): Values {
   return { axis, numbers: as_doubles(numbers), exact };
 }
 
+function contact_columns(series: Series, report: Report, pair: PairOfLinks): Columns {
+  const axis = Axis.of_ticks(report.data.begin, report.ticks);
+  const values = (run: number): Values | null =>
+    report.data.runs[run] ? { axis, numbers: contact_values(pair, run, report.data), exact: null } : null;
+  return new Columns(series, values(0), values(1));
+}
+
 // Size of the cache of decoded numbers.
 const room = 600e6;
 
 export class Report {
   axes: Axis[] = [];
   readonly series: Series[];
+  readonly pairs: PairOfLinks[];
   private readonly by_name = new Map<string, Series>();
   private readonly kept = new Map<Series, number>();
   private kept_bytes = 0;
 
   private constructor(readonly data: ReportData) {
-    this.series = data.series.map((entry) => new Series(this, entry));
+    this.pairs = pairs_of_links(data);
+    this.series = [
+      ...data.series.map((entry) => new Series(this, entry)),
+      ...this.pairs.map((pair) => new Series(this, contact_entry(pair, data), pair)),
+    ];
     for (const series of this.series) this.by_name.set(series.name, series);
   }
 
@@ -196,6 +220,10 @@ export class Report {
 
   get compared(): boolean {
     return this.data.runs.length > 1;
+  }
+
+  get has_numbers(): boolean {
+    return this.ticks > 0 && this.series.length > 0;
   }
 
   get ticks(): number {

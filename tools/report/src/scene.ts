@@ -14,19 +14,24 @@ export class Scene {
   readonly note = element('span', { class: 'note' });
   private renderer: three.WebGLRenderer | null = null;
   private readonly scene = new three.Scene();
-  private readonly camera = new three.PerspectiveCamera(40, 1, 0.01, 500);
+  private readonly camera = new three.PerspectiveCamera(30, 1, 0.01, 500);
   private controls: OrbitControls | null = null;
   private grid: three.GridHelper | null = null;
   private readonly ghost_material = new three.MeshLambertMaterial({
     transparent: true,
     opacity: 0.35,
     depthWrite: false,
+    polygonOffset: true, // surfaces of the run hide equal ones of the ghost
+    polygonOffsetFactor: 1,
+    polygonOffsetUnits: 4,
   });
   private readonly figures: Figure[] = [];
   private readonly ghosts: (Figure | null)[] = [];
   private readonly followed = new three.Vector3();
   private main: Figure | undefined;
   private slow = false;
+  private moved_by_hand = false;
+  private size = 1; // of what the camera was fitted to [m]
   follow = true;
   drawings = 0;
 
@@ -34,10 +39,7 @@ export class Scene {
     private readonly store: Store,
     private readonly report: Report,
   ) {
-    if (report.data.robots.length === 0) {
-      this.root.append(absence('The recording says of no robot what it looks like.'));
-      return;
-    }
+    if (report.data.robots.length === 0) return;
     try {
       this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: false });
     } catch {
@@ -59,6 +61,7 @@ export class Scene {
     this.root.append(canvas);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => this.store.changed('ghost'));
+    this.controls.addEventListener('start', () => (this.moved_by_hand = true));
     new ResizeObserver(() => this.resize()).observe(this.root);
     this.store.on(['tick', 'data'], () => this.update());
     this.store.on(['theme'], () => this.color());
@@ -105,38 +108,43 @@ export class Scene {
     )[0];
   }
 
-  /** It, and what moves beside it and isn't much larger. */
-  private box_to_look_at(): three.Box3 {
+  /** The main figure, and figures that move beside it and aren't much larger. */
+  private figures_to_look_at(): Figure[] {
     const { main } = this;
-    if (!main) return new three.Box3();
+    if (!main) return [];
     const box = new three.Box3().setFromObject(main.root);
     const size = box.getSize(new three.Vector3()).length();
-    for (const figure of this.figures) {
+    const chosen = [main];
+    const ghosts = this.ghosts.filter((ghost): ghost is Figure => ghost?.kinematics.present ?? false);
+    for (const figure of [...this.figures, ...ghosts]) {
       if (figure === main || !this.does_move(figure)) continue;
       const both = new three.Box3().setFromObject(figure.root).union(box);
-      if (both.getSize(new three.Vector3()).length() < 2 * size) box.copy(both);
+      if (both.getSize(new three.Vector3()).length() >= 1.5 * size) continue;
+      box.copy(both);
+      chosen.push(figure);
     }
-    return box;
+    return chosen;
   }
 
-  /** From the front left, all that moves in the picture. */
+  /** From the front left, as close as the figures fit into the view. */
   look() {
     if (!this.controls || this.figures.length === 0) return;
+    this.moved_by_hand = false;
     this.scene.updateMatrixWorld(true);
-    const box = this.box_to_look_at();
-    if (box.isEmpty()) box.set(new three.Vector3(-1, -1, 0), new three.Vector3(1, 1, 1));
-    const centre = box.getCenter(new three.Vector3()),
-      radius = Math.max(0.05, box.getSize(new three.Vector3()).length() / 2);
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = (radius / Math.sin((this.camera.fov / 2) * (Math.PI / 180)) / narrow) * 1.08;
-    this.camera.position.copy(centre).add(new three.Vector3(0.75, -0.62, 0.32).normalize().multiplyScalar(distance));
-    this.camera.near = radius / 50;
-    this.camera.far = radius * 400;
+    let points = this.figures_to_look_at().flatMap((figure) => figure.corners());
+    if (points.length === 0) points = [new three.Vector3(-1, -1, 0), new three.Vector3(1, 1, 1)];
+    const box = new three.Box3().setFromPoints(points);
+    this.size = Math.max(0.1, box.getSize(new three.Vector3()).length());
+    const away = new three.Vector3(0.75, -0.62, 0.32).normalize();
+    const { position, target } = fitted(points, away, this.camera.fov * (Math.PI / 180), this.camera.aspect);
+    this.camera.position.copy(position);
+    this.camera.near = this.size / 50;
+    this.camera.far = this.size * 200;
     this.camera.updateProjectionMatrix();
-    this.controls.target.copy(centre);
+    this.controls.target.copy(target);
     this.controls.update();
     this.followed.copy(this.followed_point());
-    this.make_grid(radius);
+    this.make_grid(this.size / 2);
   }
 
   // If the recording contains a floor, no grid is needed.
@@ -191,9 +199,11 @@ export class Scene {
     if (this.follow && this.controls) {
       const point = this.followed_point(),
         by = point.clone().sub(this.followed);
-      by.z = 0;
-      this.followed.copy(point);
+      // a step doesn't move the picture up and down, a fall does
+      const slack = 0.15 * this.size;
+      by.z -= Math.min(Math.max(by.z, -slack), slack);
       if (by.lengthSq() > 0) {
+        this.followed.add(by);
         this.camera.position.add(by);
         this.controls.target.add(by);
       }
@@ -207,7 +217,18 @@ export class Scene {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    if (!this.moved_by_hand) this.look();
     this.draw();
+  }
+
+  /** The main figure in the view: its height [pixels], and its centre from -1 to 1; null: none is drawn. */
+  main_on_screen(): { height: number; centre: [number, number] } | null {
+    if (!this.main || !this.renderer) return null;
+    this.camera.updateMatrixWorld();
+    this.scene.updateMatrixWorld(true);
+    const box = new three.Box3().setFromPoints(this.main.corners().map((corner) => corner.project(this.camera)));
+    const centre = box.getCenter(new three.Vector3());
+    return { height: ((box.max.y - box.min.y) / 2) * this.root.clientHeight, centre: [centre.x, centre.y] };
   }
 
   private draw() {
@@ -242,6 +263,31 @@ export class Scene {
     }
     return links;
   }
+}
+
+/** The nearest position from which all points fit into the picture, seen in the direction opposite to `away`, and the
+ * point to look at. `field`: vertical opening angle [rad]; `aspect`: width of the picture over its height. */
+function fitted(points: three.Vector3[], away: three.Vector3, field: number, aspect: number) {
+  const margin = 0.91;
+  const right = new three.Vector3(0, 0, 1).cross(away).normalize(),
+    up = away.clone().cross(right);
+  // A point p is in the picture if |(p - position)·axis| <= tangent · (depth of p), for both axes of the picture.
+  const span = (axis: three.Vector3, tangent: number) => {
+    const high = Math.max(...points.map((point) => point.dot(axis) + tangent * point.dot(away)));
+    const low = Math.max(...points.map((point) => -point.dot(axis) + tangent * point.dot(away)));
+    return { distance: (high + low) / (2 * tangent), centre: (high - low) / 2 };
+  };
+  const tangent = Math.tan(field / 2) * margin;
+  const across = span(right, tangent * aspect),
+    along = span(up, tangent);
+  const distance = Math.max(across.distance, along.distance);
+  const middle = points.reduce((sum, point) => sum + point.dot(away), 0) / points.length;
+  const at = (depth: number) =>
+    new three.Vector3()
+      .addScaledVector(right, across.centre)
+      .addScaledVector(up, along.centre)
+      .addScaledVector(away, depth);
+  return { position: at(distance), target: at(middle) };
 }
 
 function length_text(length: number): string {

@@ -1,7 +1,7 @@
 // Finds series by text that a person types: parts of their names in any order, a glob, or letters in their order.
 import type { Series } from './report';
 
-function glob_expression(glob: string): RegExp {
+export function glob_expression(glob: string): RegExp {
   const escaped = glob
     .replace(/[.+^${}()|[\]\\]/g, '\\$&')
     .replaceAll('*', '.*')

@@ -1,63 +1,71 @@
-// Splitters between the panels: dragging them, or arrow keys, changes the panels' sizes.
+// Splitters between panels: dragging one, or arrow keys, changes the share of both panels; a double click restores it.
 import { element } from './dom';
+import { store_setting, stored_setting } from './storage';
 
-function splitter(
-  properties: { class: string; label: string; upright: boolean },
-  at: () => number,
-  move: (to: number) => void,
-): HTMLElement {
-  const { upright, label } = properties;
+const least_share = 0.12,
+  key_step = 0.02;
+
+interface Splitter {
+  label: string;
+  name: string; // of the variable and the setting
+  upright: boolean;
+}
+
+/** A splitter of `container`, whose grid template uses the variable `--name`: the share of the panel before it. */
+export function splitter(container: HTMLElement, { label, name, upright }: Splitter): HTMLElement {
+  const key = `rehearse-report-${name}`;
   const bar = element('div', {
-    class: `splitter ${properties.class}`,
+    class: `splitter ${upright ? 'upright' : 'level'}`,
     role: 'separator',
     tabindex: '0',
+    title: `${label}: drag to resize, double click to restore`,
     'aria-label': label,
     'aria-orientation': upright ? 'vertical' : 'horizontal',
+    'aria-valuemin': '0',
+    'aria-valuemax': '100',
   });
+  const show = (share: number | null) => {
+    if (share === null) container.style.removeProperty(`--${name}`);
+    else container.style.setProperty(`--${name}`, `${(share * 100).toFixed(1)}%`);
+    bar.setAttribute('aria-valuenow', String(Math.round((share ?? present()) * 100)));
+  };
+  const bounds = () => {
+    const { left, top, width, height } = container.getBoundingClientRect();
+    return upright ? { begin: left, length: width } : { begin: top, length: height };
+  };
+  const share_at = (place: number) => (place - bounds().begin) / Math.max(1, bounds().length);
+  const present = () => {
+    const { left, top } = bar.getBoundingClientRect();
+    return share_at(upright ? left : top);
+  };
+  const move = (share: number) => {
+    const kept = Math.min(Math.max(share, least_share), 1 - least_share);
+    show(kept);
+    store_setting(key, kept.toFixed(3));
+  };
   let grip: number | null = null;
   const place = (event: PointerEvent) => (upright ? event.clientX : event.clientY);
   bar.addEventListener('pointerdown', (event) => {
     bar.setPointerCapture(event.pointerId);
-    grip = place(event) - at();
+    grip = share_at(place(event)) - present();
     event.preventDefault();
   });
   bar.addEventListener('pointermove', (event) => {
-    if (grip !== null) move(place(event) - grip);
+    if (grip !== null) move(share_at(place(event)) - grip);
   });
   for (const end of ['pointerup', 'pointercancel'] as const) bar.addEventListener(end, () => (grip = null));
+  bar.addEventListener('dblclick', () => {
+    store_setting(key, null);
+    show(null);
+  });
   bar.addEventListener('keydown', (event) => {
-    const step = { ArrowLeft: -16, ArrowRight: 16, ArrowUp: -16, ArrowDown: 16 }[event.key];
+    const step = { ArrowLeft: -key_step, ArrowRight: key_step, ArrowUp: -key_step, ArrowDown: key_step }[event.key];
     if (step === undefined) return;
     event.preventDefault();
     event.stopPropagation();
-    move(at() + step);
+    move(present() + step);
   });
+  const stored = Number(stored_setting(key) ?? NaN);
+  if (stored >= least_share && stored <= 1 - least_share) show(stored);
   return bar;
-}
-
-function within(value: number, low: number, high: number): string {
-  return `${Math.round(Math.min(Math.max(value, low), Math.max(low, high)))}px`;
-}
-
-/** Between robot and plots, and above the tables. */
-export function add_splitters(app: HTMLElement) {
-  const main = app.querySelector('main')!,
-    left = app.querySelector<HTMLElement>('.left')!,
-    lower = app.querySelector<HTMLElement>('.lower')!;
-  const upright = splitter(
-    { class: 'upright', label: 'between robot and plots', upright: true },
-    () => left.getBoundingClientRect().right,
-    (to) =>
-      app.style.setProperty('--left', within(to - main.getBoundingClientRect().left, 240, main.clientWidth - 360)),
-  );
-  new ResizeObserver(() => (upright.style.left = `${left.offsetWidth}px`)).observe(left);
-  main.append(upright);
-  lower.append(
-    splitter(
-      { class: 'level', label: 'above the tables', upright: false },
-      () => lower.getBoundingClientRect().top,
-      (to) =>
-        app.style.setProperty('--lower', within(lower.getBoundingClientRect().bottom - to, 90, app.clientHeight - 520)),
-    ),
-  );
 }

@@ -11,6 +11,7 @@ const choices: Record<string, (series: Series) => boolean> = {
   'Inputs and commands': ({ entry }) => ['input', 'output', 'variable'].includes(entry.group),
   Everything: () => true,
   'What differs': ({ entry }) => entry.differing > 0 || entry.beyond > 0,
+  Contacts: ({ entry }) => entry.group === 'contact',
   Inputs: ({ entry }) => entry.group === 'input',
   Commands: ({ entry }) => entry.group === 'output',
   Variables: ({ entry }) => entry.group === 'variable',
@@ -91,12 +92,7 @@ export class Table {
   private refresh() {
     const choice = choices[this.select.value] ?? (() => true);
     this.rows = Tour.in_order(this.report, search(this.report.series.filter(choice), this.input.value));
-    set_text(
-      this.summary,
-      this.report.series.length === 0
-        ? 'The recording has no channels of numbers.'
-        : `${plural(this.rows.length, 'series', 'series')}; a mark (•) says that the value is another than in the tick before`,
-    );
+    set_text(this.summary, `${plural(this.rows.length, 'series', 'series')}; • changed in this tick`);
     this.list.root.scrollTop = 0;
     this.list.set_count(this.rows.length);
   }

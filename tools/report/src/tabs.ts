@@ -11,8 +11,11 @@ export class Tabs {
   readonly root: HTMLElement;
   private readonly buttons: HTMLButtonElement[];
   private readonly panels: HTMLElement[];
+  private readonly tabs: Tab[];
 
-  constructor(private readonly tabs: Tab[]) {
+  constructor(given: (Tab | false)[]) {
+    const tabs = given.filter((tab): tab is Tab => tab !== false);
+    this.tabs = tabs;
     this.buttons = tabs.map((tab, i) =>
       element(
         'button',

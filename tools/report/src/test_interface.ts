@@ -42,6 +42,7 @@ export function test_interface(
         links: scene.links(),
         plots: plots.cursors(),
         drawings: scene.drawings,
+        robot: scene.main_on_screen(),
       };
     },
     /** Frames a second while the cursor is moved through the whole run as fast as frames come, for that many of them. */

@@ -1,4 +1,5 @@
 // Light and dark theme: the system's setting until the user selects one.
+import { store_setting, stored_setting } from './storage';
 
 export interface Palette {
   text: string;
@@ -50,28 +51,15 @@ export function is_dark(): boolean {
 
 const key = 'rehearse-report-theme';
 
-/** A browser may refuse to keep anything for a file. */
-function remembered(): string | null {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null;
-  }
-}
-
 export function toggle_theme() {
   const theme = is_dark() ? 'light' : 'dark';
   document.documentElement.dataset.theme = theme;
-  try {
-    localStorage.setItem(key, theme);
-  } catch {
-    // without storage, the setting is lost when the page is closed
-  }
+  store_setting(key, theme);
   document.dispatchEvent(new Event('themechange'));
 }
 
 export function watch_theme(changed: () => void) {
-  const theme = remembered();
+  const theme = stored_setting(key);
   if (theme === 'dark' || theme === 'light') document.documentElement.dataset.theme = theme;
   const update = () => {
     cached = null;

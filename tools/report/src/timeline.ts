@@ -5,7 +5,7 @@ import { short_text, time_text } from './numbers';
 import type { Report } from './report';
 import type { Store } from './store';
 import { palette, type Palette } from './theme';
-import { contact_spans, type ContactSpan } from './contacts';
+import { series_of_expectation, tick_of, violations } from './expectations';
 
 const gutter = 88,
   right = 12;
@@ -22,6 +22,7 @@ interface Hint {
   width: number;
   text: string;
   tick: number;
+  series?: string; // which a click plots
 }
 
 export class Timeline {
@@ -36,8 +37,6 @@ export class Timeline {
   private readonly cursor = element('div', { class: 'cursor', 'aria-hidden': 'true' });
   private readonly strip_cursor = element('div', { class: 'strip-cursor', 'aria-hidden': 'true' });
   private readonly context: CanvasRenderingContext2D;
-  private readonly contacts: ContactSpan[];
-  private readonly contact_rows: string[];
   private hints: Hint[] = [];
   private width = 0;
 
@@ -47,8 +46,6 @@ export class Timeline {
   ) {
     this.root = element('div', { class: 'timeline' }, this.canvas, this.band, this.cursor, this.strip_cursor);
     this.context = this.canvas.getContext('2d')!;
-    this.contacts = contact_spans(report.data);
-    this.contact_rows = [...new Set(this.contacts.map((span) => span.pair))].slice(0, most_contact_rows);
     this.canvas.setAttribute('aria-valuemin', String(report.data.begin));
     this.canvas.setAttribute('aria-valuemax', String(report.last));
     store.on(['view', 'theme'], () => this.draw());
@@ -58,13 +55,22 @@ export class Timeline {
   }
 
   private get contacts_height() {
-    return this.contact_rows.length > 0 ? this.contact_rows.length * contact_row + 5 : 0;
+    const rows = Math.min(this.report.pairs.length, most_contact_rows);
+    return rows > 0 ? rows * contact_row + 5 : 0;
   }
   private get differences_height() {
     return this.report.compared ? lane : 0;
   }
+  private get expectations_height() {
+    return this.report.data.expectations.length > 0 ? lane : 0;
+  }
+  private get events_height() {
+    return this.report.data.events.length > 0 ? lane : 0;
+  }
   private get height() {
-    return ruler + this.differences_height + this.contacts_height + lane + strip + 4;
+    return (
+      ruler + this.expectations_height + this.differences_height + this.contacts_height + this.events_height + strip + 4
+    );
   }
   private get plain() {
     return Math.max(1, this.width - gutter - right);
@@ -94,18 +100,20 @@ export class Timeline {
     const scale = this.canvas.width / this.width;
     context.setTransform(scale, 0, 0, scale, 0, 0);
     context.clearRect(0, 0, this.width, height);
-    context.font = `11px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
+    context.font = `12px ${getComputedStyle(document.documentElement).getPropertyValue('--sans')}`;
     context.textBaseline = 'middle';
     this.hints = [];
     const colors = palette();
     let y = ruler;
     this.draw_ruler(colors, height);
+    if (this.expectations_height > 0) this.draw_expectations(colors, y);
+    y += this.expectations_height;
     if (this.report.compared) this.draw_differences(colors, y);
     y += this.differences_height;
     this.draw_contacts(colors, y);
     y += this.contacts_height;
-    this.draw_events(colors, y);
-    y += lane;
+    if (this.events_height > 0) this.draw_events(colors, y);
+    y += this.events_height;
     this.draw_strip(colors, y + 2);
     this.place_cursor();
   }
@@ -155,6 +163,48 @@ export class Timeline {
     context.stroke();
   }
 
+  // A line over the judged ticks, green as long as all holds; a cross at each violation.
+  private draw_expectations(colors: Palette, y: number) {
+    const { context, report } = this;
+    const { expectations } = report.data;
+    const middle = y + lane / 2;
+    this.label(colors, 'expected', middle);
+    context.save();
+    context.beginPath();
+    context.rect(gutter - 6, y, this.plain + 12, lane);
+    context.clip();
+    const spans = [...expectations].sort((a, b) => Number(b.holds) - Number(a.holds));
+    for (const entry of spans) {
+      const begin = entry.holds ? entry.begin : tick_of(entry);
+      const x = Math.max(gutter, this.x_of(begin)),
+        x_end = Math.min(this.x_of(entry.end), this.width - right);
+      context.fillStyle = entry.holds ? colors.good : colors.bad_fill;
+      if (x_end >= x) context.fillRect(x, middle - (entry.holds ? 1 : 3), Math.max(2, x_end - x), entry.holds ? 2 : 6);
+    }
+    context.strokeStyle = colors.bad;
+    context.lineWidth = 2.5;
+    for (const entry of violations(report)) {
+      const tick = tick_of(entry),
+        x = this.x_of(tick);
+      context.beginPath();
+      context.moveTo(x - 4, middle - 4);
+      context.lineTo(x + 4, middle + 4);
+      context.moveTo(x - 4, middle + 4);
+      context.lineTo(x + 4, middle - 4);
+      context.stroke();
+      this.hints.push({
+        x: x - 5,
+        y,
+        width: 10,
+        height: lane,
+        tick,
+        series: series_of_expectation(report, entry) ?? undefined,
+        text: entry.sentence,
+      });
+    }
+    context.restore();
+  }
+
   private draw_differences(colors: Palette, y: number) {
     const { context, report } = this;
     this.label(colors, 'differs', y + lane / 2);
@@ -195,32 +245,36 @@ export class Timeline {
   }
 
   private draw_contacts(colors: Palette, y: number) {
-    if (this.contact_rows.length === 0) return;
-    const { context } = this;
-    const more = new Set(this.contacts.map((span) => span.pair)).size - this.contact_rows.length;
-    this.label(colors, more > 0 ? `contacts (+${more})` : 'contacts', y + this.contacts_height / 2);
+    const { context, report } = this;
+    const shown = report.pairs.slice(0, most_contact_rows);
+    if (shown.length === 0) return;
+    const more = report.pairs.length - shown.length;
+    this.label(colors, more > 0 ? `contacts +${more}` : 'contacts', y + this.contacts_height / 2);
     context.save();
     context.beginPath();
     context.rect(gutter, y, this.plain, this.contacts_height);
     context.clip();
-    for (const span of this.contacts) {
-      const row = this.contact_rows.indexOf(span.pair);
-      if (row < 0 || span.end < this.store.view.begin || span.begin > this.store.view.end) continue;
-      const x = this.x_of(span.begin),
-        width = Math.max(1, this.x_of(span.end) - x);
-      const of_golden = this.report.data.runs[span.run]?.role === 'golden';
-      const top = y + 2 + row * contact_row + (this.report.compared && !of_golden ? 4 : 0);
-      context.fillStyle = of_golden ? colors.golden : colors.actual;
-      context.fillRect(x, top, width, this.report.compared ? 3 : 6);
-      this.hints.push({
-        x,
-        y: top - 2,
-        width,
-        height: 6,
-        tick: span.begin,
-        text: `${of_golden ? 'golden' : 'run'}: ${span.pair} touch, ticks ${span.begin} to ${span.end}`,
-      });
-    }
+    shown.forEach(({ name, links, spans }, row) => {
+      for (const span of spans) {
+        if (span.end < this.store.view.begin || span.begin > this.store.view.end) continue;
+        const x = this.x_of(span.begin),
+          width = Math.max(1, this.x_of(span.end) - x);
+        const of_golden = report.data.runs[span.run]?.role === 'golden';
+        const top = y + 2 + row * contact_row + (report.compared && !of_golden ? 4 : 0);
+        context.fillStyle = of_golden ? colors.golden : colors.actual;
+        context.fillRect(x, top, width, report.compared ? 3 : 6);
+        const whose = !report.compared ? '' : of_golden ? 'golden: ' : 'this run: ';
+        this.hints.push({
+          x,
+          y: top - 2,
+          width,
+          height: 6,
+          tick: span.begin,
+          series: name,
+          text: `${whose}${links} touch, ticks ${span.begin} to ${span.end - 1}; click to plot`,
+        });
+      }
+    });
     context.restore();
   }
 
@@ -289,7 +343,7 @@ export class Timeline {
       const x = event.offsetX;
       if (mode === 'zoom' && event.type === 'pointerup') {
         if (Math.abs(x - from) > 3) store.look_at(this.tick_at(Math.min(from, x)), this.tick_at(Math.max(from, x)));
-        else store.go(this.nearest(x, event.offsetY) ?? this.tick_at(x));
+        else this.click(x, event.offsetY);
       }
       mode = null;
       this.band.hidden = true;
@@ -332,9 +386,11 @@ export class Timeline {
     );
   }
 
-  private nearest(x: number, y: number): number | null {
+  // a mark leads to its tick, a bar to the place that was clicked; both plot their series
+  private click(x: number, y: number) {
     const hint = this.found(x, y);
-    return hint && hint.width <= 8 ? hint.tick : null;
+    if (hint?.series && !this.store.shown.includes(hint.series)) this.store.show([hint.series, ...this.store.shown]);
+    this.store.go(hint && hint.width <= 10 ? hint.tick : this.tick_at(x));
   }
 
   private hint(x: number, y: number) {

@@ -35,7 +35,6 @@ export class Transport {
       { 'aria-label': 'speed', onchange: () => (store.speed = Number(this.speed_field.value)) },
       ...speeds.map((speed) => element('option', { value: speed, selected: speed === 1 }, `${speed} ×`)),
     );
-    const has_divergences = report.data.divergences.length > 0;
     this.root = element(
       'div',
       { class: 'transport', role: 'toolbar', 'aria-label': 'moving through the run' },
@@ -56,13 +55,18 @@ export class Transport {
         element('span', { class: 'note' }, ` of ${count_text(report.last)}`),
         this.time,
       ),
-      has_divergences &&
+      (tour.first || tour.first_violation !== null) &&
         element(
           'div',
           { class: 'group' },
-          button('First divergence', 'To the first divergence (d)', () => tour.go_to_first(), { class: 'primary' }),
-          button('Previous', 'Previous divergence (p)', () => tour.previous()),
-          button('Next', 'Next divergence (n)', () => tour.next()),
+          tour.first_violation !== null &&
+            button('Violation', 'To the first violated expectation (v)', () => tour.go_to_violation(), {
+              class: 'primary',
+            }),
+          tour.first &&
+            button('First divergence', 'To the first divergence (d)', () => tour.go_to_first(), { class: 'primary' }),
+          button('Previous', 'Previous divergence or violation (p)', () => tour.previous()),
+          button('Next', 'Next divergence or violation (n)', () => tour.next()),
         ),
       element(
         'div',

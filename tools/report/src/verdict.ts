@@ -1,7 +1,9 @@
 // The verdict, and the files of the compared runs.
 import { button, element } from './dom';
+import { violation_list } from './expectations';
 import { plural, time_text } from './numbers';
 import type { Report } from './report';
+import type { Store } from './store';
 import { toggle_theme } from './theme';
 
 const words = {
@@ -9,16 +11,19 @@ const words = {
   equal: 'Equal',
   within: 'Within tolerance',
   beyond: 'Beyond tolerance',
+  violated: 'Expectation violated',
   failed: 'Failed',
 };
 
-export function verdict(report: Report, help: () => void): HTMLElement {
+export function verdict(store: Store, report: Report, help: () => void): HTMLElement {
   const { data } = report;
-  const { state, sentence, levels } = data.verdict;
+  const { state, sentence, besides, levels } = data.verdict;
+  const steps = data.runs[0]?.ticks ?? 0;
   const length =
     report.ticks === 0
       ? 'no tick was recorded'
-      : `${plural(report.ticks, 'tick')}, ${time_text(report.ticks * data.time_step, data.time_step)}`;
+      : `${plural(steps, 'tick')}, ${time_text(steps * data.time_step, data.time_step)}`;
+  const violated = violation_list(store, report);
   const runs = data.runs.map((run) =>
     element(
       'span',
@@ -33,12 +38,11 @@ export function verdict(report: Report, help: () => void): HTMLElement {
   return element(
     'header',
     { class: `verdict ${state}` },
-    element('span', { class: 'state' }, words[state] ?? state),
     element(
       'div',
-      { class: 'statement' },
+      { class: 'heading' },
+      element('span', { class: 'state' }, words[state] ?? state),
       element('h1', {}, data.title || 'Report'),
-      element('p', { class: 'sentence' }, sentence),
       element('p', { class: 'runs' }, ...runs, element('span', {}, length), ...outcomes),
       levels &&
         element(
@@ -48,12 +52,14 @@ export function verdict(report: Report, help: () => void): HTMLElement {
             element('span', { class: `level ${state}` }, element('b', {}, level), ` ${state}`),
           ),
         ),
+      element(
+        'div',
+        { class: 'corner' },
+        button('Theme', 'Light or dark (t)', toggle_theme, { class: 'quiet' }),
+        button('?', 'Keys and help (?)', help, { class: 'quiet' }),
+      ),
     ),
-    element(
-      'div',
-      { class: 'corner' },
-      button('Theme', 'Light or dark (t)', toggle_theme, { class: 'quiet' }),
-      button('?', 'Keys and help (?)', help, { class: 'quiet' }),
-    ),
+    violated,
+    (!violated || besides !== '') && element('p', { class: 'sentence' }, violated ? besides : sentence),
   );
 }
