@@ -75,7 +75,7 @@ constexpr double slightly = 1.0 + 1e-12;  // [m]: within what a scenario tolerat
 
 TEST_F(GoldenAssertion, ReplaysNothingOfARunWithoutControllers) {
   make_golden();
-  const TestVerdict verdict = internal::replay_golden("Box.Falls");
+  const TestVerdict verdict = internal::replay_golden("Box.Falls", "Box.Repeats");
   EXPECT_FALSE(verdict.passed);
   EXPECT_THAT(verdict.message, HasSubstr("nothing was compared: no controller commands anything in "));
 }
@@ -181,14 +181,14 @@ TEST_F(GoldenAssertion, MakesNoGoldenOfARunThatIsNotAsExpected) {
 
 TEST_F(GoldenAssertion, NeedsNoGoldenToHold) {
   EXPECT_HOLDS(fall(1.0, "expect: [{channel: Box/Box/position/z, above: 0.5}]\n"));
-  const TestVerdict verdict =
-      internal::hold_expectations(fall(1.0, "expect:\n  - {channel: Box/Box/position/z, above: 0.99, from: 0.01}\n"));
+  const TestVerdict verdict = internal::hold_expectations(
+      fall(1.0, "expect:\n  - {channel: Box/Box/position/z, above: 0.99, from: 0.01}\n"), "Box.Falls");
   EXPECT_FALSE(verdict.passed);
   EXPECT_THAT(verdict.message, HasSubstr("fall.yaml:5: expected Box/Box/position/z above 0.99 m from 0.01 s on: "));
 }
 
 TEST_F(GoldenAssertion, DoesNotHoldNothing) {
-  const TestVerdict verdict = internal::hold_expectations(fall());
+  const TestVerdict verdict = internal::hold_expectations(fall(), "Box.Falls");
   EXPECT_FALSE(verdict.passed);
   EXPECT_THAT(verdict.message, HasSubstr("expects nothing of a run"));
 }

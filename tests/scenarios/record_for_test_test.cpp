@@ -66,7 +66,7 @@ TEST_F(TestSupport, WritesAGoldenOnDemandAndThenFindsARunEqualToIt) {
 }
 
 TEST_F(TestSupport, SaysThatThereIsNothingToReplay) {
-  const auto verdict = internal::replay_golden("Box.Nowhere");
+  const auto verdict = internal::replay_golden("Box.Nowhere", "Box.Repeats");
   EXPECT_FALSE(verdict.passed);
   EXPECT_THAT(verdict.message, HasSubstr("there is no golden"));
 }

@@ -4,10 +4,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "small_traces.h"
 #include "testing/test_reports.h"
@@ -63,11 +67,13 @@ class TestReports : public ::testing::Test {
 TEST_F(TestReports, OfATestThatFailsIsNamedByItsFailure) {
   const TestVerdict verdict = internal::match_golden(fall(1.01), "Box.Lands");
   EXPECT_FALSE(verdict.passed);
-  EXPECT_THAT(verdict.message, ContainsRegex("\nin a browser: file:///.*/traces/Box.Lands.html#tick=0$"));
+  EXPECT_THAT(verdict.message,
+              ContainsRegex(
+                  "\nin a browser: file:///.*/traces/Box.Lands.html#tick=0\nall tests: file:///.*/traces/index.html$"));
   EXPECT_THAT(text_of(traces("Box.Lands.html")),
               AllOf(HasSubstr("a report of Rehearse"), HasSubstr("\"state\":\"beyond\""), HasSubstr("\"levels\"")));
   const std::string index = text_of(traces("index.html"));
-  EXPECT_THAT(index, HasSubstr("<h1>1 of 2 tests that were compared with a golden failed</h1>"));
+  EXPECT_THAT(index, HasSubstr("<h1>1 of 2 tests failed</h1>"));
   EXPECT_THAT(index, HasSubstr("<a href=\"Box.Lands.html#tick=0\">Box.Lands</a>"));
   EXPECT_THAT(index, HasSubstr("/Box/Box/pose"));
 }
@@ -79,14 +85,14 @@ TEST_F(TestReports, AreNotMadeOfTestsThatPass) {
   setenv("REHEARSE_REPORT", "always", 1);
   EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
   EXPECT_THAT(text_of(traces("Box.Falls.html")), HasSubstr("\"state\":\"equal\""));
-  EXPECT_THAT(text_of(traces("index.html")), HasSubstr("<h1>0 of 1 tests"));
+  EXPECT_THAT(text_of(traces("index.html")), HasSubstr("<h1>0 of 1 test failed"));
 }
 
 TEST_F(TestReports, GoWhenTheirTestIsRightAgain) {
   EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Falls").passed);
   EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
   EXPECT_FALSE(std::filesystem::exists(traces("Box.Falls.html")));
-  EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("<h1>0 of 1 tests"), Not(HasSubstr("href"))));
+  EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("<h1>0 of 1 test failed"), Not(HasSubstr("href"))));
 }
 
 TEST_F(TestReports, AreNotMadeIfNobodyWantsThem) {
@@ -102,6 +108,48 @@ TEST_F(TestReports, SayWhatIsMissingIfThePageIs) {
   EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("Box.Falls"), Not(HasSubstr("href"))));
 }
 
+TEST_F(TestReports, ListAllKindsOfTestsFailedOnesFirst) {
+  EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
+  std::ofstream(folder_ / "expecting.yaml")
+      << text_of(folder_ / "fall.yaml") << "expect: [{channel: Box/Box/position/z, above: 2}]\n";
+  const Trace low = record("expecting.yaml");
+  const TestVerdict violated = internal::hold_expectations(low, "Box.IsHigh");
+  EXPECT_THAT(violated.message, ContainsRegex("\nin a browser: file:///.*/traces/Box.IsHigh.expectations.html#tick=0\n"
+                                              "all tests: file:///.*/traces/index.html$"));
+  EXPECT_FALSE(internal::replay_golden("Box.Falls", "Box.Repeats").passed) << "it has no controllers";
+  EXPECT_THROW(internal::record_for_test("missing.yaml", "Box.Starts"), std::runtime_error);
+  const std::string index = text_of(traces("index.html"));
+  EXPECT_THAT(index, HasSubstr("<h1>3 of 4 tests failed</h1>"));
+  EXPECT_THAT(index, ContainsRegex("<tr class=\"failed\">.*Box.Repeats<br><small>replay</small>.*no controller"));
+  EXPECT_THAT(index, ContainsRegex("<tr class=\"failed\">.*Box.Starts<br><small>run</small>.*missing.yaml"));
+  EXPECT_THAT(index, ContainsRegex("<tr class=\"differs\">.*Box.IsHigh</a><br><small>expectations</small>.*above 2 m"));
+  EXPECT_THAT(index, ContainsRegex("<tr class=\"passed\">.*Box.Falls<br><small>golden</small>"));
+  const std::vector<std::size_t> order{index.find("Box.Repeats<"), index.find("Box.Starts<"), index.find("Box.IsHigh<"),
+                                       index.find("Box.Falls<")};
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end())) << index;
+}
+
+TEST_F(TestReports, ShowTheRobotWhereItDiffersFirst) {
+  EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Lands").passed);
+  const std::string index = text_of(traces("index.html")), begin = "src=\"data:image/png;base64,";
+  const std::size_t at = index.find(begin);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_THAT(index, HasSubstr("<img alt=\"the robot at tick 0\""));
+  const std::string coded = index.substr(at + begin.size(), index.find('"', at + begin.size()) - at - begin.size());
+  EXPECT_GT(coded.size(), 500u);
+  EXPECT_EQ(coded.substr(0, 8), "iVBORw0K");  // PNG's signature
+}
+
+TEST_F(TestReports, OfARunThatDidNotBeginGoWhenItRuns) {
+  std::filesystem::remove(folder_ / "fall.yaml");
+  EXPECT_THROW(internal::record_for_test("fall.yaml", "Box.Starts"), std::runtime_error);
+  EXPECT_THAT(text_of(traces("index.html")), HasSubstr("Box.Starts"));
+  fall(1.0);
+  internal::record_for_test("fall.yaml", "Box.Starts");
+  EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Lands").passed);
+  EXPECT_THAT(text_of(traces("index.html")), Not(HasSubstr("Box.Starts")));
+}
+
 TEST_F(TestReports, OfManyProgramsAtOnceAreAllListed) {
   constexpr int programs = 4, tests = 5;
   const Trace trace = fall(1.01);
@@ -114,7 +162,7 @@ TEST_F(TestReports, OfManyProgramsAtOnceAreAllListed) {
     if (child == 0) {
       for (int test = 0; test < tests; ++test)
         internal::keep_test_report(trace, "Program" + std::to_string(program) + ".Test" + std::to_string(test),
-                                   {false, "it <fell>"}, compared);
+                                   "golden", {false, "it <fell>"}, compared);
       _exit(0);
     }
     children.push_back(child);

@@ -33,7 +33,7 @@ TEST_F(Info, TellsAPersonWhatIsInATrace) {
       text,
       ContainsRegex(
           "^file +sr1.mcap\nsize +.*\nlibrary +rehearse " REHEARSE_VERSION
-          "\nprofile +ros2\nmessages +[0-9]+ in 21 channels\nticks +201\n"
+          "\nprofile +ros2\nmessages +[0-9]+ in 21 channels\nticks +200\n"
           "duration +0.2 s\nstart +0 s\nend +0.2 s\ncompression +none: [0-9]+ chunks?, .*\n +zstd: [0-9]+ chunks?, "));
   EXPECT_THAT(text, ContainsRegex("\n  /SR1/joints  +sensor_msgs/msg/JointState  +cdr  +201  +1000 Hz  +"));
   EXPECT_THAT(text, HasSubstr("\n  scenario.yaml, application/yaml, "));

@@ -28,10 +28,13 @@
 #include "host/virtualised.h"
 #include "options.h"
 #include "output.h"
+#include "png/png.h"
 #include "progress.h"
+#include "report/report_index.h"
 #include "scenario/project.h"
 #include "scenario/trace_scenario.h"
 #include "scenario_text.h"
+#include "simulation/recorded_view.h"
 #include "trace/run_facts.h"
 
 namespace rehearse::tool {
@@ -280,6 +283,43 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   return checked;
 }
 
+/// A PNG of the robot at the first difference; empty if it can't be drawn.
+std::vector<std::uint8_t> thumbnail_of(const Scenario& scenario, const FailureReport& page) {
+  const auto trace = Trace::load(fs::path(page.file).replace_extension(".mcap"));
+  if (!trace) return {};
+  const auto picture = draw_recorded(scenario, *trace, page.summary.first_tick.value_or(0), 320, 240);
+  return picture ? encode_png(*picture) : std::vector<std::uint8_t>();
+}
+
+TestResult result_of(const Scenario& scenario, const Checked& checked) {
+  const Exit exit = exit_of(checked.report);
+  TestResult result;
+  result.test = checked.scenario;
+  result.kind = scenario.golden.empty() ? "expectations" : "golden";
+  result.state = exit == Exit::done      ? TestResult::State::passed
+                 : exit == Exit::differs ? TestResult::State::differs
+                                         : TestResult::State::failed;
+  result.verdict = checked.report.verdict;
+  if (!checked.page) return result;
+  result.report = checked.page->file;
+  result.tick = checked.page->summary.first_tick;
+  result.picture = thumbnail_of(scenario, *checked.page);
+  return result;
+}
+
+/// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
+/// renewed, and no new one is made.
+void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Checked>& all, bool tells) {
+  std::error_code ignored;
+  const bool all_passed = std::all_of(all.begin(), all.end(), [](const Checked& one) { return one.report.within(); });
+  if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
+  const FolderLock alone(pending_folder());
+  for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
+  const auto index = refresh_index(pending_folder());
+  if (!index || all_passed || !tells) return;
+  fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
+}
+
 /// The summary of all scenarios: differs if any differs, else within if any is, else equal; skipped if all are skipped.
 std::string_view together(const std::vector<Checked>& all, LevelState CheckReport::*level) {
   for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal})
@@ -363,6 +403,7 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     all.push_back(*std::move(checked));
   }
   if (settings.json) print(all.size() == 1 ? json_of_check(all[0]) : json_of_checks(all));
+  if (!settings.no_report) keep_index(*scenarios, all, !settings.json && all.size() > 1);
   std::vector<CiCase> cases;
   for (const Checked& checked : all) cases.push_back(ci_case(checked));
   if (!settings.junit.empty())

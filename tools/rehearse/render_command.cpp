@@ -24,14 +24,13 @@
 #include "output_file.h"
 #include "png/png.h"
 #include "scenario_text.h"
-#include "viewpoint.h"
+#include "simulation/viewpoint.h"
 
 namespace rehearse::tool {
 namespace {
 
 constexpr int largest_side = Renderer::max_size / 3;  // of a fine picture [pixels]
 constexpr double farthest = 1e4;                      // coordinate of eye and target [m]
-const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);
 
 struct RenderSettings {
   std::string input;
@@ -78,15 +77,6 @@ Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
   for (const ScenarioBody& body : scenario->bodies) scene.models.push_back(place(body));
   scene.look = scenario->look;
   return scene;
-}
-
-void add_to(Renderer& renderer, const PlacedModel& placed) {
-  for (std::size_t i = 0; i < placed.model->links.size(); ++i)
-    for (const Shape& shape : placed.model->links[i].visuals)
-      renderer.set_link_pose(renderer.add(shape, default_color), placed.links[i]);
-  for (const Device& device : placed.model->devices)
-    if (const auto* light = std::get_if<Light>(&device.kind))
-      renderer.set_light_pose(renderer.add_light(*light), placed.links[device.link] * device.pose);
 }
 
 /// Fails if there are more lights than a picture can have.

@@ -59,11 +59,11 @@ inline ::testing::AssertionResult MatchesGolden(const char*, const GoldenQuestio
 }
 
 inline ::testing::AssertionResult Holds(const char*, const Trace& trace) {
-  return assertion_of(hold_expectations(trace));
+  return assertion_of(hold_expectations(trace, current_test()));
 }
 
 inline ::testing::AssertionResult Replays(const char*, const std::string& name) {
-  return assertion_of(replay_golden(name));
+  return assertion_of(replay_golden(name, current_test()));
 }
 
 #ifdef REHEARSE_TEST_FIXTURES

@@ -84,8 +84,8 @@ inline void take(MatchOptions& options, const Levels& levels) { options.levels =
 // `test` is Suite.Test.
 Trace record_for_test(const std::string& scenario, const std::string& test);
 TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options = {});
-TestVerdict hold_expectations(const Trace& trace);
-TestVerdict replay_golden(const std::string& name);
+TestVerdict hold_expectations(const Trace& trace, const std::string& test);
+TestVerdict replay_golden(const std::string& name, const std::string& test);
 
 }  // namespace internal
 }  // namespace rehearse

@@ -215,18 +215,23 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   const auto beside = waiting->publish(verdict.message);
   if (!beside) return {false, verdict.message + "\n" + to_string(beside.errors())};
   if (!beside->empty() && !verdict.passed) verdict.message += "\n" + *beside;
-  const std::string told = keep_test_report(trace, test, verdict, compared);
+  const std::string told = keep_test_report(trace, test, "golden", verdict, compared);
   if (!verdict.passed) verdict.message += told;
   return verdict;
 }
 
-TestVerdict hold_expectations(const Trace& trace) {
+TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   const auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
   if (scenario->expectations.empty()) return {false, "the scenario expects nothing of a run: it has no 'expect:'"};
   const auto results = judge_expectations(scenario->expectations, trace);
   const std::string violations = violation_lines(results);
-  return {violations.empty(), violations.empty() ? "" : violations.substr(1)};
+  TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1)};
+  ComparedTest compared;
+  compared.scenario = scenario_file_of(trace);
+  const std::string told = keep_test_report(trace, test, "expectations", verdict, compared);
+  if (!verdict.passed) verdict.message += told;
+  return verdict;
 }
 
 }  // namespace rehearse::internal

@@ -12,13 +12,12 @@
 
 #include "golden/run_folder.h"
 #include "test_recordings.h"
+#include "test_reports.h"
 
 namespace rehearse::internal {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path traces_folder() { return fs::path(test_folders().output) / "traces"; }
 
 /// A file for each recording of a test, because traces stay open as long as the test uses them. It is in a folder of
 /// this process, because a different process may run the same test.
@@ -67,19 +66,34 @@ std::string scenario_file_of(const Trace& trace) {
   return found == recorded_scenarios().end() ? "" : found->second;
 }
 
+namespace {
+
+/// Ends the test, which is in the index as one that did not run.
+[[noreturn]] void fail_to_run(const std::string& test, const std::string& message) {
+  TestResult result;
+  result.test = test;
+  result.kind = "run";
+  result.state = TestResult::State::failed;
+  result.verdict = message.substr(0, message.find('\n'));
+  throw std::runtime_error(message + keep_test_result(std::move(result), nullptr, {}));
+}
+
+}  // namespace
+
 Trace record_for_test(const std::string& scenario_file, const std::string& test) {
   const auto scenario = Scenario::load(fixture_path(scenario_file));
-  if (!scenario) throw std::runtime_error(to_string(scenario.errors()));
+  if (!scenario) fail_to_run(test, to_string(scenario.errors()));
   print_warnings(scenario->warnings);
   const fs::path file = new_trace_file(test);
   const auto run = rehearse::record(*scenario, file);
-  if (!run) throw std::runtime_error(to_string(run.errors()));
+  if (!run) fail_to_run(test, to_string(run.errors()));
   publish(file);
   print_warnings(run->remarks);
   if (run->failure)
-    throw std::runtime_error(fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure),
-                                         (traces_folder() / file.filename()).string()));
-  if (run->controller_refused) throw std::runtime_error(to_string(run->remarks));
+    fail_to_run(test, fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure),
+                                  (traces_folder() / file.filename()).string()));
+  if (run->controller_refused) fail_to_run(test, to_string(run->remarks));
+  drop_test_result(test, "run");
   recorded_scenarios()[file.string()] = scenario->file;
   auto trace = Trace::load(file);
   if (!trace) throw std::runtime_error(to_string(trace.errors()));
@@ -95,10 +109,8 @@ std::string remarks_text(const ReplayReport& report) {
   return text;
 }
 
-}  // namespace
-
-TestVerdict replay_golden(const std::string& name) {
-  const GoldenStore store = golden_store();
+/// `first`: the first difference, if there is one.
+TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name, std::optional<Divergence>& first) {
   report_golden_owner(store.where_runs_wait(), name, "EXPECT_REPLAYS");
   if (!store.has(name))
     return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
@@ -110,11 +122,33 @@ TestVerdict replay_golden(const std::string& name) {
     return {false, fmt::format("nothing was compared: no controller commands anything in {}",
                                store.trace_file(name).string())};
   if (!report->first) return {true, ""};
+  first = report->first;
   return {false,
           fmt::format("fed with the inputs of {}, the controller commands something else in {} of {} ticks, first at "
                       "{}{}",
                       store.trace_file(name).string(), report->ticks_different, report->ticks,
                       to_string(*report->first), remarks_text(*report))};
+}
+
+}  // namespace
+
+TestVerdict replay_golden(const std::string& name, const std::string& test) {
+  const GoldenStore store = golden_store();
+  std::optional<Divergence> first;
+  TestVerdict verdict = replay_and_compare(store, name, first);
+  TestResult result;
+  result.test = test;
+  result.kind = "replay";
+  result.state = verdict.passed ? TestResult::State::passed
+                 : first        ? TestResult::State::differs
+                                : TestResult::State::failed;
+  result.verdict =
+      verdict.passed ? "the golden's commands, bit for bit" : verdict.message.substr(0, verdict.message.find('\n'));
+  if (first) result.tick = first->tick;
+  const auto golden = first ? Trace::load(store.trace_file(name)) : Result<Trace>(error("not needed"));
+  const std::string told = keep_test_result(std::move(result), golden ? &*golden : nullptr, {});
+  if (!verdict.passed) verdict.message += told;
+  return verdict;
 }
 
 }  // namespace rehearse::internal

@@ -382,7 +382,7 @@ TEST_F(LogReplay, BecomesAGoldenOfATest) {
     EXPECT_TRUE(written.passed) << written.message;
   }
   const Variable mode("REHEARSE_GOLDEN", "check");
-  const internal::TestVerdict repeated = internal::replay_golden("Tank.AsInTheLog");
+  const internal::TestVerdict repeated = internal::replay_golden("Tank.AsInTheLog", "Tank.Repeats");
   EXPECT_TRUE(repeated.passed) << repeated.message;
   replayed("TankController", "tank.urdf");
   const internal::TestVerdict again = internal::match_golden(run(), "Tank.AsInTheLog");

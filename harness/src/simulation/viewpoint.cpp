@@ -1,14 +1,12 @@
 #include "viewpoint.h"
 
-#include <rehearse/renderer.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "model/pinhole.h"
 #include "model/shape_bounds.h"
 
-namespace rehearse::tool {
+namespace rehearse {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -18,6 +16,7 @@ const Vector3d viewing_direction = Vector3d(1.0, -0.75, 0.4).normalized();  // f
 constexpr double margin = 1.1;                                              // of the picture around the bodies
 // smallest distance from the middle of the bodies [m]
 constexpr double nearest = 0.1;
+const Color default_color(0.72f, 0.72f, 0.74f, 1.0f);
 
 /// The corners of the boxes around a model's visible shapes, in the world.
 void add_corners(const PlacedModel& placed, std::vector<Vector3d>& corners) {
@@ -73,4 +72,13 @@ Viewpoint default_viewpoint(const std::vector<PlacedModel>& scene, const Camera&
   return view;
 }
 
-}  // namespace rehearse::tool
+void add_to(Renderer& renderer, const PlacedModel& placed) {
+  for (std::size_t i = 0; i < placed.model->links.size(); ++i)
+    for (const Shape& shape : placed.model->links[i].visuals)
+      renderer.set_link_pose(renderer.add(shape, default_color), placed.links[i]);
+  for (const Device& device : placed.model->devices)
+    if (const auto* light = std::get_if<Light>(&device.kind))
+      renderer.set_light_pose(renderer.add_light(*light), placed.links[device.link] * device.pose);
+}
+
+}  // namespace rehearse

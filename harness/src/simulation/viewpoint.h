@@ -1,14 +1,15 @@
-// The default viewpoint for a picture of a scene.
+// The default viewpoint for a picture of a scene. Internal.
 #pragma once
 
 #include <rehearse/model.h>
+#include <rehearse/renderer.h>
 
 #include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <vector>
 
-namespace rehearse::tool {
+namespace rehearse {
 
 /// A model with the poses of its links.
 struct PlacedModel {
@@ -28,4 +29,7 @@ struct Viewpoint {
 Viewpoint default_viewpoint(const std::vector<PlacedModel>& scene, const Camera& camera,
                             const std::optional<Eigen::Vector3d>& eye, const std::optional<Eigen::Vector3d>& target);
 
-}  // namespace rehearse::tool
+/// Adds the visible shapes and the lights of a model to the pictures.
+void add_to(Renderer& renderer, const PlacedModel& placed);
+
+}  // namespace rehearse

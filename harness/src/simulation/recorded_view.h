@@ -1,0 +1,17 @@
+// A picture of a recording at a tick. Internal.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/renderer.h>
+#include <rehearse/scenario.h>
+#include <rehearse/trace.h>
+
+#include <cstdint>
+
+namespace rehearse {
+
+/// Draws the bodies of the scenario as the recording has them at a tick, from the default viewpoint. A body that the
+/// recording lacks is drawn at its start. `width`, `height`: [pixels]. Fails if nothing can be drawn.
+Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, std::int64_t tick, int width, int height);
+
+}  // namespace rehearse
