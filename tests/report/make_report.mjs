@@ -387,6 +387,7 @@ class Maker {
       divergences: this.divergences,
       worst: this.worst(),
       first: first ? 0 : null,
+      call_stack: null,
       spans: this.spans(),
       axes: [{ begin: 0, count: options.ticks }, { ticks: this.blobs.numbers(every_fifth, 'columns') }],
       series: this.series,

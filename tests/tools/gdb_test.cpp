@@ -288,6 +288,19 @@ TEST_F(Gdb, StopsWhereAnotherLibraryDiffersFirst) {
                     ContainsRegex(arrival(9, line_of("begins"))), HasSubstr("$1 = 9\n")));
 }
 
+TEST_F(Gdb, ShowsTheLineOfTheFirstDifferingCommandInAReport) {
+  done({"record", pendulum(LOOKED_AT).string(), "-o", "golden.mcap"});
+  done({"record", pendulum(LOOKED_AT).string(), "-o", "stiffer.mcap", "--controller", std::string("Swing=") + STIFFER});
+  const fs::path page = write("page.html", "<!doctype html><html><!-- REHEARSE DATA --></html>");
+  const Outcome outcome = rehearse(
+      {"report", "stiffer.mcap", "golden.mcap", "--call-stack", "--controller", std::string("Swing=") + STIFFER},
+      std::string(environment) + " REHEARSE_REPORT_PAGE=" + page.string());
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const std::string report = read_file(folder() / "stiffer.html");
+  EXPECT_THAT(report, HasSubstr("\"call_stack\":{\"controller\":\"Pendulum/Swing\",\"tick\":9,\"frames\":[{"));
+  EXPECT_THAT(report, ContainsRegex("looked_at.cpp\",\"line\":[0-9]+,\"begin\":[0-9]+,\"source\":\\[\".*// begins\""));
+}
+
 TEST_F(Gdb, StopsBehindAThunk) {
   const Outcome recorded = quiet({"record", pendulum(BEHIND_ANOTHER).string()});
   ASSERT_EQ(recorded.status, 0) << recorded.err;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command.h"
+#include "debugger.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
@@ -24,6 +25,8 @@ struct ReportSettings {
   std::string scenario;
   ReportOptions options;
   bool json = false;
+  bool call_stack = false;
+  HostOptions host;  // of the replay in gdb
 };
 
 Json json_of_report(const fs::path& file, const ReportSummary& summary) {
@@ -52,6 +55,10 @@ Exit run_report(ReportSettings& settings) {
   settings.options.scenario = settings.scenario;
   std::optional<fs::path> golden;
   if (!settings.golden.empty()) golden = settings.golden;
+  if (settings.call_stack)
+    settings.options.call_stack = [&](const std::string& controller, std::int64_t tick) {
+      return call_stack_at(settings.trace, controller, tick, settings.host);
+    };
   const auto written = [&] {
     StoppableProgress progress("reporting");
     settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
@@ -96,6 +103,12 @@ std::function<Exit()> declare_report(CLI::App& options) {
       .add_option("--scenario", settings->scenario,
                   "the file TRACE was recorded from, beside which meshes are looked for (above TRACE, and here)")
       ->type_name("FILE");
+  options.add_flag("--call-stack", settings->call_stack,
+                   "with the source line of the controller whose command differs first: replays TRACE in gdb, a minute "
+                   "at most");
+  add_host_options(options, settings->host);
+  options.get_option("--controller")->needs("--call-stack");
+  options.get_option("--call-limit")->needs("--call-stack");
   add_json_flag(options, settings->json);
   return [settings] { return run_report(*settings); };
 }

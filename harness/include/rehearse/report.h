@@ -28,6 +28,21 @@ struct ReportVerdict {
   std::optional<Divergence> first = std::nullopt;  // the place of the first difference to show; none: the comparison's
 };
 
+/// A frame of a call stack.
+struct StackFrame {
+  std::string function, file;
+  int line = 0;                     // 0: unknown
+  int begin = 0;                    // line of source[0]
+  std::vector<std::string> source;  // the lines around; empty: the file can't be read
+};
+
+/// The call stack of a controller in control() at a tick; the innermost frame comes first.
+struct CallStack {
+  std::string controller;  // BODY/NAME
+  std::int64_t tick = 0;
+  std::vector<StackFrame> frames;
+};
+
 struct ReportOptions {
   std::optional<double> from;       // [s], inclusive; none: the run's beginning
   std::optional<double> until;      // [s], exclusive; none: the run's end
@@ -43,6 +58,9 @@ struct ReportOptions {
   std::filesystem::path scenario;
   /// The page into which the data is written; empty: the page of this library.
   std::filesystem::path page;
+  /// Called with the controller (BODY/NAME) and the tick of the first command that differs; null: the report has no
+  /// call stack.
+  std::function<Result<CallStack>(const std::string& controller, std::int64_t tick)> call_stack;
   /// Limit of the size of the file; browsers open larger files slowly [bytes].
   std::uintmax_t max_size = std::uintmax_t{400} << 20;
   /// Called with the number of finished parts and of all parts; null: not.

@@ -94,6 +94,17 @@ std::string outcome_of(const RunFacts& run) {
   return run.outcome ? run.outcome->failure.value_or("") : "the recording was cut: nothing says how the run ended";
 }
 
+ReportJson json_of(const CallStack& stack) {
+  ReportJson frames = ReportJson::array();
+  for (const StackFrame& frame : stack.frames)
+    frames.push_back({{"function", frame.function},
+                      {"file", frame.file},
+                      {"line", frame.line},
+                      {"begin", frame.begin},
+                      {"source", frame.source}});
+  return {{"controller", stack.controller}, {"tick", stack.tick}, {"frames", std::move(frames)}};
+}
+
 ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::path& file) {
   const Trace& trace = run.trace;
   const RunFacts stated = RunFacts::of(trace);
@@ -146,6 +157,7 @@ class ReportMaker {
   void write_happenings(ReportJson& object) const;
   bool is_wanted(const TraceChannel& channel) const;
   void omit_damage();
+  ReportJson call_stack_json(const Places& places);
 
   const ReportOptions& options_;
   ReportFile& file_;
@@ -308,6 +320,23 @@ void ReportMaker::write_happenings(ReportJson& object) const {
   object["contacts"] = std::move(contacts);
 }
 
+/// Null: not wanted, no command differs, or there is none, which becomes an omission.
+ReportJson ReportMaker::call_stack_json(const Places& places) {
+  if (!options_.call_stack) return nullptr;
+  for (const bool wants_beyond : {true, false}) {
+    for (const auto& [divergence, beyond] : places.all) {
+      const ChannelName channel = ChannelName::parse(divergence.channel);
+      if (beyond != wants_beyond || channel.side != ChannelSide::output) continue;
+      const auto stack = options_.call_stack(channel.label(), divergence.tick);
+      if (stack) return json_of(*stack);
+      summary_.omitted.push_back("There is no call stack: " + stack.errors()[0].message);
+      return nullptr;
+    }
+  }
+  summary_.omitted.push_back("There is no call stack: no command of a controller differs");
+  return nullptr;
+}
+
 void ReportMaker::omit_damage() {
   for (const ReportedRun* run : {&std::as_const(actual_), golden()}) {
     if (!run || run->trace.damage().empty()) continue;
@@ -353,6 +382,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
       expectations_json(expectations_, time_step, range.begin, std::max(range.begin, range.end - 1));
   object["divergences"] = ReportJson::array();
   object["first"] = nullptr;
+  object["call_stack"] = nullptr;
   object["worst"] = ReportJson::array();
   object["spans"] = ReportJson::array();
   if (comparison_) {
@@ -367,6 +397,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
       object["first"] = *places.first;
       summary_.first_tick = places.all[*places.first].first.tick;
     }
+    object["call_stack"] = call_stack_json(places);
     object["worst"] = worst_json(*comparison_, golden_->trace, actual_.trace);
     for (const auto& [begin, end] : judged_->spans(most_spans)) object["spans"].push_back({begin, end});
   }

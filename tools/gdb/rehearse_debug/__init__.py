@@ -5,6 +5,7 @@ travel     runs to a tick, forwards or by starting again
 values     reads C++ objects: strings, vectors, Eigen's types
 printers   pretty printers of Eigen's and cnoid's types
 tables     inputs and commands of the controller that is being called
+stack      the call stack, for reports
 commands   the commands
 """
 

@@ -4,7 +4,7 @@ from typing import Optional
 
 import gdb
 
-from . import place, tables, travel
+from . import place, stack, tables, travel
 
 # The controller that the user selected: NAME or BODY/NAME; empty: the first that is called in a tick.
 _chosen = ""
@@ -59,6 +59,7 @@ class Prefix(gdb.Command):
     rehearse-back [N]       to the tick before, or N ticks back, by beginning again
     rehearse-inputs         what the controller sees
     rehearse-commands       what it has commanded so far
+    rehearse-stack          its call stack with source lines, as JSON
 
     Bodies, links, devices, value trees, and Eigen's vectors and matrices are printed as what they mean; `print /r`
     shows them raw."""
@@ -152,6 +153,18 @@ class Commands(gdb.Command):
         gdb.write(tables.commands(_here()))
 
 
+class Stack(gdb.Command):
+    """rehearse-stack: the call stack of the controller with its source lines, as a line of JSON."""
+
+    def __init__(self) -> None:
+        super().__init__("rehearse-stack", gdb.COMMAND_STACK, gdb.COMPLETE_NONE)
+
+    def invoke(self, argument: str, from_tty: bool) -> None:
+        _one_word(argument)
+        _here()
+        gdb.write(stack.as_json() + "\n")
+
+
 class Start(gdb.Command):
     """rehearse-start TICK [CONTROLLER]: what `rehearse replay --gdb` begins with."""
 
@@ -171,7 +184,7 @@ class Start(gdb.Command):
 
 
 def register() -> None:
-    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Start):
+    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Stack, Start):
         command()
     # the signal by which the watchdog (guarded_call.cpp) ends a call; it does so only without a debugger
     gdb.execute("handle SIGXCPU nostop noprint pass", to_string=True)

@@ -180,6 +180,14 @@ export interface MeshEntry {
   color?: NumberArray;
 }
 
+export interface FrameEntry {
+  function: string;
+  file: string;
+  line: number;
+  begin: number;
+  source: string[];
+}
+
 export interface ReportData {
   format: number;
   title: string;
@@ -193,6 +201,7 @@ export interface ReportData {
   divergences: DivergenceEntry[];
   first: number | null;
   worst: string[]; // series
+  call_stack: { controller: string; tick: number; frames: FrameEntry[] } | null;
   spans: [number, number][];
   axes: AxisEntry[];
   series: SeriesEntry[];

@@ -4,6 +4,7 @@ import './style/theme.css';
 import './style/page.css';
 import './style/parts.css';
 import { go_to_place, keep_address, parse_address } from './address';
+import { call_stack } from './call_stack';
 import { Cameras } from './cameras';
 import { Channels } from './channels';
 import { Tour } from './divergences';
@@ -170,6 +171,7 @@ function put_together(report: Report) {
       title: `Messages (${events.length})`,
       content: new Messages(store, report).root,
     },
+    report.data.call_stack && { name: 'source', title: 'Source', content: call_stack(report.data.call_stack) },
     { name: 'provenance', title: 'Provenance', content: provenance(report) },
     report.data.runs.some((run) => run.scenario !== '') && {
       name: 'scenario',
@@ -196,6 +198,10 @@ function put_together(report: Report) {
     tabs.root,
     'between plots and tables',
   );
+  if (report.data.call_stack)
+    transport.add(
+      button('Source line', 'The controller’s source line of the first differing command', () => tabs.open('source')),
+    );
   const main = element('main', { class: left ? '' : 'wide' }, left);
   if (left) main.append(splitter(main, { label: 'between robot and plots', name: 'columns', upright: true }));
   main.append(right!);

@@ -13,8 +13,8 @@ export class Tabs {
   private readonly panels: HTMLElement[];
   private readonly tabs: Tab[];
 
-  constructor(given: (Tab | false)[]) {
-    const tabs = given.filter((tab): tab is Tab => tab !== false);
+  constructor(given: (Tab | false | null)[]) {
+    const tabs = given.filter((tab): tab is Tab => Boolean(tab));
     this.tabs = tabs;
     this.buttons = tabs.map((tab, i) =>
       element(

@@ -58,7 +58,7 @@ export class Transport {
       (tour.first || tour.first_violation !== null) &&
         element(
           'div',
-          { class: 'group' },
+          { class: 'group divergences-group' },
           tour.first_violation !== null &&
             button('Violation', 'To the first violated expectation (v)', () => tour.go_to_violation(), {
               class: 'primary',
@@ -83,6 +83,11 @@ export class Transport {
         .querySelectorAll<HTMLButtonElement>('button, input, select')
         .forEach((field) => (field.disabled = true));
     }
+  }
+
+  /** A button in the group of divergences. */
+  add(button: HTMLElement) {
+    this.root.querySelector('.divergences-group')?.append(button);
   }
 
   zoom_to_cursor() {
