@@ -24,6 +24,7 @@ export const defaults = {
   events: true,
   mesh: true,
   expectations: true,
+  call_stack: null,
   fails: false, // expectations are violated without a golden
 };
 
@@ -387,7 +388,7 @@ class Maker {
       divergences: this.divergences,
       worst: this.worst(),
       first: first ? 0 : null,
-      call_stack: null,
+      call_stack: options.call_stack,
       spans: this.spans(),
       axes: [{ begin: 0, count: options.ticks }, { ticks: this.blobs.numbers(every_fifth, 'columns') }],
       series: this.series,

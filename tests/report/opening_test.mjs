@@ -242,6 +242,26 @@ test('all violated expectations are in the verdict; a click leads there, a run a
   }
 });
 
+test('the controller’s source line is one click away, if the report has it', async () => {
+  const source = Array.from({ length: 17 }, (_, i) => `  line_of_code(${62 + i});`);
+  const frames = [{ function: 'Walk::control', file: '/home/me/walk.cpp', line: 70, begin: 62, source }];
+  const call_stack = { controller: 'Walker/Walk', tick: 640, frames };
+  await with_report({ ...small, call_stack }, { width: 1280, height: 720 }, async ({ page }) => {
+    await page.keyboard.press('End');
+    await page.click('button:has-text("Source line")');
+    await settled(page);
+    assert.equal((await state_of(page)).tick, 640);
+    assert.match(await page.innerText('.call-stack'), /#0 Walk::control \/home\/me\/walk\.cpp:70/);
+    const current = page.locator('.source .current');
+    assert.equal(await current.innerText(), '70    line_of_code(70);');
+    const box = await current.boundingBox();
+    assert.ok(box.y > 0 && box.y + box.height < 720, 'it is on the screen');
+  });
+  await with_report(small, {}, async ({ page }) => {
+    assert.equal(await page.locator('button:has-text("Source line"), #tab-source').count(), 0);
+  });
+});
+
 test('a run alone opens with its root, its contacts and its largest commands', async () => {
   await with_report({ ...small, golden: false, cameras: 0 }, {}, async ({ page }) => {
     await settled(page);

@@ -13,10 +13,15 @@ function source(frame: FrameEntry): HTMLElement | null {
       return element(
         'span',
         { class: line === frame.line ? 'current' : '' },
-        `${String(line).padStart(width)}  ${text}\n`,
+        `${String(line).padStart(width)}  ${text}`,
       );
     }),
   );
+}
+
+/** Scrolls to the line at which the controller stands. */
+export function show_source_line() {
+  document.querySelector('.source .current')?.scrollIntoView({ block: 'center' });
 }
 
 export function call_stack({ controller, tick, frames }: NonNullable<ReportData['call_stack']>): HTMLElement {

@@ -4,7 +4,7 @@ import './style/theme.css';
 import './style/page.css';
 import './style/parts.css';
 import { go_to_place, keep_address, parse_address } from './address';
-import { call_stack } from './call_stack';
+import { call_stack, show_source_line } from './call_stack';
 import { Cameras } from './cameras';
 import { Channels } from './channels';
 import { Tour } from './divergences';
@@ -198,10 +198,15 @@ function put_together(report: Report) {
     tabs.root,
     'between plots and tables',
   );
-  if (report.data.call_stack)
-    transport.add(
-      button('Source line', 'The controller’s source line of the first differing command', () => tabs.open('source')),
-    );
+  const stack = report.data.call_stack;
+  if (stack) {
+    const open = () => {
+      store.go(stack.tick);
+      tabs.open('source');
+      show_source_line();
+    };
+    transport.add(button('Source line', 'The controller’s source line of the first differing command', open));
+  }
   const main = element('main', { class: left ? '' : 'wide' }, left);
   if (left) main.append(splitter(main, { label: 'between robot and plots', name: 'columns', upright: true }));
   main.append(right!);
