@@ -153,6 +153,8 @@ struct Surface {
   std::optional<double> friction;                     // coefficient, in the first direction or in all
   std::optional<double> second_friction;              // coefficient across `friction_direction`
   std::optional<Eigen::Vector3d> friction_direction;  // in the link frame, unit length
+  std::optional<double> torsional_friction;           // torque against spinning on a point, over the normal force [m]
+  std::optional<double> rolling_friction;             // torque against rolling, over the normal force [m]
   std::optional<double> stiffness;                    // of a contact [N/m]
   std::optional<double> damping;                      // of a contact [N·s/m]
   std::optional<double> min_depth;                    // penetration that contacts leave uncorrected [m]

@@ -35,6 +35,8 @@ const std::vector<Figure>& gazebo_figures() {
   static const std::vector<Figure> figures = {
       {{"mu1", "mu"}, &Surface::friction, Allowed::not_negative, "a coefficient of friction is at least 0"},
       {{"mu2"}, &Surface::second_friction, Allowed::not_negative, "a coefficient of friction is at least 0"},
+      {{"mu_torsion"}, &Surface::torsional_friction, Allowed::not_negative, "torsional friction is at least 0 [m]"},
+      {{"mu_rolling"}, &Surface::rolling_friction, Allowed::not_negative, "rolling friction is at least 0 [m]"},
       {{"kp"}, &Surface::stiffness, Allowed::positive, "a stiffness is above 0 [N/m]"},
       {{"kd"}, &Surface::damping, Allowed::not_negative, "a damping is at least 0 [N·s/m]"},
       {{"minDepth", "min_depth"}, &Surface::min_depth, Allowed::not_negative, "a depth is at least 0 [m]"},
@@ -46,6 +48,11 @@ const std::vector<Figure>& gazebo_figures() {
 const std::vector<Figure>& bullet_figures() {
   static const std::vector<Figure> figures = {
       {{"lateral_friction"}, &Surface::friction, Allowed::not_negative, "a coefficient of friction is at least 0"},
+      {{"spinning_friction"},
+       &Surface::torsional_friction,
+       Allowed::not_negative,
+       "spinning friction is at least 0 [m]"},
+      {{"rolling_friction"}, &Surface::rolling_friction, Allowed::not_negative, "rolling friction is at least 0 [m]"},
       {{"stiffness"}, &Surface::stiffness, Allowed::positive, "a stiffness is above 0 [N/m]"},
       {{"damping"}, &Surface::damping, Allowed::not_negative, "a damping is at least 0 [N·s/m]"},
       {{"restitution"}, &Surface::restitution, Allowed::share, "a restitution is 0 to 1"},

@@ -1,6 +1,7 @@
 #include "contact_surface.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "ode_math.h"
@@ -43,6 +44,7 @@ double ContactLaw::ode_correcting_velocity() const {
 void ContactLaw::apply(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const {
   contact.surface.mode = dContactApprox1;
   apply_friction(a, b, contact);
+  apply_rolling(a.surface, b.surface, contact);
   apply_spring(a.surface, b.surface, contact);
   apply_bounce(a, b, contact);
 }
@@ -68,10 +70,23 @@ void ContactLaw::apply_friction(const TouchedSurface& a, const TouchedSurface& b
     if (!directed->surface.second_friction || along.norm() < least_sine) continue;
     const Vector3d direction = along.normalized();
     std::copy(direction.data(), direction.data() + 3, contact.fdir1);
-    contact.surface.mode |= dContactFDir1 | dContactMu2;
     contact.surface.mu2 = smaller(directed->surface.second_friction, other->surface.friction).value();
+    if (contact.surface.mu2 == contact.surface.mu) return;  // equal in all directions
+    contact.surface.mode |= dContactFDir1 | dContactMu2;
     return;
   }
+}
+
+void ContactLaw::apply_rolling(const Surface& a, const Surface& b, dContact& contact) const {
+  const std::optional<double> rolling = smaller(a.rolling_friction, b.rolling_friction);
+  const std::optional<double> torsional = smaller(a.torsional_friction, b.torsional_friction);
+  if (rolling.value_or(0.0) == 0.0 && torsional.value_or(0.0) == 0.0) return;
+  // ODE 0.16.2 counts the rows of coefficients that are zero, but leaves them unset
+  constexpr double none = std::numeric_limits<double>::min();
+  if (!(contact.surface.mode & dContactMu2)) contact.surface.mu2 = contact.surface.mu;
+  contact.surface.mode |= dContactRolling | dContactMu2;
+  contact.surface.rho = contact.surface.rho2 = std::max(none, rolling.value_or(0.0));
+  contact.surface.rhoN = std::max(none, torsional.value_or(0.0));
 }
 
 // A spring of kp [N/m] and a damper of kd [N·s/m] are ERP = dt kp / (dt kp + kd), CFM = 1 / (dt kp + kd): manual of

@@ -33,6 +33,7 @@ class ContactLaw {
 
  private:
   void apply_friction(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const;
+  void apply_rolling(const Surface& a, const Surface& b, dContact& contact) const;
   void apply_spring(const Surface& a, const Surface& b, dContact& contact) const;
   void apply_bounce(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const;
 

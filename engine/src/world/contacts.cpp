@@ -37,26 +37,20 @@ BodyBounds bounds_of(const SimulatedBody& body) {
   return bounds;
 }
 
-/// A shape and its body.
-struct Side {
-  const SimulatedBody& body;
-  const BodyShape& shape;
-  dBodyID ode = dGeomGetBody(shape.geom);
+using Contact = Touches::Contact;
 
-  /// True if forces move the shape.
-  bool yields() const { return ode && !dBodyIsKinematic(ode); }
-  bool has_belt() const { return shape.belt >= 0; }
-};
+/// The most friction of a belt across its direction: Choreonoid's ODE simulator item sets it.
+constexpr double friction_across_belt = 0.5;
 
 /// Sets the friction of a contact with a belt: along the belt, towards the belt's speed. ODE's normal points into the
 /// first shape; a surface runs with the speed of a wheel about its axis: axis x outward normal.
-void run_belts(const Side& a, const Side& b, dContact& contact) {
+void run_belts(const Contact& touch, dContact& contact) {
   const Eigen::Vector3d normal = vector(contact.geom.normal);
   Eigen::Vector3d along = Eigen::Vector3d::Zero();
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();  // velocity of a relative to b
-  for (const Side* side : {&b, &a}) {
+  for (const Contact::Side* side : {&touch.b, &touch.a}) {
     if (!side->has_belt()) continue;
-    const Belt belt = side->body.belt(side->shape.belt);
+    const Belt belt = side->body->belt(side->shape->belt);
     const Eigen::Vector3d direction = belt.along(normal);
     if (direction.isZero(0.0)) continue;
     along = direction;
@@ -64,48 +58,71 @@ void run_belts(const Side& a, const Side& b, dContact& contact) {
     wanted += belt.speed * along;
   }
   if (along.isZero(0.0)) return;
-  contact.surface.mode &= ~dContactMu2;  // a belt's direction replaces the surface's friction direction
-  contact.surface.mode |= dContactFDir1 | dContactMotion1 | dContactMotion2;
+  contact.surface.mode |= dContactFDir1 | dContactMu2 | dContactMotion1 | dContactMotion2;
+  // replaces that of the surface's friction direction
+  contact.surface.mu2 = std::min(friction_across_belt, contact.surface.mu);
   std::copy(along.data(), along.data() + 3, contact.fdir1);
   // if the first body is null, ODE swaps the bodies and reverses the normal, and with it the second direction, but not
   // fdir1
-  contact.surface.motion1 = a.ode ? wanted.dot(along) : -wanted.dot(along);
+  contact.surface.motion1 = touch.a.ode ? wanted.dot(along) : -wanted.dot(along);
   contact.surface.motion2 = wanted.dot(normal.cross(along));
 }
 
-TouchedSurface surface_of(const Side& side) {
-  const Surface& surface = side.body.description().model->links[side.shape.link].surface;
+TouchedSurface surface_of(const Contact::Side& side) {
+  const int link = side.shape->link;
+  const Surface& surface = side.body->description().model->links[link].surface;
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   if (surface.friction_direction)
-    direction = side.body.link_point(side.shape.link, *surface.friction_direction) -
-                side.body.link_point(side.shape.link, Eigen::Vector3d::Zero());
-  const std::vector<std::string>& materials = side.body.description().materials;
-  return {surface, direction, materials.empty() ? std::string_view() : materials[side.shape.link]};
+    direction =
+        side.body->link_point(link, *surface.friction_direction) - side.body->link_point(link, Eigen::Vector3d::Zero());
+  const std::vector<std::string>& materials = side.body->description().materials;
+  return {surface, direction, materials.empty() ? std::string_view() : materials[link]};
 }
 
-/// Adds the contacts of two shapes; true if they touch. Two shapes that no force moves don't touch.
-bool collide(dWorldID world, dJointGroupID group, const Side& a, const Side& b, const ContactLaw& law,
-             std::vector<dContactGeom>& found, Touches& touches) {
-  if (!a.yields() && !b.yields()) return false;
+/// The mass on which friction between two bodies acts [kg].
+double mass_between(const Contact& contact) {
+  double inverse = 0.0;
+  for (const Contact::Side* side : {&contact.a, &contact.b})
+    if (side->yields()) inverse += 1.0 / side->body->mass();
+  return 1.0 / inverse;
+}
+
+/// Finds the contacts of two shapes; true if they touch. Two shapes that no force moves don't touch.
+bool collide(const LinkPair& pair, const Touches::Party& a, const Touches::Party& b, std::vector<dContactGeom>& found,
+             Touches& touches, Friction& friction) {
+  const auto yields = [](const Touches::Party& party) {
+    const dBodyID body = dGeomGetBody(party.shape.geom);
+    return body && !dBodyIsKinematic(body);
+  };
+  if (!yields(a) && !yields(b)) return false;
   const int count = collide_shapes(a.shape, b.shape, found);
   for (int i = 0; i < count; ++i) {
-    dContact contact{};
-    contact.geom = found[i];
-    law.apply(surface_of(a), surface_of(b), contact);
-    if (a.has_belt() || b.has_belt()) run_belts(a, b, contact);
-    const dJointID joint = dJointCreateContact(world, group, &contact);
-    dJointAttach(joint, a.ode, b.ode);
-    if (a.body.feels(a.shape.link) || b.body.feels(b.shape.link))
-      touches.keep(joint, contact.geom, {a.body, a.shape}, {b.body, b.shape});
+    Contact& contact = touches.add(found[i], a, b);
+    const Eigen::Vector3d position = vector(found[i].pos);
+    contact.friction = {friction.add(pair, position), position,       vector(found[i].normal),
+                        contact.velocity(),           contact.spin(), mass_between(contact)};
   }
   return count > 0;
+}
+
+void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction, Contact& touch) {
+  dContact contact{};
+  contact.geom = touch.geom;
+  law.apply(surface_of(touch.a), surface_of(touch.b), contact);
+  if (touch.a.has_belt() || touch.b.has_belt()) run_belts(touch, contact);
+  if (!(contact.surface.mode & dContactFDir1)) friction.direct(touch.friction, contact);
+  const dJointID joint = dJointCreateContact(world, group, &contact);
+  dJointAttach(joint, touch.a.ode, touch.b.ode);
+  dJointSetFeedback(joint, &touch.feedback);
 }
 
 }  // namespace
 
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const ContactLaw& law, int max_contacts, Touches& touches, std::vector<LinkPair>& pairs) {
+                  const ContactLaw& law, int max_contacts, Touches& touches, Friction& friction,
+                  std::vector<LinkPair>& pairs) {
   touches.clear();
+  friction.begin();
   pairs.clear();
   std::vector<BodyBounds> bounds;
   bounds.reserve(bodies.size());
@@ -113,8 +130,8 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
   std::vector<dContactGeom> found(max_contacts);
   const auto meet = [&](std::size_t i, std::size_t shape, std::size_t j, std::size_t other) {
     const BodyShape &a = bodies[i]->shapes()[shape], &b = bodies[j]->shapes()[other];
-    if (!collide(world, group, {*bodies[i], a}, {*bodies[j], b}, law, found, touches)) return;
-    pairs.push_back(LinkPair::of(static_cast<int>(i), a.link, static_cast<int>(j), b.link));
+    const LinkPair pair = LinkPair::of(static_cast<int>(i), a.link, static_cast<int>(j), b.link);
+    if (collide(pair, {*bodies[i], a}, {*bodies[j], b}, found, touches, friction)) pairs.push_back(pair);
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (const auto& [a, b] : bodies[i]->own_pairs())
@@ -130,6 +147,8 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  for (const Contact& contact : touches.contacts()) friction.add_spread(contact.friction);
+  for (Contact& contact : touches.contacts()) add_joint(world, group, law, friction, contact);
 }
 
 }  // namespace rehearse

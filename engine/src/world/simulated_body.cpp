@@ -41,7 +41,8 @@ Eigen::Vector3d Belt::along(const Eigen::Vector3d& normal) const {
   return direction.normalized();
 }
 
-SimulatedBody::SimulatedBody(WorldBody description) : description_(std::move(description)) {
+SimulatedBody::SimulatedBody(WorldBody description)
+    : description_(std::move(description)), mass_(description_.model->mass()) {
   for (const GroupedLink& link : group_links(*description_.model).links) groups_.push_back(link.group);
   feels_.assign(model().links.size(), false);
   contact_sums_.resize(model().devices.size());
@@ -160,6 +161,8 @@ Diagnostics check_surfaces(const WorldBody& description, const std::string& body
     };
     check(surface.friction, "friction", 0.0, unlimited);
     check(surface.second_friction, "second friction", 0.0, unlimited);
+    check(surface.torsional_friction, "torsional friction", 0.0, std::numeric_limits<double>::max());
+    check(surface.rolling_friction, "rolling friction", 0.0, std::numeric_limits<double>::max());
     check(surface.stiffness, "contact stiffness", smallest, std::numeric_limits<double>::max());
     check(surface.damping, "contact damping", 0.0, std::numeric_limits<double>::max());
     check(surface.min_depth, "depth of contacts", 0.0, std::numeric_limits<double>::max());

@@ -102,6 +102,7 @@ class SimulatedBody {
   virtual void nudge(std::uint64_t bits) = 0;
 
   const WorldBody& description() const { return description_; }
+  double mass() const { return mass_; }  // of all links [kg]
   /// In link order, shapes in their link's order.
   const std::vector<BodyShape>& shapes() const { return shapes_; }
   /// Pairs of shapes, by index, that may touch each other; ascending.
@@ -152,6 +153,7 @@ class SimulatedBody {
   std::vector<double> contact_reading(std::size_t device, const LinkReading& link) const;
 
   WorldBody description_;
+  double mass_;
   std::vector<int> groups_;  // by link index: its rigid group
   std::vector<BodyShape> shapes_;
   std::vector<std::pair<std::size_t, std::size_t>> own_pairs_;

@@ -1,4 +1,4 @@
-// Touches: the contacts of a step whose forces are measured. Private to the world library.
+// Touches: the contacts of a step and their forces. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -7,6 +7,7 @@
 #include <deque>
 #include <vector>
 
+#include "friction.h"
 #include "simulated_body.h"
 
 namespace rehearse {
@@ -19,32 +20,46 @@ class Touches {
     const BodyShape& shape;
   };
 
-  /// Before ODE's step: `joint` has just been attached to the parties' bodies, `a` first; the normal of `geom` points
-  /// into a.
-  void keep(dJointID joint, const dContactGeom& geom, const Party& a, const Party& b);
-  /// The contacts of the body's links for which feels() is true, in the order of keep(). Call it after ODE's step,
-  /// before velocities change. Places are those at the beginning of the step, where the contacts were found.
-  std::vector<Touch> of(const SimulatedBody& body) const;
-  void clear() { kept_.clear(); }
+  /// A contact of the parties a and b; the normal of `geom` points into a.
+  struct Contact {
+    Contact(const dContactGeom& geom, const Party& a, const Party& b);
 
- private:
-  struct Side {
-    const SimulatedBody* body;
-    const BodyShape* shape;
-    dBodyID ode;           // null: the body never moves
-    Eigen::Vector3d arm;   // from the centre of mass to the point, at the beginning of the step [m]
-    Eigen::Vector3d belt;  // velocity of its surface relative to it [m/s]
+    /// Velocity of a's surface relative to b's at the contact [m/s].
+    Eigen::Vector3d velocity() const { return a.velocity() - b.velocity(); }
+    /// Angular velocity of a relative to b [rad/s].
+    Eigen::Vector3d spin() const { return a.angular_velocity() - b.angular_velocity(); }
+    /// Force on a during ODE's step [N].
+    Eigen::Vector3d force() const;
 
-    Eigen::Vector3d velocity() const;
-  };
-  struct Kept {
+    struct Side {
+      const SimulatedBody* body;
+      const BodyShape* shape;
+      dBodyID ode;           // null: the body never moves
+      Eigen::Vector3d arm;   // from the centre of mass to the point, at the beginning of the step [m]
+      Eigen::Vector3d belt;  // velocity of its surface relative to it [m/s]
+
+      Eigen::Vector3d velocity() const;
+      Eigen::Vector3d angular_velocity() const;
+      /// True if forces move the shape.
+      bool yields() const { return ode && !dBodyIsKinematic(ode); }
+      bool has_belt() const { return shape->belt >= 0; }
+    };
     dContactGeom geom;
     Side a, b;
-    dJointFeedback feedback;
+    FrictionPoint friction{};
+    dJointFeedback feedback{};  // ODE writes into it
   };
-  static Side side_of(const Party& party, const Eigen::Vector3d& point, const Eigen::Vector3d& outward);
 
-  std::deque<Kept> kept_;  // ODE writes into them: they must not move
+  /// Before ODE's step.
+  Contact& add(const dContactGeom& geom, const Party& a, const Party& b) { return contacts_.emplace_back(geom, a, b); }
+  std::deque<Contact>& contacts() { return contacts_; }
+  /// The contacts of the body's links for which feels() is true, in the order of add(). Call it after ODE's step,
+  /// before velocities change. Places are those at the beginning of the step, where the contacts were found.
+  std::vector<Touch> of(const SimulatedBody& body) const;
+  void clear() { contacts_.clear(); }
+
+ private:
+  std::deque<Contact> contacts_;  // ODE writes into them: they must not move
 };
 
 }  // namespace rehearse

@@ -1,6 +1,7 @@
 #include <ode/ode.h>
 #include <rehearse/world.h>
 
+#include <algorithm>
 #include <cstring>
 
 #define XXH_INLINE_ALL
@@ -8,6 +9,7 @@
 
 #include "beams.h"
 #include "contacts.h"
+#include "friction.h"
 #include "kinematic_body.h"
 #include "model/clock.h"
 #include "ode_body.h"
@@ -57,6 +59,7 @@ struct World::Impl {
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<SimulatedBody>> bodies;
   Touches touches;  // refers to the bodies
+  Friction friction;
   std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
@@ -66,7 +69,8 @@ struct World::Impl {
   mutable bool observed = false;
   mutable std::vector<std::byte> scratch;
 
-  Impl(const WorldSettings& of, const std::vector<WorldBody>& with) : settings(of), law(of, with), random(of.seed) {}
+  Impl(const WorldSettings& of, const std::vector<WorldBody>& with)
+      : settings(of), law(of, with), friction(of.time_step, of.gravity.norm()), random(of.seed) {}
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -78,6 +82,7 @@ struct World::Impl {
   void create_world();
   void apply_command();
 
+  /// Visits the state except that of friction, whose size changes.
   void visit_state(StateVisitor& visitor) {
     visitor.begin_part("", "", StatePart::clock);
     visitor.visit(&tick, sizeof tick);
@@ -89,7 +94,10 @@ struct World::Impl {
     bytes.clear();
     Saver saver(bytes);
     visit_state(saver);
+    friction.save(bytes);
   }
+  bool has_links_of(const std::map<LinkPair, FrictionPatch>& patches) const;
+  void take_friction(const Impl& other);
 };
 
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -206,7 +214,7 @@ bool World::step() {
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
   add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts, impl.touches,
-               impl.touching);
+               impl.friction, impl.touching);
   {
     OwnRandom random(impl.random);
     impl.exploded =
@@ -216,6 +224,9 @@ bool World::step() {
   impl.observed = false;
   if (impl.exploded) return false;
   dJointGroupEmpty(impl.contacts);
+  impl.friction.end();
+  for (const Touches::Contact& contact : impl.touches.contacts())
+    Friction::add_force(contact.friction, contact.force());
   for (auto& body : impl.bodies)
     if (body->feels()) body->take_touches(impl.touches.of(*body));
   for (auto& body : impl.bodies) body->after_step();
@@ -240,11 +251,14 @@ std::vector<std::byte> World::save() const {
 
 Result<void> World::restore(std::span<const std::byte> state) {
   impl_->save_to(impl_->scratch);
-  if (state.size() != impl_->scratch.size())
-    return error("the state has " + std::to_string(state.size()) + " bytes, but this world's has " +
-                 std::to_string(impl_->scratch.size()) + ": it is of another robot or version");
+  const std::size_t size = impl_->scratch.size() - impl_->friction.saved_size();
+  auto patches = state.size() < size ? std::nullopt : Friction::read(state.subspan(size));
+  if (!patches || !impl_->has_links_of(*patches))
+    return error("the state has " + std::to_string(state.size()) + " bytes, and doesn't fit to this world, whose has " +
+                 std::to_string(size) + " and those of friction: it is of another robot or version");
   Restorer restorer(state);
   impl_->visit_state(restorer);
+  impl_->friction.set_patches(*std::move(patches));
   impl_->after_restore();
   return {};
 }
@@ -258,8 +272,45 @@ Result<void> World::take_state(const World& other) {
   for (auto& body : impl_->bodies)
     for (const auto& same : other.impl_->bodies)
       if (same->description().name == body->description().name) body->take_centers(*same);
+  impl_->take_friction(*other.impl_);
   impl_->after_restore();
   return {};
+}
+
+bool World::Impl::has_links_of(const std::map<LinkPair, FrictionPatch>& patches) const {
+  const auto has = [&](int body, int link) {
+    return body >= 0 && static_cast<std::size_t>(body) < bodies.size() && link >= 0 &&
+           static_cast<std::size_t>(link) < bodies[body]->description().model->links.size();
+  };
+  return std::all_of(patches.begin(), patches.end(), [&](const auto& patch) {
+    const LinkPair& pair = patch.first;
+    return has(pair.body, pair.link) && has(pair.other_body, pair.other_link);
+  });
+}
+
+/// Takes the friction of the links that exist in both worlds.
+void World::Impl::take_friction(const Impl& other) {
+  /// Index of the body and of its link that have the names of the other world's; -1: none.
+  const auto find = [&](int body, int link) {
+    const WorldBody& named = other.bodies[body]->description();
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (const WorldBody& same = bodies[i]->description(); same.name == named.name)
+        return std::pair(static_cast<int>(i), same.model->find_link(named.model->links[link].name));
+    return std::pair(-1, -1);
+  };
+  std::map<LinkPair, FrictionPatch> taken;
+  for (auto [pair, patch] : other.friction.patches()) {
+    const auto [body, link] = find(pair.body, pair.link);
+    const auto [other_body, other_link] = find(pair.other_body, pair.other_link);
+    if (link < 0 || other_link < 0) continue;
+    const LinkPair here = LinkPair::of(body, link, other_body, other_link);
+    if (here.body != body || here.link != link) {  // the other link comes first here
+      patch.force = -patch.force;
+      patch.torque = -patch.torque;
+    }
+    taken[here] = patch;
+  }
+  friction.set_patches(std::move(taken));
 }
 
 void World::Impl::after_restore() {

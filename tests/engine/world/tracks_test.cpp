@@ -19,13 +19,12 @@ class Tracks : public EachSolver {
     return settings;
   }
 
-  /// A chassis of 10 kg on two tracks along x, 0.4 m long and 0.6 m apart, on the ground: longer tracks would prevent
-  /// it from turning.
-  static WorldBody vehicle() {
+  /// A chassis of 10 kg on two tracks along x, 0.6 m apart, on the ground.
+  static WorldBody vehicle(double length = 0.4) {
     RobotBuilder robot(JointType::free, inertial(8.0, {0.3, 0.4, 0.5}));
     robot.add("LEFT", 0, JointType::track, Vector3d::UnitY(), inertial(1.0, {0.01, 0.03, 0.03}), at(0, 0.3, 0));
     robot.add("RIGHT", 0, JointType::track, Vector3d::UnitY(), inertial(1.0, {0.01, 0.03, 0.03}), at(0, -0.3, 0));
-    for (const int link : {1, 2}) robot.add_collision(link, Box{{0.4, 0.1, 0.2}});
+    for (const int link : {1, 2}) robot.add_collision(link, Box{{length, 0.1, 0.2}});
     return body_of(robot.build(), {0, 0, 0.1});
   }
 
@@ -66,6 +65,17 @@ TEST_P(Tracks, TurnAVehicleOnTheSpotByOppositeSpeeds) {
   drive(*world, 1500, -0.3, 0.3);
   EXPECT_GT(link_of(*world).angular_velocity.z(), 0.2);  // to the left; 1 rad/s less what slips sideways
   EXPECT_LT(link_of(*world).position.head<2>().norm(), 0.05);
+}
+
+TEST_P(Tracks, SlipSidewaysMoreEasilyThanTheyPull) {
+  // Lengthwise mu is 1, sideways 0.5: tracks turn a vehicle up to a length of twice their distance.
+  const auto turn = [&](double length) {
+    const auto world = make_world(settings(), {vehicle(length), floor_body()});
+    drive(*world, 1500, -0.3, 0.3);
+    return link_of(*world).angular_velocity.z();
+  };
+  EXPECT_GT(turn(1.0), 0.2);
+  EXPECT_LT(turn(1.4), 0.01);
 }
 
 TEST_P(Tracks, HoldStillWithoutACommand) {
