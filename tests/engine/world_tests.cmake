@@ -17,6 +17,7 @@ rehearse_add_test(world_tests LABEL sim
     world/material_pairs_test.cpp
     world/mimic_test.cpp
     world/own_contacts_test.cpp
+    world/passive_joints_test.cpp
     world/range_sensor_meshes_test.cpp
     world/range_sensor_test.cpp
     world/rigid_groups_test.cpp

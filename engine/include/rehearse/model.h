@@ -144,6 +144,7 @@ struct Joint {
   double velocity = unlimited;                               // [rad/s] or [m/s], magnitude
   double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
   double friction = 0.0;                                     // [N·m] or [N]
+  double armature = 0.0;  // inertia of the drive's rotor, as it acts at the joint [kg·m²] or [kg]
   std::optional<Mimic> mimic;
   int line = 0;  // of the URDF file; 0: the file doesn't contain this joint
 };

@@ -158,10 +158,12 @@ void read_dynamics(XMLElement& element, Joint& joint, Findings& findings) {
   if (dynamics == nullptr) return;
   joint.damping = read_number_or(*dynamics, "damping", 0.0, findings).value_or(0.0);
   joint.friction = read_number_or(*dynamics, "friction", 0.0, findings).value_or(0.0);
-  if (joint.damping < 0.0 || joint.friction < 0.0) {
+  joint.armature = read_number_or(*dynamics, "armature", 0.0, findings).value_or(0.0);
+  if (joint.damping < 0.0 || joint.friction < 0.0 || joint.armature < 0.0) {
     findings.error(dynamics->GetLineNum(),
-                   fmt::format("joint {} has a negative damping or friction", in_quotes(joint.name)));
+                   fmt::format("joint {} has a negative damping, friction or armature", in_quotes(joint.name)));
   }
+  dynamics->DeleteAttribute("armature");  // of other readers than urdfdom
   // urdfdom refuses an element without attributes.
   if (dynamics->FirstAttribute() == nullptr) element.DeleteChild(dynamics);
 }

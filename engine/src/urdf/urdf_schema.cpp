@@ -52,7 +52,7 @@ const std::vector<Rule>& rules() {
       {"child", {"link"}, {}, {}},
       {"axis", {"xyz"}, {}, {}},
       {"limit", {"lower", "upper", "effort", "velocity"}, {}, {}},
-      {"dynamics", {"damping", "friction"}, {}, {}},
+      {"dynamics", {"damping", "friction", "armature"}, {}, {}},
       {"safety_controller", {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"}, {}, {}},
       {"mimic", {"joint", "multiplier", "offset"}, {}, {}},
   };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "joint_inertia.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -41,6 +42,7 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     RigidGroup& group = groups_[i];
     group.first_link = groups.first_links[i];
     group.fixed_pose = zero_posture[group.first_link];
+    if (i > 0) group.parent = links_[model().links[group.first_link].parent].group;
     if (i == 0 && root_is_fixed(description())) continue;
     const Inertial& inertial = groups.inertials[i];
     group.center = inertial.center;
@@ -101,6 +103,7 @@ void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_
     const RigidGroup& child = group_of(index);
     joints_.emplace_back(world, link.joint, JointEnd{child.body, child.center}, group_of(link.parent).body,
                          zero_posture[index], KeptLimits{description().joint_limits, description().effort_limits});
+    has_resistance_ |= joints_.back().resists();
   }
 }
 
@@ -199,6 +202,7 @@ void OdeBody::begin_motions() {
 void OdeBody::drive(const BodyCommand& command) {
   REHEARSE_ASSERT(command.joints.size() == slots_.size(), "a command has an entry for each joint");
   hold_up_weightless();
+  if (has_resistance_) resist_motions();
   for (std::size_t id = 0; id < slots_.size(); ++id) {
     const JointCommand& wanted = command.joints[id];
     if (slots_[id].is_track) {
@@ -210,6 +214,31 @@ void OdeBody::drive(const BodyCommand& command) {
       joint.follow(joints_[slots_[mimic->leader].index], time_step_);
     else
       joint.drive(wanted, time_step_);
+  }
+}
+
+void OdeBody::resist_motions() {
+  std::vector<RigidPart> parts(groups_.size());
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    parts[i].parent = groups_[i].parent;
+    const dBodyID body = groups_[i].body;
+    if (!body) continue;
+    dMass mass;
+    dBodyGetMass(body, &mass);
+    const Matrix3d axes = rotation(dBodyGetRotation(body));
+    parts[i].mass = mass.mass;
+    parts[i].center = vector(dBodyGetPosition(body));
+    parts[i].inertia = axes * rotation(mass.I) * axes.transpose();
+  }
+  const JointInertias inertias(parts, groups_.front().body != nullptr);
+  for (std::size_t id = 0; id < slots_.size(); ++id) {
+    if (slots_[id].is_track) continue;
+    OdeJoint& joint = joints_[slots_[id].index];
+    if (!joint.resists()) continue;
+    const int part = links_[model().joints[id]].group;
+    const Vector3d axis = joint.world_axis();
+    joint.resist(joint.revolute() ? inertias.about(part, axis, joint.anchor()) : inertias.along(part, axis),
+                 time_step_);
   }
 }
 

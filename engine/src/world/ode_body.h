@@ -18,6 +18,7 @@ namespace rehearse {
 struct RigidGroup {
   dBodyID body = nullptr;  // null: fixed to the world
   int first_link = 0;
+  int parent = -1;                                                 // the group to which its joint connects it
   Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, in the group's frame [m]
   Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
   double weightless_mass = 0.0;                                    // of links on which gravity doesn't act [kg]
@@ -70,6 +71,7 @@ class OdeBody final : public SimulatedBody {
   void release_weightless();
   void hold_up_weightless();
   bool has_weight(int group) const;
+  void resist_motions();
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   void set_velocities(const std::vector<LinkMotion>& motions);
@@ -95,6 +97,7 @@ class OdeBody final : public SimulatedBody {
   std::vector<RigidGroup> groups_;
   std::vector<Slot> slots_;                            // by joint id
   std::vector<OdeJoint> joints_;                       // movable ones, by joint id
+  bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
   std::vector<Track> tracks_;                          // by joint id
   std::vector<CutSensor> cuts_;                        // by device index
   std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step

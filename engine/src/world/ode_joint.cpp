@@ -11,6 +11,30 @@ namespace rehearse {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
+namespace {
+
+/// exp(-x) for x >= 0, without the functions of libm, whose last bits depend on the processor.
+double decay(double x) {
+  constexpr int halvings = 10, terms = 10;
+  constexpr double longest = 700.0;
+  if (x > longest) return 0.0;
+  const double part = -x / (1 << halvings);
+  double sum = 1.0;
+  for (int term = terms; term > 0; --term) sum = 1.0 + part / term * sum;
+  for (int i = 0; i < halvings; ++i) sum *= sum;
+  return sum;
+}
+
+/// The share of the velocity at the step's end in the velocity that a damper feels, so that a single joint's velocity
+/// falls by exp(-x) in the step. x: damping times time step over inertia. 1/2 for small x, 1 for large x.
+double share_of_end(double x) {
+  constexpr double small = 0.02;  // below it the next term of the series is less than 1e-8
+  if (x < small) return 0.5 + x / 12.0;
+  return 1.0 / (1.0 - decay(x)) - 1.0 / x;
+}
+
+}  // namespace
+
 OdeJoint::OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dBodyID parent,
                    const Eigen::Isometry3d& frame, KeptLimits kept)
     : joint_(joint), child_(child), kept_(kept), revolute_(joint.type != JointType::prismatic) {
@@ -26,10 +50,61 @@ OdeJoint::OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dB
     dJointAttach(ode_, child.body, parent);
     dJointSetSliderAxis(ode_, axis.x(), axis.y(), axis.z());
   }
+  if (resists()) create_resistance(world, parent, axis);
   if (kept_.displacement) {
     far_stops_ = revolute_ && (joint.lower < -pi || joint.upper > pi);
     set_stops();
   }
+}
+
+/// The joint's own motor is its drive or its dry friction, so damping is a motor of its own about the same axis.
+void OdeJoint::create_resistance(dWorldID world, dBodyID parent, const Vector3d& axis) {
+  constexpr int in_child = 1;  // the axis moves with the first body
+  if (revolute_) {
+    resistance_ = dJointCreateAMotor(world, nullptr);
+    dJointAttach(resistance_, child_.body, parent);
+    dJointSetAMotorNumAxes(resistance_, 1);
+    dJointSetAMotorAxis(resistance_, 0, in_child, axis.x(), axis.y(), axis.z());
+  } else {
+    resistance_ = dJointCreateLMotor(world, nullptr);
+    dJointAttach(resistance_, child_.body, parent);
+    dJointSetLMotorNumAxes(resistance_, 1);
+    dJointSetLMotorAxis(resistance_, 0, in_child, axis.x(), axis.y(), axis.z());
+  }
+  set_resistance(dParamFMax, dInfinity);
+}
+
+void OdeJoint::set_resistance(int parameter, double value) {
+  if (revolute_)
+    dJointSetAMotorParam(resistance_, parameter, value);
+  else
+    dJointSetLMotorParam(resistance_, parameter, value);
+}
+
+// The damper's effort is -d (s v1 + (1 - s) v0), with the velocities v0 before and v1 after the step and the share s of
+// share_of_end(). The rotor's is -J (v1 - v0) / dt. The sum is c (v - v1), which is ODE's motor with the velocity v and
+// CFM 1 / c.
+void OdeJoint::resist(double inertia, double time_step) {
+  const double rotor = joint_.armature / time_step;
+  const double share = share_of_end(joint_.damping * time_step / (inertia + joint_.armature));
+  resistance_gain_ = share * joint_.damping + rotor;
+  resistance_velocity_ = (rotor - (1.0 - share) * joint_.damping) * rate() / resistance_gain_;
+  set_resistance(dParamCFM, 1.0 / resistance_gain_);
+}
+
+/// Two motors of different velocities work against each other, and the quick solver balances them slowly. So the
+/// resistance rests while a drive without limit moves the joint, and has the velocity of a drive that can overcome it;
+/// the difference is applied as an effort.
+void OdeJoint::apply_resistance() {
+  if (!resistance_) return;
+  const bool overcome = motor_on_ && std::isinf(motor_limit_);
+  set_resistance(dParamFMax, overcome ? 0.0 : dInfinity);
+  if (resistance_feedback_) *resistance_feedback_ = {};  // ODE doesn't write that of a motor that is off
+  if (overcome) return;
+  const double effort = motor_on_ ? resistance_gain_ * (resistance_velocity_ - motor_velocity_) : 0.0;
+  const bool drive_is_stronger = motor_on_ && std::abs(effort) < motor_limit_;
+  set_resistance(dParamVel, drive_is_stronger ? motor_velocity_ : resistance_velocity_);
+  if (drive_is_stronger) applied_ += effort;
 }
 
 void OdeJoint::set(int parameter, double value) {
@@ -68,6 +143,8 @@ void OdeJoint::set_motor(double velocity, double limit) {
   set(dParamFMax, limit);
   set(dParamVel, velocity);
   motor_on_ = true;
+  motor_velocity_ = velocity;
+  motor_limit_ = limit;
   measure_wrench();
 }
 
@@ -76,12 +153,10 @@ void OdeJoint::drive_to(double displacement, double rate, double time_step) {
   set_motor(std::clamp(velocity, -joint_.velocity, joint_.velocity), joint_.effort);
 }
 
-double OdeJoint::damping_effort() const { return joint_.damping > 0.0 ? -joint_.damping * rate() : 0.0; }
-
 void OdeJoint::drive(const JointCommand& command, double time_step) {
   REHEARSE_ASSERT(std::isfinite(command.q) && std::isfinite(command.dq) && std::isfinite(command.u),
                   "commands are finite when they reach the world");
-  applied_ = damping_effort();
+  applied_ = 0.0;
   effort_ = 0.0;
   // displacement before velocity before effort, as in Choreonoid's MuJoCo item
   if (command.drive & drive_displacement) {
@@ -92,7 +167,7 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
     set_motor(0.0, joint_.friction);
     if (command.drive & drive_effort)
       effort_ = kept_.effort ? std::clamp(command.u, -joint_.effort, joint_.effort) : command.u;
-    applied_ += effort_;
+    applied_ = effort_;
   }
   motor_drives_ = (command.drive & (drive_displacement | drive_velocity)) != 0;
   apply_effort();
@@ -100,7 +175,7 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
 
 void OdeJoint::follow(const OdeJoint& leader, double time_step) {
   const Mimic& mimic = *joint_.mimic;
-  applied_ = damping_effort();
+  applied_ = 0.0;
   effort_ = 0.0;
   drive_to(mimic.multiplier * leader.displacement() + mimic.offset, mimic.multiplier * leader.rate(), time_step);
   motor_drives_ = true;
@@ -109,6 +184,7 @@ void OdeJoint::follow(const OdeJoint& leader, double time_step) {
 
 void OdeJoint::apply_effort() {
   if (far_stops_) set_stops();
+  apply_resistance();
   even_torque_.setZero();
   if (applied_ == 0.0) return;
   if (revolute_) {
@@ -137,6 +213,9 @@ void OdeJoint::measure_wrench() {
   if (feedback_) return;
   feedback_ = std::make_unique<dJointFeedback>();
   dJointSetFeedback(ode_, feedback_.get());
+  if (!resistance_) return;
+  resistance_feedback_ = std::make_unique<dJointFeedback>();
+  dJointSetFeedback(resistance_, resistance_feedback_.get());
 }
 
 Vector3d OdeJoint::world_axis() const {
@@ -148,21 +227,35 @@ Vector3d OdeJoint::world_axis() const {
   return vector(axis);
 }
 
+Vector3d OdeJoint::anchor() const {
+  dVector3 anchor;
+  dJointGetHingeAnchor(ode_, anchor);
+  return vector(anchor);
+}
+
 Wrench OdeJoint::child_wrench() const {
   // ODE reports the joint's constraint forces on body 1, the child. They don't include efforts that were added as
   // external forces.
   Wrench wrench{vector(feedback_->f1), vector(feedback_->t1)};
   (revolute_ ? wrench.torque : wrench.force) += applied_ * world_axis();
   if (!revolute_) wrench.torque += even_torque_;
+  if (resistance_) {
+    wrench.force += vector(resistance_feedback_->f1);
+    wrench.torque += vector(resistance_feedback_->t1);
+  }
   return wrench;
 }
 
 double OdeJoint::motor_effort() const {
-  const Vector3d force = vector(feedback_->f1);
-  if (!revolute_) return world_axis().dot(force);
+  const Vector3d axis = world_axis(), force = vector(feedback_->f1);
   // about the hinge's axis, where the guiding constraint forces have no component
   const Vector3d lever = rotation(dBodyGetRotation(child_.body)) * child_.center;
-  return world_axis().dot(vector(feedback_->t1) + lever.cross(force));
+  const double effort = axis.dot(revolute_ ? Vector3d(vector(feedback_->t1) + lever.cross(force)) : force);
+  if (!resistance_) return effort;
+  // what acts on the joint, less the resistance
+  const dJointFeedback& resistance = *resistance_feedback_;
+  return effort + applied_ + axis.dot(vector(revolute_ ? resistance.t1 : resistance.f1)) -
+         resistance_gain_ * (resistance_velocity_ - rate());
 }
 
 void OdeJoint::visit_turns(StateVisitor& visitor) {

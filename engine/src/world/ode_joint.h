@@ -1,4 +1,4 @@
-// OdeJoint: one movable joint in ODE, a hinge or a slider, with its drive, its stops, damping and friction.
+// OdeJoint: one movable joint in ODE, a hinge or a slider, with its drive, its stops, damping, rotor and friction.
 // Private to the world library.
 #pragma once
 
@@ -41,12 +41,21 @@ class OdeJoint {
   /// poses.
   void count_turns(double displacement);
   void before_step() { previous_rate_ = rate(); }
+  /// True if resist() has to be called.
+  bool resists() const { return joint_.damping > 0.0 || joint_.armature > 0.0; }
+  /// Sets damping and rotor inertia for the coming step. `inertia`: about the joint's axis without the rotor [kg·m²],
+  /// or along it [kg].
+  void resist(double inertia, double time_step);
   /// Sets motor and force for the coming step.
   void drive(const JointCommand& command, double time_step);
   /// Sets motor and force for a joint that follows `leader`: it is driven to the displacement to which the leader's
   /// motion takes it in the step.
   void follow(const OdeJoint& leader, double time_step);
   void after_step(double time_step);
+
+  Eigen::Vector3d world_axis() const;
+  Eigen::Vector3d anchor() const;  // of a revolute joint [m]
+  bool revolute() const { return revolute_; }
 
   /// From now on child_wrench() returns measurements.
   void measure_wrench();
@@ -59,22 +68,24 @@ class OdeJoint {
   void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
 
  private:
+  void create_resistance(dWorldID world, dBodyID parent, const Eigen::Vector3d& axis);
   void set(int parameter, double value);
+  void set_resistance(int parameter, double value);
   void set_stops();
   void set_motor(double velocity, double limit);
   void drive_to(double displacement, double rate, double time_step);
   void apply_effort();
-  double damping_effort() const;
+  void apply_resistance();
   double motor_effort() const;
-  Eigen::Vector3d world_axis() const;
 
   const Joint& joint_;
   JointEnd child_;
   KeptLimits kept_;
   bool revolute_;
-  bool far_stops_ = false;  // the stops are beyond half a turn, so they are moved when turns_ changes
-  dJointID ode_ = nullptr;  // destroyed with its world
-  std::unique_ptr<dJointFeedback> feedback_;
+  bool far_stops_ = false;         // the stops are beyond half a turn, so they are moved when turns_ changes
+  dJointID ode_ = nullptr;         // destroyed with its world
+  dJointID resistance_ = nullptr;  // a motor of ODE for damping and rotor inertia; null: there are none
+  std::unique_ptr<dJointFeedback> feedback_, resistance_feedback_;
   // state
   int turns_ = 0;              // whole turns on top of ODE's angle, which lies in [-pi, pi]
   double wrapped_ = 0.0;       // ODE's angle after the last step [rad]
@@ -82,8 +93,12 @@ class OdeJoint {
   double acceleration_ = 0.0;  // over the last step
   // scratch within a step
   double previous_rate_ = 0.0;
-  double applied_ = 0.0;                                   // effort added as an external force, damping included
+  double applied_ = 0.0;                                   // effort added as an external force
   Eigen::Vector3d even_torque_ = Eigen::Vector3d::Zero();  // that ODE adds on both sides of a slider's force [N·m]
+  double motor_velocity_ = 0.0;                            // of ODE's joint motor, if it is on
+  double motor_limit_ = 0.0;                               // of its effort
+  double resistance_gain_ = 0.0;                           // of damping and rotor [N·m·s] or [N·s/m]
+  double resistance_velocity_ = 0.0;                       // at which they exert no effort
   bool motor_on_ = false;                                  // ODE's joint motor has a force limit above zero
   bool motor_drives_ = false;                              // the motor is the actuator, not dry friction
 };

@@ -50,6 +50,7 @@ cnoid::LinkPtr make_link(const Link& link, bool fixed) {
   made->setMass(link.inertial.mass);
   made->setCenterOfMass(link.inertial.center);
   made->setInertia(link.inertial.inertia);
+  made->setEquivalentRotorInertia(link.joint.armature);
   return made;
 }
 

@@ -30,7 +30,7 @@ const std::vector<Mistake> errors = {
     {"comment_only", 0, "the file is empty"},
     {"contact_without_value", 5, "<lateral_friction> has no attribute 'value'"},
     {"cylinder_without_length", 5, "<cylinder> has no attribute 'length'"},
-    {"damping_negative", 7, "joint 'hinge' has a negative damping or friction"},
+    {"damping_negative", 7, "joint 'hinge' has a negative damping, friction or armature"},
     {"empty", 0, "the file is empty"},
     {"end_tag_missing", 4, "the element that begins here isn't closed by its own end tag"},
     {"gazebo_direction_of_two", 5, "<fdir1> holds '1 0', not three numbers"},

@@ -88,7 +88,7 @@ TEST(UrdfLoader, ReadsAJointsFigures) {
                                  joint("hinge", "revolute", "base", "arm",
                                        "<origin xyz='1 2 3' rpy='0 0 1.5707963267948966'/><axis xyz='0 3 4'/>"
                                        "<limit lower='-0.5' upper='1.5' effort='20' velocity='3'/>"
-                                       "<dynamics damping='0.25' friction='0.125'/>")));
+                                       "<dynamics damping='0.25' friction='0.125' armature='0.5'/>")));
   const Joint& hinge = model.links[1].joint;
   EXPECT_EQ(hinge.origin.translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_TRUE(hinge.origin.linear().col(0).isApprox(Eigen::Vector3d::UnitY()));
@@ -99,6 +99,14 @@ TEST(UrdfLoader, ReadsAJointsFigures) {
   EXPECT_EQ(hinge.velocity, 3);
   EXPECT_EQ(hinge.damping, 0.25);
   EXPECT_EQ(hinge.friction, 0.125);
+  EXPECT_EQ(hinge.armature, 0.5);
+}
+
+TEST(UrdfLoader, ReadsARotorWithoutDamping) {
+  const Model model = load(
+      robot(link("base") + link("arm") + joint("hinge", "continuous", "base", "arm", "<dynamics armature='0.5'/>")));
+  EXPECT_EQ(model.links[1].joint.armature, 0.5);
+  EXPECT_EQ(to_string(model.report), "");
 }
 
 TEST(UrdfLoader, RollsThenPitchesThenYawsAboutFixedAxes) {

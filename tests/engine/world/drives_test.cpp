@@ -1,4 +1,4 @@
-// Drives: velocity, displacement, and a joint's damping and friction.
+// Drives: velocity, displacement, and a joint's dry friction.
 
 #include "robots.h"
 
@@ -67,19 +67,6 @@ TEST_P(Drives, DisplacementGoesBeforeVelocityAndVelocityBeforeEffort) {
   EXPECT_NEAR(joint_of(*world).q, 0.001, 1e-6);
   run(*world, 1, {drive_effort | drive_velocity, 0.001, -3.0, 1e3});
   EXPECT_NEAR(joint_of(*world).dq, -3.0, 1e-6);
-}
-
-TEST_P(Drives, DampingTakesItsShareOfTheSpeedEachStep) {
-  const auto world = make_world(still(), {body_of(wheel([](Joint& joint) { joint.damping = 2.0; }))});
-  run(*world, 1, velocity(1.0));
-  double speed = joint_of(*world).dq;
-  for (int i = 0; i < 50; ++i) {
-    let_go(*world, 1);
-    const double expected = speed * (1.0 - 2.0 * 0.001 / wheel_inertia);
-    ASSERT_NEAR(joint_of(*world).dq, expected, 1e-9);
-    speed = joint_of(*world).dq;
-  }
-  EXPECT_EQ(joint_of(*world).u, 0.0);  // damping is no effort of the actuator
 }
 
 TEST_P(Drives, DryFrictionHoldsAgainstASmallerEffort) {
