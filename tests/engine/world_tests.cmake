@@ -22,6 +22,7 @@ rehearse_add_test(world_tests LABEL sim
     world/range_sensor_test.cpp
     world/rigid_groups_test.cpp
     world/scanner_test.cpp
+    world/stacks_test.cpp
     world/state_test.cpp
     world/surfaces_test.cpp
     world/touches_test.cpp

@@ -95,6 +95,10 @@ class World {
   /// after restore() until the next step. Valid until the next call of step() or restore().
   const std::vector<LinkPair>& touching() const;
 
+  /// ODE's message if the exact solver found no solution for the last step, else empty. That step was made by the quick
+  /// solver with 1000 iterations instead. Not part of the state.
+  const std::string& solver_message() const;
+
   /// Sets the joint commands and the external wrenches. Joint commands apply from the coming step on until the next
   /// call; wrenches act on the links during the coming step only. Every number in `command` must be finite.
   void actuate(const Command& command);

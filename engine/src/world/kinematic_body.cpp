@@ -141,6 +141,13 @@ bool KinematicBody::finite() const {
                      [](const LinkReading& link) { return link.position.allFinite() && link.velocity.allFinite(); });
 }
 
+std::vector<dBodyID> KinematicBody::ode_bodies() const {
+  std::vector<dBodyID> bodies;
+  for (const dBodyID body : bodies_)
+    if (body) bodies.push_back(body);
+  return bodies;
+}
+
 void KinematicBody::visit_state(StateVisitor& visitor) {
   for (std::size_t id = 0; id < joints_.size(); ++id) {
     JointReading& joint = joints_[id];

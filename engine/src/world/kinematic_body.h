@@ -25,6 +25,7 @@ class KinematicBody final : public SimulatedBody {
   void after_step() override;
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
   bool finite() const override;
+  std::vector<dBodyID> ode_bodies() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override { place(); }
   void take_centers(const SimulatedBody&) override {}  // its state contains link poses, not centres of mass

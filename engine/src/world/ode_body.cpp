@@ -376,6 +376,13 @@ bool OdeBody::finite() const {
   return true;
 }
 
+std::vector<dBodyID> OdeBody::ode_bodies() const {
+  std::vector<dBodyID> bodies;
+  for (const RigidGroup& group : groups_)
+    if (group.body) bodies.push_back(group.body);
+  return bodies;
+}
+
 void OdeBody::visit_state(StateVisitor& visitor) {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 #include <utility>
-
-#include "ode_messages.h"
 
 namespace rehearse {
 namespace {
@@ -26,7 +25,7 @@ void on_failed_assertion(int, const char* message, va_list arguments) {
 }
 
 /// ODE calls this with "LCP internal error" and similar messages: it found no solution for a step and continues with an
-/// approximation. A message on stderr would have no tick, so the caller of a step calls take_ode_messages().
+/// approximation.
 std::vector<std::string> messages;
 
 void on_message(int number, const char* message, va_list arguments) {
@@ -55,6 +54,47 @@ OwnJobs::OwnJobs(dWorldID world) : jobs_(dThreadingAllocateSelfThreadedImplement
 }
 
 OwnJobs::~OwnJobs() { dThreadingFreeImplementation(jobs_); }
+
+namespace {
+
+/// Calls `use` with each number array of a body's motion and its size. ODE returns pointers to its own numbers; its
+/// setters would normalise the quaternion and so change bits.
+template <class Use>
+void visit_motion(dBodyID body, Use use) {
+  use(dBodyGetPosition(body), 3);
+  use(dBodyGetQuaternion(body), 4);
+  use(dBodyGetRotation(body), 12);
+  use(dBodyGetLinearVel(body), 3);
+  use(dBodyGetAngularVel(body), 3);
+}
+
+}  // namespace
+
+OdeMotions::OdeMotions(const std::vector<dBodyID>& bodies) {
+  for (const dBodyID body : bodies) {
+    Motion& motion = motions_.emplace_back();
+    motion.body = body;
+    dReal* place = motion.numbers;
+    visit_motion(body, [&](const dReal* numbers, int count) {
+      std::memcpy(place, numbers, count * sizeof(dReal));
+      place += count;
+    });
+    std::memcpy(motion.force, dBodyGetForce(body), sizeof motion.force);
+    std::memcpy(motion.torque, dBodyGetTorque(body), sizeof motion.torque);
+  }
+}
+
+void OdeMotions::restore() const {
+  for (const Motion& motion : motions_) {
+    const dReal* place = motion.numbers;
+    visit_motion(motion.body, [&](const dReal* numbers, int count) {
+      std::memcpy(const_cast<dReal*>(numbers), place, count * sizeof(dReal));
+      place += count;
+    });
+    dBodySetForce(motion.body, motion.force[0], motion.force[1], motion.force[2]);
+    dBodySetTorque(motion.body, motion.torque[0], motion.torque[1], motion.torque[2]);
+  }
+}
 
 bool step_ode(dWorldID world, double time_step, bool quick) {
   stepping = true;

@@ -4,6 +4,8 @@
 #include <ode/ode.h>
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace rehearse {
 
@@ -41,6 +43,27 @@ class OwnJobs {
 
  private:
   dThreadingImplementationID jobs_;
+};
+
+/// The messages of ODE since the last call, each text once, the first 16: "ODE message 3: LCP internal error, s <= 0".
+/// They report that ODE found no solution and continued with an approximation. ODE doesn't report the world of a
+/// message, so call this after each step. Without messages a call is cheap.
+std::vector<std::string> take_ode_messages();
+
+/// The motions of ODE's bodies, and the forces on them.
+class OdeMotions {
+ public:
+  explicit OdeMotions(const std::vector<dBodyID>& bodies);
+  /// Sets the bodies' motions and forces to those at construction, bit by bit.
+  void restore() const;
+
+ private:
+  struct Motion {
+    dBodyID body;
+    dReal numbers[25];  // position, quaternion, rotation, velocity, angular velocity
+    dVector3 force, torque;
+  };
+  std::vector<Motion> motions_;
 };
 
 /// Calls dWorldQuickStep or dWorldStep. Returns false if ODE stopped because its numbers were no longer finite (ODE

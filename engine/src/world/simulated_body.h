@@ -91,6 +91,9 @@ class SimulatedBody {
   virtual void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const = 0;
   virtual bool finite() const = 0;
 
+  /// ODE's bodies, which exist as long as this.
+  virtual std::vector<dBodyID> ode_bodies() const = 0;
+
   /// Passes every piece of state to the visitor, in a fixed order. This function alone defines the state. The visitor
   /// may read or write. After writing, call after_restore().
   virtual void visit_state(StateVisitor& visitor) = 0;

@@ -51,6 +51,10 @@ class Restorer final : public StateVisitor {
 
 }  // namespace
 
+namespace {
+constexpr int substitute_iterations = 1000;  // of the quick solver where the exact one fails
+}
+
 struct World::Impl {
   WorldSettings settings;
   ContactLaw law;
@@ -64,6 +68,7 @@ struct World::Impl {
   std::uint64_t random = 0;
   std::int64_t tick = 0;
   bool exploded = false;  // ODE stopped during a step
+  std::string solver_message;
   Command command;
   mutable Observation observation;
   mutable bool observed = false;
@@ -81,6 +86,7 @@ struct World::Impl {
 
   void create_world();
   void apply_command();
+  void step_bodies();
 
   /// Visits the state except that of friction, whose size changes.
   void visit_state(StateVisitor& visitor) {
@@ -118,7 +124,8 @@ void World::Impl::create_world() {
   dWorldSetCFM(world, solver.cfm);
   dWorldSetContactMaxCorrectingVel(world, law.ode_correcting_velocity());
   dWorldSetContactSurfaceLayer(world, solver.surface_layer);
-  dWorldSetQuickStepNumIterations(world, solver.iterations);
+  const bool quick = solver.method == SolverSettings::Method::quick;
+  dWorldSetQuickStepNumIterations(world, quick ? solver.iterations : substitute_iterations);
   dWorldSetQuickStepW(world, solver.over_relaxation);
   dWorldSetAutoDisableFlag(world, 0);
 }
@@ -184,6 +191,8 @@ void World::watch(int body, int link) {
   impl_->observed = false;
 }
 
+const std::string& World::solver_message() const { return impl_->solver_message; }
+
 const std::vector<LinkPair>& World::touching() const { return impl_->touching; }
 
 void World::actuate(const Command& command) {
@@ -209,17 +218,36 @@ void World::Impl::apply_command() {
   }
 }
 
+/// ODE's exact solver fails on many degenerate sets of contacts: it reports "LCP internal error" and drops all
+/// constraints that it hasn't solved yet. The quick solver then makes the step instead.
+void World::Impl::step_bodies() {
+  solver_message.clear();
+  OwnRandom own_random(random);
+  if (settings.solver.method == SolverSettings::Method::quick) {
+    exploded = !step_ode(world, settings.time_step, true);
+    return;
+  }
+  std::vector<dBodyID> moved;
+  for (const auto& body : bodies) {
+    const std::vector<dBodyID> of_body = body->ode_bodies();
+    moved.insert(moved.end(), of_body.begin(), of_body.end());
+  }
+  const OdeMotions before(moved);
+  exploded = !step_ode(world, settings.time_step, false);
+  const std::vector<std::string> messages = take_ode_messages();
+  if (exploded || messages.empty()) return;
+  solver_message = messages.front();
+  before.restore();
+  exploded = !step_ode(world, settings.time_step, true);
+}
+
 bool World::step() {
   Impl& impl = *impl_;
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
   add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts, impl.touches,
                impl.friction, impl.touching);
-  {
-    OwnRandom random(impl.random);
-    impl.exploded =
-        !step_ode(impl.world, impl.settings.time_step, impl.settings.solver.method == SolverSettings::Method::quick);
-  }
+  impl.step_bodies();
   ++impl.tick;
   impl.observed = false;
   if (impl.exploded) return false;
@@ -319,6 +347,7 @@ void World::Impl::after_restore() {
     body->forget_touches();
   }
   touching.clear();
+  solver_message.clear();
   observed = false;
 }
 

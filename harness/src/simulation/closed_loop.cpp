@@ -23,7 +23,7 @@ Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOp
   descriptor.emplace(recorder->descriptor(), "the recording");
   file = trace;
   note_recording(file);
-  world.emplace(scenario, *plant, &summary.remarks);
+  world.emplace(scenario, *plant);
   commands.emplace(*host, HostedCommands::Written::in_time);
   sink.emplace(*recorder, &summary.remarks);
   run.emplace(scenario.time_step, *world, *commands, *sink, 0, scenario.ticks());

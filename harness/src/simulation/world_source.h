@@ -18,9 +18,8 @@ namespace rehearse {
 
 class WorldSource : public ObservationSource {
  public:
-  /// Messages of ODE become warnings in `remarks`; null: they are dropped. All must outlive this.
-  WorldSource(const Scenario& scenario, Plant& plant, Diagnostics* remarks = nullptr)
-      : scenario_(scenario), plant_(plant), remarks_(remarks), trial_(scenario) {}
+  /// Steps that the exact solver failed to solve become events. Both must outlive this.
+  WorldSource(const Scenario& scenario, Plant& plant) : scenario_(scenario), plant_(plant), trial_(scenario) {}
 
   /// Saves a checkpoint every `interval` ticks; some are tested. 0: none.
   void save_checkpoints(std::int64_t interval) { checkpoint_interval_ = interval; }
@@ -34,16 +33,15 @@ class WorldSource : public ObservationSource {
 
  private:
   void apply_alterations(Moment& now);
-  void report_ode_messages(std::int64_t tick);
+  msg::Event solver_failure(std::int64_t tick);
 
   const Scenario& scenario_;
   Plant& plant_;
-  Diagnostics* remarks_;
   AlteredInputs* altered_ = nullptr;
   Observation altered_seen_, altered_read_;
   std::int64_t checkpoint_interval_ = 0;  // [ticks]
   CheckpointTrial trial_;
-  bool reported_ode_ = false;
+  bool solver_failed_ = false;  // in any step
 };
 
 /// Sets the world to the recorded state at the beginning of that tick, and devices to their settings at that time.

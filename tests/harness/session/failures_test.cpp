@@ -153,6 +153,25 @@ TEST_F(Failures, AnAbsurdEffortExplodesTheSimulationAndSaysWhen) {
   EXPECT_EQ(summary_.ticks, 9);
 }
 
+TEST_F(Failures, OfTheExactSolverAreEventsAndTheFirstIsARemark) {
+  const Trace trace = record_run(R"(rehearse: 1
+duration: 0.05
+solver: {method: exact}
+bodies:
+  - {name: Floor, box: {size: [10, 10, 0.2]}, fixed: true, position: [0, 0, -0.1]}
+  - {name: Lower, box: {size: [0.2, 0.2, 0.2]}, mass: 1, position: [0, 0, 0.1]}
+  - {name: Upper, box: {size: [0.2, 0.2, 0.2]}, mass: 1, position: [0, 0, 0.2999]}
+)");
+  EXPECT_FALSE(summary_.failure.has_value());
+  const std::string text =
+      "world: the exact solver found no solution in the step after tick 0, when 'Floor', 'Lower', 'Upper' touched; "
+      "the quick solver made the step with 1000 iterations (ODE message 3: LCP internal error";
+  EXPECT_THAT(said(trace), Contains(HasSubstr(text)));
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_THAT(summary_.remarks[0].message, HasSubstr(text));
+  EXPECT_NEAR(trace.last("Upper/Upper/position/z"), 0.2999, 1e-3);
+}
+
 TEST_F(Failures, AFastMathControllerIsSetRightAndNamed) {
   const Trace trace =
       record_run(rig(behaviour("Fast", "fail flush control 3") + ", " + behaviour("Tester", "denormals")));
