@@ -6,6 +6,7 @@ rehearse_add_test(world_tests LABEL sim
     world/drives_test.cpp
     world/floating_joints_test.cpp
     world/force_sensor_test.cpp
+    world/free_rotation_test.cpp
     world/friction_test.cpp
     world/hull_bodies_test.cpp
     world/hull_contacts_test.cpp

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "free_rotation.h"
 #include "joint_inertia.h"
 #include "ode_math.h"
 
@@ -48,6 +49,9 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     group.center = inertial.center;
     group.body = dBodyCreate(world);
     const Matrix3d& inertia = inertial.inertia;
+    group.mass = inertial.mass;
+    group.inertia = inertia;
+    group.inverse_inertia = inertia.inverse();
     dMass mass;
     dMassSetParameters(&mass, inertial.mass, 0.0, 0.0, 0.0, inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
                        inertia(0, 2), inertia(1, 2));
@@ -202,6 +206,7 @@ void OdeBody::begin_motions() {
 void OdeBody::drive(const BodyCommand& command) {
   REHEARSE_ASSERT(command.joints.size() == slots_.size(), "a command has an entry for each joint");
   hold_up_weightless();
+  turn_freely();
   if (has_resistance_) resist_motions();
   for (std::size_t id = 0; id < slots_.size(); ++id) {
     const JointCommand& wanted = command.joints[id];
@@ -217,18 +222,31 @@ void OdeBody::drive(const BodyCommand& command) {
   }
 }
 
+/// Applies the gyroscopic torques. ODE's own lose energy and add angular momentum; they remain for bodies that turn too
+/// fast for the step.
+void OdeBody::turn_freely() {
+  for (const RigidGroup& group : groups_) {
+    if (!group.body) continue;
+    const Matrix3d axes = rotation(dBodyGetRotation(group.body));
+    const Vector3d before = axes.transpose() * vector(dBodyGetAngularVel(group.body));
+    const auto after = rotate_freely(group.inertia, group.inverse_inertia, before, time_step_);
+    dBodySetGyroscopicMode(group.body, after ? 0 : 1);
+    if (!after) continue;
+    const Vector3d torque = axes * (group.inertia * (*after - before)) / time_step_;
+    dBodyAddTorque(group.body, torque.x(), torque.y(), torque.z());
+  }
+}
+
 void OdeBody::resist_motions() {
   std::vector<RigidPart> parts(groups_.size());
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     parts[i].parent = groups_[i].parent;
     const dBodyID body = groups_[i].body;
     if (!body) continue;
-    dMass mass;
-    dBodyGetMass(body, &mass);
     const Matrix3d axes = rotation(dBodyGetRotation(body));
-    parts[i].mass = mass.mass;
+    parts[i].mass = groups_[i].mass;
     parts[i].center = vector(dBodyGetPosition(body));
-    parts[i].inertia = axes * rotation(mass.I) * axes.transpose();
+    parts[i].inertia = axes * groups_[i].inertia * axes.transpose();
   }
   const JointInertias inertias(parts, groups_.front().body != nullptr);
   for (std::size_t id = 0; id < slots_.size(); ++id) {

@@ -18,8 +18,11 @@ namespace rehearse {
 struct RigidGroup {
   dBodyID body = nullptr;  // null: fixed to the world
   int first_link = 0;
-  int parent = -1;                                                 // the group to which its joint connects it
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, in the group's frame [m]
+  int parent = -1;                                    // the group to which its joint connects it
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();   // of mass, in the group's frame [m]
+  double mass = 0.0;                                  // [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the group's axes [kg·m²]
+  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();
   Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
   double weightless_mass = 0.0;                                    // of links on which gravity doesn't act [kg]
   Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();     // that mass times its place from `center` [kg·m]
@@ -73,6 +76,7 @@ class OdeBody final : public SimulatedBody {
   void hold_up_weightless();
   bool has_weight(int group) const;
   void resist_motions();
+  void turn_freely();
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   void set_velocities(const std::vector<LinkMotion>& motions);
