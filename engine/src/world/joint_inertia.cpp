@@ -17,8 +17,8 @@ Matrix3d cross_matrix(const Vector3d& v) {
 }  // namespace
 
 // Spatial inertias: R. Featherstone, Rigid Body Dynamics Algorithms, 2.13.
-JointInertias::JointInertias(const std::vector<RigidPart>& parts, bool moves)
-    : reference_(parts.front().center), subtrees_(parts.size(), Matrix6d::Zero()), moves_(moves) {
+JointInertias::JointInertias(const std::vector<RigidPart>& parts)
+    : reference_(parts.front().center), subtrees_(parts.size(), Matrix6d::Zero()) {
   for (std::size_t i = parts.size(); i-- > 0;) {
     const RigidPart& part = parts[i];
     const Matrix3d arm = cross_matrix(part.center - reference_);
@@ -28,14 +28,18 @@ JointInertias::JointInertias(const std::vector<RigidPart>& parts, bool moves)
     subtrees_[i] += spatial;
     if (part.parent >= 0) subtrees_[part.parent] += subtrees_[i];
   }
-  if (moves_) whole_.compute(subtrees_.front());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    roots_.push_back(parts[i].parent < 0 ? i : roots_[parts[i].parent]);
+    if (parts[i].parent < 0 && parts[i].moves) wholes_[i].compute(subtrees_[i]);
+  }
 }
 
 /// With A beyond the joint and B before it, the inertia is s' A s, or, if B moves, s' A (A + B)^-1 B s.
 double JointInertias::of_motion(int part, const Vector6d& motion) const {
   const Vector6d momentum = subtrees_[part] * motion;
   double inertia = motion.dot(momentum);
-  if (moves_) inertia -= momentum.dot(whole_.solve(momentum));
+  if (const auto whole = wholes_.find(roots_[part]); whole != wholes_.end())
+    inertia -= momentum.dot(whole->second.solve(momentum));
   return inertia;
 }
 

@@ -43,7 +43,7 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     RigidGroup& group = groups_[i];
     group.first_link = groups.first_links[i];
     group.fixed_pose = zero_posture[group.first_link];
-    if (i > 0) group.parent = links_[model().links[group.first_link].parent].group;
+    if (has_joint(group.first_link)) group.parent = links_[model().links[group.first_link].parent].group;
     if (i == 0 && root_is_fixed(description())) continue;
     const Inertial& inertial = groups.inertials[i];
     group.center = inertial.center;
@@ -242,13 +242,14 @@ void OdeBody::resist_motions() {
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     parts[i].parent = groups_[i].parent;
     const dBodyID body = groups_[i].body;
+    parts[i].moves = body != nullptr;
     if (!body) continue;
     const Matrix3d axes = rotation(dBodyGetRotation(body));
     parts[i].mass = groups_[i].mass;
     parts[i].center = vector(dBodyGetPosition(body));
     parts[i].inertia = axes * groups_[i].inertia * axes.transpose();
   }
-  const JointInertias inertias(parts, groups_.front().body != nullptr);
+  const JointInertias inertias(parts);
   for (std::size_t id = 0; id < slots_.size(); ++id) {
     if (slots_[id].is_track) continue;
     OdeJoint& joint = joints_[slots_[id].index];
