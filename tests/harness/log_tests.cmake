@@ -7,6 +7,8 @@ rehearse_add_test(log_test LABEL unit
     log/map_test.cpp
     log/pictures_test.cpp
     log/replay_log_test.cpp
+    log/robot_run_test.cpp
+    log/ticks_test.cpp
     log/watch_test.cpp
   LIBRARIES Rehearse::log Rehearse::testing Rehearse::png JPEG::JPEG)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)

@@ -60,6 +60,17 @@ TEST_F(ReplayLog, AnswersInJson) {
   EXPECT_EQ(report["topics"][0]["gaps"], 0);
 }
 
+TEST_F(ReplayLog, TellsOfTicksAtMessagesAndOfUnknownOnes) {
+  std::ofstream(folder() / "tank.map.yaml", std::ios::app) << "\ntick: /Tank/joints\n";
+  const Outcome outcome = done(tank());
+  EXPECT_THAT(outcome.out, HasSubstr("\nticks: each message on /Tank/joints, 0.005 s apart, 0 missing\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe log's commands, bit for bit: 1000 ticks, 4000 commanded numbers\n"));
+  const nlohmann::json report = done(tank({"--json"})).json();
+  EXPECT_EQ(report["tick"]["topic"], "/Tank/joints");
+  EXPECT_EQ(report["tick"]["missing"], 0);
+  EXPECT_EQ(report["ticks_unknown"], (nlohmann::json{{"without_command", 0}, {"in_doubt", 0}}));
+}
+
 TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
   // half a second late, the joystick has a different reading
   std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"

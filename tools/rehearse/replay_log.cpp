@@ -24,8 +24,10 @@ std::string verdict(const LogReplayReport& report) {
   if (report.beyond) return "differs from the log's commands at " + to_string(*report.beyond);
   const std::string amount =
       fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
-  if (report.first) return "within tolerance of the log's commands: " + amount;
-  return "the log's commands, bit for bit: " + amount;
+  const std::string unknown =
+      report.ticks_unknown() > 0 ? fmt::format("; unknown in {}", count_text(report.ticks_unknown(), "tick")) : "";
+  if (report.first) return "within tolerance of the log's commands: " + amount + unknown;
+  return "the log's commands, bit for bit: " + amount + unknown;
 }
 
 Json topic_json(const LogTopicReport& topic) {
@@ -47,6 +49,15 @@ Json topic_json(const LogTopicReport& topic) {
           {"ticks_without", topic.ticks_without}};
 }
 
+Json tick_json(const LogReplayReport& report) {
+  if (!report.tick) return nullptr;
+  const LogTickReport& tick = *report.tick;
+  return {{"topic", tick.topic},
+          {"interval", tick.interval},
+          {"missing", tick.missing},
+          {"latency", tick.latency ? Json(*tick.latency) : Json(nullptr)}};
+}
+
 Json report_json(const LogReplayReport& report, const std::string& trace) {
   Json topics = Json::array();
   for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
@@ -63,6 +74,8 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
           {"duration", report.duration},
           {"ticks_compared", report.ticks_compared},
           {"ticks_different", report.ticks_different},
+          {"ticks_unknown", {{"without_command", report.ticks_without_command}, {"in_doubt", report.ticks_in_doubt}}},
+          {"tick", tick_json(report)},
           {"values", report.values},
           {"values_different", report.values_different},
           {"topics", topics},
@@ -102,10 +115,22 @@ void tell_topics(const LogReplayReport& report) {
   print_table(rows);
 }
 
+void tell_ticks(const LogReplayReport& report) {
+  if (report.tick)
+    fmt::print("ticks: each message on {}, {:.4g} s apart, {} missing{}\n", report.tick->topic, report.tick->interval,
+               report.tick->missing,
+               report.tick->latency ? fmt::format("; commands {:.4g} s later (medians)", *report.tick->latency) : "");
+  if (report.ticks_unknown() > 0)
+    fmt::print("unknown: {} without a command of the log, {} that {} after missing or late messages\n",
+               count_text(report.ticks_without_command, "tick"), report.ticks_in_doubt,
+               report.ticks_in_doubt == 1 ? "differs" : "differ");
+}
+
 void tell(const LogSettings& settings, const LogReplayReport& report, double seconds) {
   fmt::print("replayed the log {}: {}, {:g} s, in {:.3f} s\n", settings.log, count_text(report.ticks, "tick"),
              report.duration, seconds);
   tell_topics(report);
+  tell_ticks(report);
   fmt::print("{}, {}, {} in {}\n", count_text(report.channels, "channel"), count_text(report.frames, "camera frame"),
              file_size_text(report.bytes), settings.trace);
   fmt::print("{}\n", verdict(report));

@@ -131,8 +131,7 @@ class BulkFeed : public DeviceFeed {
     std::int64_t age = arrived_ - static_cast<std::int64_t>(header.stamp.to_ns());
     if (timeline_.clock == LogClock::header_stamp || age < 0 || age > longest) age = 0;
     // The time of the nearest tick: exactly the number that a replay of the recording computes.
-    const double seconds = std::max(0.0, static_cast<double>(arrived_ - age - timeline_.start) * 1e-9);
-    measured_at_ = time_of(std::llround(seconds / timeline_.time_step), timeline_.time_step);
+    measured_at_ = time_of(timeline_.ticks.nearest(arrived_ - age), timeline_.ticks.time_step());
   }
   static Diagnostic not_of_its_type() { return error("a message that isn't what its schema says"); }
 

@@ -91,15 +91,26 @@ bool LogCommands::take(std::int64_t time, mcap::Bytes payload) {
   return joints.has_value();
 }
 
-std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const ControllerHost& host,
-                                  const Scenario& scenario, const OnDifference& differs) {
+bool LogCommands::covers(std::int64_t tick) const {
+  return ticks_.time(tick + shift_) <= facts_.last && ticks_.time(tick + shift_ + 1) > facts_.first;
+}
+
+const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
+  const std::int64_t from = ticks_.time(tick + shift_);
+  std::int64_t until = ticks_.time(tick + shift_ + 1);
+  if (!ticks_.is_grid())
+    until = std::min<std::int64_t>(until, from + facts_.latency + std::llround(ticks_.time_step() / 2 * 1e9));
   while (!samples_.empty() && samples_.front().time < from) samples_.pop_front();
-  const Sample* latest = nullptr;
+  const CommandedJoints* found = nullptr;
   for (const Sample& sample : samples_) {
     if (sample.time >= until) break;
-    latest = &sample;
+    if (!found || ticks_.is_grid()) found = &sample.joints;
   }
-  if (!latest) return 0;
+  return found;
+}
+
+std::int64_t LogCommands::compare(const CommandedJoints& logged, const ControllerHost& host, const Scenario& scenario,
+                                  const OnDifference& differs) const {
   std::int64_t compared = 0;
   for (const HostedController& hosted : host.controllers()) {
     if (!hosted.tick.has_output) continue;
@@ -108,7 +119,7 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
       const auto part = field.quantity == Quantity::q    ? &CommandedJoint::q
                         : field.quantity == Quantity::dq ? &CommandedJoint::dq
                                                          : &CommandedJoint::u;
-      const std::optional<double>& expected = latest->joints[field.joint].*part;
+      const std::optional<double>& expected = logged[field.joint].*part;
       if (field.quantity > Quantity::u || field.quantity == Quantity::ddq || !expected) continue;
       ++compared;
       const double actual = hosted.io->output_values()[field.offset];
@@ -119,7 +130,7 @@ std::int64_t LogCommands::compare(std::int64_t from, std::int64_t until, const C
       found.element = joint.name + "/" + name_of(field.quantity);
       put_numbers(found, *expected, actual, unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
       const std::string series = series_name(found.channel, found.element);
-      const double scale = largest_.empty() ? 0.0 : (largest_[field.joint].*part).value_or(0.0);
+      const double scale = facts_.largest.empty() ? 0.0 : (facts_.largest[field.joint].*part).value_or(0.0);
       found.tolerance = tolerance_of(series, found.unit, scenario.tolerances).bound(scale);
       differs(std::move(found));
     }

@@ -10,10 +10,12 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "host/controller_host.h"
 #include "log_feed.h"
+#include "log_ticks.h"
 #include "trace/ros2msg.h"
 
 namespace rehearse {
@@ -47,22 +49,43 @@ class CommandReader {
 /// Keeps the larger magnitudes of both; numbers that aren't finite are ignored.
 void keep_largest(CommandedJoints& largest, const CommandedJoints& joints);
 
+/// Facts of a whole log for the comparison of its commands.
+struct CommandFacts {
+  CommandedJoints largest;  // magnitudes, to which relative tolerances refer; empty if there are none
+  std::int64_t messages = 0;
+  std::int64_t first = 0;    // time of the first message [ns]
+  std::int64_t last = 0;     // time of the last message [ns]
+  std::int64_t latency = 0;  // usual time from the message that makes a tick to its command [ns]; on a grid unused
+};
+
 class LogCommands {
  public:
-  /// All except the schema must outlive this. `largest`: magnitudes in the whole log, to which relative tolerances
-  /// refer; empty if there are none.
-  LogCommands(const LogMap& map, const Model& model, const ros2msg::Schema& schema, const CommandedJoints& largest)
-      : model_(model), largest_(largest), reader_(map, model, schema) {}
+  /// All except schema and facts must outlive this.
+  LogCommands(const LogMap& map, const Model& model, const ros2msg::Schema& schema, const LogTicks& ticks,
+              CommandFacts facts)
+      : model_(model),
+        ticks_(ticks),
+        facts_(std::move(facts)),
+        shift_(map.commands->shift),
+        reader_(map, model, schema) {}
 
   /// Adds the next message; it must not be earlier than the one before it. False: it doesn't fit its schema.
   bool take(std::int64_t time, mcap::Bytes payload);
 
+  /// True if at least three of four ticks have a command: one without it lacks it.
+  bool come_each_tick() const { return 4 * facts_.messages >= 3 * ticks_.size(); }
+  /// False: the tick is before the first message, or after the last.
+  bool covers(std::int64_t tick) const;
+  /// The commands of a tick, not before those that were read last; earlier ones are dropped. Null: no message can be
+  /// attributed to the tick. On a grid it is the last message from the tick until the next. If ticks are messages, it
+  /// is the first one in this time that isn't later than usual by half a time step.
+  const CommandedJoints* of_tick(std::int64_t tick);
+
   using OnDifference = std::function<void(Divergence&&)>;
-  /// Compares the commands of the controllers in a tick with the latest message from `from` up to, and not including,
-  /// `until` [ns]; earlier messages are dropped. Calls `differs` for each number with different bits; the caller sets
-  /// tick and time. Returns the number of compared numbers.
-  std::int64_t compare(std::int64_t from, std::int64_t until, const ControllerHost& host, const Scenario& scenario,
-                       const OnDifference& differs);
+  /// Compares the commands of the controllers in a tick with those of the log. Calls `differs` for each number with
+  /// different bits; the caller sets tick and time. Returns the number of compared numbers.
+  std::int64_t compare(const CommandedJoints& logged, const ControllerHost& host, const Scenario& scenario,
+                       const OnDifference& differs) const;
 
  private:
   struct Sample {
@@ -71,7 +94,9 @@ class LogCommands {
   };
 
   const Model& model_;
-  const CommandedJoints& largest_;
+  const LogTicks& ticks_;
+  const CommandFacts facts_;
+  const int shift_;
   CommandReader reader_;
   std::deque<Sample> samples_;
 };

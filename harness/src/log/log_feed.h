@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "log_map/log_map.h"
+#include "log_ticks.h"
 #include "trace/ros2msg.h"
 
 namespace rehearse {
@@ -45,8 +46,7 @@ std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg:
 std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
 /// Relates the times of a log to those of a recording.
 struct LogTimeline {
-  std::int64_t start = 0;  // time of tick 0 [ns]
-  double time_step = 0.0;  // [s]
+  const LogTicks& ticks;
   LogClock clock = LogClock::log_time;
 };
 

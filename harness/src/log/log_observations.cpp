@@ -19,28 +19,32 @@ std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 }  // namespace
 
-std::int64_t LogObservations::time_of_tick(std::int64_t tick) const {
-  if (tick < 0) return start_ - static_cast<std::int64_t>(nanoseconds_of(-tick, map_.time_step));
-  return start_ + static_cast<std::int64_t>(nanoseconds_of(tick, map_.time_step));
+bool LogObservations::may_miss_input() const {
+  return std::any_of(fed_.begin(), fed_.end(), [](const Fed& fed) { return fed.feed && fed.watch.may_miss(); });
 }
 
 Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
-  for (const MappedSource& mapped : sources_) {
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const MappedSource& mapped = sources_[i];
     const auto topic = std::find_if(topics.begin(), topics.end(),
                                     [&](const LogTopic& known) { return known.name == mapped.source->topic; });
     REHEARSE_ASSERT(topic != topics.end(), "the map was read against these topics");
     const auto schema = ros2msg::Schema::parse(topic->type, topic->schema);
     if (!schema) return schema.errors();
-    Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age)});
+    const DurationCounts& intervals = survey_.sources[i].intervals;
+    const std::int64_t period = intervals.is_regular() ? intervals.median() : 0;
+    Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age, period)});
     if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, *schema);
     if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
     if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
-    if (mapped.devices)
-      fed.feed = make_device_feed(*mapped.devices, model_, {start_, map_.time_step, map_.clock}, *topic, *schema);
+    if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, {ticks_, map_.clock}, *topic, *schema);
     if (mapped.commands) {
-      commands_ = std::make_unique<LogCommands>(map_, model_, *schema, survey_.largest_commands);
-      lookahead_ = std::max(lookahead_, nanoseconds(map_.time_step * (std::max(0, map_.commands->shift) + 1)));
+      const SourceSurvey& whole = survey_.sources[i];
+      CommandFacts facts{survey_.largest_commands, whole.messages, *whole.first, whole.last,
+                         survey_.latencies.median()};
+      commands_ = std::make_unique<LogCommands>(map_, model_, *schema, ticks_, std::move(facts));
     }
+    if (!ticks_.is_grid() && fed.feed) lookahead_ = std::max(lookahead_, period);
     if (mapped.source->sampling == Sampling::interpolate)
       lookahead_ = std::max(lookahead_, nanoseconds(*mapped.source->max_age));
   }
@@ -50,14 +54,16 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
 void LogObservations::take(std::int64_t time, const mcap::Message& message) {
   for (Fed& fed : fed_) {
     if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(time)) continue;
-    const bool fits = fed.feed ? fed.feed->take(time, message.data) : commands_->take(time, message.data);
+    const bool fits = fed.feed              ? fed.feed->take(time, message.data)
+                      : fed.mapped.commands ? commands_->take(time, message.data)
+                                            : true;
     fed.unreadable += fits ? 0 : 1;
   }
 }
 
 /// Reads all sources at the tick.
 Result<void> LogObservations::look(std::int64_t tick) {
-  const LogMoment moment{time_of_tick(tick), tick, time_of(tick, map_.time_step)};
+  const LogMoment moment{ticks_.time(tick), tick, time_of(tick, map_.time_step)};
   for (Fed& fed : fed_) {
     const bool both_sides = fed.mapped.source->sampling == Sampling::interpolate;
     const auto age = fed.watch.look(moment.time, moment.seconds, both_sides);
@@ -141,7 +147,7 @@ std::vector<LogTopicReport> LogObservations::report() const {
   std::vector<LogTopicReport> topics;
   for (const Fed& fed : fed_) {
     LogTopicReport& topic = topics.emplace_back();
-    fed.watch.report(topic, start_);
+    fed.watch.report(topic, ticks_.time(0));
     topic.topic = fed.mapped.source->topic;
     topic.use = fed.mapped.use;
     topic.unreadable = fed.unreadable + (fed.feed ? fed.feed->unreadable() : 0);

@@ -18,15 +18,17 @@ namespace rehearse {
 
 class LogObservations final : public ObservationSource {
  public:
-  /// `start`: the time of tick 0 [ns]. All arguments must outlive this.
+  /// All arguments must outlive this.
   LogObservations(const LogMap& map, const Model& model, const std::vector<MappedSource>& sources,
-                  const LogSurvey& survey, std::int64_t start)
-      : map_(map), model_(model), sources_(sources), survey_(survey), start_(start) {}
+                  const LogSurvey& survey, const LogTicks& ticks)
+      : map_(map), model_(model), sources_(sources), survey_(survey), ticks_(ticks) {}
 
   Result<void> make_feeds(const std::vector<LogTopic>& topics);
   /// A tick may need messages that are later than it by less than this [ns].
   std::int64_t lookahead() const { return lookahead_; }
-  std::int64_t time_of_tick(std::int64_t tick) const;  // of the log [ns]
+  const LogTicks& ticks() const { return ticks_; }
+  /// True if a message that a controller could have had in the last tick may be missing in the log.
+  bool may_miss_input() const;
 
   /// Adds the next message in the order of the log, with its time [ns].
   void take(std::int64_t time, const mcap::Message& message);
@@ -62,8 +64,8 @@ class LogObservations final : public ObservationSource {
   const Model& model_;
   const std::vector<MappedSource>& sources_;
   const LogSurvey& survey_;
-  const std::int64_t start_;  // [ns]
-  std::vector<Fed> fed_;      // parallel to sources_
+  const LogTicks& ticks_;
+  std::vector<Fed> fed_;  // parallel to sources_
   std::unique_ptr<LogCommands> commands_;
   std::int64_t lookahead_ = 0;  // [ns]
   Observation seen_;

@@ -16,12 +16,12 @@
 #include "log_observations.h"
 #include "log_requirements.h"
 #include "log_scenario.h"
+#include "log_sink.h"
 #include "log_survey.h"
 #include "model/clock.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/hosted_commands.h"
-#include "run/recording_sink.h"
 #include "trace/hashing.h"
 
 namespace rehearse {
@@ -55,51 +55,6 @@ Result<std::string> hash_of(const fs::path& file) {
   return hash_text(hash);
 }
 
-/// Writes the run into a trace, and compares its commands with those of the robot's own controller.
-class LogSink final : public RecordingSink {
- public:
-  LogSink(Recorder& recorder, const LogReplayOptions& options, const LogMap& map, const Scenario& scenario,
-          LogObservations& log, LogReplayReport& report)
-      : RecordingSink(recorder, &report.remarks),
-        options_(options),
-        map_(map),
-        scenario_(scenario),
-        log_(log),
-        report_(report) {}
-
-  Result<void> emit(const Moment& now) override {
-    auto done = RecordingSink::emit(now);
-    if (done && now.alive && log_.commands()) compare(now);
-    return done;
-  }
-
- private:
-  void compare(const Moment& now);
-
-  const LogReplayOptions& options_;
-  const LogMap& map_;
-  const Scenario& scenario_;
-  LogObservations& log_;
-  LogReplayReport& report_;
-};
-
-void LogSink::compare(const Moment& now) {
-  const double time = time_of(now.tick, map_.time_step);
-  if (time < options_.from) return;
-  const std::int64_t wanted = now.tick + map_.commands->shift;
-  const std::int64_t before = report_.values_different;
-  const std::int64_t compared = log_.commands()->compare(log_.time_of_tick(wanted), log_.time_of_tick(wanted + 1),
-                                                         *now.host, scenario_, [&](Divergence&& found) {
-                                                           found.tick = now.tick;
-                                                           found.time = time;
-                                                           if (options_.on_difference) options_.on_difference(found);
-                                                           report_.add(std::move(found));
-                                                         });
-  report_.values += compared;
-  report_.ticks_compared += compared > 0 ? 1 : 0;
-  report_.ticks_different += report_.values_different > before ? 1 : 0;
-}
-
 class LogReplayer {
  public:
   LogReplayer(mcap::Reader& log, const LogMap& map, std::shared_ptr<const Model> model, const fs::path& trace,
@@ -110,6 +65,8 @@ class LogReplayer {
 
  private:
   Result<void> find_span();
+  Result<void> check_interval() const;
+  Result<void> make_ticks(std::int64_t start, std::int64_t end);
   bool on_message(const mcap::Message& message);
   Result<void> run_ticks_before(std::int64_t time);
   Result<void> begin();
@@ -117,6 +74,7 @@ class LogReplayer {
   Result<Scenario> make_scenario(const BodyObservation& seen);
   mcap::StringMap provenance_of_log() const;
   void report_topics();
+  void report_ticks();
   Result<void> finish();
   Result<void> close_file();
 
@@ -128,6 +86,7 @@ class LogReplayer {
   LogTimes times_;
   std::vector<MappedSource> sources_;
   LogSurvey survey_;
+  std::optional<LogTicks> log_ticks_;
   std::int64_t ticks_ = 0;  // number of ticks to run
   std::optional<LogObservations> observations_;
   std::optional<Scenario> scenario_;
@@ -165,9 +124,23 @@ Result<void> LogReplayer::find_span() {
   }
   if (!missing.empty()) return missing;
   if (!start) start = *survey_.sources[0].first;  // only a joystick
-  report_.start = *start;
-  const double last = static_cast<double>(*end - *start) * 1e-9 / map_.time_step;
-  double ticks = std::floor(last + 1e-6) + 1.0;
+  return make_ticks(*start, *end);
+}
+
+/// Makes ticks at the messages of the map's topic, or a grid up to `end` [ns].
+Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
+  log_ticks_.emplace(start, map_.time_step);
+  if (map_.tick) {
+    if (auto fits = check_interval(); !fits) return fits;
+    log_ticks_ = LogTicks::at_messages(survey_.tick_messages, start, map_.time_step);
+    if (log_ticks_->is_grid())
+      return at(map_.tick->place,
+                error(fmt::format("'{}' has no message after the first one of each input", map_.tick->topic),
+                      "look at start"));
+  }
+  report_.start = log_ticks_->time(0);
+  const double last = static_cast<double>(end - start) * 1e-9 / map_.time_step;
+  double ticks = map_.tick ? static_cast<double>(log_ticks_->size()) : std::floor(last + 1e-6) + 1.0;
   if (options_.until) ticks = std::min(ticks, std::ceil(*options_.until / map_.time_step - 1e-6));
   const double most = Scenario::max_duration / map_.time_step;
   if (ticks > most)
@@ -179,6 +152,20 @@ Result<void> LogReplayer::find_span() {
   return {};
 }
 
+/// The nominal time step has to be that of the messages: missing ones are found by it.
+Result<void> LogReplayer::check_interval() const {
+  const auto source = std::find_if(sources_.begin(), sources_.end(), [this](const MappedSource& mapped) {
+    return mapped.source->topic == map_.tick->topic;
+  });
+  const double interval = seconds_of(survey_.sources[source - sources_.begin()].intervals.median());
+  constexpr double allowed = 0.25;
+  if (interval == 0.0 || std::abs(interval - map_.time_step) <= allowed * map_.time_step) return {};
+  return at(map_.tick->place,
+            error(fmt::format("the messages on '{}' are {:.4g} s apart (median), and time_step is {:g} s",
+                              map_.tick->topic, interval, map_.time_step),
+                  "a tick is one time step after the one before"));
+}
+
 Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, std::string log_hash) {
   report_.log_hash = std::move(log_hash);
   report_.has_commands = map_.commands.has_value();
@@ -186,7 +173,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   survey_ = survey(log_, map_, *model_, sources_);
   warn(report_.remarks, survey_.damage);
   if (auto found = find_span(); !found) return found.errors();
-  observations_.emplace(map_, *model_, sources_, survey_, report_.start);
+  observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
@@ -210,7 +197,9 @@ bool LogReplayer::on_message(const mcap::Message& message) {
 
 /// Runs all ticks before that time of the log [ns].
 Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
-  while (!over_ && observations_->time_of_tick(run_ ? run_->tick() : 0) < time) {
+  // Up to the end of the tick whose commands are compared.
+  const std::int64_t ahead = map_.commands ? std::max(0, map_.commands->shift) + 1 : 0;
+  while (!over_ && log_ticks_->time((run_ ? run_->tick() : 0) + ahead) < time) {
     if (!run_)
       if (auto begun = begin(); !begun) return begun;
     const auto going_on = run_->step();
@@ -298,14 +287,26 @@ void LogReplayer::report_topics() {
   }
 }
 
+void LogReplayer::report_ticks() {
+  if (!map_.tick) return;
+  LogTickReport& tick = report_.tick.emplace();
+  tick.topic = map_.tick->topic;
+  for (std::int64_t i = 0; i < recorder_->size().ticks; ++i) tick.missing += log_ticks_->has_message(i) ? 0 : 1;
+  for (std::size_t i = 0; i < sources_.size(); ++i)
+    if (sources_[i].source->topic == tick.topic) tick.interval = seconds_of(survey_.sources[i].intervals.median());
+  if (map_.commands && survey_.latencies.median() > 0) tick.latency = seconds_of(survey_.latencies.median());
+}
+
 /// Ends the recording, and makes the report of the topics.
 Result<void> LogReplayer::finish() {
   REHEARSE_ASSERT(run_, "there is at least one tick");
   host_->stop(run_->tick());
+  sink_->finish();
   report_.failure = run_->interruption() ? run_->interruption() : host_->failure();
   report_.controller_refused = host_->any_refused();
   if (auto done = sink_->record_events(host_->take_events()); !done) return done;
   report_topics();
+  report_ticks();
   if (auto done = close_file(); !done) return done;
   if (report_.has_commands && report_.values == 0 && !report_.failure) {
     Diagnostic& remark = report_.remarks.emplace_back(

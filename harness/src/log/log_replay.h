@@ -53,6 +53,14 @@ struct LogTopicReport {
   std::int64_t ticks_without = 0;  // ticks before its first message
 };
 
+/// Ticks that are the messages of a topic.
+struct LogTickReport {
+  std::string topic;
+  double interval = 0.0;          // between two messages, median [s]
+  std::int64_t missing = 0;       // ticks whose message is missing
+  std::optional<double> latency;  // from the message of a tick to its command, median [s]
+};
+
 /// Differences from the log's commands, in the order of ticks.
 struct LogReplayReport : Differences {
   std::int64_t ticks = 0;
@@ -63,6 +71,13 @@ struct LogReplayReport : Differences {
   bool has_commands = false;  // the map names topics with commands to compare
   std::int64_t ticks_compared = 0;
   std::int64_t ticks_different = 0;
+  /// Ticks between the first and the last command of the log for which it has no command: a message is missing or late.
+  std::int64_t ticks_without_command = 0;
+  /// Ticks that differ after a missing or late message, before five ticks in a row agree again. They aren't in
+  /// ticks_different: the message may be an input, or a controller with a state may need time. More than a hundred in a
+  /// row are different.
+  std::int64_t ticks_in_doubt = 0;
+  std::optional<LogTickReport> tick;  // none: the ticks are a grid
   int channels = 0;                   // of the trace
   std::int64_t frames = 0;            // colour pictures in the trace
   std::uintmax_t bytes = 0;           // size of the trace
@@ -73,6 +88,7 @@ struct LogReplayReport : Differences {
 
   bool equal() const { return !first && !failure; }
   bool within() const { return !beyond && !failure; }
+  std::int64_t ticks_unknown() const { return ticks_without_command + ticks_in_doubt; }
 };
 
 /// Replays a log and writes the trace. Fails, and writes nothing, if the replay can't begin: a log without messages, a

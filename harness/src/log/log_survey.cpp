@@ -82,6 +82,10 @@ struct Surveyed {
   bool any = false;
 };
 
+void add_tick(std::int64_t time, LogSurvey& found) {
+  if (found.tick_messages.empty() || time > found.tick_messages.back()) found.tick_messages.push_back(time);
+}
+
 bool is_behind(const mcap::Location& a, const mcap::Location& b) {
   return a.record != b.record ? a.record > b.record : a.inside > b.inside;
 }
@@ -128,6 +132,8 @@ std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
   if (map.joystick) add(*map.joystick, "joystick").joystick = &*map.joystick;
   if (map.root) add(*map.root, "root").root = &*map.root;
   if (map.commands) add(*map.commands, "commands").commands = &*map.commands;
+  const auto ticks_too = [&map](const MappedSource& mapped) { return mapped.source->topic == map.tick->topic; };
+  if (map.tick && std::none_of(sources.begin(), sources.end(), ticks_too)) add(*map.tick, "ticks");
   return sources;
 }
 
@@ -156,6 +162,7 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
   const bool has_relative = std::any_of(map.tolerances.begin(), map.tolerances.end(), is_relative);
   const auto look = [&](const mcap::Message& message) {
     const auto time = times.of(message);
+    if (time && map.tick && message.channel->topic == map.tick->topic) add_tick(*time, found);
     for (std::size_t i = 0; i < sources.size(); ++i) {
       if (sources[i].source->topic != message.channel->topic) continue;
       SourceSurvey& source = found.sources[i];
@@ -169,8 +176,11 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
         continue;
       }
       if (source.first && *time < source.last) continue;  // an earlier time than before: it isn't used
+      if (source.first) source.intervals.add(*time - source.last);
       if (!source.first) source.first = source.complete = *time;
       source.last = *time;
+      if (sources[i].commands && !found.tick_messages.empty() && *time >= found.tick_messages.back())
+        found.latencies.add(*time - found.tick_messages.back());
       const std::int64_t late = static_cast<std::int64_t>(message.log_time) - *time;
       found.latest = std::exchange(any_time, true) ? std::max(found.latest, late) : late;
       const bool is_scale = sources[i].commands && has_relative;

@@ -16,11 +16,12 @@
 
 #include "log_commands.h"
 #include "log_map/log_map.h"
+#include "log_ticks.h"
 #include "trace/ros2msg.h"
 
 namespace rehearse {
 
-/// One source of a map of any kind. One of the pointers is set.
+/// One source of a map of any kind. One of the pointers is set, except for a topic that only makes ticks.
 struct MappedSource {
   const LogSource* source = nullptr;  // never null
   std::string use;                    // "joints", the names of devices, "commands"
@@ -67,13 +68,17 @@ struct SourceSurvey {
   std::int64_t last = 0;                 // [ns]
   std::map<int, GivenJoint> joints;      // by id
   std::set<std::string> strangers;       // names of joints that the model doesn't have
+  DurationCounts intervals;              // between messages
 };
 
 struct LogSurvey {
   std::vector<SourceSurvey> sources;  // parallel to those of the map
-  std::int64_t latest = 0;            // largest delay of a message's log time after its time [ns]
-  CommandedJoints largest_commands;   // magnitudes, if a tolerance of the map is relative; else empty
-  Diagnostics damage;                 // damage of the log
+  /// Times of the messages that make ticks [ns], rising; of two with the same time one. Empty: ticks are a grid.
+  std::vector<std::int64_t> tick_messages;
+  DurationCounts latencies;          // of commands after the last tick's message, if there are such
+  std::int64_t latest = 0;           // largest delay of a message's log time after its time [ns]
+  CommandedJoints largest_commands;  // magnitudes, if a tolerance of the map is relative; else empty
+  Diagnostics damage;                // damage of the log
 };
 
 /// The channels of the log with the topics of the sources.

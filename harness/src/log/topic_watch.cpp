@@ -7,7 +7,7 @@
 
 namespace rehearse {
 
-TopicWatch::TopicWatch(std::optional<double> max_age) {
+TopicWatch::TopicWatch(std::optional<double> max_age, std::int64_t period) : period_(period) {
   if (max_age) max_age_ = std::llround(*max_age * 1e9);
 }
 
@@ -47,6 +47,8 @@ TopicWatch::Age TopicWatch::look(std::int64_t time, double seconds, bool both_si
   current_used_ = true;
   if (both_sides && !waiting_.empty() && *current_ < time) waiting_.front().used = true;
   const std::int64_t age = time - *current_;
+  const bool is_next_in_time = !waiting_.empty() && waiting_.front().time - *current_ < period_ + period_ / 2;
+  may_miss_ = period_ > 0 && age >= period_ / 2 && !is_next_in_time;
   if (seconds_of(age) > counts_.worst_age) {
     counts_.worst_age = seconds_of(age);
     counts_.worst_age_at = seconds;

@@ -12,8 +12,9 @@ namespace rehearse {
 
 class TopicWatch {
  public:
-  /// `max_age` [s]: an older message at a tick is a gap; nullopt: there are no gaps.
-  explicit TopicWatch(std::optional<double> max_age);
+  /// `max_age` [s]: an older message at a tick is a gap; nullopt: there are no gaps. `period` [ns]: of regular
+  /// messages; 0: they aren't regular.
+  explicit TopicWatch(std::optional<double> max_age, std::int64_t period = 0);
 
   /// Adds the time of the next message in the order of the log [ns]. False: it is earlier than the last message, and
   /// isn't used.
@@ -21,6 +22,10 @@ class TopicWatch {
   /// A tick reads the topic; `both_sides`: it also reads the next message.
   enum class Age { none_yet, fresh, held, gap_begins, gap };
   Age look(std::int64_t time, double seconds, bool both_sides);
+  /// True if a message that the last tick could have had may be missing: it is half a period or more after the last
+  /// one, and the next one is more than one and a half periods after that. Messages up to a period after the tick have
+  /// to be there.
+  bool may_miss() const { return may_miss_; }
   /// Sets all members except names. `start`: the time of tick 0 [ns].
   void report(LogTopicReport& report, std::int64_t start) const;
   /// The time of the current message at the last tick that read the topic [ns].
@@ -40,6 +45,8 @@ class TopicWatch {
   std::deque<Waiting> waiting_;  // after the current one
   LogTopicReport counts_;
   bool in_gap_ = false;
+  const std::int64_t period_;  // [ns]
+  bool may_miss_ = false;
 };
 
 }  // namespace rehearse

@@ -27,10 +27,11 @@ bool LogMapReader::check_version(const YamlNode& root) {
 void LogMapReader::read(const YamlNode& root) {
   if (!check_version(root)) return;
   const Keys keys(findings_, root, "the map",
-                  {"rehearse_map", "body", "time_step", "clock", "start", "max_age", "controller", "joints", "imus",
-                   "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
+                  {"rehearse_map", "body", "time_step", "tick", "clock", "start", "max_age", "controller", "joints",
+                   "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
   read_body(keys, root);
   read_clock(keys);
+  if (const YamlNode* node = keys.find("tick")) read_tick(*node);
   if (const YamlNode* node = keys.find("start")) read_start(*node);
   read_max_age(keys);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
@@ -83,6 +84,12 @@ void LogMapReader::read_clock(const Keys& keys) {
     expected(findings_, *clock, "clock",
              "log_time (when a message was written into the log) or header.stamp (when it was measured)");
   }
+}
+
+/// Any topic with messages can be the tick.
+void LogMapReader::read_tick(const YamlNode& node) {
+  LogSource source;
+  if (find_topic(node, "tick", {{}}, "messages", source)) map_.tick = std::move(source);
 }
 
 void LogMapReader::read_start(const YamlNode& node) {

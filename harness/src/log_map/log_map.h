@@ -77,8 +77,8 @@ struct RootSource : LogSource {
   bool has_twist = false;
 };
 
-/// Commands of the robot's own controller. The commands of tick k are those in the log from its time until the next
-/// tick.
+/// Commands of the robot's own controller. The command of tick k is in the log from the time of the tick until the next
+/// tick: the last message on a grid, the first if ticks are messages.
 struct CommandSource : LogSource {
   enum class Quantity { position, velocity, effort };
   std::map<std::string, JointRename> names;  // JointState: by the log's name
@@ -95,10 +95,11 @@ struct MappedController {
 };
 
 struct LogMap {
-  std::string file;          // as the user named it
-  std::string text;          // the file's bytes
-  std::string body;          // the body in channel names; the model's name if the map states none
-  double time_step = 0.001;  // of the controller [s]
+  std::string file;               // as the user named it
+  std::string text;               // the file's bytes
+  std::string body;               // the body in channel names; the model's name if the map states none
+  double time_step = 0.001;       // of the controller [s]
+  std::optional<LogSource> tick;  // each message of this topic is a tick; nullopt: ticks are a grid of time_step
   LogClock clock = LogClock::log_time;
   /// True: the first tick is at the first message. False: it is when all mapped sources have a message.
   bool start_with_first = false;

@@ -30,6 +30,7 @@ class LogMapReader {
   bool check_version(const YamlNode& root);
   void read_body(const Keys& keys, const YamlNode& root);
   void read_clock(const Keys& keys);
+  void read_tick(const YamlNode& node);
   void read_start(const YamlNode& node);
   void read_max_age(const Keys& keys);
   void read_controller(const YamlNode& node);

@@ -46,7 +46,7 @@ class FeedTest : public ::testing::Test {
     if (map_.root) feed_ = make_root_feed(*map_.root, schema(map_.root->topic));
     if (map_.joystick) feed_ = make_joy_feed(*map_.joystick, schema(map_.joystick->topic));
     if (!map_.devices.empty())
-      feed_ = make_device_feed(map_.devices[0], model_, {0, 0.01, map_.clock}, topic(map_.devices[0].topic),
+      feed_ = make_device_feed(map_.devices[0], model_, {ticks_, map_.clock}, topic(map_.devices[0].topic),
                                schema(map_.devices[0].topic));
   }
 
@@ -81,6 +81,7 @@ class FeedTest : public ::testing::Test {
   Model model_ = mapped_robot();
   std::vector<LogTopic> topics_ = mapped_topics();
   LogMap map_;
+  const LogTicks ticks_{0, 0.01};
   std::unique_ptr<LogFeed> feed_;
   Observation seen_;
 };
@@ -309,7 +310,7 @@ TEST_F(FeedTest, RemarksOnScansThatPointElsewhere) {
   EXPECT_THAT(to_string(feed_->take_remarks()), HasSubstr("go from -2 to 2 rad, and the model's 'Laser' from -1 to 1"));
   scan.ranges.resize(4);
   std::unique_ptr<LogFeed> another =
-      make_device_feed(map_.devices[0], model_, {0, 0.01, map_.clock}, topic("/scan"), schema("/scan"));
+      make_device_feed(map_.devices[0], model_, {ticks_, map_.clock}, topic("/scan"), schema("/scan"));
   another->take(0, cdr_of(scan));
   const auto looked = another->look({0, 0, 0.0}, seen_);
   ASSERT_FALSE(looked.ok());

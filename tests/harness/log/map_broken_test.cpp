@@ -34,6 +34,8 @@ const Broken all_broken[] = {
     {"no_time_step", 1, 1, "has no 'time_step'.*tick"},
     {"time_step_zero", 2, 12, "time_step is 0.*from 1e-05 to 0.1"},
     {"time_step_of_a_rate", 2, 12, "time_step is '500 Hz'.*number"},
+    {"tick_unknown", 4, 7, "no topic '/joint_state'.*did you mean '/joint_states'"},
+    {"tick_a_rate", 4, 7, "tick is a map.*one of the log's topics"},
     {"unknown_key", 3, 1, "unknown key 'joint' in the map.*did you mean 'joints'"},
     {"duplicate_key", 4, 1, "'joints' is given twice.*line 3"},
     {"nothing_mapped", 1, 1, "names no input.*joints: /joint_states"},

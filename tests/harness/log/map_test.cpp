@@ -24,6 +24,7 @@ TEST(LogMap, NeedsFewLines) {
       parsed("joints: /joint_states\nimus: {topic: /imu/data, device: Imu}\ncommands: /joint_commands\n");
   EXPECT_EQ(map.body, "Bot");
   EXPECT_EQ(map.time_step, 0.002);
+  EXPECT_FALSE(map.tick);
   EXPECT_EQ(map.clock, LogClock::log_time);
   EXPECT_FALSE(map.start_with_first);
   EXPECT_TRUE(map.controller.delay);
@@ -57,6 +58,13 @@ TEST(LogMap, RenamesTurnsAndMovesJoints) {
   EXPECT_EQ(source.names.at("b").joint, 1);
   EXPECT_EQ(source.names.at("b").scale, -1.0);
   EXPECT_DOUBLE_EQ(source.names.at("b").offset, 1.5707963267948966);
+}
+
+TEST(LogMap, MakesTicksOfATopic) {
+  const LogMap map = parsed("joints: /joint_states\ntick: /joint_states\n");
+  ASSERT_TRUE(map.tick);
+  EXPECT_EQ(map.tick->topic, "/joint_states");
+  EXPECT_EQ(map.tick->place.line, 4);
 }
 
 TEST(LogMap, GivesEachKindOfSourceItsOwnAge) {

@@ -80,6 +80,24 @@ TEST(TopicWatch, LeavesOutWhatGoesBackInTime) {
   EXPECT_EQ(report.gaps, 0) << "nothing is too old";
 }
 
+TEST(TopicWatch, KnowsWhereAMessageMayBeMissing) {
+  TopicWatch watch(std::nullopt, 10 * millisecond);
+  for (const std::int64_t time : {0, 11, 30, 40}) watch.came(time * millisecond);
+  const auto may_miss = [&watch](std::int64_t time) {
+    watch.look(time * millisecond, 0.0, false);
+    return watch.may_miss();
+  };
+  EXPECT_FALSE(may_miss(9)) << "the next one comes in time";
+  EXPECT_FALSE(may_miss(12));
+  EXPECT_TRUE(may_miss(20)) << "one is missing between 11 and 30";
+  EXPECT_FALSE(may_miss(31));
+  EXPECT_TRUE(may_miss(50)) << "there is no next one";
+  TopicWatch irregular(std::nullopt);
+  irregular.came(0);
+  irregular.look(1'000 * millisecond, 1.0, false);
+  EXPECT_FALSE(irregular.may_miss());
+}
+
 TEST(LogTrack, HoldsTheLatestAtOrBeforeATick) {
   LogTrack<1> track;
   EXPECT_FALSE(track.at(5, false));

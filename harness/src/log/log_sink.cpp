@@ -1,0 +1,90 @@
+#include "log_sink.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "model/clock.h"
+
+namespace rehearse {
+
+/// Begins a doubt if the command of this tick or of one of the next may rest on a message that is late, or that the log
+/// doesn't have.
+void LogSink::note_irregularity(std::int64_t tick, bool has_command) {
+  const LogTicks& ticks = log_.ticks();
+  if (ticks.is_grid() || !agreed_) return;
+  const bool lacks_command = !has_command && log_.commands()->come_each_tick();
+  if (!ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command)
+    doubt_ = ticks_of_doubt;
+}
+
+void LogSink::compare(const Moment& now) {
+  const double time = time_of(now.tick, map_.time_step);
+  LogCommands& log = *log_.commands();
+  const CommandedJoints* logged = log.of_tick(now.tick);
+  note_irregularity(now.tick, logged != nullptr);
+  if (!log.covers(now.tick)) return;
+  if (time < options_.from) return;
+  if (!logged || !log_.ticks().has_message(now.tick)) {
+    ++report_.ticks_without_command;
+    return;
+  }
+  Judged tick;
+  tick.compared = log.compare(*logged, *now.host, scenario_, [&](Divergence&& found) {
+    found.tick = now.tick;
+    found.time = time;
+    tick.differences.push_back(std::move(found));
+  });
+  if (tick.compared > 0) judge(std::move(tick));
+}
+
+void LogSink::judge(Judged tick) {
+  // After a difference within tolerance no equal bits are expected.
+  const bool agrees = std::none_of(tick.differences.begin(), tick.differences.end(), [this](const Divergence& found) {
+    return !report_.first || !(found.difference <= found.tolerance);
+  });
+  if (agrees) {
+    report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
+    in_doubt_.clear();
+    doubt_ = std::max(0, doubt_ - 1);
+  } else if (doubt_ > 0) {
+    doubt_ = ticks_of_doubt;
+    in_doubt_.push_back(std::move(tick));
+    if (in_doubt_.size() > longest_doubt) end_doubt();
+    return;
+  }
+  agreed_ = agrees;
+  report(std::move(tick));
+}
+
+void LogSink::report(Judged tick) {
+  report_.values += tick.compared;
+  ++report_.ticks_compared;
+  report_.ticks_different += tick.differences.empty() ? 0 : 1;
+  for (Divergence& found : tick.differences) {
+    if (options_.on_difference) options_.on_difference(found);
+    report_.add(std::move(found));
+  }
+}
+
+void LogSink::end_doubt() {
+  if (in_doubt_.empty()) return;
+  Diagnostic& remark = report_.remarks.emplace_back(
+      at(map_.tick->place,
+         error(fmt::format("the commands differ from tick {} on, after a message that is missing or late",
+                           in_doubt_[0].differences[0].tick),
+               "a controller that keeps a state differs then, even if it is the robot's")));
+  remark.severity = Severity::warning;
+  for (Judged& tick : in_doubt_) report(std::move(tick));
+  in_doubt_.clear();
+  doubt_ = 0;
+  agreed_ = false;
+}
+
+void LogSink::finish() {
+  if (report_.ticks_compared == 0) return end_doubt();
+  report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
+}
+
+}  // namespace rehearse

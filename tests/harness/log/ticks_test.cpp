@@ -1,0 +1,76 @@
+// The times of ticks that are the messages of a topic.
+#include <gtest/gtest.h>
+
+#include "log/log_ticks.h"
+
+namespace rehearse {
+namespace {
+
+constexpr std::int64_t one_ms = 1'000'000;  // [ns]
+
+TEST(LogTicks, AreAGridWithoutATopic) {
+  const LogTicks ticks(100, 0.001);
+  EXPECT_TRUE(ticks.is_grid());
+  EXPECT_EQ(ticks.time(0), 100);
+  EXPECT_EQ(ticks.time(7), 100 + 7 * one_ms);
+  EXPECT_EQ(ticks.time(-2), 100 - 2 * one_ms);
+  EXPECT_EQ(ticks.nearest(100 + 7 * one_ms - 10), 7);
+  EXPECT_EQ(ticks.nearest(0), 0);
+  EXPECT_TRUE(ticks.has_message(3));
+  EXPECT_FALSE(ticks.is_irregular(3));
+}
+
+TEST(LogTicks, AreTheMessagesWhateverTheirJitter) {
+  const LogTicks ticks = LogTicks::at_messages({0, 11 * one_ms, 19 * one_ms, 30 * one_ms}, 0, 0.01);
+  ASSERT_EQ(ticks.size(), 4);
+  EXPECT_EQ(ticks.time(1), 11 * one_ms);
+  EXPECT_EQ(ticks.time(2), 19 * one_ms);
+  EXPECT_EQ(ticks.time(5), 50 * one_ms) << "after the last message they are a grid";
+  EXPECT_EQ(ticks.time(-1), -10 * one_ms);
+  EXPECT_EQ(ticks.nearest(14 * one_ms), 1);
+  EXPECT_EQ(ticks.nearest(16 * one_ms), 2);
+  EXPECT_EQ(ticks.nearest(99 * one_ms), 3);
+}
+
+TEST(LogTicks, HaveATickForEachMissingMessage) {
+  const LogTicks ticks = LogTicks::at_messages({0, 10 * one_ms, 41 * one_ms, 50 * one_ms}, 0, 0.01);
+  ASSERT_EQ(ticks.size(), 6);
+  EXPECT_FALSE(ticks.has_message(2));
+  EXPECT_FALSE(ticks.has_message(3));
+  EXPECT_TRUE(ticks.has_message(4));
+  EXPECT_GT(ticks.time(2), 10 * one_ms);
+  EXPECT_LT(ticks.time(2), ticks.time(3));
+  EXPECT_LT(ticks.time(3), 41 * one_ms);
+  EXPECT_EQ(ticks.time(5), 50 * one_ms);
+}
+
+TEST(LogTicks, TakeALateMessageForNoMissingOne) {
+  const LogTicks ticks = LogTicks::at_messages({0, 10 * one_ms, 28 * one_ms, 30 * one_ms, 40 * one_ms}, 0, 0.01);
+  EXPECT_EQ(ticks.size(), 5);
+  EXPECT_FALSE(ticks.is_irregular(1));
+  EXPECT_TRUE(ticks.is_irregular(2));
+  EXPECT_TRUE(ticks.is_irregular(3)) << "it comes early after a late one";
+  EXPECT_FALSE(ticks.is_irregular(4));
+}
+
+TEST(LogTicks, BeginWithTheFirstMessageFromTheStartOn) {
+  const LogTicks ticks = LogTicks::at_messages({0, 10 * one_ms, 20 * one_ms}, 5 * one_ms, 0.01);
+  EXPECT_EQ(ticks.size(), 2);
+  EXPECT_EQ(ticks.time(0), 10 * one_ms);
+  EXPECT_TRUE(LogTicks::at_messages({0, 10 * one_ms}, 11 * one_ms, 0.01).is_grid()) << "no message is left";
+}
+
+TEST(DurationCounts, HaveAMedianWithinThreePercent) {
+  DurationCounts counts;
+  EXPECT_EQ(counts.median(), 0);
+  EXPECT_FALSE(counts.is_regular());
+  for (int i = 0; i < 60; ++i) counts.add(2 * one_ms + i * 1000);
+  for (int i = 0; i < 5; ++i) counts.add(900 * one_ms);
+  EXPECT_NEAR(static_cast<double>(counts.median()), 2.03e6, 0.06e6);
+  EXPECT_TRUE(counts.is_regular());
+  for (int i = 0; i < 10; ++i) counts.add(20 * one_ms);
+  EXPECT_FALSE(counts.is_regular()) << "a joystick that sends when it is moved";
+}
+
+}  // namespace
+}  // namespace rehearse
