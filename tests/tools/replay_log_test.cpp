@@ -81,6 +81,18 @@ TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("differs from the log's commands at tick "), HasSubstr("\nworst: ")));
 }
 
+TEST_F(ReplayLog, NamesTheTimeIfTheCommandsAgreeATickLater) {
+  std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"
+                                               "joystick: /joy\n"
+                                               "commands: {topic: /Tank/Driver/output/joints, shift: -1}\n";
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe time differs: the commands agree in 999 of 999 ticks if taken 1 tick later "
+                                     "(increase the map's shift by 1); differs from the log's commands at tick "));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["timing"], (nlohmann::json{{"shift", 1}, {"ticks", 999}, {"different", 0}}));
+}
+
 TEST_F(ReplayLog, EndsIn2IfNothingWasCompared) {
   // later than the log is long
   std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <vector>
 
@@ -17,11 +18,25 @@ namespace {
 /// True if a comparison was requested but nothing could be compared.
 bool is_of_nothing(const LogReplayReport& report) { return report.has_commands && report.values == 0; }
 
+/// Names the time as the reason, if it is; else empty.
+std::string timing_text(const LogReplayReport& report) {
+  if (!report.timing) return "";
+  const LogTiming& timing = *report.timing;
+  const std::string amount = fmt::format("{} of {}", timing.ticks - timing.different, count_text(timing.ticks, "tick"));
+  if (!timing.shift)
+    return fmt::format("the time differs: in {} that differ the commands agree with those of a neighbouring tick{}; ",
+                       amount, report.tick ? "" : " (expected tick: TOPIC in the map, of the controller's inputs)");
+  const int ticks = std::abs(*timing.shift);
+  return fmt::format("the time differs: the commands agree in {} if taken {} {} ({} the map's shift by {}); ", amount,
+                     count_text(ticks, "tick"), *timing.shift > 0 ? "later" : "earlier",
+                     *timing.shift > 0 ? "increase" : "decrease", ticks);
+}
+
 std::string verdict(const LogReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
   if (!report.has_commands) return "nothing to compare with: the map names no commands";
   if (report.values == 0) return "nothing was compared: the log has no commands in these ticks";
-  if (report.beyond) return "differs from the log's commands at " + to_string(*report.beyond);
+  if (report.beyond) return timing_text(report) + "differs from the log's commands at " + to_string(*report.beyond);
   const std::string amount =
       fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
   const std::string unknown =
@@ -58,6 +73,14 @@ Json tick_json(const LogReplayReport& report) {
           {"latency", tick.latency ? Json(*tick.latency) : Json(nullptr)}};
 }
 
+Json timing_json(const LogReplayReport& report) {
+  if (!report.timing) return nullptr;
+  const LogTiming& timing = *report.timing;
+  return {{"shift", timing.shift ? Json(*timing.shift) : Json(nullptr)},
+          {"ticks", timing.ticks},
+          {"different", timing.different}};
+}
+
 Json report_json(const LogReplayReport& report, const std::string& trace) {
   Json topics = Json::array();
   for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
@@ -76,6 +99,7 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
           {"ticks_different", report.ticks_different},
           {"ticks_unknown", {{"without_command", report.ticks_without_command}, {"in_doubt", report.ticks_in_doubt}}},
           {"tick", tick_json(report)},
+          {"timing", timing_json(report)},
           {"values", report.values},
           {"values_different", report.values_different},
           {"topics", topics},

@@ -109,33 +109,41 @@ const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
   return found;
 }
 
-std::int64_t LogCommands::compare(const CommandedJoints& logged, const ControllerHost& host, const Scenario& scenario,
-                                  const OnDifference& differs) const {
-  std::int64_t compared = 0;
+Divergence LogCommands::place_of(const HostedController& hosted, const IoField& field, double largest,
+                                 const Scenario& scenario) const {
+  const Joint& joint = model_.links[field.link].joint;
+  Divergence place;
+  place.channel = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
+  place.element = joint.name + "/" + name_of(field.quantity);
+  place.unit = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
+  const std::string series = series_name(place.channel, place.element);
+  place.tolerance = tolerance_of(series, place.unit, scenario.tolerances).bound(largest);
+  return place;
+}
+
+std::vector<CommandPair> LogCommands::compare(const CommandedJoints& logged, const ControllerHost& host,
+                                              const Scenario& scenario, const OnDifference& differs) {
+  std::vector<CommandPair> pairs;
   for (const HostedController& hosted : host.controllers()) {
     if (!hosted.tick.has_output) continue;
     for (const IoField& field : hosted.io->outputs().fields) {
-      if (field.joint < 0) continue;
+      if (field.joint < 0 || field.quantity > Quantity::u || field.quantity == Quantity::ddq) continue;
       const auto part = field.quantity == Quantity::q    ? &CommandedJoint::q
                         : field.quantity == Quantity::dq ? &CommandedJoint::dq
                                                          : &CommandedJoint::u;
       const std::optional<double>& expected = logged[field.joint].*part;
-      if (field.quantity > Quantity::u || field.quantity == Quantity::ddq || !expected) continue;
-      ++compared;
       const double actual = hosted.io->output_values()[field.offset];
-      if (identical(*expected, actual)) continue;
-      const Joint& joint = model_.links[field.link].joint;
-      Divergence found;
-      found.channel = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
-      found.element = joint.name + "/" + name_of(field.quantity);
-      put_numbers(found, *expected, actual, unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
-      const std::string series = series_name(found.channel, found.element);
-      const double scale = facts_.largest.empty() ? 0.0 : (facts_.largest[field.joint].*part).value_or(0.0);
-      found.tolerance = tolerance_of(series, found.unit, scenario.tolerances).bound(scale);
+      const double largest = facts_.largest.empty() ? 0.0 : (facts_.largest[field.joint].*part).value_or(0.0);
+      if (tolerances_.size() == pairs.size())
+        tolerances_.push_back(place_of(hosted, field, largest, scenario).tolerance);
+      pairs.push_back({expected, actual, tolerances_[pairs.size()]});
+      if (!expected || identical(*expected, actual)) continue;
+      Divergence found = place_of(hosted, field, largest, scenario);
+      put_numbers(found, *expected, actual, found.unit);
       differs(std::move(found));
     }
   }
-  return compared;
+  return pairs;
 }
 
 }  // namespace rehearse

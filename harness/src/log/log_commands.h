@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_timing.h"
 #include "host/controller_host.h"
 #include "log_feed.h"
 #include "log_ticks.h"
@@ -83,9 +84,10 @@ class LogCommands {
 
   using OnDifference = std::function<void(Divergence&&)>;
   /// Compares the commands of the controllers in a tick with those of the log. Calls `differs` for each number with
-  /// different bits; the caller sets tick and time. Returns the number of compared numbers.
-  std::int64_t compare(const CommandedJoints& logged, const ControllerHost& host, const Scenario& scenario,
-                       const OnDifference& differs) const;
+  /// different bits; the caller sets tick and time. Returns all numbers of the controllers, in the same order each
+  /// time.
+  std::vector<CommandPair> compare(const CommandedJoints& logged, const ControllerHost& host, const Scenario& scenario,
+                                   const OnDifference& differs);
 
  private:
   struct Sample {
@@ -93,11 +95,16 @@ class LogCommands {
     CommandedJoints joints;
   };
 
+  /// Channel, element, unit and tolerance of a number that a controller commands.
+  Divergence place_of(const HostedController& hosted, const IoField& field, double largest,
+                      const Scenario& scenario) const;
+
   const Model& model_;
   const LogTicks& ticks_;
   const CommandFacts facts_;
   const int shift_;
   CommandReader reader_;
+  std::vector<double> tolerances_;  // by number, once they are known
   std::deque<Sample> samples_;
 };
 

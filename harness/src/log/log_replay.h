@@ -61,6 +61,13 @@ struct LogTickReport {
   std::optional<double> latency;  // from the message of a tick to its command, median [s]
 };
 
+/// A timing of the commands at which nine of ten ticks that differ agree.
+struct LogTiming {
+  std::optional<int> shift;  // the log has the commands so many ticks later; none: at the tick before or after
+  std::int64_t ticks = 0;    // compared so; without a shift, the ticks that differ
+  std::int64_t different = 0;
+};
+
 /// Differences from the log's commands, in the order of ticks.
 struct LogReplayReport : Differences {
   std::int64_t ticks = 0;
@@ -77,6 +84,7 @@ struct LogReplayReport : Differences {
   /// ticks_different: the message may be an input, or a controller with a state may need time. More than a hundred in a
   /// row are different.
   std::int64_t ticks_in_doubt = 0;
+  std::optional<LogTiming> timing;    // set if commands differ, and the time explains it
   std::optional<LogTickReport> tick;  // none: the ticks are a grid
   int channels = 0;                   // of the trace
   std::int64_t frames = 0;            // colour pictures in the trace

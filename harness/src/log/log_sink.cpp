@@ -28,14 +28,17 @@ void LogSink::compare(const Moment& now) {
   if (time < options_.from) return;
   if (!logged || !log_.ticks().has_message(now.tick)) {
     ++report_.ticks_without_command;
+    timing_.add({});
     return;
   }
   Judged tick;
-  tick.compared = log.compare(*logged, *now.host, scenario_, [&](Divergence&& found) {
+  std::vector<CommandPair> pairs = log.compare(*logged, *now.host, scenario_, [&](Divergence&& found) {
     found.tick = now.tick;
     found.time = time;
     tick.differences.push_back(std::move(found));
   });
+  tick.compared = std::count_if(pairs.begin(), pairs.end(), [](const CommandPair& pair) { return pair.logged; });
+  timing_.add(std::move(pairs));
   if (tick.compared > 0) judge(std::move(tick));
 }
 
@@ -83,8 +86,9 @@ void LogSink::end_doubt() {
 }
 
 void LogSink::finish() {
-  if (report_.ticks_compared == 0) return end_doubt();
+  if (report_.ticks_compared == 0) end_doubt();
   report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
+  if (report_.beyond) report_.timing = timing_.explanation();
 }
 
 }  // namespace rehearse

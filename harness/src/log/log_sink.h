@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "command_timing.h"
 #include "log_observations.h"
 #include "log_replay.h"
 #include "run/recording_sink.h"
@@ -53,6 +54,7 @@ class LogSink final : public RecordingSink {
   static constexpr int ticks_of_doubt = 5;
   /// After so many ticks in a row that differ they count: missing or late messages don't explain them.
   static constexpr std::size_t longest_doubt = 100;
+  CommandTiming timing_;
   bool agreed_ = true;            // in the last tick that was compared
   int doubt_ = 0;                 // number of ticks in a row that have to agree until a difference counts
   std::vector<Judged> in_doubt_;  // the last ticks, if all of them differ and are in doubt

@@ -172,7 +172,7 @@ void Robot::control(RobotRun& run, Chance& chance, const Faults& faults) const {
     command.is_kept = !chance.comes(faults.dropped);
     command.joints.name = joints_;
     for (const std::string& joint : joints_) {
-      command.joints.velocity.push_back(has_joystick_ ? bench.joint(joint).dq_target : 0.0);
+      command.joints.velocity.push_back(bench.joint(joint).dq_target);
       command.joints.effort.push_back(bench.joint(joint).u);
     }
   }
@@ -300,6 +300,7 @@ TEST_F(RobotRunLog, DiffersInEachKnownTickOfAnotherController) {
   EXPECT_FALSE(report->within());
   EXPECT_GE(report->ticks_different, run.knowable(true));
   EXPECT_LT(report->ticks_in_doubt, 10);
+  EXPECT_FALSE(report->timing);
 }
 
 TEST_F(RobotRunLog, DiffersInEveryTickIfNoneAgreesEvenIfAMessageIsMissingAtTheBeginning) {
@@ -326,6 +327,27 @@ TEST_F(RobotRunLog, FindsTheTickFromWhichTheControllerIsAnother) {
   EXPECT_EQ(report->beyond->tick, 600);
   EXPECT_EQ(report->ticks_different, 400);
   EXPECT_EQ(report->ticks_unknown(), 0);
+  EXPECT_FALSE(report->timing) << "it isn't the time";
+}
+
+TEST_F(RobotRunLog, FindsThatTheCommandsComeTwoTicksLater) {
+  RobotRun run = walker().run(7, {}, 300);
+  for (RobotMessage& command : run.commands) command.logged += 2 * period;
+  write(run);
+  const std::string by_shift = "commands: {topic: /joint_commands, shift: ";
+  for (const auto& [shift, expected] : {std::pair(0, 2), std::pair(-1, 3), std::pair(5, -3)}) {
+    const auto report = replay(walker(), by_shift + std::to_string(shift) + "}\n");
+    ASSERT_TRUE(report.ok()) << to_string(report.errors());
+    EXPECT_FALSE(report->within());
+    ASSERT_TRUE(report->timing) << shift;
+    EXPECT_EQ(report->timing->shift, expected);
+    EXPECT_EQ(report->timing->different, 0);
+    EXPECT_GT(report->timing->ticks, 280);
+  }
+  const auto right = replay(walker(), by_shift + "2}\n");
+  ASSERT_TRUE(right.ok()) << to_string(right.errors());
+  EXPECT_TRUE(right->equal());
+  EXPECT_FALSE(right->timing);
 }
 
 TEST_F(RobotRunLog, CountsALastingDifferenceAfterAMissingMessage) {
@@ -345,12 +367,15 @@ TEST_F(RobotRunLog, CountsALastingDifferenceAfterAMissingMessage) {
 
 // The reason for ticks at messages.
 TEST_F(RobotRunLog, DiffersOnAGridWhereJitterAndDriftPutMessagesIntoOtherTicks) {
-  write(walker().run(7, {0.1, 1e-4}, 1000));
-  const auto on_grid = replay(walker(), "commands: /joint_commands\n");
+  const Robot parked("TankController", "tank.urdf", joints_of("tank.urdf"), false);
+  write(parked.run(7, {0.1, 1e-4}, 1000));
+  const auto on_grid = replay(parked, "commands: /joint_commands\n");
   ASSERT_TRUE(on_grid.ok()) << to_string(on_grid.errors());
   EXPECT_GT(on_grid->ticks_different, 100);
   EXPECT_FALSE(on_grid->tick);
-  const auto at_messages = replay(walker(), by_message);
+  ASSERT_TRUE(on_grid->timing);
+  EXPECT_EQ(on_grid->timing->shift, std::nullopt) << "it is the neighbouring tick, before or after";
+  const auto at_messages = replay(parked, by_message);
   ASSERT_TRUE(at_messages.ok()) << to_string(at_messages.errors());
   EXPECT_TRUE(at_messages->equal());
   EXPECT_EQ(at_messages->ticks_compared, 1000);
