@@ -229,8 +229,10 @@ class RobotRunLog : public ::testing::Test {
       const auto channel = (*writer)->add_channel(schema, topic, "cdr");
       for (const RobotMessage& message : messages) {
         if (!message.is_kept) continue;
+        Payload payload = message.*member;
+        payload.header.stamp = msg::Time::from_ns(static_cast<std::uint64_t>(message.arrival));
         CdrWriter cdr;
-        msg::encode(message.*member, cdr);
+        msg::encode(payload, cdr);
         entries.push_back({channel, message.logged, {cdr.bytes().begin(), cdr.bytes().end()}});
       }
     };
@@ -404,6 +406,17 @@ TEST_F(RobotRunLog, TakesTheMessagesOfAnyTopicForTicks) {
   ASSERT_TRUE(report.ok()) << to_string(report.errors());
   EXPECT_TRUE(report->equal()) << "each command has its inputs before it";
   EXPECT_EQ(report->ticks_compared, 300);
+}
+
+TEST_F(RobotRunLog, EqualsTheRobotsCommandsByTheStampsToo) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    write(walker().run(seed, real, 2000));
+    const auto report = replay(walker(), std::string(by_message) + "clock: header.stamp\n");
+    ASSERT_TRUE(report.ok()) << to_string(report.errors());
+    EXPECT_TRUE(report->equal()) << to_string(report->first.value_or(Divergence()));
+    EXPECT_GT(report->ticks_compared, 1700);
+    EXPECT_GT(report->topics[0].backwards, 0) << "a message that was logged late";
+  }
 }
 
 TEST_F(RobotRunLog, RefusesATimeStepThatIsNotThatOfTheTicks) {
