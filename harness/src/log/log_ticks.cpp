@@ -45,19 +45,25 @@ bool DurationCounts::is_regular() const {
 
 LogTicks LogTicks::at_messages(const std::vector<std::int64_t>& messages, std::int64_t start, double time_step) {
   LogTicks ticks(start, time_step);
-  const auto steps = [time_step](std::int64_t span) {
-    return std::llround(static_cast<double>(span) * 1e-9 / time_step);
+  constexpr double gain = 0.1;  // a single late message moves the phase by a tenth of its lateness
+  double phase = 0.0;           // smoothed time of the last tick after the start [steps]
+  const auto steps = [start, time_step](std::int64_t time) {
+    return static_cast<double>(time - start) * 1e-9 / time_step;
   };
   for (auto message = std::lower_bound(messages.begin(), messages.end(), start); message != messages.end(); ++message) {
     if (ticks.is_grid()) {
       ticks.messages_.push_back({*message, 0});
+      phase = steps(*message);
       continue;
     }
-    const Message before = ticks.messages_.back();
-    std::int64_t passed = steps(*message - before.time);
+    std::int64_t passed = std::llround(steps(*message) - phase);
     // After a late message the next one comes early: two messages in two steps.
-    if (message + 1 != messages.end()) passed = std::min<std::int64_t>(passed, steps(*(message + 1) - before.time) - 1);
-    ticks.messages_.push_back({*message, before.tick + std::max<std::int64_t>(1, passed)});
+    if (message + 1 != messages.end())
+      passed = std::min<std::int64_t>(passed, std::llround(steps(*(message + 1)) - phase) - 1);
+    passed = std::max<std::int64_t>(1, passed);
+    phase += static_cast<double>(passed);
+    phase += gain * (steps(*message) - phase);
+    ticks.messages_.push_back({*message, ticks.messages_.back().tick + passed});
   }
   return ticks;
 }

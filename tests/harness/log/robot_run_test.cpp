@@ -281,6 +281,7 @@ TEST_P(FiftyLogs, EqualTheRobotsCommandsWhereTheLogHasTheirInputs) {
   EXPECT_GE(report->ticks_compared, knowable) << "what can be known is compared";
   EXPECT_GT(report->ticks_without_command, 0);
   EXPECT_GT(report->tick->missing, 0);
+  EXPECT_NEAR(static_cast<double>(report->ticks), 2000.0, 3.0) << "the time of the recording is the robot's";
   EXPECT_NEAR(report->tick->interval, 0.002, 0.00006);
   EXPECT_NEAR(report->tick->latency.value_or(0.0), 0.0005, 0.0001);
 }
