@@ -92,7 +92,12 @@ struct ReplayProcesses::Child {
 ReplayProcesses::ReplayProcesses(const AuditOptions& options, fs::path trace)
     : options_(options), trace_(std::move(trace)) {}
 
-fs::path ReplayProcesses::folder_of(const ReplaySettings& settings) const { return options_.scratch / settings.name; }
+// Paths of one length: the length of a path changes the layout of the heap, and with it the order of pointers.
+fs::path ReplayProcesses::folder_of(const ReplaySettings& settings) const {
+  constexpr std::size_t width = 32;
+  REHEARSE_ASSERT(settings.name.size() <= width, "all replays have names of at most this length");
+  return options_.scratch / fmt::format("{:_<{}}", settings.name, width);
+}
 
 std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& settings) const {
   std::vector<std::string> words;
