@@ -194,7 +194,7 @@ TEST_P(Noise, IsWithinToleranceAndFarBelowFaults) {
 
 // sr1_minimum is sr1_standing with cameras: pictures take long, so its ten seconds are left to the other.
 INSTANTIATE_TEST_SUITE_P(Of, Noise,
-                         ::testing::Values(Fixture{"camera_follower", false}, Fixture{"drop_box", false},
+                         ::testing::Values(Fixture{"camera_follower", false}, Fixture{"drop_box"},
                                            Fixture{"mesh_arm", true, "Block"}, Fixture{"parent_and_child"},
                                            Fixture{"playback"}, Fixture{"quadruped"}, Fixture{"room", false},
                                            Fixture{"rover"}, Fixture{"sr1_minimum", true, nullptr, 0.3},
