@@ -8,6 +8,9 @@ import type { Report } from './report';
 import type { Store } from './store';
 import { is_dark, palette } from './theme';
 
+/** The most that the camera moves away for the rest of a run, as a factor: the robot stays large. */
+const farthest = 1.25;
+
 export class Scene {
   readonly root = element('div', { class: 'scene' });
   /** How far run and golden are apart; for the head of the panel. */
@@ -126,7 +129,7 @@ export class Scene {
     return chosen;
   }
 
-  /** From the front left, as close as the figures fit into the view. */
+  /** From the front left, as close as the figures fit into the view, now and later in the run. */
   look() {
     if (!this.controls || this.figures.length === 0) return;
     this.moved_by_hand = false;
@@ -136,8 +139,13 @@ export class Scene {
     const box = new three.Box3().setFromPoints(points);
     this.size = Math.max(0.1, box.getSize(new three.Vector3()).length());
     const away = new three.Vector3(0.75, -0.62, 0.32).normalize();
-    const { position, target } = fitted(points, away, this.camera.fov * (Math.PI / 180), this.camera.aspect);
-    this.camera.position.copy(position);
+    const field = this.camera.fov * (Math.PI / 180);
+    const now = fitted(points, away, field, this.camera.aspect);
+    const run = fitted([...points, ...this.points_of_run()], away, field, this.camera.aspect);
+    const target = this.follow ? run.target : now.target;
+    const nearest = now.position.distanceTo(now.target);
+    const distance = this.follow ? Math.min(run.position.distanceTo(run.target), farthest * nearest) : nearest;
+    this.camera.position.copy(target).addScaledVector(away, distance);
     this.camera.near = this.size / 50;
     this.camera.far = this.size * 200;
     this.camera.updateProjectionMatrix();
@@ -145,6 +153,36 @@ export class Scene {
     this.controls.update();
     this.followed.copy(this.followed_point());
     this.make_grid(this.size / 2);
+  }
+
+  /** The corners of the main figure at ticks all over the run, moved as the camera that follows it sees them. */
+  private points_of_run(): three.Vector3[] {
+    const { main } = this;
+    if (!main) return [];
+    const samples = 16;
+    const { begin } = this.report.data,
+      { last } = this.report;
+    const here = this.followed_point();
+    const points: three.Vector3[] = [];
+    const pose = (tick: number) => {
+      main.kinematics.update(tick);
+      main.update();
+      main.root.updateMatrixWorld(true);
+    };
+    for (let i = 0; i <= samples; ++i) {
+      pose(Math.round(begin + ((last - begin) * i) / samples));
+      const by = this.followed_point().sub(here);
+      by.z -= this.slack(by.z);
+      points.push(...main.corners().map((corner) => corner.sub(by)));
+    }
+    pose(this.store.tick);
+    return points;
+  }
+
+  /** The part of a rise that the camera doesn't follow: a step doesn't move the picture up and down, a fall does. */
+  private slack(rise: number): number {
+    const most = 0.15 * this.size;
+    return Math.min(Math.max(rise, -most), most);
   }
 
   // If the recording contains a floor, no grid is needed.
@@ -199,9 +237,7 @@ export class Scene {
     if (this.follow && this.controls) {
       const point = this.followed_point(),
         by = point.clone().sub(this.followed);
-      // a step doesn't move the picture up and down, a fall does
-      const slack = 0.15 * this.size;
-      by.z -= Math.min(Math.max(by.z, -slack), slack);
+      by.z -= this.slack(by.z);
       if (by.lengthSq() > 0) {
         this.followed.add(by);
         this.camera.position.add(by);
@@ -268,7 +304,7 @@ export class Scene {
 /** The nearest position from which all points fit into the picture, seen in the direction opposite to `away`, and the
  * point to look at. `field`: vertical opening angle [rad]; `aspect`: width of the picture over its height. */
 function fitted(points: three.Vector3[], away: three.Vector3, field: number, aspect: number) {
-  const margin = 0.91;
+  const margin = 0.93;
   const right = new three.Vector3(0, 0, 1).cross(away).normalize(),
     up = away.clone().cross(right);
   // A point p is in the picture if |(p - position)·axis| <= tangent · (depth of p), for both axes of the picture.
