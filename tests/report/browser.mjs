@@ -29,10 +29,20 @@ export async function launch() {
 export async function open_report(
   browser,
   file,
-  { hash = '', width = 1280, height = 800, dark = false, ready = true, fonts = false, no_storage = false } = {},
+  {
+    hash = '',
+    width = 1280,
+    height = 800,
+    scale = 1,
+    dark = false,
+    ready = true,
+    fonts = false,
+    no_storage = false,
+  } = {},
 ) {
   const context = await browser.newContext({
     viewport: { width, height },
+    deviceScaleFactor: scale,
     colorScheme: dark ? 'dark' : 'light',
     reducedMotion: 'reduce',
   });
