@@ -50,9 +50,9 @@ void ContactLaw::apply(const TouchedSurface& a, const TouchedSurface& b, dContac
 }
 
 const MaterialPair* ContactLaw::pair_of(const TouchedSurface& a, const TouchedSurface& b) const {
-  const auto& [first, second] = std::minmax(a.material, b.material);
+  const auto materials = std::minmax(a.material, b.material);  // clang 14 captures no structured bindings
   const auto found = std::find_if(pairs_.begin(), pairs_.end(), [&](const MaterialPair& pair) {
-    return pair.materials[0] == first && pair.materials[1] == second;
+    return pair.materials[0] == materials.first && pair.materials[1] == materials.second;
   });
   return found == pairs_.end() ? nullptr : &*found;
 }
