@@ -1,4 +1,4 @@
-rehearse_add_test(world_tests LABEL sim
+rehearse_add_test(world_tests LABEL sim SHARDS 8
   SOURCES
     world/contacts_test.cpp
     world/create_test.cpp
@@ -33,7 +33,7 @@ rehearse_add_test(world_tests LABEL sim
     world/wrenches_test.cpp
   LIBRARIES Rehearse::world)
 
-rehearse_add_test(vision_tests LABEL render
+rehearse_add_test(vision_tests LABEL render SHARDS 1
   SOURCES vision/pinhole_test.cpp vision/vision_test.cpp
   LIBRARIES Rehearse::renderer)
 

@@ -1,6 +1,6 @@
 find_package(nlohmann_json 3.10 REQUIRED)
 
-rehearse_add_test(judging_test LABEL unit
+rehearse_add_test(judging_test LABEL unit SHARDS 3
   SOURCES
     compare_test.cpp
     compare_events_test.cpp

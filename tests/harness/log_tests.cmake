@@ -1,6 +1,6 @@
 find_package(JPEG REQUIRED)
 
-rehearse_add_test(log_test LABEL unit
+rehearse_add_test(log_test LABEL unit SHARDS 2
   SOURCES
     log/feeds_test.cpp
     log/map_broken_test.cpp

@@ -1,4 +1,4 @@
-rehearse_add_test(mcap_test LABEL unit
+rehearse_add_test(mcap_test LABEL unit SHARDS 3
   SOURCES
     mcap/by_summary_test.cpp
     mcap/copy_test.cpp

@@ -2,7 +2,7 @@ find_package(nlohmann_json 3.10 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 
-rehearse_add_test(report_test LABEL unit
+rehearse_add_test(report_test LABEL unit SHARDS 2
   SOURCES
     report/report_robots_test.cpp
     report/report_test.cpp

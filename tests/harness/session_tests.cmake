@@ -11,7 +11,7 @@ function(add_test_controller name)
   add_dependencies(session_tests ${name})
 endfunction()
 
-rehearse_add_test(session_tests LABEL sim
+rehearse_add_test(session_tests LABEL sim SHARDS 6
   SOURCES
     session/actuation_test.cpp
     session/branch_test.cpp

@@ -1,5 +1,5 @@
 # Expressions, and recordings tick by tick. The controllers are those of session_tests.
-rehearse_add_test(stepping_tests LABEL sim
+rehearse_add_test(stepping_tests LABEL sim SHARDS 1
   SOURCES
     stepping/expression_test.cpp
     stepping/stepped_trace_test.cpp

@@ -1,6 +1,6 @@
 find_package(nlohmann_json 3.10 REQUIRED)
 
-rehearse_add_test(trace_test LABEL unit
+rehearse_add_test(trace_test LABEL unit SHARDS 1
   SOURCES
     trace/broken_traces_test.cpp
     trace/cdr_test.cpp
