@@ -245,7 +245,7 @@ test('all violated expectations are in the verdict; a click leads there, a run a
 test('the controller’s source line is one click away, if the report has it', async () => {
   const source = Array.from({ length: 17 }, (_, i) => `  line_of_code(${62 + i});`);
   const frames = [{ function: 'Walk::control', file: '/home/me/walk.cpp', line: 70, begin: 62, source }];
-  const call_stack = { controller: 'Walker/Walk', tick: 640, frames };
+  const call_stack = { controller: 'Walker/Walk', command: 'KNEE/u', tick: 640, frames };
   await with_report({ ...small, call_stack }, { width: 1280, height: 720 }, async ({ page }) => {
     await page.keyboard.press('End');
     await page.click('button:has-text("Source line")');

@@ -297,8 +297,27 @@ TEST_F(Gdb, ShowsTheLineOfTheFirstDifferingCommandInAReport) {
       std::string(environment) + " REHEARSE_REPORT_PAGE=" + page.string());
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const std::string report = read_file(folder() / "stiffer.html");
-  EXPECT_THAT(report, HasSubstr("\"call_stack\":{\"controller\":\"Pendulum/Swing\",\"tick\":9,\"frames\":[{"));
-  EXPECT_THAT(report, ContainsRegex("looked_at.cpp\",\"line\":[0-9]+,\"begin\":[0-9]+,\"source\":\\[\".*// begins\""));
+  EXPECT_THAT(report, HasSubstr("\"call_stack\":{\"controller\":\"Pendulum/Swing\",\"command\":\"hinge/u\",\"tick\":9,"
+                                "\"frames\":[{"));
+  const std::string line = line_of(gdb_knows_types ? "commands" : "begins");
+  EXPECT_THAT(report, ContainsRegex("looked_at.cpp\",\"line\":" + line.substr(line.find(':') + 1) +
+                                    ",\"begin\":[0-9]+,\"source\":\\[\".*// commands\""));
+}
+
+TEST_F(Gdb, StopsAtTheLineThatChangesACommand) {
+  if (!gdb_knows_types) GTEST_SKIP() << "built with line numbers alone, as builds with sanitizers are";
+  record();
+  const Outcome outcome = in_gdb({"replay", "pendulum.mcap", "--gdb", "--tick", "20"}, R"(rehearse-write hinge/u
+print calls_
+rehearse-write hinge/u
+rehearse-tick
+rehearse-write knee/u
+rehearse-next-tick
+print calls_)");
+  EXPECT_THAT(outcome.out, ContainsRegex("hinge/u is written in .*LookedAt::control, .*" + line_of("commands") + "\n"));
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("$1 = 20\n"), HasSubstr("hinge/u doesn't change in the rest of this call\n"),
+                                 HasSubstr("$2 = 21\n")));
+  EXPECT_THAT(outcome.err, HasSubstr("'knee/u' is no command of a joint (JOINT/u, /q or /dq; see rehearse-commands)"));
 }
 
 TEST_F(Gdb, StopsBehindAThunk) {

@@ -266,30 +266,31 @@ Exit replay_log_in_gdb(const DebuggerOptions& debugger, const std::vector<std::s
 
 namespace {
 
-CallStack stack_of(const Json& read, const std::string& controller, std::int64_t tick) {
-  CallStack stack{controller, tick, {}};
+std::vector<StackFrame> frames_of(const Json& read) {
+  std::vector<StackFrame> frames;
   for (const Json& frame : read.value("frames", Json::array()))
-    stack.frames.push_back({frame.value("function", ""), frame.value("file", ""), frame.value("line", 0),
-                            frame.value("begin", 0), frame.value("source", std::vector<std::string>())});
-  return stack;
+    frames.push_back({frame.value("function", ""), frame.value("file", ""), frame.value("line", 0),
+                      frame.value("begin", 0), frame.value("source", std::vector<std::string>())});
+  return frames;
 }
 
 }  // namespace
 
-Result<CallStack> call_stack_at(const fs::path& trace, const std::string& controller, std::int64_t tick,
-                                const HostOptions& host) {
+Result<CallStack> call_stack_at(const fs::path& trace, const std::string& controller, const std::string& command,
+                                std::int64_t tick, const HostOptions& host) {
   constexpr std::chrono::seconds limit(60);
   if (find_program("gdb").empty()) return error("there is no gdb on the PATH", "apt-get install gdb");
   std::vector<std::string> words{"replay", trace.string(), "--gdb=" + controller, fmt::format("--tick={}", tick)};
   for (const auto& [name, library] : host.libraries) words.push_back(fmt::format("--controller={}={}", name, library));
-  for (const char* word : {"-batch", "-ex", "rehearse-stack"}) words.push_back(std::string("--gdb-arg=") + word);
+  for (const std::string& word : {std::string("-batch"), std::string("-ex"), "rehearse-stack " + command})
+    words.push_back("--gdb-arg=" + word);
   const auto end = std::chrono::steady_clock::now() + limit;
   std::istringstream lines(output_of(std::move(words), [&] { return std::chrono::steady_clock::now() > end; }));
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with("{")) continue;
     const Json read = Json::parse(line, nullptr, false);
     if (!read.is_object()) continue;
-    CallStack stack = stack_of(read, controller, tick);
+    CallStack stack{controller, command, tick, frames_of(read)};
     if (stack.frames.empty() || stack.frames[0].file.empty())
       return error(controller + " has no debug information", "build it with -g");
     if (stack.frames[0].source.empty())

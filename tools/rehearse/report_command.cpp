@@ -56,8 +56,8 @@ Exit run_report(ReportSettings& settings) {
   std::optional<fs::path> golden;
   if (!settings.golden.empty()) golden = settings.golden;
   if (settings.call_stack)
-    settings.options.call_stack = [&](const std::string& controller, std::int64_t tick) {
-      return call_stack_at(settings.trace, controller, tick, settings.host);
+    settings.options.call_stack = [&](const std::string& controller, const std::string& command, std::int64_t tick) {
+      return call_stack_at(settings.trace, controller, command, tick, settings.host);
     };
   const auto written = [&] {
     StoppableProgress progress("reporting");
@@ -104,7 +104,7 @@ std::function<Exit()> declare_report(CLI::App& options) {
                   "the file TRACE was recorded from, beside which meshes are looked for (above TRACE, and here)")
       ->type_name("FILE");
   options.add_flag("--call-stack", settings->call_stack,
-                   "with the source line of the controller whose command differs first: replays TRACE in gdb, a minute "
+                   "with the source line that writes the command that differs first: replays TRACE in gdb, a minute "
                    "at most");
   add_host_options(options, settings->host);
   options.get_option("--controller")->needs("--call-stack");

@@ -36,9 +36,11 @@ struct StackFrame {
   std::vector<std::string> source;  // the lines around; empty: the file can't be read
 };
 
-/// The call stack of a controller in control() at a tick; the innermost frame comes first.
+/// The call stack of a controller in control() at a tick; the innermost frame comes first. It is that of the line that
+/// changes the command last in the tick, or that of the beginning of control() if none does.
 struct CallStack {
   std::string controller;  // BODY/NAME
+  std::string command;     // JOINT/QUANTITY: hinge/u; empty: a command of no joint
   std::int64_t tick = 0;
   std::vector<StackFrame> frames;
 };
@@ -58,9 +60,9 @@ struct ReportOptions {
   std::filesystem::path scenario;
   /// The page into which the data is written; empty: the page of this library.
   std::filesystem::path page;
-  /// Called with the controller (BODY/NAME) and the tick of the first command that differs; null: the report has no
-  /// call stack.
-  std::function<Result<CallStack>(const std::string& controller, std::int64_t tick)> call_stack;
+  /// Called for the first command that differs, with the members of CallStack; null: the report has no call stack.
+  std::function<Result<CallStack>(const std::string& controller, const std::string& command, std::int64_t tick)>
+      call_stack;
   /// Limit of the size of the file; browsers open larger files slowly [bytes].
   std::uintmax_t max_size = std::uintmax_t{400} << 20;
   /// Called with the number of finished parts and of all parts; null: not.

@@ -102,7 +102,10 @@ ReportJson json_of(const CallStack& stack) {
                       {"line", frame.line},
                       {"begin", frame.begin},
                       {"source", frame.source}});
-  return {{"controller", stack.controller}, {"tick", stack.tick}, {"frames", std::move(frames)}};
+  return {{"controller", stack.controller},
+          {"command", stack.command},
+          {"tick", stack.tick},
+          {"frames", std::move(frames)}};
 }
 
 ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::path& file) {
@@ -327,7 +330,9 @@ ReportJson ReportMaker::call_stack_json(const Places& places) {
     for (const auto& [divergence, beyond] : places.all) {
       const ChannelName channel = ChannelName::parse(divergence.channel);
       if (beyond != wants_beyond || channel.side != ChannelSide::output) continue;
-      const auto stack = options_.call_stack(channel.label(), divergence.tick);
+      const bool is_of_joint = channel.kind == ChannelKind::joints;
+      const auto stack =
+          options_.call_stack(channel.label(), is_of_joint ? divergence.element : std::string(), divergence.tick);
       if (stack) return json_of(*stack);
       summary_.omitted.push_back("There is no call stack: " + stack.errors()[0].message);
       return nullptr;

@@ -221,13 +221,15 @@ TEST_F(Report, HasTheCallStackOfTheFirstCommandBeyondTolerance) {
   actual_.ticks[0].u = std::nextafter(12.0, 13.0);
   actual_.ticks[2].u = 13.0;
   golden_.ticks[2].q = 0.6;
-  std::vector<std::pair<std::string, std::int64_t>> asked;
-  options_.call_stack = [&](const std::string& controller, std::int64_t tick) -> Result<CallStack> {
-    asked.emplace_back(controller, tick);
-    return CallStack{controller, tick, {{"Pd::control", "pd.cpp", 12, 11, {"{", "  u = 13;"}}}};
+  std::vector<std::tuple<std::string, std::string, std::int64_t>> asked;
+  options_.call_stack = [&](const std::string& controller, const std::string& command,
+                            std::int64_t tick) -> Result<CallStack> {
+    asked.emplace_back(controller, command, tick);
+    return CallStack{controller, command, tick, {{"Pd::control", "pd.cpp", 12, 11, {"{", "  u = 13;"}}}};
   };
   const DecodedReport report = beside_golden();
-  EXPECT_EQ(asked, (std::vector<std::pair<std::string, std::int64_t>>{{"Robot/Pd", 2}}));
+  EXPECT_EQ(asked, (std::vector<std::tuple<std::string, std::string, std::int64_t>>{{"Robot/Pd", "KNEE/u", 2}}));
+  EXPECT_EQ(report["call_stack"]["command"], "KNEE/u");
   EXPECT_EQ(report["call_stack"]["tick"], 2);
   EXPECT_EQ(report["call_stack"]["frames"][0]["line"], 12);
   EXPECT_EQ(report["call_stack"]["frames"][0]["source"][1], "  u = 13;");
@@ -235,7 +237,9 @@ TEST_F(Report, HasTheCallStackOfTheFirstCommandBeyondTolerance) {
 
 TEST_F(Report, WithoutACallStackSaysWhy) {
   actual_.ticks[2].u = 13.0;
-  options_.call_stack = [](const std::string&, std::int64_t) -> Result<CallStack> { return error("no gdb"); };
+  options_.call_stack = [](const std::string&, const std::string&, std::int64_t) -> Result<CallStack> {
+    return error("no gdb");
+  };
   const DecodedReport report = beside_golden();
   EXPECT_TRUE(report["call_stack"].is_null());
   EXPECT_THAT(report["omitted"].dump(), HasSubstr("There is no call stack: no gdb"));

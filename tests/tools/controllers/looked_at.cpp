@@ -42,7 +42,7 @@ class LookedAt :
 #ifdef STIFFER_FROM
     if (calls_ >= STIFFER_FROM) torque *= 1.5;
 #endif
-    joint_->u() = torque;
+    joint_->u() = torque;  // commands
     if (calls_ == crash_at_) nothing_->u() = 1.0;  // crashes
     ++calls_;                                      // has commanded
     return true;

@@ -4,7 +4,7 @@ from typing import Optional
 
 import gdb
 
-from . import place, stack, tables, travel
+from . import place, stack, tables, travel, writes
 
 # The controller that the user selected: NAME or BODY/NAME; empty: the first that is called in a tick.
 _chosen = ""
@@ -59,6 +59,7 @@ class Prefix(gdb.Command):
     rehearse-back [N]       to the tick before, or N ticks back, by beginning again
     rehearse-inputs         what the controller sees
     rehearse-commands       what it has commanded so far
+    rehearse-write COMMAND  to the line that changes a command
     rehearse-stack          its call stack with source lines, as JSON
 
     Bodies, links, devices, value trees, and Eigen's vectors and matrices are printed as what they mean; `print /r`
@@ -153,16 +154,29 @@ class Commands(gdb.Command):
         gdb.write(tables.commands(_here()))
 
 
+class Write(gdb.Command):
+    """rehearse-write JOINT/QUANTITY: on to the line of control() that changes a command next, as hinge/u, /q or /dq.
+
+    It stops behind that line, or where control() returns. Other breakpoints stop it on the way."""
+
+    def __init__(self) -> None:
+        super().__init__("rehearse-write", gdb.COMMAND_RUNNING, gdb.COMPLETE_NONE)
+
+    def invoke(self, argument: str, from_tty: bool) -> None:
+        writes.to_next(_here(), _one_word(argument))
+
+
 class Stack(gdb.Command):
-    """rehearse-stack: the call stack of the controller with its source lines, as a line of JSON."""
+    """rehearse-stack [JOINT/QUANTITY]: the call stack of the controller with its source lines, as a line of JSON.
+
+    With a command: that of the line that changes it last in this call of control(), which is run to its end."""
 
     def __init__(self) -> None:
         super().__init__("rehearse-stack", gdb.COMMAND_STACK, gdb.COMPLETE_NONE)
 
     def invoke(self, argument: str, from_tty: bool) -> None:
-        _one_word(argument)
-        _here()
-        gdb.write(stack.as_json() + "\n")
+        element, now = _one_word(argument), _here()
+        gdb.write(stack.as_json(writes.last(now, element) if element else stack.frames()) + "\n")
 
 
 class Start(gdb.Command):
@@ -184,7 +198,7 @@ class Start(gdb.Command):
 
 
 def register() -> None:
-    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Stack, Start):
+    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Write, Stack, Start):
         command()
     # the signal by which the watchdog (guarded_call.cpp) ends a call; it does so only without a debugger
     gdb.execute("handle SIGXCPU nostop noprint pass", to_string=True)

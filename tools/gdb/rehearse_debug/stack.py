@@ -25,21 +25,31 @@ def _source(file: str, line: int) -> Dict[str, Any]:
     return {"begin": begin, "source": lines[begin - 1 : line + LINES_AROUND]}
 
 
-def _described(frame: gdb.Frame) -> Dict[str, Any]:
-    place = frame.find_sal()
+def _described(frame: gdb.Frame, has_executed: bool) -> Dict[str, Any]:
+    """`has_executed`: the line is that of the instruction before."""
+    place = gdb.find_pc_line(frame.pc() - 1) if has_executed else frame.find_sal()
     file = place.symtab.fullname() if place.symtab else ""
     return {"function": frame.name() or "", "file": file, "line": place.line, **_source(file, place.line)}
 
 
-def frames() -> List[Dict[str, Any]]:
-    """The frames of the controller, innermost first, without those of Rehearse below them."""
+def frames(has_written: bool = False) -> List[Dict[str, Any]]:
+    """The frames of the controller, innermost first, without those of Rehearse below them. `has_written`: the innermost
+    frame is behind the instruction that a watchpoint has stopped."""
     found: List[Dict[str, Any]] = []
     frame: Optional[gdb.Frame] = gdb.newest_frame()
     while frame is not None and not _is_of_the_host(frame):
-        found.append(_described(frame))
+        found.append(_described(frame, has_written and not found))
         frame = frame.older()
     return found
 
 
-def as_json() -> str:
-    return json.dumps({"frames": frames()})
+def host_frame() -> Optional[gdb.Frame]:
+    """The frame of Rehearse that has called the controller."""
+    frame: Optional[gdb.Frame] = gdb.newest_frame()
+    while frame is not None and not _is_of_the_host(frame):
+        frame = frame.older()
+    return frame
+
+
+def as_json(of: List[Dict[str, Any]]) -> str:
+    return json.dumps({"frames": of})

@@ -89,6 +89,20 @@ class Io:
         return [number for vector in vectors for number in vector]
 
 
+def command(now: place.Place, element: str) -> gdb.Value:
+    """The number in the body by which a joint is commanded: JOINT/QUANTITY, as recordings call it."""
+    joint, _, quantity = element.rpartition("/")
+    members = {_READ[known]: member for known, member in _WRITTEN.items()}
+    try:
+        body = gdb.Value(now.body).cast(gdb.lookup_type("cnoid::Body").pointer()).dereference()
+        for link in map(values.pointee, values.elements(body["links_"])):
+            if link is not None and printers.Link.joint_name(link) == joint and quantity in members:
+                return link[members[quantity] + "_"]
+    except gdb.error as problem:
+        raise gdb.GdbError(f"no command can be found without debug information: {problem}") from problem
+    raise gdb.GdbError(f"'{element}' is no command of a joint (JOINT/u, /q or /dq; see rehearse-commands)")
+
+
 def _table(rows: List[List[str]]) -> str:
     """Columns as wide as their widest cell, the first left-aligned; positive numbers have a blank instead of a sign."""
     padded = [[cell if cell.startswith("-") or i == 0 else " " + cell for i, cell in enumerate(row)] for row in rows]

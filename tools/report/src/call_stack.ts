@@ -24,11 +24,11 @@ export function show_source_line() {
   document.querySelector('.source .current')?.scrollIntoView({ block: 'center' });
 }
 
-export function call_stack({ controller, tick, frames }: NonNullable<ReportData['call_stack']>): HTMLElement {
+export function call_stack({ controller, command, tick, frames }: NonNullable<ReportData['call_stack']>): HTMLElement {
   return element(
     'div',
     { class: 'call-stack', tabindex: '0', 'aria-label': 'call stack' },
-    element('p', { class: 'note' }, `${controller} in control() at tick ${tick}, whose command differs first.`),
+    element('p', { class: 'note' }, `${controller} at tick ${tick}: ${command || 'a command'} differs first.`),
     ...frames.map((frame, i) =>
       element(
         'section',

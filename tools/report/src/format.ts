@@ -201,7 +201,7 @@ export interface ReportData {
   divergences: DivergenceEntry[];
   first: number | null;
   worst: string[]; // series
-  call_stack: { controller: string; tick: number; frames: FrameEntry[] } | null;
+  call_stack: { controller: string; command: string; tick: number; frames: FrameEntry[] } | null;
   spans: [number, number][];
   axes: AxisEntry[];
   series: SeriesEntry[];
