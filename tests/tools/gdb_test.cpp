@@ -313,11 +313,25 @@ rehearse-write hinge/u
 rehearse-tick
 rehearse-write knee/u
 rehearse-next-tick
-print calls_)");
+print calls_
+echo [breakpoint]\n
+tbreak )" + line_of("commands") + R"(
+rehearse-write hinge/u
+echo [behind]\n
+rehearse-write hinge/u
+finish
+rehearse-write hinge/u)");
   EXPECT_THAT(outcome.out, ContainsRegex("hinge/u is written in .*LookedAt::control, .*" + line_of("commands") + "\n"));
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("$1 = 20\n"), HasSubstr("hinge/u doesn't change in the rest of this call\n"),
                                  HasSubstr("$2 = 21\n")));
   EXPECT_THAT(outcome.err, HasSubstr("'knee/u' is no command of a joint (JOINT/u, /q or /dq; see rehearse-commands)"));
+  const std::size_t breakpoint = outcome.out.find("[breakpoint]"), behind = outcome.out.find("[behind]");
+  ASSERT_NE(behind, std::string::npos) << outcome.out << outcome.err;
+  EXPECT_THAT(
+      outcome.out.substr(breakpoint, behind - breakpoint),
+      AllOf(ContainsRegex("hit Temporary breakpoint 1, .*" + line_of("commands")), Not(HasSubstr("doesn't change"))));
+  EXPECT_THAT(outcome.out.substr(behind), ContainsRegex("hinge/u is written in .*" + line_of("commands") + "\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("gdb isn't in code of a controller here"));
 }
 
 TEST_F(Gdb, StopsBehindAThunk) {

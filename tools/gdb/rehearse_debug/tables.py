@@ -90,16 +90,14 @@ class Io:
 
 
 def command(now: place.Place, element: str) -> gdb.Value:
-    """The number in the body by which a joint is commanded: JOINT/QUANTITY, as recordings call it."""
+    """The number in the body by which a joint is commanded: JOINT/QUANTITY, as recordings call it. Raises gdb.error
+    without debug information."""
     joint, _, quantity = element.rpartition("/")
     members = {_READ[known]: member for known, member in _WRITTEN.items()}
-    try:
-        body = gdb.Value(now.body).cast(gdb.lookup_type("cnoid::Body").pointer()).dereference()
-        for link in map(values.pointee, values.elements(body["links_"])):
-            if link is not None and printers.Link.joint_name(link) == joint and quantity in members:
-                return link[members[quantity] + "_"]
-    except gdb.error as problem:
-        raise gdb.GdbError(f"no command can be found without debug information: {problem}") from problem
+    body = gdb.Value(now.body).cast(gdb.lookup_type("cnoid::Body").pointer()).dereference()
+    for link in map(values.pointee, values.elements(body["links_"])):
+        if link is not None and printers.Link.joint_name(link) == joint and quantity in members:
+            return link[members[quantity] + "_"]
     raise gdb.GdbError(f"'{element}' is no command of a joint (JOINT/u, /q or /dq; see rehearse-commands)")
 
 

@@ -1,6 +1,6 @@
 """Runs on, within one call of a controller, to the lines that change one of its commands."""
 
-from typing import Any, Dict, List
+from typing import Any, Dict, List, NamedTuple
 
 import gdb
 
@@ -21,32 +21,37 @@ class _Write(gdb.Breakpoint):
         return self.stops
 
 
-def _run_on(now: place.Place, element: str, stops: bool) -> List[Dict[str, Any]]:
-    """The frames of the change at which it stopped, or of the last one in this call; empty: there is no change."""
+class _Run(NamedTuple):
+    frames: List[Dict[str, Any]]  # of the change at which it stopped, or of the last one in the call; empty: none
+    returned: bool  # it stopped where the call returned
+
+
+def _run_on(now: place.Place, element: str, stops: bool) -> _Run:
     address = int(tables.command(now, element).address)
     host = stack.host_frame()
-    if host is None:
-        raise gdb.GdbError(f"{now}: no controller is being called")
+    if host is None or not stack.frames():
+        raise gdb.GdbError("gdb isn't in code of a controller here; rehearse-next-tick goes to the next control()")
     end = gdb.Breakpoint(f"*{host.pc():#x}", internal=True)
     end.silent = True
     write = _Write(address, stops)
     try:
-        told = gdb.execute("continue", to_string=True)
+        gdb.execute("continue")
+        return _Run(write.last, place.is_running() and gdb.newest_frame().pc() == host.pc())
     finally:
         write.delete()
         end.delete()
-    if not place.is_running() or (not write.last and gdb.newest_frame().pc() != host.pc()):
-        gdb.write(told)  # the program ended, or crashed
-    return write.last
 
 
 def to_next(now: place.Place, element: str) -> None:
     """Stops behind the instruction that changes the command next, or at the end of the call."""
-    frames = _run_on(now, element, stops=True)
-    if frames:
-        gdb.write("{} is written in {function}, {file}:{line}\n".format(element, **frames[0]))
+    try:
+        run = _run_on(now, element, stops=True)
+    except gdb.error as problem:
+        raise gdb.GdbError(f"{element} can't be watched: {problem}") from problem
+    if run.frames:
+        gdb.write("{} is written in {function}, {file}:{line}\n".format(element, **run.frames[0]))
         gdb.execute("frame")
-    elif place.is_running():
+    elif run.returned:
         gdb.write(f"{element} doesn't change in the rest of this call\n")
 
 
@@ -54,6 +59,6 @@ def last(now: place.Place, element: str) -> List[Dict[str, Any]]:
     """The frames of the last change in this call; those of the present place if there is none, or none can be found."""
     here = stack.frames()
     try:
-        return _run_on(now, element, stops=False) or here
-    except gdb.GdbError:
+        return _run_on(now, element, stops=False).frames or here
+    except gdb.error:  # no debug information
         return here
