@@ -1,4 +1,5 @@
-// The cost of the plant level of a check, and of checkpoints in a recording.
+// The cost of the plant level of a check, of a proof, and of checkpoints in a recording.
+#include <rehearse/check.h>
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
 
@@ -33,6 +34,27 @@ void plant_level_over_closed_level(benchmark::State& state) {
   pairs.report(state, static_cast<double>(sr1.ticks()), static_cast<double>(sr1.ticks()));
 }
 BENCHMARK(plant_level_over_closed_level)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// Work: a check whose world and controllers are those of the golden: a proof. Base: the recording of that run.
+void proved_check_over_record(benchmark::State& state) {
+  const Sr1Run& sr1 = Sr1Run::instance();
+  const Simulation simulation{record, run_plant, describe_plant, record_from};
+  CheckOptions options;
+  options.certificates = sr1.folder() / "proofs";
+  const auto check = [&] {
+    return must(check_scenario(sr1.scenario(), sr1.trace(), sr1.folder() / "checked.mcap", options, simulation));
+  };
+  if (check().proved) state.SkipWithError("nothing was certified yet");
+  Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
+  for (auto _ : state) {
+    const auto work = [&] {
+      if (!check().proved) state.SkipWithError("it isn't proved");
+    };
+    state.SetIterationTime(pairs.measure(work, [&] { must(record(sr1.scenario(), sr1.folder() / "again.mcap")); }));
+  }
+  pairs.report(state, static_cast<double>(sr1.ticks()), static_cast<double>(sr1.ticks()));
+}
+BENCHMARK(proved_check_over_record)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 /// Work: a whole recording with checkpoints, some of them tried out. Base: the same without. `size_ratio`: of the
 /// files.

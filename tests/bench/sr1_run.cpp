@@ -45,7 +45,7 @@ std::unique_ptr<World> Sr1Run::make_world() const {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario_.bodies)
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
-                      body.joint_limits, body.effort_limits, body.trimesh, body.self_collision});
+                      body.joint_limits.value_or(true), body.effort_limits, body.self_collision});
   return must(
       World::create({scenario_.time_step, scenario_.gravity, scenario_.seed, scenario_.solver}, std::move(bodies)));
 }

@@ -1,44 +1,20 @@
-// docs_test.mjs SOURCE BUILD PAGE: runs the sessions of a README and compares what they print. Its links must lead to
-// files and headings that exist. The main README and its pictures must be small.
+// docs_test.mjs SOURCE BUILD PAGE: runs the sessions of a README, or of a page of the site, and compares what they print.
+// Links of a README must lead to files and headings that exist (tools/site/stage.mjs examines those of the site). The
+// main README and its pictures must be small.
 //
 // A session is a fenced block with lines that begin with "$ ". It runs in a folder with the fixtures and the goldens of
 // the checkout and its build; what a session leaves is there for the next. Numbers are masked, white space counts as one
-// space, "..." stands for any text, lines that begin with "(step) " are typed. Comments before a block, which no reader sees:
-//   <!-- docs: COMMAND -->         runs first
-//   <!-- docs skip: REASON -->     the block isn't run
+// space, "..." stands for any text, lines that begin with "(step) " are typed. tools/site/markdown.mjs lists the comments
+// before a block, which no reader sees. A page of the site must state for each block how it is run, or why not.
 // A block marked sh, without "$ ", is run line by line and has to succeed.
 import { spawnSync } from 'node:child_process';
-import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, statSync, symlinkSync } from 'node:fs';
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
+import { anchorsOf, blocksOf } from '../../tools/site/markdown.mjs';
 
 const [source, build, page] = process.argv.slice(2);
-
-/** The blocks of a page: {line, language, text, setup, skip}. */
-function blocksOf(markdown) {
-  const blocks = [];
-  let setup = [];
-  let skip = '';
-  let open = null;
-  markdown.split('\n').forEach((line, index) => {
-    const fence = line.match(/^```(\w*)/);
-    const comment = line.match(/^<!-- docs( skip)?: (.*) -->$/);
-    if (open && fence) {
-      blocks.push(open);
-      open = null;
-    } else if (open) {
-      open.text.push(line);
-    } else if (fence) {
-      open = { line: index + 1, language: fence[1], text: [], setup, skip };
-      setup = [];
-      skip = '';
-    } else if (comment) {
-      if (comment[1]) skip = comment[2];
-      else setup.push(comment[2]);
-    }
-  });
-  return blocks;
-}
+const isOfSite = page.startsWith('tools/site/');
 
 /** The commands of a block, each with what it prints. */
 function commandsOf(block) {
@@ -105,10 +81,18 @@ const fail = (block, text) => {
   console.log(`${page}:${block.line}: ${text}`);
 };
 for (const block of blocksOf(readFileSync(join(source, page), 'utf8'))) {
-  const commands = commandsOf(block);
-  if (!commands.length) continue;
   if (block.skip) {
     console.log(`${page}:${block.line}: not run: ${block.skip}`);
+    continue;
+  }
+  if (block.needs && run(block.needs).status !== 0) {
+    console.log(`${page}:${block.line}: not run on this machine: '${block.needs}' fails`);
+    continue;
+  }
+  const commands = block.file ? [] : commandsOf(block);
+  if (!commands.length && !block.file) {
+    if (isOfSite && block.language !== 'text' && !block.language.startsWith('{'))
+      fail(block, 'the block is neither run (a session), nor a file (docs file), nor left out with a reason (docs skip)');
     continue;
   }
   place = folder;
@@ -116,44 +100,36 @@ for (const block of blocksOf(readFileSync(join(source, page), 'utf8'))) {
     const outcome = run(command);
     if (outcome.status !== 0) fail(block, `the set-up '${command}' ended in ${outcome.status}:\n${outcome.stdout}`);
   }
+  if (block.file) {
+    mkdirSync(dirname(join(folder, block.file)), { recursive: true });
+    writeFileSync(join(folder, block.file), block.text.join('\n') + '\n');
+  }
   for (const { command, output } of commands) {
     const typed = (output ?? []).filter((line) => line.startsWith('(step) ')).map((line) => line.slice(7) + '\n');
     const outcome = run(command, typed.join(''));
     ++done;
     const shown = output?.filter((line) => !line.startsWith('(step) '));
-    if (output === null && outcome.status !== 0)
+    const saysNothing = output === null || shown.join('').trim() === '...';
+    if (saysNothing && outcome.status !== 0)
       fail(block, `'${command}' ended in ${outcome.status}:\n${outcome.stdout}`);
     const missing = output === null ? null : mismatch(shown.join('\n'), outcome.stdout);
     if (missing !== null) fail(block, `'${command}' doesn't print '${missing}'; it printed:\n${outcome.stdout}`);
   }
 }
 
-/** The anchors that a heading gets on a page: small letters, no punctuation, hyphens for spaces. */
-const anchorsOf = (file) =>
-  readFileSync(file, 'utf8')
-    .replace(/^```[^]*?^```/gm, '')
-    .split('\n')
-    .filter((line) => /^#+ /.test(line))
-    .map((line) =>
-      line
-        .replace(/^#+ /, '')
-        .toLowerCase()
-        .replace(/[^\p{L}\p{N} _-]/gu, '')
-        .replaceAll(' ', '-'),
-    );
-
 const text = readFileSync(join(source, page), 'utf8');
-text.split('\n').forEach((line, index) => {
+(isOfSite ? [] : text.split('\n')).forEach((line, index) => {
   for (const [, picture, target] of line.matchAll(/(!?)\[[^\]]*\]\(([^)\s]+)\)/g)) {
     if (/^https?:/.test(target)) continue;
     const [path, anchor] = target.split('#');
     const file = path ? join(source, dirname(page), path) : join(source, page);
     if (!existsSync(file)) fail({ line: index + 1 }, `the link leads to ${path}, which doesn't exist`);
-    else if (anchor && !anchorsOf(statSync(file).isDirectory() ? join(file, 'README.md') : file).includes(anchor))
+    else if (anchor && !anchorsOf(file).includes(anchor))
       fail({ line: index + 1 }, `${path || page} has no heading #${anchor}`);
     else if (picture && statSync(file).size > 2e6) fail({ line: index + 1 }, `${path} has more than 2 MB`);
   }
 });
+if (isOfSite && !/^# .+\n\n[^\n#`|<!-]+/.test(text)) fail({ line: 1 }, 'the page does not begin with its purpose, below its title');
 if (page === 'README.md' && Buffer.byteLength(text) > 8192) fail({ line: 1 }, 'the page has more than 8 kB');
 
 rmSync(folder, { recursive: true });

@@ -2,9 +2,18 @@ find_package(tinyxml2 9 REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
 rehearse_add_test(model_tests LABEL unit SHARDS 4
-  SOURCES model/convex_hull_test.cpp model/mesh_cache_test.cpp model/mesh_file_test.cpp model/mesh_hostile_test.cpp
+  SOURCES model/convex_hull_test.cpp model/convex_parts_test.cpp model/heightmap_file_test.cpp model/mesh_cache_test.cpp
+          model/mesh_file_test.cpp model/mesh_hostile_test.cpp
           model/mesh_looks_test.cpp model/mesh_paths_test.cpp model/model_test.cpp model/picture_file_test.cpp
           model/sr1_test.cpp model/urdf_broken_test.cpp model/urdf_devices_test.cpp model/urdf_hostile_test.cpp
+          model/urdf_joint_parts_test.cpp
           model/urdf_lenient_test.cpp model/urdf_masses_test.cpp model/urdf_meshes_test.cpp model/urdf_referee_test.cpp
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
-  LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
+  LIBRARIES Rehearse::model Rehearse::png tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
+
+rehearse_add_test(body_tests LABEL unit SHARDS 1
+  SOURCES model/body_broken_test.cpp model/body_test.cpp model/vrml_test.cpp
+  LIBRARIES Rehearse::model)
+
+rehearse_add_test(body_checkout_test LABEL compat TIMEOUT 300 SOURCES model/body_checkout_test.cpp LIBRARIES Rehearse::model)
+target_compile_definitions(body_checkout_test PRIVATE CHOREONOID_SOURCE="${REHEARSE_CHOREONOID_SOURCE}")

@@ -1,5 +1,6 @@
 rehearse_add_test(world_tests LABEL sim SHARDS 8
   SOURCES
+    world/connections_test.cpp
     world/contacts_test.cpp
     world/create_test.cpp
     world/cut_wrench_test.cpp
@@ -21,11 +22,13 @@ rehearse_add_test(world_tests LABEL sim SHARDS 8
     world/passive_joints_test.cpp
     world/range_sensor_meshes_test.cpp
     world/range_sensor_test.cpp
+    world/residual_test.cpp
     world/rigid_groups_test.cpp
     world/scanner_test.cpp
     world/stacks_test.cpp
     world/state_test.cpp
     world/surfaces_test.cpp
+    world/terrain_test.cpp
     world/touches_test.cpp
     world/tracks_test.cpp
     world/trimesh_test.cpp

@@ -2,7 +2,10 @@ find_package(JPEG REQUIRED)
 
 rehearse_add_test(log_test LABEL unit SHARDS 2
   SOURCES
+    log/clocks_test.cpp
+    log/faithful_test.cpp
     log/feeds_test.cpp
+    log/joint_messages_test.cpp
     log/map_broken_test.cpp
     log/map_test.cpp
     log/pictures_test.cpp

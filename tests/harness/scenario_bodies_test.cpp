@@ -48,6 +48,38 @@ TEST(ScenarioBodies, MakesAModelOfABox) {
   EXPECT_EQ(body.position, Eigen::Vector3d(1, 2, 3));
 }
 
+// A cart at 2 m with an arm that hangs at 30 deg; its wheels are of rubber.
+const char* const cart = R"(format: ChoreonoidBody
+format_version: 2.0
+links:
+  - { name: CART, joint_type: free, translation: [ 2, 0, 0.5 ], rotation: [ 0, 0, 1, 90 ], mass: 5, material: Rubber }
+  - { name: WHEEL, parent: CART, joint_type: revolute, mass: 1 }
+  - { name: ARM, parent: CART, joint_type: revolute, joint_id: 0, joint_angle: 30, joint_range: [ 10, 90 ], mass: 1 }
+)";
+
+TEST(ScenarioBodies, StartsABodyOfChoreonoidWhereItsFileSays) {
+  write_file("cart.body", cart);
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n"
+      "  - {name: A, model: cart.body}\n"
+      "  - {name: B, model: cart.body, position: [0, 1, 0], rotation: [0, 0, 0], joints: {ARM: 45 deg}}\n"
+      "materials: {A: Wood, B/ARM: Wood}\n"
+      "pairs:\n  - {between: [Rubber, Wood], friction: 0.7}\n");
+  ASSERT_EQ(scenario.bodies.size(), 2u);
+  const ScenarioBody &a = scenario.bodies[0], &b = scenario.bodies[1];
+  EXPECT_EQ(a.position, Eigen::Vector3d(2, 0, 0.5));
+  EXPECT_NEAR(a.rotation.angularDistance(
+                  Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitZ()))),
+              0.0, 1e-12);
+  ASSERT_EQ(a.joints.size(), 2u);  // the arm has the id 0, the wheel none
+  EXPECT_NEAR(a.joints[0], std::numbers::pi / 6.0, 1e-12);
+  EXPECT_EQ(a.joints[1], 0.0);
+  EXPECT_THAT(a.materials, ::testing::ElementsAre("Rubber", "Wood", "Wood"));
+  EXPECT_EQ(b.position, Eigen::Vector3d(0, 1, 0));
+  EXPECT_NEAR(b.joints[0], std::numbers::pi / 4.0, 1e-12);
+  EXPECT_THAT(b.materials, ::testing::ElementsAre("Rubber", "", "Wood"));
+}
+
 TEST(ScenarioBodies, MakesAModelOfACylinder) {
   const ScenarioBody body = only_body("cylinder: {radius: 0.1, length: 0.4, color: [0, 0, 0, 0.5]}, mass: 1");
   ASSERT_NE(body.model, nullptr);
@@ -325,6 +357,24 @@ TEST(ScenarioBodies, ReadsAControllerAndItsChildren) {
   EXPECT_EQ(top.children[0].options, "3");
 }
 
+TEST(ScenarioBodies, MayBeGroundOfAHeightmap) {
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: Ground, position: [0, 0, 1], friction: 0.4, heightmap: {file: " +
+      (fixtures / "terrain/hills.txt").string() + ", size: [4, 3], height: 2, color: [0, 1, 0]}}\n");
+  ASSERT_EQ(scenario.bodies.size(), 1u);
+  const ScenarioBody& body = scenario.bodies[0];
+  EXPECT_TRUE(body.fixed);
+  EXPECT_EQ(body.model->source_text, read_file(fixtures / "terrain/hills.txt"));
+  const Link& link = body.model->links.at(0);
+  EXPECT_EQ(link.surface.friction, 0.4);
+  const Mesh& mesh = std::get<Mesh>(link.collisions.at(0).geometry);
+  ASSERT_NE(mesh.heightmap, nullptr);
+  EXPECT_EQ(mesh.heightmap->columns, 25);
+  EXPECT_EQ(mesh.heightmap->size, Eigen::Vector2d(4, 3));
+  EXPECT_NEAR(mesh.data->upper.z(), 2.0 * 0.25, 0.02);  // the file's hill is 0.25 high
+  EXPECT_EQ(link.visuals.at(0).color, Color(0, 1, 0, 1));
+}
+
 TEST(ScenarioBodies, SayHowTheyAreTouched) {
   const auto body = [](const std::string& more) {
     const auto scenario =
@@ -332,10 +382,11 @@ TEST(ScenarioBodies, SayHowTheyAreTouched) {
     EXPECT_TRUE(scenario.ok()) << to_string(scenario.errors());
     return scenario->bodies[0];
   };
-  EXPECT_FALSE(body("").trimesh);
+  EXPECT_EQ(body("").contact, MeshContact::automatic);
   EXPECT_FALSE(body("").self_collision);
-  EXPECT_FALSE(body(", collision: hull").trimesh);
-  EXPECT_TRUE(body(", fixed: true, collision: trimesh").trimesh);
+  EXPECT_EQ(body(", collision: hull").contact, MeshContact::hull);
+  EXPECT_EQ(body(", collision: parts").contact, MeshContact::parts);
+  EXPECT_EQ(body(", fixed: true, collision: triangles").contact, MeshContact::triangles);
   EXPECT_TRUE(body(", self_collision: true").self_collision);
 }
 

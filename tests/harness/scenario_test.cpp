@@ -121,6 +121,29 @@ TEST(Scenario, ComesFromMemoryWithModelsFromAnywhere) {
   EXPECT_EQ(result.value().bodies.at(1).model->name, "made");
 }
 
+TEST(Scenario, MayLightItsPictures) {
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nlook: {shadows: true, antialiasing: true, lights: [{position: [1, 2, 3], color: [1, "
+      "0.5, 0], "
+      "intensity: 2, range: 5}, {position: [0, 0, 2], direction: [0, 0, -1], beam_width: 10 deg, cut_off_angle: 20 "
+      "deg}]}\n"
+      "bodies: [{name: B, sphere: {radius: 1}, mass: 1}]\n");
+  EXPECT_TRUE(scenario.look.shadows);
+  EXPECT_TRUE(scenario.look.antialiasing);
+  ASSERT_EQ(scenario.look.lights.size(), 2u);
+  const SceneLight& bulb = scenario.look.lights[0];
+  EXPECT_EQ(bulb.position, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(bulb.light.color, Eigen::Vector3f(1, 0.5, 0));
+  EXPECT_EQ(bulb.light.intensity, 2.0f);
+  EXPECT_EQ(bulb.light.range, 5.0);
+  EXPECT_FALSE(bulb.light.cone);
+  const auto& cone = scenario.look.lights[1].light.cone;
+  ASSERT_TRUE(cone);
+  EXPECT_EQ(cone->direction, -Eigen::Vector3d::UnitZ());
+  EXPECT_NEAR(cone->beam_width, 0.1745, 1e-4);
+  EXPECT_NEAR(cone->cut_off_angle, 0.3491, 1e-4);
+}
+
 TEST(Scenario, HandsPackagesToTheModelSource) {
   std::map<std::string, std::filesystem::path> asked;
   const auto source = [&asked](const std::string&, const UrdfOptions& options) -> Result<Model> {

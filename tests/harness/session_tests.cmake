@@ -13,6 +13,7 @@ endfunction()
 
 rehearse_add_test(session_tests LABEL sim SHARDS 6
   SOURCES
+    session/acting_devices_test.cpp
     session/actuation_test.cpp
     session/branch_test.cpp
     session/contacts_test.cpp
@@ -34,6 +35,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/self_collision_test.cpp
     session/traps_test.cpp
     session/words_test.cpp
+    session/world_remarks_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::world Rehearse::cnoid Rehearse::png)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "small_traces.h"
+#include "swinging_arm.h"
 #include "testing/test_reports.h"
 
 namespace rehearse {
@@ -106,6 +107,27 @@ TEST_F(TestReports, SayWhatIsMissingIfThePageIs) {
   const TestVerdict verdict = internal::match_golden(fall(1.01), "Box.Falls");
   EXPECT_THAT(verdict.message, HasSubstr("\nthere is no report to look at: the page of reports can't be read"));
   EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("Box.Falls"), Not(HasSubstr("href"))));
+}
+
+TEST_F(TestReports, ShowAReplayThatDiffersBesideItsGolden) {
+  const std::filesystem::path controller = folder_ / "Swing.so", sources = TEST_CONTROLLERS;
+  std::filesystem::copy_file(sources / "HingePd.so", controller);
+  testing::write_swinging_arm(folder_.path(), controller.string());
+  setenv("REHEARSE_GOLDEN", "new", 1);
+  EXPECT_TRUE(internal::match_golden(record("swing.yaml"), "Arm.Swings").passed);
+  unsetenv("REHEARSE_GOLDEN");
+  EXPECT_TRUE(internal::replay_golden("Arm.Swings", "Arm.Repeats").passed);
+  EXPECT_FALSE(std::filesystem::exists(traces("Arm.Repeats.replay.html")));
+
+  std::filesystem::remove(controller);
+  std::filesystem::copy_file(sources / "HingePdChanged.so", controller);
+  const TestVerdict verdict = internal::replay_golden("Arm.Swings", "Arm.Repeats");
+  EXPECT_THAT(verdict.message, HasSubstr("commands something else in 430 of 500 ticks, first at tick 70"));
+  EXPECT_THAT(verdict.message, ContainsRegex("\nin a browser: file:///.*/traces/Arm.Repeats.replay.html#tick=70\n"
+                                             "all tests: file:///.*/traces/index.html$"));
+  EXPECT_THAT(text_of(traces("Arm.Repeats.replay.html")), HasSubstr("commands something else in 430 of 500 ticks"));
+  EXPECT_THAT(text_of(traces("index.html")),
+              ContainsRegex("<tr class=\"differs\">.*Arm.Repeats</a><br><small>replay</small>"));
 }
 
 TEST_F(TestReports, ListAllKindsOfTestsFailedOnesFirst) {

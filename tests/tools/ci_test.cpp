@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <tinyxml2.h>
 
+#include <regex>
+
 #include "command.h"
 
 namespace rehearse::test {
@@ -55,6 +57,52 @@ TEST_F(Ci, JunitOfACrashIsAnError) {
   fs::remove(folder() / "pendulum.yaml");
   EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 3);
   EXPECT_THAT(read_file(folder() / "check.xml"), HasSubstr("<error message="));
+}
+
+/// The text without wall times.
+std::string without_seconds(const std::string& text) {
+  return std::regex_replace(text, std::regex("; [0-9.]+ s\n"), "; s\n");
+}
+
+TEST_F(Ci, ScenariosSideBySideGiveTheOutputOfOneAfterTheOther) {
+  for (const char* name : {"a", "b", "c"})
+    write(std::string("scenarios/") + name + ".yaml", read_file(folder() / "scenarios/falls.yaml"));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--json"}}) {
+    std::vector<std::string> one{"check", "-j1"}, several{"check", "-j3"};
+    one.insert(one.end(), more.begin(), more.end());
+    several.insert(several.end(), more.begin(), more.end());
+    const Outcome first = rehearse(one), second = rehearse(several);
+    EXPECT_EQ(first.status, 1);
+    EXPECT_EQ(second.status, 1);
+    EXPECT_EQ(without_seconds(second.out), without_seconds(first.out));
+    EXPECT_EQ(second.err, first.err);
+  }
+}
+
+TEST_F(Ci, AScenarioThatCannotRunEndsTheOnesBehindIt) {
+  write("scenarios/a.yaml", read_file(folder() / "scenarios/falls.yaml") + "golden: No.Folder\n");
+  fs::remove_all(folder() / "golden");
+  write("golden", "a file");
+  const Outcome one = rehearse({"check", "scenarios/falls.yaml", "scenarios/a.yaml", "scenarios/stays.yaml", "-j1"});
+  const Outcome several =
+      rehearse({"check", "scenarios/falls.yaml", "scenarios/a.yaml", "scenarios/stays.yaml", "-j3"});
+  EXPECT_EQ(one.status, several.status);
+  EXPECT_EQ(without_seconds(one.out), without_seconds(several.out));
+  EXPECT_EQ(one.err, several.err);
+}
+
+TEST_F(Ci, AFailedScenarioPrintsTheAddressOfTheListOfReports) {
+  const std::string page =
+      "REHEARSE_REPORT_PAGE=" + write("page.html", "<!doctype html><html><!-- REHEARSE DATA --></html>").string();
+  const Outcome outcome = rehearse({"check", "scenarios/stays.yaml"}, page);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, ContainsRegex("\nall reports: file:///.*/rehearse-pending/index.html\n$"));
+  const std::string index = read_file(folder() / "rehearse-pending/index.html");
+  EXPECT_THAT(index,
+              AllOf(HasSubstr("1 of 1 test failed"), HasSubstr("stays.html"), HasSubstr("data:image/png;base64,")));
+  EXPECT_EQ(rehearse({"check", "-j2"}, page).status, 1);
+  EXPECT_THAT(read_file(folder() / "rehearse-pending/index.html"),
+              AllOf(HasSubstr("1 of 2 tests failed"), HasSubstr("falls")));
 }
 
 TEST_F(Ci, JunitIsValidByTheSchemaOfJenkins) {

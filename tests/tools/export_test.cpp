@@ -103,7 +103,7 @@ TEST_F(Export, WritesATableForEachTopic) {
   EXPECT_THAT(read_file(folder() / "tables/tick.csv"),
               HasSubstr("0.001000000,1,18446744073709551615,0,0,1,0,1000000\n"));
   EXPECT_THAT(outcome.out, HasSubstr("tables/Robot_joints.csv: 3 rows, 6 columns\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("left out /Robot/Camera/image: pictures: see --frames\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("left out of /Robot/Camera/image and 1 more topic: data\n"));
   EXPECT_THAT(outcome.out, HasSubstr("left out /other: messages of encoding 'protobuf' without a schema"));
 }
 

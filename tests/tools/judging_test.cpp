@@ -150,7 +150,7 @@ TEST_F(Check, ComparesTheAskedLevelsOnly) {
   EXPECT_EQ(all["levels"]["closed"], "equal");
   EXPECT_EQ(all["levels"]["plant"], "equal");
   const nlohmann::json plant = done({"check", scenario_, "--json", "--level", "plant"}).json();
-  EXPECT_EQ(plant["levels"], nlohmann::json({{"controller", "skipped"}, {"plant", "equal"}, {"closed", "skipped"}}));
+  EXPECT_EQ(plant["levels"], nlohmann::json({{"controller", "skipped"}, {"plant", "proved"}, {"closed", "skipped"}}));
 }
 
 TEST_F(Check, ComparesWithATraceThatIsNamed) {

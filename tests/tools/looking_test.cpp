@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 
 #include "command.h"
@@ -242,6 +243,31 @@ TEST_F(Render, FindsMeshesWhereItIsTold) {
   fs::remove(folder() / "meshes");
   done({"render", "arm.urdf", "-o", "c.png", "--allow-missing-meshes"});
   EXPECT_FALSE(read_file(folder() / "c.png") == read_file(folder() / "b.png")) << "only what could be had is drawn";
+}
+
+TEST_F(Render, DrawsTheShapesThatTouchIfAsked) {
+  std::ofstream(folder() / "ball.urdf")
+      << "<robot name='ball'><link name='BALL'>"
+         "<visual><geometry><box size='0.1 0.1 0.1'/></geometry><material name='m'><color rgba='0 0 1 1'/></material>"
+         "</visual><collision><origin xyz='0 0.3 0'/><geometry><sphere radius='0.1'/></geometry></collision>"
+         "</link></robot>";
+  const std::vector<std::string> words{"render", "ball.urdf", "-o", "seen.png", "--eye", "2,0,0",    "--target",
+                                       "0,0,0",  "--fov",     "25", "--width",  "100",   "--height", "100"};
+  done(words);
+  std::vector<std::string> asked = words;
+  asked[3] = "touched.png";
+  asked.push_back("--collision");
+  done(asked);
+  // y is 0.887 m wide at a distance of 2 m: the box is in the middle, the ball 34 pixels to the right of it
+  const auto color = [&](const char* file, std::size_t x) {
+    const Image image = picture(file);
+    const std::uint8_t* pixel = &image.pixels[3 * (50 * 100 + x)];
+    return std::array<int, 3>{pixel[0], pixel[1], pixel[2]};
+  };
+  const auto sky = color("seen.png", 84);
+  EXPECT_LT(color("seen.png", 50)[0], 60) << "the blue box";
+  EXPECT_NE(color("touched.png", 84), sky) << "the ball";
+  EXPECT_GT(color("touched.png", 50)[0], 100) << "no box";
 }
 
 TEST_F(Render, DrawsJointsWhereTheyCanBe) {

@@ -10,6 +10,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class ReplayLog : public Command {
@@ -90,7 +91,26 @@ TEST_F(ReplayLog, NamesTheTimeIfTheCommandsAgreeATickLater) {
   EXPECT_THAT(outcome.out, HasSubstr("\nthe time differs: the commands agree in 999 of 999 ticks if taken 1 tick later "
                                      "(increase the map's shift by 1); differs from the log's commands at tick "));
   const nlohmann::json report = rehearse(tank({"--json"})).json();
-  EXPECT_EQ(report["timing"], (nlohmann::json{{"shift", 1}, {"ticks", 999}, {"different", 0}}));
+  EXPECT_EQ(report["timing"],
+            (nlohmann::json{
+                {"shift", 1}, {"tick_topic", nullptr}, {"time_step", nullptr}, {"ticks", 999}, {"different", 0}}));
+}
+
+TEST_F(ReplayLog, WritesAScenarioThatBeginsAsTheLogDid) {
+  done(tank({"--scenario", "monday.yaml"}));
+  std::ifstream stream(folder() / "monday.yaml");
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_THAT(text, StartsWith("# Begins as the log tank_log.mcap: the posture of its first tick, its joystick.\n"));
+  EXPECT_THAT(text, HasSubstr("pushes"));
+  EXPECT_THAT(done({"record", "monday.yaml", "-o", "monday.mcap", "--duration", "0.1"}).err, Not(HasSubstr("error")));
+  const auto begin = Trace::load(folder() / "monday.mcap"), log = Trace::load(folder() / "tank_log.mcap");
+  ASSERT_TRUE(begin.ok() && log.ok());
+  for (const char* joint : {"TURRET_Y", "TURRET_P"})
+    EXPECT_NEAR(begin->first("Tank/" + std::string(joint) + "/q"), log->first("Tank/" + std::string(joint) + "/q"),
+                1e-9);
+  const Outcome again = rehearse(tank({"--scenario", "monday.yaml"}));
+  EXPECT_EQ(again.status, 2);
+  EXPECT_THAT(again.err, HasSubstr("there is a file monday.yaml already"));
 }
 
 TEST_F(ReplayLog, EndsIn2IfNothingWasCompared) {

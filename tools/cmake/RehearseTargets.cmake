@@ -30,7 +30,10 @@ target_compile_options(rehearse_flags INTERFACE
   $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
   -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
-  $<$<BOOL:${REHEARSE_WERROR}>:-Werror>)
+  $<$<BOOL:${REHEARSE_WERROR}>:-Werror>
+  # Line numbers are enough to debug our own code; types take a third of the compiler's time. gdb shows controllers by
+  # the types of controllers, and of the targets with the property REHEARSE_TYPES_FOR_GDB.
+  $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>,$<NOT:$<BOOL:$<TARGET_PROPERTY:REHEARSE_TYPES_FOR_GDB>>>>:-g1>)
 if(REHEARSE_SANITIZE)
   add_compile_options(-fsanitize=${REHEARSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${REHEARSE_SANITIZE})

@@ -1,24 +1,21 @@
 // rehearse check: runs scenarios and compares them with their goldens.
 #include <fmt/format.h>
 #include <rehearse/check.h>
-#include <rehearse/report.h>
 #include <rehearse/session.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "check/compared.h"
-#include "ci_output.h"
+#include "check_outcome.h"
 #include "command.h"
 #include "debugger.h"
 #include "golden/run_folder.h"
@@ -28,13 +25,12 @@
 #include "host/virtualised.h"
 #include "options.h"
 #include "output.h"
-#include "png/png.h"
 #include "progress.h"
 #include "report/report_index.h"
 #include "scenario/project.h"
 #include "scenario/trace_scenario.h"
 #include "scenario_text.h"
-#include "simulation/recorded_view.h"
+#include "side_by_side.h"
 #include "trace/run_facts.h"
 
 namespace rehearse::tool {
@@ -51,18 +47,10 @@ struct CheckSettings {
   bool github = is_github();
   CheckOptions check;
   bool has_levels = false;  // the user named levels
+  bool simulate = false;    // nothing is proved
+  std::int64_t jobs = 0;    // scenarios at a time; 0: as many as there are processors
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // where gdb stops
-};
-
-/// The result of one scenario.
-struct Checked {
-  std::string scenario;  // name
-  std::string file;
-  CheckReport report;
-  std::optional<FailureReport> page;  // the report for a browser
-  std::string no_page;                // the reason why there is no report although one was requested
-  double seconds = 0.0;               // wall time [s]
 };
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
@@ -169,16 +157,29 @@ Result<RunSummary> record_whole(const Scenario& scenario, const fs::path& trace,
   return run;
 }
 
+/// As record_whole().
+Result<ResumedRun> record_whole_from(const Scenario& scenario, const Trace& golden, std::int64_t moment,
+                                     const fs::path& trace, const RecordOptions& options) {
+  auto run = record_from(scenario, golden, moment, trace, options);
+  if (run && run->summary.failure && interruption() != 0) return *run->summary.failure;
+  return run;
+}
+
 /// `folder`: used by this run alone.
 Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenario, const fs::path& folder) {
   InterposerWatch watch;
   Progress progress("checking " + scenario.name,
                     settings.check.controller + settings.check.plant + settings.check.closed);
   CheckOptions options = settings.check;
+  const auto proving = proof_mode();
+  if (!proving) return proving.errors();
+  if (proving->on && !settings.simulate) options.certificates = pending_folder() / "proofs";
+  options.sampled = proving->sampled;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
+  const Simulation simulation{record_whole, run_plant, describe_plant, record_whole_from};
   if (const fs::path golden = named_golden(settings, scenario); !golden.empty())
-    return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, {record_whole, run_plant});
+    return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, simulation);
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
   if (auto alone = check_owner(scenario); !alone) return alone.errors();
@@ -186,18 +187,7 @@ Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenari
   const auto goldens = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
   if (!goldens) return goldens.errors();
   GoldenStore store(*goldens, folder);
-  return check_golden(scenario, store, *mode, options, {record_whole, run_plant});
-}
-
-bool failed(const CheckReport& report) {
-  const bool run_failed = report.run && (report.run->failure || report.run->controller_refused);
-  return run_failed || (report.replay && (report.replay->failure || report.replay->controller_refused));
-}
-
-Exit exit_of(const CheckReport& report) {
-  if (failed(report)) return Exit::controller_failed;
-  if (!compared_anything(report)) return Exit::bad_input;
-  return report.within() ? Exit::done : Exit::differs;
+  return check_golden(scenario, store, *mode, options, simulation);
 }
 
 /// The file name of a run's trace.
@@ -227,39 +217,6 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
   }
 }
 
-void tell(const Checked& checked) {
-  const CheckReport& report = checked.report;
-  const std::string sentence = fmt::format("{}: {}", checked.scenario, report.verdict);
-  const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
-  fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
-  fmt::print("  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}; {:.1f} s\n",
-             to_string(report.controller), to_string(report.plant), to_string(report.closed), checked.seconds);
-  if (report.plant_run && !report.plant_run->from_the_start.empty())
-    fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
-  if (report.plant == LevelState::differs && report.plant_comparison)
-    fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
-  if (report.comparison)
-    fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
-  for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
-  if (!report.message.empty()) fmt::print("{}\n", report.message);
-  if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
-  if (checked.page && !is_ci())
-    fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
-  if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
-  std::fflush(stdout);  // before related output on stderr
-  if (report.run) tell_remarks(*report.run);
-}
-
-Json json_of_check(const Checked& checked) {
-  Json object = Json::parse(to_json(checked.report));
-  if (!compared_anything(checked.report)) object["equal"] = object["within"] = false;
-  object["scenario"] = checked.scenario;
-  object["file"] = checked.file;
-  object["message"] = checked.report.message;
-  object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
-  return object;
-}
-
 /// A run writes into a separate folder and is moved to the pending runs when it is complete; so other processes in this
 /// folder never read a partial run.
 Result<Checked> check_beside_others(const CheckSettings& settings, const Scenario& scenario) {
@@ -279,91 +236,36 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   const auto told = waiting->publish(checked.report.message);
   if (!told) return told.errors();
   if (!told->empty()) checked.report.remarks.push_back(*told);
-  if (checked.page) checked.page->file = pending_folder() / checked.page->file.filename();
+  if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting->folder());
   return checked;
 }
 
-/// A PNG of the robot at the first difference; empty if it can't be drawn.
-std::vector<std::uint8_t> thumbnail_of(const Scenario& scenario, const FailureReport& page) {
-  const auto trace = Trace::load(fs::path(page.file).replace_extension(".mcap"));
-  if (!trace) return {};
-  const auto picture = draw_recorded(scenario, *trace, page.summary.first_tick.value_or(0), 320, 240);
-  return picture ? encode_png(*picture) : std::vector<std::uint8_t>();
+/// Checks one scenario and prints the result. Returns its outcome_of(), as text.
+Result<std::string> check_one(const CheckSettings& settings, const Scenario& scenario) {
+  tell_warnings(scenario);
+  const Stopwatch stopwatch;
+  auto checked = check_beside_others(settings, scenario);
+  if (!checked) return checked.errors();
+  checked->seconds = stopwatch.seconds();
+  if (!settings.json) tell(*checked);
+  return outcome_of(scenario, *checked).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-TestResult result_of(const Scenario& scenario, const Checked& checked) {
-  const Exit exit = exit_of(checked.report);
-  TestResult result;
-  result.test = checked.scenario;
-  result.kind = scenario.golden.empty() ? "expectations" : "golden";
-  result.state = exit == Exit::done      ? TestResult::State::passed
-                 : exit == Exit::differs ? TestResult::State::differs
-                                         : TestResult::State::failed;
-  result.verdict = checked.report.verdict;
-  if (!checked.page) return result;
-  result.report = checked.page->file;
-  result.tick = checked.page->summary.first_tick;
-  result.picture = thumbnail_of(scenario, *checked.page);
-  return result;
-}
-
-/// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
-/// renewed, and no new one is made.
-void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Checked>& all, bool tells) {
-  std::error_code ignored;
-  const bool all_passed = std::all_of(all.begin(), all.end(), [](const Checked& one) { return one.report.within(); });
-  if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
-  const FolderLock alone(pending_folder());
-  for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
-  const auto index = refresh_index(pending_folder());
-  if (!index || all_passed || !tells) return;
-  fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
-}
-
-/// The summary of all scenarios: differs if any differs, else within if any is, else equal; skipped if all are skipped.
-std::string_view together(const std::vector<Checked>& all, LevelState CheckReport::*level) {
-  for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal})
-    for (const Checked& checked : all)
-      if (checked.report.*level == state) return to_string(state);
-  return to_string(LevelState::skipped);
-}
-
-/// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
-Json json_of_checks(const std::vector<Checked>& all) {
-  const auto bad =
-      std::find_if(all.begin(), all.end(), [](const Checked& checked) { return !checked.report.within(); });
-  Json scenarios = Json::array();
-  for (const Checked& checked : all) scenarios.push_back(json_of_check(checked));
-  return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
-                                       : bad->scenario + ": " + bad->report.verdict},
-          {"equal", std::all_of(all.begin(), all.end(), [](const Checked& checked) { return checked.report.equal(); })},
-          {"within", bad == all.end()},
-          {"levels",
-           {{"controller", together(all, &CheckReport::controller)},
-            {"plant", together(all, &CheckReport::plant)},
-            {"closed", together(all, &CheckReport::closed)}}},
-          {"first", bad == all.end() ? Json(nullptr) : json_of_check(*bad)["first"]},
-          {"scenarios", scenarios}};
-}
-
-CiCase ci_case(const Checked& checked) {
-  const CheckReport& report = checked.report;
-  const Exit exit = exit_of(report);
-  CiCase one;
-  one.name = checked.scenario;
-  one.file = checked.file;
-  one.verdict = headline(report.verdict);
-  one.seconds = checked.seconds;
-  one.state = exit == Exit::done      ? CiCase::State::passed
-              : exit == Exit::differs ? CiCase::State::differs
-                                      : CiCase::State::failed;
-  if (const ExpectationResult* violation = first_violation(report.expectations))
-    one.line = violation->expectation.place.line;
-  one.details = report.verdict + '\n';
-  if (report.comparison) one.details += table(*report.comparison);
-  one.details += report.message;
-  if (checked.page) one.report = checked.page->file.string();
-  return one;
+/// Checks the scenarios and adds their outcomes to `all`, in order.
+Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scenarios, std::vector<Json>& all) {
+  const auto take = [&](const std::string& outcome) { all.push_back(Json::parse(outcome)); };
+  const std::size_t jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
+  if (jobs > 1 && scenarios.size() > 1)
+    return work_side_by_side(
+        scenarios.size(), jobs, [&](std::size_t i) { return check_one(settings, scenarios[i]); }, take);
+  supervise_process();
+  end_runs_on_signals();
+  for (const Scenario& scenario : scenarios) {
+    const auto outcome = check_one(settings, scenario);
+    if (!outcome) return refuse(outcome.errors());
+    take(*outcome);
+  }
+  return Exit::done;
 }
 
 /// Compares only the closed loop unless the user named levels: otherwise the level in which gdb stops would be
@@ -378,6 +280,7 @@ Exit run_in_gdb(const CheckSettings& settings, const std::vector<Scenario>& scen
     words.insert(words.begin() + 1, "--level=closed");
     fmt::print("stopping in the closed loop; the other levels are not compared\n");
   }
+  words.insert(words.begin() + 1, "--simulate");
   return become_gdb(settings.debugger, words, settings.tick);
 }
 
@@ -388,24 +291,16 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   if (!settings.golden.empty() && scenarios->size() != 1)
     return refuse(error("--golden compares one scenario", "name that scenario"));
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
-  supervise_process();
-  end_runs_on_signals();
+  std::vector<Json> all;
+  if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
   Exit worst = Exit::done;
-  std::vector<Checked> all;
-  for (const Scenario& scenario : *scenarios) {
-    tell_warnings(scenario);
-    const Stopwatch stopwatch;
-    auto checked = check_beside_others(settings, scenario);
-    if (!checked) return refuse(checked.errors());
-    worst = std::max(worst, exit_of(checked->report));
-    checked->seconds = stopwatch.seconds();
-    if (!settings.json) tell(*checked);
-    all.push_back(*std::move(checked));
-  }
-  if (settings.json) print(all.size() == 1 ? json_of_check(all[0]) : json_of_checks(all));
-  if (!settings.no_report) keep_index(*scenarios, all, !settings.json && all.size() > 1);
   std::vector<CiCase> cases;
-  for (const Checked& checked : all) cases.push_back(ci_case(checked));
+  for (const Json& outcome : all) {
+    worst = std::max(worst, static_cast<Exit>(outcome["exit"].get<int>()));
+    cases.push_back(ci_case(outcome));
+  }
+  if (settings.json) print(all.size() == 1 ? all[0]["check"] : json_of_checks(all));
+  if (!settings.no_report) keep_index(*scenarios, all, !settings.json);
   if (!settings.junit.empty())
     if (const auto written = write_junit(settings.junit, cases); !written) return refuse(written.errors());
   if (settings.github && !settings.json)
@@ -451,6 +346,13 @@ std::function<Exit()> declare_check(CLI::App& options) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LEVEL");
+  options.add_flag(
+      "--simulate", settings->simulate,
+      "simulate also what is proved: that the world is the one that made the golden. REHEARSE_PROOF=off does "
+      "so, too; REHEARSE_PROOF=sample:20 in a fifth of the checks");
+  add_integer(options, "-j,--jobs",
+              "scenarios to check at a time, each in a process of its own (one for each processor)", 1, 1024,
+              [=](std::int64_t jobs) { settings->jobs = jobs; });
   options.add_flag("--no-report", settings->no_report,
                    "of a run that differs, write no HTML beside its trace to look at it in a browser");
   options.add_option("--junit", settings->junit, "write the verdicts as JUnit's XML, for continuous integration")

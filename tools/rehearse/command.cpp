@@ -38,6 +38,7 @@ constexpr VerbSummary verbs[] = {
     {"filter", "write a part of a trace: topics, a span of time, of ticks", Program::rehearse, Rounding::is_none},
     {"merge", "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
     {"recover", "save what can be saved of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
+    {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none},
     {"doctor", "find all that is wrong with trace files, each with its place", Program::rehearse, Rounding::is_none},
     {"inspect", "load a robot model and report what was understood of it", Program::rehearse},
     {"render", "draw a picture of a scenario or a model", Program::simulate},

@@ -23,6 +23,7 @@ enum class Exit {
   differs = 1,            // two runs differ
   bad_input = 2,          // bad usage or bad input; nothing was written
   controller_failed = 3,  // the controller refused, threw, crashed or hung; the trace is kept up to there
+  odd = 4,                // doctor: nothing is wrong, something is unusual
   // 128 and the signal's number: the process was ended by SIGINT or SIGTERM
 };
 
@@ -45,6 +46,7 @@ extern const Verb filter_verb;
 extern const Verb golden_verb;
 extern const Verb info_verb;
 extern const Verb inspect_verb;
+extern const Verb map_verb;
 extern const Verb merge_verb;
 extern const Verb new_verb;
 extern const Verb record_verb;

@@ -1,7 +1,10 @@
 // rehearse doctor: reports all deviations of files from the MCAP specification and from Rehearse's trace format.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +13,7 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "trace/bag_doctor.h"
 #include "trace/trace_doctor.h"
 
 namespace rehearse::tool {
@@ -25,15 +29,31 @@ struct Visit {
   std::string file;
   Diagnostics unreadable;  // not empty if the file couldn't be examined
   mcap::Examination examination;
+  bool is_mcap = true;    // false: it was converted, and the examination's places are those of the conversion
+  Diagnostics container;  // findings about metadata.yaml, or about a database
 
+  std::uint64_t count(Severity severity) const {
+    return examination.findings.count(severity) +
+           static_cast<std::uint64_t>(std::count_if(container.begin(), container.end(), [=](const Diagnostic& finding) {
+             return finding.severity == severity;
+           }));
+  }
   Exit exit() const {
     if (!unreadable.empty()) return Exit::bad_input;
-    return examination.findings.has_error() ? Exit::differs : Exit::done;
+    if (count(Severity::error) > 0) return Exit::differs;
+    return count(Severity::warning) > 0 ? Exit::odd : Exit::done;
   }
 };
 
+/// The worse of two results.
+Exit worse(Exit a, Exit b) {
+  constexpr Exit order[] = {Exit::done, Exit::odd, Exit::differs, Exit::bad_input};
+  const auto rank = [&](Exit exit) { return std::find(std::begin(order), std::end(order), exit) - std::begin(order); };
+  return rank(a) < rank(b) ? b : a;
+}
+
 Visit visit(const std::string& file) {
-  Visit visit{file, {}, {}};
+  Visit visit{file, {}, {}, true, {}};
   TraceCheck content;
   mcap::DoctorOptions options;
   options.content = &content;
@@ -46,7 +66,29 @@ Visit visit(const std::string& file) {
     visit.examination = std::move(*examination);
   else
     visit.unreadable = examination.errors();
+  if (auto findings = examine_container(file)) {
+    visit.is_mcap = false;
+    visit.container = *std::move(findings);
+  }
   return visit;
+}
+
+/// The visits of a rosbag2 folder: its metadata.yaml, then its files.
+std::vector<Visit> visit_folder(const std::string& path) {
+  const auto folder = bag::read_folder(path);
+  if (!folder) return {{path, folder.errors(), {}, true, {}}};
+  std::vector<Visit> visits;
+  bool readable = true;
+  for (const std::filesystem::path& file : folder->files) {
+    visits.push_back(visit(file.string()));
+    readable = readable && visits.back().unreadable.empty();
+  }
+  Visit metadata{folder->metadata.string(), {}, {}, false, {}};
+  std::error_code ignored;
+  metadata.examination.size = std::filesystem::file_size(folder->metadata, ignored);
+  if (readable) metadata.container = examine_metadata(*folder, path);
+  visits.insert(visits.begin(), std::move(metadata));
+  return visits;
 }
 
 std::string place_text(const mcap::Place& place) {
@@ -54,10 +96,10 @@ std::string place_text(const mcap::Place& place) {
   return fmt::format("byte {}", place.offset);
 }
 
-std::string amount_text(const mcap::Findings& findings) {
+std::string amount_text(const Visit& visit) {
   std::string text;
   const auto add = [&](Severity severity, const char* noun) {
-    const std::uint64_t count = findings.count(severity);
+    const std::uint64_t count = visit.count(severity);
     if (count > 0) text += (text.empty() ? "" : ", ") + count_text(count, noun);
   };
   add(Severity::error, "error");
@@ -73,10 +115,13 @@ void tell(const Visit& visit) {
     return;
   }
   const mcap::Examination& examination = visit.examination;
+  fmt::print("{}", to_string(visit.container));
   for (const mcap::Finding& finding : examination.findings.list())
-    fmt::print("{}: {}: {}: {}\n", visit.file, place_text(finding.place), to_string(finding.severity), finding.message);
-  fmt::print("{}: {}; {}, {} in {}\n", visit.file, amount_text(examination.findings), file_size_text(examination.size),
-             count_text(examination.messages, "message"), count_text(examination.chunks, "chunk"));
+    fmt::print("{}: {}{}: {}\n", visit.file, visit.is_mcap ? place_text(finding.place) + ": " : "",
+               to_string(finding.severity), finding.message);
+  fmt::print("{}: {}; {}", visit.file, amount_text(visit), file_size_text(examination.size));
+  if (examination.messages > 0 || visit.is_mcap) fmt::print(", {}", count_text(examination.messages, "message"));
+  fmt::print("{}\n", visit.is_mcap ? " in " + count_text(examination.chunks, "chunk") : "");
 }
 
 Json findings_json(const Visit& visit) {
@@ -87,10 +132,17 @@ Json findings_json(const Visit& visit) {
                     {"inside", nullptr},
                     {"severity", to_string(diagnostic.severity)},
                     {"message", diagnostic.message}});
+  for (const Diagnostic& finding : visit.container)
+    list.push_back({{"file", finding.file},
+                    {"line", finding.line > 0 ? Json(finding.line) : Json(nullptr)},
+                    {"offset", nullptr},
+                    {"inside", nullptr},
+                    {"severity", to_string(finding.severity)},
+                    {"message", finding.message}});
   for (const mcap::Finding& finding : visit.examination.findings.list())
     list.push_back({{"file", visit.file},
-                    {"offset", finding.place.offset},
-                    {"inside", finding.place.inside ? Json(*finding.place.inside) : Json(nullptr)},
+                    {"offset", visit.is_mcap ? Json(finding.place.offset) : Json(nullptr)},
+                    {"inside", visit.is_mcap && finding.place.inside ? Json(*finding.place.inside) : Json(nullptr)},
                     {"severity", to_string(finding.severity)},
                     {"message", finding.message}});
   return list;
@@ -100,18 +152,17 @@ Json visits_json(const std::vector<Visit>& visits) {
   Json files = Json::array(), findings = Json::array();
   std::uint64_t errors = 0, warnings = 0, notes = 0;
   for (const Visit& visit : visits) {
-    const mcap::Findings& found = visit.examination.findings;
     files.push_back({{"file", visit.file},
                      {"readable", visit.unreadable.empty()},
                      {"size", visit.examination.size},
                      {"messages", visit.examination.messages},
                      {"chunks", visit.examination.chunks},
-                     {"errors", found.count(Severity::error) + visit.unreadable.size()},
-                     {"warnings", found.count(Severity::warning)},
-                     {"notes", found.count(Severity::note)}});
-    errors += found.count(Severity::error) + visit.unreadable.size();
-    warnings += found.count(Severity::warning);
-    notes += found.count(Severity::note);
+                     {"errors", visit.count(Severity::error) + visit.unreadable.size()},
+                     {"warnings", visit.count(Severity::warning)},
+                     {"notes", visit.count(Severity::note)}});
+    errors += visit.count(Severity::error) + visit.unreadable.size();
+    warnings += visit.count(Severity::warning);
+    notes += visit.count(Severity::note);
     for (Json& finding : findings_json(visit)) findings.push_back(std::move(finding));
   }
   return {{"errors", errors}, {"warnings", warnings}, {"notes", notes}, {"files", files}, {"findings", findings}};
@@ -121,9 +172,12 @@ Exit run_doctor(const DoctorSettings& settings) {
   std::vector<Visit> visits;
   Exit exit = Exit::done;
   for (const std::string& file : settings.files) {
-    visits.push_back(visit(file));
-    exit = std::max(exit, visits.back().exit());
-    if (!settings.json) tell(visits.back());
+    std::error_code ignored;
+    for (Visit& one : std::filesystem::is_directory(file, ignored) ? visit_folder(file) : std::vector{visit(file)}) {
+      exit = worse(exit, one.exit());
+      if (!settings.json) tell(one);
+      visits.push_back(std::move(one));
+    }
   }
   if (settings.json) print(visits_json(visits));
   return exit;
@@ -131,7 +185,9 @@ Exit run_doctor(const DoctorSettings& settings) {
 
 std::function<Exit()> declare_doctor(CLI::App& options) {
   const auto settings = std::make_shared<DoctorSettings>();
-  options.add_option("FILE", settings->files, "recordings, or any other MCAP files")->required()->type_name("");
+  options.add_option("FILE", settings->files, "recordings, other MCAP files, rosbag2 folders or databases")
+      ->required()
+      ->type_name("");
   add_json_flag(options, settings->json);
   return [settings] { return run_doctor(*settings); };
 }
@@ -141,9 +197,11 @@ std::function<Exit()> declare_doctor(CLI::App& options) {
 const Verb doctor_verb{"doctor",
                        "  rehearse doctor walk.mcap\n"
                        "  rehearse doctor golden/*.mcap --json\n"
+                       "  rehearse doctor friday/\n"
                        "\n"
                        "error: against the specification; warning: against its advice; note: unusual, and allowed.\n"
-                       "Exit status: 0 no errors, 1 errors, 2 a file can't be read or is no MCAP file.\n",
+                       "Exit status: 0 at most notes, 1 errors, 2 a file can't be read or is no log, 4 warnings and no "
+                       "errors.\n",
                        declare_doctor};
 
 }  // namespace rehearse::tool

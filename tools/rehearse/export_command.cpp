@@ -10,6 +10,7 @@
 
 #include "command.h"
 #include "export/trace_export.h"
+#include "export/viewer_export.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
@@ -25,6 +26,8 @@ struct ExportSettings {
   bool frames = false;
   bool video = false;
   bool json = false;
+  std::string viewer, layout, robot;  // files, and a folder; empty: not
+  bool contacts = false;
   ExportOptions options;
 };
 
@@ -69,9 +72,46 @@ void tell(const ExportReport& report, bool of_pictures) {
     fmt::print("left out of {}{}: {}\n", of.front(),
                of.size() == 1 ? "" : fmt::format(" and {}", count_text(std::ssize(of) - 1, "more topic")),
                fmt::join(fields, ", "));
+  if (!topics.empty()) fmt::print("bytes are in columns with --bytes, pictures in files with --frames\n");
+}
+
+/// The exports for viewers, which need a recording and no -o.
+Exit run_for_viewers(const ExportSettings& settings) {
+  Json written = Json::array();
+  const auto tell_file = [&](const std::string& file, const std::string& what) {
+    written.push_back(file);
+    if (!settings.json) fmt::print("{}: {}\n", file, what);
+  };
+  if (!settings.viewer.empty()) {
+    const auto report = export_for_viewer(settings.trace, settings.viewer, {settings.contacts});
+    if (!report) return refuse(report.errors());
+    tell_file(settings.viewer, fmt::format("{}, with {} and {} in /tf_static", count_text(report->messages, "message"),
+                                           count_text(report->topics.size(), "topic") + " more",
+                                           count_text(report->frames.size(), "frame")));
+    if (!settings.json) fmt::print(stderr, "{}", to_string(report->remarks));
+  }
+  if (!settings.layout.empty()) {
+    if (auto done = write_layout(settings.trace, settings.layout); !done) return refuse(done.errors());
+    tell_file(settings.layout,
+              settings.layout.ends_with(".xml") ? "a layout for PlotJuggler" : "a layout for Foxglove and Lichtblick");
+  }
+  if (!settings.robot.empty()) {
+    const auto files = export_robot(settings.trace, settings.robot);
+    if (!files) return refuse(files.errors());
+    for (const std::filesystem::path& file : *files) tell_file(file.string(), "as recorded");
+  }
+  if (settings.json) print({{"written", written}});
+  return Exit::done;
 }
 
 Exit run_export(const ExportSettings& settings) {
+  if (!settings.viewer.empty() || !settings.layout.empty() || !settings.robot.empty()) {
+    if (settings.output.empty()) return run_for_viewers(settings);
+    return refuse(
+        error("-o is for tables, pictures and videos", "--viewer, --layout and --robot name what they write"));
+  }
+  if (settings.output.empty())
+    return refuse(error("nothing says where to write", "-o PATH; or --viewer, --layout or --robot"));
   auto output = OutputFile::open(settings.output, settings.json);
   if (!output) return refuse(output.errors());
   if (output->path() != settings.output && !settings.joined)
@@ -93,13 +133,25 @@ Exit run_export(const ExportSettings& settings) {
 
 std::function<Exit()> declare_export(CLI::App& options) {
   const auto settings = std::make_shared<ExportSettings>();
-  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file")->required()->type_name("");
+  options.add_option("TRACE", settings->trace, "a recording, or any other log: MCAP, a rosbag2 folder or database")
+      ->required()
+      ->type_name("");
   options
       .add_option("-o,--output", settings->output,
                   "the folder for tables and pictures, made if it isn't there; the file of --joined, or - for stdout, "
                   "and of --video")
-      ->required()
       ->type_name("PATH");
+  options
+      .add_option("--viewer", settings->viewer,
+                  "a recording for Foxglove, Lichtblick and RViz: with /robot_description, the frames of sensors in "
+                  "/tf_static, and the words of controllers in /rosout")
+      ->type_name("FILE");
+  options.add_flag("--contacts", settings->contacts, "with --viewer: arrows of recorded contact forces, as markers");
+  options
+      .add_option("--layout", settings->layout,
+                  "a layout of this recording's robots: .json for Foxglove and Lichtblick, .xml for PlotJuggler")
+      ->type_name("FILE");
+  options.add_option("--robot", settings->robot, "a folder for the recording's scenario and models")->type_name("DIR");
   CLI::Option* joined = options.add_flag("--joined", settings->joined,
                                          "one table of all series, a row a tick, instead of one table a topic");
   CLI::Option* frames = options.add_flag(
@@ -108,6 +160,9 @@ std::function<Exit()> declare_export(CLI::App& options) {
   CLI::Option* video = options.add_flag(
       "--video", settings->video,
       "the pictures of a topic as .mp4, .mkv, .webm, or a preview as .gif, .apng, .webp; needs ffmpeg");
+  options.add_flag(
+      "--bytes", settings->options.bytes,
+      "columns of bytes, too, in base64: pixels, point clouds, checkpoints. Else they are named as left out");
   joined->excludes(frames)->excludes(video);
   frames->excludes(video);
   add_selection_options(options, settings->options.selection);
@@ -121,6 +176,8 @@ const Verb export_verb{"export",
                        "  rehearse export sr1.mcap -o tables\n"
                        "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
                        "  rehearse export sr1.mcap -o pictures --frames --topics '*Camera*'\n"
+                       "  rehearse export sr1.mcap --viewer sr1.viewer.mcap --layout sr1.json\n"
+                       "  rehearse export sr1.mcap --robot sr1_files\n"
                        "  rehearse export sr1.mcap -o walk.mp4 --video --topics '/SR1/LeftCamera/image'\n",
                        declare_export};
 

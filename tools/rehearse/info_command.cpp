@@ -206,6 +206,7 @@ Json trace_json(const mcap::Reader& reader, const Contents& contents) {
   for (const mcap::Metadata& record : reader.metadata())
     metadata.push_back({{"name", record.name}, {"values", record.values}});
   return {{"file", reader.name()},
+          {"form", reader.form()},
           {"size", reader.size()},
           {"header", {{"profile", reader.profile()}, {"library", reader.library()}}},
           {"read", contents.by_summary ? "summary" : "all"},
@@ -225,6 +226,8 @@ Json trace_json(const mcap::Reader& reader, const Contents& contents) {
           {"damage", json_of(contents.damage)}};
 }
 
+bool is_converted(const mcap::Reader& reader) { return reader.form() != "MCAP"; }
+
 void tell_line(std::string_view name, std::string_view value) { fmt::print("{:<13}{}\n", name, value); }
 
 void tell_compressions(const mcap::Reader& reader) {
@@ -241,6 +244,7 @@ void tell_compressions(const mcap::Reader& reader) {
 
 void tell_file(const mcap::Reader& reader, const Contents& contents) {
   tell_line("file", reader.name());
+  if (is_converted(reader)) tell_line("form", reader.form());
   tell_line("size", file_size_text(reader.size()));
   tell_line("library", reader.library().empty() ? "unnamed" : plain_text(reader.library()));
   tell_line("profile", reader.profile().empty() ? "none" : plain_text(reader.profile()));
@@ -252,7 +256,7 @@ void tell_file(const mcap::Reader& reader, const Contents& contents) {
     tell_line("start", time_text(contents.all.first));
     tell_line("end", time_text(contents.all.last));
   }
-  tell_compressions(reader);
+  if (!is_converted(reader)) tell_compressions(reader);
 }
 
 void tell_channels(const mcap::Reader& reader, const Contents& contents) {
@@ -339,7 +343,9 @@ Exit run_info(const InfoSettings& settings) {
 
 std::function<Exit()> declare_info(CLI::App& options) {
   const auto settings = std::make_shared<InfoSettings>();
-  options.add_option("TRACE", settings->trace, "a recording, or any other MCAP file; -: standard input")
+  options
+      .add_option("TRACE", settings->trace,
+                  "a recording, or any other log: MCAP, a rosbag2 folder or database; -: standard input")
       ->required()
       ->type_name("");
   options.add_flag(

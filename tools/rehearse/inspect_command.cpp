@@ -1,6 +1,6 @@
 // rehearse inspect: loads a robot model and prints its contents and findings.
 #include <fmt/format.h>
-#include <rehearse/urdf.h>
+#include <rehearse/body.h>
 
 #include <algorithm>
 #include <cmath>
@@ -90,9 +90,11 @@ std::vector<MeshUse> mesh_uses(const Model& model) {
     for (const Shape& shape : shapes) {
       const auto* mesh = std::get_if<Mesh>(&shape.geometry);
       if (mesh == nullptr) continue;
-      auto use =
-          std::find_if(uses.begin(), uses.end(), [mesh](const MeshUse& other) { return other.file == mesh->file; });
-      if (use == uses.end()) use = uses.insert(uses.end(), {mesh->file, mesh->data->triangle_count()});
+      const bool is_file = !mesh->file.empty();
+      auto use = std::find_if(uses.begin(), uses.end(),
+                              [&](const MeshUse& other) { return is_file && other.file == mesh->file; });
+      if (use == uses.end())
+        use = uses.insert(uses.end(), {is_file ? mesh->file : "(in the model)", mesh->data->triangle_count()});
       ++((*use).*number);
     }
   };
@@ -159,6 +161,8 @@ std::string joint_counts(const Model& model) {
   return text.empty() ? "" : " (" + text + ")";
 }
 
+std::string id_text(int id) { return id < 0 ? "-" : std::to_string(id); }
+
 std::string type_text(const Model& model, const Joint& joint) {
   if (!joint.mimic) return std::string(type_name(joint.type));
   return fmt::format("{}, follows {}", type_name(joint.type), leader_name(model, *joint.mimic));
@@ -183,7 +187,7 @@ void tell(const Model& model) {
   if (model.links.size() > 1) {
     std::vector<TableRow> rows{{"id", "joint", "type", "moves", "range", "effort"}};
     for (const Link* link : links_by_joint(model))
-      rows.push_back({link->joint.id < 0 ? "-" : std::to_string(link->joint.id), link->joint.name,
+      rows.push_back({id_text(link->joint.controller_id.value_or(link->joint.id)), link->joint.name,
                       type_text(model, link->joint), link->name,
                       is_movable(link->joint.type) ? range_text(link->joint) : "-",
                       is_movable(link->joint.type) ? effort_text(link->joint) : "-"});
@@ -193,8 +197,7 @@ void tell(const Model& model) {
   if (!model.devices.empty()) {
     std::vector<TableRow> rows{{"id", "device", "type", "link"}};
     for (const Device& device : model.devices)
-      rows.push_back({device.id < 0 ? "-" : std::to_string(device.id), device.name, std::string(type_name(device)),
-                      model.links[device.link].name});
+      rows.push_back({id_text(device.id), device.name, std::string(type_name(device)), model.links[device.link].name});
     print_table(rows);
     fmt::print("\n");
   }
@@ -205,7 +208,7 @@ void tell(const Model& model) {
 }
 
 Exit run_inspect(const InspectSettings& settings) {
-  const Result<Model> model = load_urdf(settings.model, settings.urdf);
+  const Result<Model> model = load_model(settings.model, settings.urdf);
   if (settings.json) {
     print(model ? model_json(*model) : json_without_model(model.errors()));
     return model ? Exit::done : Exit::bad_input;
@@ -217,7 +220,7 @@ Exit run_inspect(const InspectSettings& settings) {
 
 std::function<Exit()> declare_inspect(CLI::App& options) {
   const auto settings = std::make_shared<InspectSettings>();
-  options.add_option("MODEL", settings->model, "a URDF file")->required()->type_name("");
+  options.add_option("MODEL", settings->model, "a URDF or .body file")->required()->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "what would be repaired is an error");
   add_mesh_options(options, settings->urdf);
   add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
@@ -231,6 +234,7 @@ std::function<Exit()> declare_inspect(CLI::App& options) {
 const Verb inspect_verb{"inspect",
                         "  rehearse inspect fixtures/models/sr1.urdf\n"
                         "  rehearse inspect robot.urdf --strict --json\n"
+                        "  rehearse inspect SR1.body\n"
                         "  rehearse inspect arm.urdf --package arm_description=../arm_description\n",
                         declare_inspect};
 

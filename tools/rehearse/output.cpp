@@ -115,7 +115,14 @@ std::string headline(std::string_view sentence) {
   return fmt::format("{} ...", sentence.substr(0, sentence.rfind(' ', longest - 4)));
 }
 
+namespace {
+std::optional<std::size_t> kept_width;  // of the terminal; 0: there is none
+}
+
+void keep_terminal() { kept_width = terminal_width(); }
+
 std::size_t terminal_width() {
+  if (kept_width) return *kept_width;
   if (!is_terminal(stdout)) return 0;
   winsize size{};
   return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
@@ -123,7 +130,7 @@ std::size_t terminal_width() {
 
 std::string colored(std::string_view text, TextColor color) {
   const char* refused = std::getenv("NO_COLOR");
-  if ((refused && *refused) || !is_terminal(stdout)) return std::string(text);
+  if ((refused && *refused) || terminal_width() == 0) return std::string(text);
   const int code = color == TextColor::red ? 31 : color == TextColor::green ? 32 : 33;
   return fmt::format("\x1b[{}m{}\x1b[0m", code, text);
 }

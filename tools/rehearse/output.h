@@ -41,6 +41,8 @@ std::string headline(std::string_view sentence);
 
 /// The number of columns of the terminal on stdout; 0 if stdout is not a terminal: then text isn't broken into lines.
 std::size_t terminal_width();
+/// From now on, text is formed as for the present stdout, wherever that is redirected to.
+void keep_terminal();
 
 enum class TextColor { red, green, yellow };
 /// The text in a colour if stdout is a terminal and NO_COLOR isn't set; else the text unchanged.

@@ -1,8 +1,8 @@
 // rehearse render: draws a picture of a scenario at its start, or of a model.
 #include <fmt/format.h>
+#include <rehearse/body.h>
 #include <rehearse/renderer.h>
 #include <rehearse/scenario.h>
-#include <rehearse/urdf.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "collision_view.h"
 #include "command.h"
 #include "mcap/replaceable.h"
 #include "model_scenario.h"
@@ -36,13 +37,14 @@ struct RenderSettings {
   std::string input;
   std::string picture;
   UrdfOptions urdf;                            // of a model
+  bool collision = false;                      // draw the shapes that touch instead of those that are seen
   std::optional<Eigen::Vector3d> eye, target;  // [m]
   Camera camera;
 };
 
 /// True if the file is probably XML: the first character that isn't white space is a '<'.
 bool is_model(const std::string& file) {
-  if (std::filesystem::path(file).extension() == ".urdf") return true;
+  if (is_model_file(file)) return true;
   std::ifstream stream(file, std::ios::binary);
   char first = 0;
   return (stream >> first) && first == '<';
@@ -64,7 +66,7 @@ struct Scene {
 Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
   Scene scene;
   if (is_model(file)) {
-    Result<Model> model = load_urdf(file, options);
+    Result<Model> model = load_model(file, options);
     if (!model) return model.errors();
     const auto shared = std::make_shared<const Model>(*std::move(model));
     scene.models.push_back(
@@ -80,9 +82,9 @@ Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
 }
 
 /// Fails if there are more lights than a picture can have.
-Result<void> check_lights(const std::vector<PlacedModel>& scene) {
-  std::size_t count = 0;
-  for (const PlacedModel& placed : scene)
+Result<void> check_lights(const Scene& scene) {
+  std::size_t count = scene.look.lights.size();
+  for (const PlacedModel& placed : scene.models)
     for (const Device& device : placed.model->devices) count += std::holds_alternative<Light>(device.kind) ? 1 : 0;
   if (count <= Renderer::max_lights) return {};
   return error(fmt::format("there are {} lights", count),
@@ -98,9 +100,12 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
 }
 
 Exit run_render(RenderSettings& settings) {
-  const auto scene = load_scene(settings.input, settings.urdf);
+  auto scene = load_scene(settings.input, settings.urdf);
   if (!scene) return refuse(scene.errors());
-  if (const auto few = check_lights(scene->models); !few) return refuse(few.errors());
+  if (settings.collision)
+    for (PlacedModel& placed : scene->models)
+      placed.model = std::make_shared<const Model>(with_visible_collisions(*placed.model));
+  if (const auto few = check_lights(*scene); !few) return refuse(few.errors());
   auto output = OutputFile::open(settings.picture, false);
   if (!output) return refuse(output.errors());
   if (const auto allowed = check_replaceable(output->path(), png_magic, "PNG picture"); !allowed)
@@ -158,6 +163,8 @@ std::function<Exit()> declare_render(CLI::App& options) {
       ->type_name("PNG");
   settings->urdf.kinematic = true;  // a picture needs no masses
   add_mesh_options(options, settings->urdf);
+  options.add_flag("--collision", settings->collision,
+                   "draw the shapes that touch: hulls, convex parts and triangles of meshes, and simple shapes");
   add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,
               [=](std::int64_t width) { settings->camera.width = static_cast<int>(width); });
   add_integer(options, "--height", "of the picture [pixels] (720)", 1, largest_side,

@@ -36,7 +36,7 @@ struct ReplaySettings {
   TickSettings ticks;
   DebuggerOptions debugger;
   // for a log
-  std::string controller, model, map;
+  std::string controller, model, map, scenario;
 
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
@@ -108,6 +108,7 @@ Result<void> check_usage(const ReplaySettings& settings) {
   if (!settings.output.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
     return error("-o with --tick, --at, --watch, --when or --gdb: these write nothing", "say it without one of both");
   if (!settings.is_of_a_log()) {
+    if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
     if (!settings.controller.empty())
       return error(fmt::format("--controller '{}' is not NAME=LIB", settings.controller),
                    "a library alone is for a robot's log, with --model and --map");
@@ -126,6 +127,7 @@ Exit run_log(const ReplaySettings& settings) {
   LogSettings log;
   log.log = settings.trace;
   log.trace = settings.output;
+  log.scenario = settings.scenario;
   log.json = settings.json;
   static_cast<HostOptions&>(log.replay) = settings.replay;
   log.replay.controller = settings.controller;
@@ -215,6 +217,10 @@ std::function<Exit()> declare_replay(CLI::App& options) {
       ->type_name("EXPR");
   options.add_option("--model", settings->model, "of a log: the robot")->type_name("URDF");
   options.add_option("--map", settings->map, "of a log: the YAML file that says which topic is which input")
+      ->type_name("FILE");
+  options
+      .add_option("--scenario", settings->scenario,
+                  "of a log: write a scenario that begins as the log did, with its posture and joystick")
       ->type_name("FILE");
   options
       .add_option(

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +10,7 @@
 
 #include "host/virtualised.h"
 #include "mcap/replaceable.h"
+#include "model_scenario.h"
 #include "output.h"
 #include "progress.h"
 
@@ -23,6 +25,12 @@ std::string timing_text(const LogReplayReport& report) {
   if (!report.timing) return "";
   const LogTiming& timing = *report.timing;
   const std::string amount = fmt::format("{} of {}", timing.ticks - timing.different, count_text(timing.ticks, "tick"));
+  if (!timing.tick_topic.empty())
+    return fmt::format("the time differs: the commands agree in {} with tick: {}{} in the map; ", amount,
+                       timing.tick_topic,
+                       timing.time_step == report.duration / static_cast<double>(report.ticks)
+                           ? ""
+                           : fmt::format(" and time_step: {:g}", timing.time_step));
   if (!timing.shift)
     return fmt::format("the time differs: in {} that differ the commands agree with those of a neighbouring tick{}; ",
                        amount, report.tick ? "" : " (expected tick: TOPIC in the map, of the controller's inputs)");
@@ -45,6 +53,32 @@ std::string verdict(const LogReplayReport& report) {
   return "the log's commands, bit for bit: " + amount + unknown;
 }
 
+Json unreadable_json(const LogTopicReport& topic) {
+  Json reasons = Json::array();
+  for (const LogUnreadable& found : topic.unreadable_for)
+    reasons.push_back({{"reason", found.reason}, {"messages", found.messages}, {"first_at", found.first_at}});
+  return reasons;
+}
+
+Json silent_json(const LogTopicReport& topic) {
+  Json joints = Json::array();
+  for (const SilentJoint& silent : topic.silent_joints)
+    joints.push_back({{"joint", silent.joint},
+                      {"gaps", silent.gaps},
+                      {"ticks_in_gaps", silent.ticks_in_gaps},
+                      {"worst_age", {{"seconds", silent.worst_age}, {"at", silent.worst_age_at}}}});
+  return joints;
+}
+
+Json clock_json(const LogTopicReport& topic) {
+  if (!topic.clock) return nullptr;
+  return {{"offset_ns", topic.clock->offset},
+          {"drift", topic.clock->drift},
+          {"reference_ns", topic.clock->reference},
+          {"least_delay", topic.clock->least_delay},
+          {"stated", topic.clock->is_stated}};
+}
+
 Json topic_json(const LogTopicReport& topic) {
   return {{"topic", topic.topic},
           {"type", topic.type},
@@ -56,6 +90,9 @@ Json topic_json(const LogTopicReport& topic) {
           {"same_stamp", topic.same_stamp},
           {"backwards", topic.backwards},
           {"unreadable", topic.unreadable},
+          {"unreadable_for", unreadable_json(topic)},
+          {"silent_joints", silent_json(topic)},
+          {"clock", clock_json(topic)},
           {"rate", topic.rate},
           {"longest_gap", {{"seconds", topic.longest_gap}, {"at", topic.longest_gap_at}}},
           {"worst_age", {{"seconds", topic.worst_age}, {"at", topic.worst_age_at}}},
@@ -67,16 +104,19 @@ Json topic_json(const LogTopicReport& topic) {
 Json tick_json(const LogReplayReport& report) {
   if (!report.tick) return nullptr;
   const LogTickReport& tick = *report.tick;
-  return {{"topic", tick.topic},
-          {"interval", tick.interval},
-          {"missing", tick.missing},
-          {"latency", tick.latency ? Json(*tick.latency) : Json(nullptr)}};
+  return {{"topic", tick.topic},       {"grid", tick.is_grid},
+          {"interval", tick.interval}, {"rate", tick.rate},
+          {"drift", tick.drift},       {"jitter", tick.jitter},
+          {"phase", tick.phase},       {"measured_by", tick.measured_by},
+          {"missing", tick.missing},   {"latency", tick.latency ? Json(*tick.latency) : Json(nullptr)}};
 }
 
 Json timing_json(const LogReplayReport& report) {
   if (!report.timing) return nullptr;
   const LogTiming& timing = *report.timing;
   return {{"shift", timing.shift ? Json(*timing.shift) : Json(nullptr)},
+          {"tick_topic", timing.tick_topic.empty() ? Json(nullptr) : Json(timing.tick_topic)},
+          {"time_step", timing.tick_topic.empty() ? Json(nullptr) : Json(timing.time_step)},
           {"ticks", timing.ticks},
           {"different", timing.different}};
 }
@@ -114,6 +154,9 @@ std::string troubles(const LogTopicReport& topic) {
   if (topic.gaps > 0)
     words.push_back(
         fmt::format("{}, {} on an old value", count_text(topic.gaps, "gap"), count_text(topic.ticks_in_gaps, "tick")));
+  for (const SilentJoint& silent : topic.silent_joints)
+    words.push_back(fmt::format("{} silent in {}, {} on an old value", silent.joint, count_text(silent.gaps, "gap"),
+                                count_text(silent.ticks_in_gaps, "tick")));
   if (topic.ticks_without > 0)
     words.push_back(fmt::format("not yet there in {}", count_text(topic.ticks_without, "tick")));
   if (topic.out_of_order > 0) words.push_back(fmt::format("{} out of order", topic.out_of_order));
@@ -139,11 +182,36 @@ void tell_topics(const LogReplayReport& report) {
   print_table(rows);
 }
 
+std::string ticks_text(const LogTickReport& tick) {
+  const std::string commands = tick.latency ? fmt::format("; commands {:.4g} s later (medians)", *tick.latency) : "";
+  const std::string phase =
+      tick.phase == 0.0 ? "" : fmt::format("{:.4g} s {} ", std::abs(tick.phase), tick.phase < 0.0 ? "before" : "after");
+  const std::string measured =
+      tick.measured_by.empty() ? "" : fmt::format(", half-way to the last message on {}", tick.measured_by);
+  if (tick.is_grid)
+    return fmt::format("a grid of {:.6g} Hz, {}{}{}; a drift of {:+.3g} ppm from time_step, messages within {:.3g} s{}",
+                       tick.rate, phase.empty() ? "at " : phase, tick.topic, measured, tick.drift * 1e6, tick.jitter,
+                       commands);
+  return fmt::format("{}each message on {}{}, {:.4g} s apart, {} missing{}", phase, tick.topic, measured, tick.interval,
+                     tick.missing, commands);
+}
+
+std::string clock_text(const LogTopicReport& topic) {
+  const LogClockReport& clock = *topic.clock;
+  if (clock.is_stated)
+    return fmt::format("stamps on {} and {:g} s are times of the log (stated)", topic.topic,
+                       static_cast<double>(clock.offset) * 1e-9);
+  if (clock.offset == 0)
+    return fmt::format("stamps on {} are times of the log: logged {:.3g} s later at least", topic.topic,
+                       clock.least_delay);
+  return fmt::format("stamps on {} and {:.9g} s are times of the log, with a drift of {:+.3g} ppm (estimated)",
+                     topic.topic, static_cast<double>(clock.offset) * 1e-9, clock.drift * 1e6);
+}
+
 void tell_ticks(const LogReplayReport& report) {
-  if (report.tick)
-    fmt::print("ticks: each message on {}, {:.4g} s apart, {} missing{}\n", report.tick->topic, report.tick->interval,
-               report.tick->missing,
-               report.tick->latency ? fmt::format("; commands {:.4g} s later (medians)", *report.tick->latency) : "");
+  if (report.tick) fmt::print("ticks: {}\n", ticks_text(*report.tick));
+  for (const LogTopicReport& topic : report.topics)
+    if (topic.clock) fmt::print("clock: {}\n", clock_text(topic));
   if (report.ticks_unknown() > 0)
     fmt::print("unknown: {} without a command of the log, {} that {} after missing or late messages\n",
                count_text(report.ticks_without_command, "tick"), report.ticks_in_doubt,
@@ -173,9 +241,14 @@ void tell_log_remarks(const LogReplayReport& report) {
 }  // namespace
 
 Exit replay_log_of(LogSettings settings) {
-  if (settings.trace.empty()) settings.trace = std::filesystem::path(settings.log).stem().string() + ".replay.mcap";
+  if (settings.trace.empty()) {
+    const std::filesystem::path log = settings.log;  // of a folder, perhaps with a / at its end
+    settings.trace = (log.has_filename() ? log : log.parent_path()).stem().string() + ".replay.mcap";
+  }
   if (const auto allowed = check_replaceable(settings.trace, mcap_magic, "trace"); !allowed)
     return refuse(allowed.errors());
+  if (!settings.scenario.empty())
+    if (const auto unused = check_unused(settings.scenario); !unused) return refuse(unused.errors());
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
   const Stopwatch stopwatch;
@@ -185,6 +258,14 @@ Exit replay_log_of(LogSettings settings) {
     return replay_log(settings.log, settings.trace, settings.replay);
   }();
   if (!report) return refuse(report.errors());
+  if (!settings.scenario.empty()) {
+    const ModelScenario scenario{
+        settings.replay.model.string(),
+        {settings.replay.controller},
+        report->duration,
+        RunOfALog{settings.log, report->body, report->begin, report->time_step, report->controller}};
+    if (const auto saved = save_scenario(scenario, settings.scenario); !saved) return refuse(saved.errors());
+  }
   if (settings.json) {
     print(report_json(*report, settings.trace));
   } else {

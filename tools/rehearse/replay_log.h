@@ -12,6 +12,7 @@ namespace rehearse::tool {
 struct LogSettings {
   std::string log;
   std::string trace;  // output file; empty: named like the log, in the working directory
+  std::string scenario;  // of a run that begins as the log did, to write; empty: none
   bool json = false;
   LogReplayOptions replay;
 };

@@ -1,7 +1,7 @@
 // HolderDevice: a gripper that, while on, holds objects that can be attached to it.
 //
-// Its state is on(); the simulation implements the holding. In Rehearse's dynamics objects are never attached: a
-// gripper holds them by contact.
+// Its state is on(). After notifyStateChange() Rehearse attaches one link of another body when the condition of the
+// model's holder is met, and detaches it when the holder is off.
 #pragma once
 
 #include "Device.h"

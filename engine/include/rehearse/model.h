@@ -1,10 +1,10 @@
 // Model: one robot or object as its author described it. Immutable after loading.
 //
-// A model comes from a URDF file (urdf.h) or from a single shape (single_shape_model). It contains neither a position
-// in the world nor a state of motion: World stores both. Units are SI, angles [rad]. Links are in depth-first order,
-// with the children of a link in the document order of their joints. So a parent always comes before its children, and
-// links[0] is the root. A link frame is its joint's frame after the joint's motion: T_world_link = T_world_parent *
-// origin * motion(axis, q).
+// A model comes from a URDF file (urdf.h), a .body file of Choreonoid (body.h) or from a single shape
+// (single_shape_model). It contains neither a position in the world nor a state of motion: World stores both. Units are
+// SI, angles [rad]. Links are in depth-first order, with the children of a link in the document order of their joints.
+// So a parent always comes before its children, and links[0] is the root. A link frame is its joint's frame after the
+// joint's motion: T_world_link = T_world_parent * origin * motion(axis, q).
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -31,7 +32,8 @@ struct Texture {
   int width = 0;   // [pixels]
   int height = 0;  // [pixels]
   std::vector<std::uint8_t> rgba;
-  std::string file;  // the file it was read from, for messages
+  std::string file;         // the file it was read from, for messages
+  std::string digest = {};  // of the file's bytes (XXH3, 16 hexadecimal digits); empty: a mesh's digest contains them
 };
 
 /// Triangles of one material. Counter-clockwise seen from outside.
@@ -47,7 +49,7 @@ struct MeshPart {
 };
 
 struct MeshData {
-  std::string file;    // real path of the mesh file
+  std::string file;    // real path of the mesh file; empty: the model's file contains the mesh
   std::string digest;  // of the file's bytes, then of the files it names (XXH3, 16 hexadecimal digits)
   std::vector<MeshPart> parts;
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  // corners of the box around all vertices, along the axes [m]
@@ -66,6 +68,24 @@ struct ConvexHull {
   std::vector<std::vector<int>> faces;    // indices of vertices, flat polygons, counter-clockwise seen from outside
 };
 
+/// Heights over a grid of points, the ground of a landscape. The grid is centred on the shape's origin; x runs along a
+/// row, and the first row is the one of the largest y, as in a picture seen from above. Each cell is two triangles, cut
+/// from its corner of small x and y to that of large x and y.
+struct Heightmap {
+  int columns = 0;                                 // points along x
+  int rows = 0;                                    // points along y
+  Eigen::Vector2d size = Eigen::Vector2d::Zero();  // full extents along x and y [m]
+  std::vector<double> heights;                     // row by row [m]
+
+  Eigen::Vector2d cell() const { return {size.x() / (columns - 1), size.y() / (rows - 1)}; }  // extents [m]
+  /// The point of a column and a row, in the shape's frame [m].
+  Eigen::Vector3d point(int column, int row) const {
+    return {
+        cell().x() * column - 0.5 * size.x(), 0.5 * size.y() - cell().y() * row,
+        heights[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)]};
+  }
+};
+
 struct Box {
   Eigen::Vector3d size;  // full extents along x, y, z [m]
 };
@@ -80,11 +100,22 @@ struct Capsule {  // along z; length without the caps
   double radius;  // [m]
   double length;  // [m]
 };
+/// What contacts take a mesh for, in UrdfOptions and in scenarios. `automatic`: triangles where the mesh never moves,
+/// else parts.
+enum class MeshContact {
+  automatic,
+  hull,      // the convex hull of each object
+  parts,     // convex parts of each object; its hull where that is nearly the same
+  triangles  // the surface as it is, without an inside; only of links that never move
+};
 struct Mesh {
   std::shared_ptr<const MeshData> data;                  // null only if the model was loaded without its meshes
-  std::shared_ptr<const std::vector<ConvexHull>> hulls;  // of a collision shape, one per object; null for a visual
-  std::string file = {};                                 // as the model's file names it
+  std::shared_ptr<const std::vector<ConvexHull>> hulls;  // hulls or parts for contacts; null: contacts use triangles
+  std::string file = {};                                 // as the model's file names it; empty: it contains the mesh
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();       // per axis; already applied to `data`
+  std::shared_ptr<const Heightmap> heightmap = nullptr;  // of which `data` is the surface; contacts use it. null: none
+  MeshContact contact = MeshContact::automatic;          // as the model's file states it
+  int line = 0;                                          // of the URDF file; 0: the file doesn't contain this mesh
 };
 using Geometry = std::variant<Box, Sphere, Cylinder, Capsule, Mesh>;
 
@@ -104,10 +135,16 @@ struct Shape {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // of the shape in its link's frame
   std::optional<Color> color;                              // visuals only; nullopt: the renderer's default
   std::optional<Checker> checker;                          // visuals only; not of meshes
+  /// Visuals only, of meshes: on parts with texture coordinates and without a texture of their own, in place of
+  /// colours.
+  std::shared_ptr<const Texture> texture = nullptr;
 };
 
+/// The texture of a part of the shape's mesh: its own, else the shape's if the part has texture coordinates; else null.
+const Texture* texture_of(const MeshPart& part, const Shape& shape);
+
 /// The colour of a part of the shape's mesh: its own, unless that is a default and the shape states one; else the
-/// shape's, else `otherwise`.
+/// shape's, else `otherwise`. White under the shape's texture.
 Color color_of(const MeshPart& part, const Shape& shape, const Color& otherwise);
 
 struct Inertial {
@@ -135,18 +172,23 @@ struct Mimic {
 struct Joint {
   std::string name;  // empty for the root
   JointType type = JointType::free;
-  int id = -1;  // document order among the movable joints and tracks of the file; -1 for free and fixed
-  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // joint frame in the parent link's frame
+  int id = -1;                       // index into Model::joints; -1 for free and fixed
+  std::optional<int> controller_id;  // by which controllers know the joint; -1: by none; nullopt: by `id`
+  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // joint frame in the parent link's frame; of the root: in
+                                                             // the world, where the body starts if nobody says where
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit vector in the joint frame
   double lower = -unlimited;                                 // [rad] or [m]
   double upper = unlimited;                                  // [rad] or [m]
+  double start = 0.0;  // displacement at which a body starts if nobody states another [rad] or [m]
   double effort = unlimited;                                 // [N·m] or [N], magnitude
   double velocity = unlimited;                               // [rad/s] or [m/s], magnitude
   double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
   double friction = 0.0;                                     // [N·m] or [N]
+  double spring_stiffness = 0.0;                             // [N·m/rad] or [N/m]
+  double spring_reference = 0.0;                             // displacement at which the spring exerts no effort
   double armature = 0.0;  // inertia of the drive's rotor, as it acts at the joint [kg·m²] or [kg]
   std::optional<Mimic> mimic;
-  int line = 0;  // of the URDF file; 0: the file doesn't contain this joint
+  int line = 0;  // of the model's file; 0: the file doesn't contain this joint
 };
 
 /// Contact properties of a link's surface. For a property that isn't given, the world's solver settings apply.
@@ -173,7 +215,8 @@ struct Link {
   Surface surface;
   bool has_weight = true;          // gravity acts on the link
   bool collides_with_own = false;  // with other links of its body that have this flag
-  int line = 0;                    // of the URDF file; 0: the file doesn't contain this link
+  std::string material = {};       // of its surface, for pairs of materials; empty: the file names none
+  int line = 0;                    // of the model's file; 0: the file doesn't contain this link
 };
 
 struct ForceSensor {};
@@ -190,6 +233,8 @@ struct Camera {
   double far_clip = 200.0;          // [m]
   double frame_rate = 30.0;         // [Hz] of simulated time
   bool depth = false;               // the camera also measures depth (a RangeCamera)
+  bool shadows = false;             // the sun casts shadows in its pictures
+  bool antialiasing = false;        // edges in its pictures are smooth
 };
 
 /// One direction of a range sensor's grid: evenly spaced beams from the lower to the upper angle, both included. For a
@@ -246,7 +291,27 @@ struct ContactSensor {
   int collision = -1;  // the only shape whose contacts count, an index into the link's collisions; -1: all shapes
 };
 
-using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor>;
+/// A propeller, as Choreonoid's RotorDevice. A controller commands its thrust F [N] and its torque M [N·m]; it pushes
+/// its link with F d at its place and turns it with M d, where d is its direction. A turned-off rotor does neither.
+struct Rotor {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // in the device frame, unit length
+};
+
+/// A gripper that holds a link while it is on, as Choreonoid's HolderDevice. It takes hold in the first step in which
+/// the condition is met, of one link of another body, and lets go when it is turned off.
+struct Holder {
+  enum class Condition {
+    distance,  // the link's origin is at most max_distance away; of several the nearest
+    touch,     // the link touches the holder's own link
+    name,      // it is the root link of the body named `target`, at any distance
+  };
+  Condition condition = Condition::distance;
+  double max_distance = 0.1;  // from the device's place [m]
+  std::string target;         // the name of a body
+};
+
+using DeviceKind =
+    std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor, Rotor, Holder>;
 
 /// A sensor or light fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
@@ -255,7 +320,19 @@ struct Device {
   int link = 0;                                            // index into Model::links
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // device frame in the link frame; see the kind for its axes
   DeviceKind kind;
-  int line = 0;  // of the URDF file; 0: the file doesn't contain this device
+  int line = 0;  // of the model's file; 0: the file doesn't contain this device
+};
+
+/// A joint between two links of a model that its tree already connects: it closes a loop.
+struct LoopJoint {
+  enum class Type { fixed, revolute, prismatic, spherical };
+  std::string name;
+  Type type = Type::revolute;
+  int link = 0;                                                   // index into Model::links
+  int other_link = 0;                                             // likewise
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();        // of the joint in the link's frame
+  Eigen::Isometry3d other_frame = Eigen::Isometry3d::Identity();  // of the joint in the other link's frame
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();                // unit vector in the joint's frame
 };
 
 /// True if a joint of this type has a displacement.
@@ -271,15 +348,18 @@ bool is_linear(JointType type);
 std::string_view type_name(JointType type);
 
 /// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera", "RangeSensor", "PointLight",
-/// "SpotLight" or "ContactSensor".
+/// "SpotLight", "ContactSensor", "RotorDevice" or "HolderDevice".
 std::string_view type_name(const Device& device);
 
 /// Returns `light` with the state given by `values` (see Light), or unchanged if there are too few values.
 Light light_of_state(Light light, const std::vector<double>& values);
 
 /// The number of values that a device measures in each step (see DeviceReading). It is 0 for devices that don't measure
-/// in each step (cameras, range sensors) or measure nothing (lights).
+/// in each step (cameras, range sensors) or measure nothing (lights, rotors, holders).
 int value_count(const Device& device);
+
+/// True for devices that only act: lights, rotors and holders.
+bool is_actuator(const Device& device);
 
 /// Unit vectors along the beams, in the sensor's device frame and in the order of their numbers.
 std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor);
@@ -287,10 +367,14 @@ std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor);
 struct Model {
   std::string name;
   std::vector<Link> links;  // depth-first; links[0] is the root
-  std::vector<int> joints;  // by joint id: the index of the link it moves
+  std::vector<int> joints;  // by joint id: the index of the link it moves. In document order; of a .body those with a
+                            // jointId first, in its order
   std::vector<Device> devices;
+  std::vector<std::array<int, 2>> apart;  // pairs of links that never touch each other, the smaller index first, sorted
+  std::vector<LoopJoint> loops;
   std::string source_file;  // as the user named it; empty for a single shape
-  std::string source_text;  // the file's bytes, for recordings; empty for a single shape
+  std::string source_text;  // for recordings: the bytes of the file and of the model files that it includes; empty for
+                            // a single shape
   Diagnostics report;       // the load report: repairs, warnings and notes in document order
 
   /// Index of the link, or -1.
@@ -314,7 +398,9 @@ Inertial solid_inertial(const Geometry& geometry, double mass);
 
 /// World poses of all links by forward kinematics.
 /// `root`: pose of links[0]; `q`: by joint id, size Model::joints.size() [rad or m]. Returns one pose per link.
-std::vector<Eigen::Isometry3d> forward_kinematics(const Model& model, const Eigen::Isometry3d& root,
-                                                  const std::vector<double>& q);
+/// `free_pose`: of a link behind a floating joint, by its index and the joint's pose, where it is by default.
+std::vector<Eigen::Isometry3d> forward_kinematics(
+    const Model& model, const Eigen::Isometry3d& root, const std::vector<double>& q,
+    const std::function<Eigen::Isometry3d(std::size_t, const Eigen::Isometry3d&)>& free_pose = {});
 
 }  // namespace rehearse

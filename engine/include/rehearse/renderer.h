@@ -33,19 +33,26 @@ struct Frame {
   DepthImage depth;  // empty unless asked for
 };
 
-enum class Quality {
-  plain,  // for sensors: no shadows, one sample per pixel
-  fine,   // for people to look at: the sun casts shadows of solid shapes up to 6 m across, and edges are smooth
+struct Quality {
+  bool shadows = false;       // the sun casts shadows of solid shapes up to 6 m across
+  bool antialiasing = false;  // edges are smooth: a pixel is the mean of nine samples
+
+  static const Quality plain;  // neither: for sensors that don't ask for more
+  static const Quality fine;   // both: for people to look at
 };
+inline constexpr Quality Quality::plain{};
+inline constexpr Quality Quality::fine{true, true};
 
 class Renderer {
  public:
-  /// The largest width and height of a plain picture [pixels]; a fine one has at most a third of it.
+  /// The largest width and height of a picture [pixels]; with antialiasing it has at most a third of it.
   static constexpr int max_size = 8192;
   /// The largest number of lights.
   static constexpr int max_lights = 64;
 
-  /// Fails if OSMesa can't make a context of OpenGL 3.3 with clip control (Mesa has both since 2017).
+  /// The scene has the sky and the lights of `look`; its settings for cameras are those of draw()'s caller.
+  /// Fails if OSMesa can't make a context of OpenGL 3.3 with clip control (Mesa has both since 2017), or if there are
+  /// more lights than max_lights.
   static Result<std::unique_ptr<Renderer>> create(const Look& look = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
@@ -58,7 +65,8 @@ class Renderer {
   /// Sets the pose of the shape's link in the world (initially the identity); the shape's own pose is relative to it.
   void set_link_pose(int number, const Eigen::Isometry3d& link_pose);
 
-  /// Adds a light; returns its number among the lights. Precondition: fewer than max_lights were added before.
+  /// Adds a light; returns its number among the lights. Precondition: there are fewer than max_lights, with those of
+  /// the look.
   int add_light(const Light& light);
   /// Sets the values of a light. Impossible values are replaced by the nearest possible ones.
   void set_light(int number, const Light& light);

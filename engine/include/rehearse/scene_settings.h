@@ -1,4 +1,5 @@
-// Settings of a scene that belong to no body: how the physics engine solves a step, and how pictures look.
+// Settings of a scene that belong to no body: how the physics engine solves a step, what connects bodies, and how
+// pictures look.
 #pragma once
 
 #include <rehearse/model.h>
@@ -6,6 +7,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rehearse {
 
@@ -16,8 +18,10 @@ struct SolverSettings {
     quick,  // dWorldQuickStep: iterative, linear in the number of constraints
     exact,  // dWorldStep: direct, cubic
   };
+  static constexpr int most_iterations = 10000;
   Method method = Method::quick;
   int iterations = 50;                    // quick only
+  bool converge = false;                  // quick only: steps are repeated with more iterations until they converge
   double over_relaxation = 1.3;           // quick only, 0 to 2
   double erp = 0.4;                       // share of a joint's error corrected in a step, 0 to 1
   double cfm = 1e-10;                     // constraint force mixing, >= 0
@@ -34,10 +38,33 @@ struct MaterialPair {
   std::optional<double> restitution;     // ratio of the speeds after and before a bounce, 0 to 1
 };
 
+/// A joint between two links of any bodies, in addition to the models' own. Two links that it connects don't touch each
+/// other.
+struct Connection {
+  std::string name;  // unique; for messages and for matching states
+  LoopJoint::Type type = LoopJoint::Type::fixed;
+  int body = 0, link = 0;
+  int other_body = 0, other_link = 0;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // of the joint in the first link's frame
+  std::optional<Eigen::Isometry3d> other_frame;     // in the other link's frame; nullopt: where it is when they connect
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector in the joint's frame
+  double from = 0.0;                                // connected while from <= t < until [s]
+  double until = unlimited;
+};
+
 /// The appearance of a scene apart from its bodies.
+
+/// A lamp of the scene, which belongs to no robot. The direction of its cone is along the world's axes.
+struct SceneLight {
+  Light light;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+};
 
 struct Look {
   Color sky{0.55f, 0.68f, 0.82f, 1.0f};  // colour of pixels that show no body
+  bool shadows = false;                  // for all cameras, whatever they state themselves
+  bool antialiasing = false;             // likewise
+  std::vector<SceneLight> lights = {};
 };
 
 }  // namespace rehearse

@@ -18,7 +18,9 @@
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
 // - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
 //   fixtures/README.md describes the search for mesh files and the meaning of the formats. A mesh that is missing or
-//   cannot be read is an error.
+//   cannot be read is an error. Contacts take a mesh for what UrdfOptions::contact states, else for what the file
+//   states: PyBullet's <collision concave="yes"> for triangles, Drake's <drake:declare_convex/> in <mesh> for the hull.
+//   A mesh that moves is never taken for triangles, but for convex parts.
 // - The contact properties in <gazebo reference="LINK"> and in PyBullet's <contact> are read into Link::surface,
 //   has_weight and collides_with_own; fixtures/README.md lists the elements.
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, with SDF's elements: type imu,
@@ -27,11 +29,11 @@
 //   depth); and `<sensor>` in `<robot>`, with the same elements or with attributes as described in the ROS wiki. The
 //   loader reads `<pose>` (x y z roll pitch yaw in the link frame), and of a camera `<update_rate>`, `<camera><pose>`,
 //   `<horizontal_fov>`, `<image><width>, <height>`, `<clip><near>, <far>`, with SDF's defaults (1.047 rad, 320 x 240,
-//   0.1 m, 100 m; 30 Hz). SDF's camera looks along +x with +z up; Device::pose is already turned to look along -z with
-//   +y up.
-//   A sensor or light that can't be read, or whose link doesn't exist, is left out with a warning, even when strict.
-//   Two children are extensions of Rehearse: `<sensor><id>N</id>` is Device::id, and `<camera><vertical_fov>` [rad]
-//   replaces `<horizontal_fov>`.
+//   0.1 m, 100 m; 30 Hz), and `<image><anti_aliasing>` (smooth edges if above 1). SDF's camera looks along +x with +z
+//   up; Device::pose is already turned to look along -z with +y up. A sensor or light that can't be read, or whose link
+//   doesn't exist, is left out with a warning, even when strict. Extensions of Rehearse: `<sensor><id>N</id>` is
+//   Device::id, `<camera><vertical_fov>` [rad] replaces
+//   `<horizontal_fov>`, and `<camera><shadows>true</shadows>` draws the sun's shadows.
 // - The limits below bound the time and memory that a hostile file can use.
 #pragma once
 
@@ -62,6 +64,7 @@ struct UrdfOptions {
   std::map<std::string, std::filesystem::path> packages = {};  // directories of package://NAME, searched first
   bool allow_missing_meshes = false;  // a mesh that cannot be loaded is left out, with a warning
   Meshes meshes = Meshes::load;
+  MeshContact contact = MeshContact::automatic;  // of collision meshes; goes before what the file states
   bool fixed_root = false;                  // the caller fixes the root link to the world, so the root needs no mass
   bool kinematic = false;                   // the body will move as commanded, so none of its links needs mass
   std::optional<double> default_mass = {};  // of moving links that have no mass; above 0 [kg]

@@ -37,6 +37,7 @@ struct WorldSettings {
   /// Choreonoid.
   bool lever_arms = true;
   std::vector<MaterialPair> pairs = {};
+  std::vector<Connection> connections = {};
 };
 
 /// One body, its initial pose and its initial velocity.
@@ -50,7 +51,6 @@ struct WorldBody {
   bool kinematic = false;                                        // the body moves as commanded, without dynamics
   bool joint_limits = false;                                     // joints stop at their limits
   bool effort_limits = false;                                    // commanded efforts are clamped to their limits
-  bool trimesh = false;         // contacts of links that never move use the mesh's triangles, not its convex hulls
   bool self_collision = false;  // all links of the body touch each other, not only those with collides_with_own
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // of the root link's origin, world [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // of the root link, world [rad/s]
@@ -58,10 +58,19 @@ struct WorldBody {
   std::vector<std::string> materials = {};  // by link index, for pairs; empty names and an empty list: none
 };
 
+/// How far the quick solver stopped from its solution in a step: the force that is missing at the joint that is worst
+/// off, as a share of the body's weight.
+struct Residual {
+  int body = -1;  // index of the body; -1: no body has a joint
+  int link = -1;  // index of the link that the joint moves
+  double share = 0.0;
+  int iterations = 0;  // of the solver in that step; 0: the exact solver made it
+};
+
 class World {
  public:
   /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a count of joints
-  /// that doesn't fit, a mesh that wasn't loaded.
+  /// that doesn't fit, a mesh that wasn't loaded, a connection of links that never move.
   static Result<std::unique_ptr<World>> create(const WorldSettings& settings, std::vector<WorldBody> bodies);
   /// Warnings about behaviour that the bodies' authors may not expect: links that touch no other link of their body
   /// because they overlap with it at the zero pose.
@@ -98,6 +107,20 @@ class World {
   /// ODE's message if the exact solver found no solution for the last step, else empty. That step was made by the quick
   /// solver with 1000 iterations instead. Not part of the state.
   const std::string& solver_message() const;
+
+  /// The residual of the last step. Parts that a joint connects have different velocities at its anchor, by more than
+  /// the joint's correction of its error; the missing force is what would stop the lighter of both parts within the
+  /// step, the other one free to move (reduced mass). Not part of the state: after restore() it is empty until the next
+  /// step.
+  const Residual& residual() const;
+
+  /// What connected or separated at the beginning of the last step: "holder 'Arm/HAND' took hold of 'Box/BASE'". Not
+  /// part of the state.
+  const std::vector<std::string>& events() const;
+
+  /// Commands a rotor or a holder; it obeys from the coming step on. `values`: the device's state as cnoid's
+  /// writeState() gives it. Other devices don't obey.
+  void command_device(int body, int device, const std::vector<double>& values);
 
   /// Sets the joint commands and the external wrenches. Joint commands apply from the coming step on until the next
   /// call; wrenches act on the links during the coming step only. Every number in `command` must be finite.

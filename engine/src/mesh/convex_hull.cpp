@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace rehearse {
 namespace {
@@ -23,17 +24,13 @@ bool before(const Vector3d& a, const Vector3d& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-/// For each object the vertices that its triangles use, each position once, in lexicographic order.
+/// For each object the vertices that its triangles use.
 std::map<int, Points> points_of(const MeshData& mesh) {
   std::map<int, Points> objects;
   for (const MeshPart& part : mesh.parts) {
     Points& points = objects[part.object];
     for (const auto& triangle : part.triangles)
       for (const std::uint32_t vertex : triangle) points.push_back(part.vertices[vertex].cast<double>());
-  }
-  for (auto& [object, points] : objects) {
-    std::sort(points.begin(), points.end(), before);
-    points.erase(std::unique(points.begin(), points.end()), points.end());
   }
   return objects;
 }
@@ -416,19 +413,52 @@ class HullMaker {
   Diagnostics& remarks_;
 };
 
+/// Sorts the points, and leaves each position once.
+void sort_points(Points& points) {
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+}
+
 }  // namespace
+
+std::vector<std::pair<int, std::string>> objects_of(const MeshData& mesh) {
+  std::set<int> numbers;
+  for (const MeshPart& part : mesh.parts) numbers.insert(part.object);
+  std::vector<std::pair<int, std::string>> objects;
+  for (const int number : numbers)
+    objects.emplace_back(number, numbers.size() > 1 ? fmt::format("object {} ", number) : "it ");
+  return objects;
+}
 
 Result<ConvexHulls> convex_hulls(const MeshData& mesh) {
   ConvexHulls result;
-  const std::map<int, Points> objects = points_of(mesh);
-  if (objects.empty()) return error("it has no triangles");
-  for (const auto& [number, points] : objects) {
-    const std::string object = objects.size() > 1 ? fmt::format("object {} ", number) : "it ";
-    auto hull = HullMaker(object, result.remarks).make(points);
+  std::map<int, Points> points = points_of(mesh);
+  if (points.empty()) return error("it has no triangles");
+  for (const auto& [number, name] : objects_of(mesh)) {
+    auto hull = convex_hull(std::move(points.at(number)), name, result.remarks);
     if (!hull) return hull.errors();
     result.hulls.push_back(std::move(*hull));
   }
   return result;
+}
+
+Result<ConvexHull> convex_hull(Points points, const std::string& object, Diagnostics& remarks) {
+  sort_points(points);
+  return HullMaker(object, remarks).make(std::move(points));
+}
+
+double hull_volume(Points points) {
+  sort_points(points);
+  if (points.size() < 4) return 0.0;
+  const auto triangles = triangulated_hull(points);
+  return triangles ? volume(points, *triangles) / 6.0 : 0.0;
+}
+
+double volume(const ConvexHull& hull) {
+  std::vector<Triangle> triangles;
+  for (const std::vector<int>& face : hull.faces)
+    for (std::size_t i = 1; i + 1 < face.size(); ++i) triangles.push_back({face[0], face[i], face[i + 1]});
+  return volume(hull.vertices, triangles) / 6.0;
 }
 
 }  // namespace rehearse

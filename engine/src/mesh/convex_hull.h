@@ -5,6 +5,8 @@
 #include <rehearse/model.h>
 
 #include <cstddef>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -29,5 +31,17 @@ struct ConvexHulls {
 /// with a remark; an object that is only a line or a point is an error. Messages use "it", or "object 1" if there are
 /// several objects, and don't name the mesh.
 Result<ConvexHulls> convex_hulls(const MeshData& mesh);
+
+/// The convex hull of points, likewise. `object` begins the messages: "it " or "object 1 ".
+Result<ConvexHull> convex_hull(std::vector<Eigen::Vector3d> points, const std::string& object, Diagnostics& remarks);
+
+/// The volume of the convex hull of points [m³]; 0 if they are flat or Qhull fails.
+double hull_volume(std::vector<Eigen::Vector3d> points);
+
+/// The numbers of a mesh's objects, ascending, and what begins messages about each: "it " or "object 1 ".
+std::vector<std::pair<int, std::string>> objects_of(const MeshData& mesh);
+
+/// The volume of a hull [m³].
+double volume(const ConvexHull& hull);
 
 }  // namespace rehearse

@@ -6,16 +6,17 @@
 #include <system_error>
 #include <tuple>
 
-#include "mesh_file.h"
+#include "convex_parts.h"
 
 namespace rehearse {
 namespace {
 
-using Key = std::tuple<std::string, std::uintmax_t, std::filesystem::file_time_type, double, double, double>;
+using Key = std::tuple<std::string, std::uintmax_t, std::filesystem::file_time_type, double, double, double,
+                       std::string, std::set<std::string>>;
 
 struct CachedMesh {
   MeshReading reading;
-  std::optional<Result<ConvexHulls>> hulls;  // nullopt: not requested yet
+  std::optional<Result<ConvexHulls>> hulls, parts;  // nullopt: not requested yet
 };
 
 class MeshCache {
@@ -25,20 +26,24 @@ class MeshCache {
     return cache;
   }
 
-  Result<SharedMesh> mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+  Result<SharedMesh> mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                          const MeshSelection& selection) {
     const std::lock_guard lock(mutex_);
-    const auto found = find(file, scale);
+    const auto found = find(file, scale, selection);
     if (!found) return found.errors();
     const MeshReading& reading = (*found)->reading;
     return SharedMesh{{*found, &reading.data}, reading.warnings};
   }
 
-  Result<std::shared_ptr<const ConvexHulls>> hulls(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+  Result<std::shared_ptr<const ConvexHulls>> hulls(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                                                   MeshContact contact, const MeshSelection& selection) {
     const std::lock_guard lock(mutex_);
-    const auto found = find(file, scale);
+    const auto found = find(file, scale, selection);
     if (!found) return found.errors();
-    auto& hulls = (*found)->hulls;
-    if (!hulls) hulls = convex_hulls((*found)->reading.data);
+    const bool in_parts = contact == MeshContact::parts;
+    auto& hulls = in_parts ? (*found)->parts : (*found)->hulls;
+    const MeshData& data = (*found)->reading.data;
+    if (!hulls) hulls = in_parts ? convex_parts(data) : judged_hulls(data);
     if (!*hulls) return hulls->errors();
     return std::shared_ptr<const ConvexHulls>(*found, &**hulls);
   }
@@ -49,27 +54,30 @@ class MeshCache {
   }
 
  private:
-  Result<std::shared_ptr<CachedMesh>> find(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
-    const Key key = key_of(file, scale);
+  Result<std::shared_ptr<CachedMesh>> find(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                                           const MeshSelection& selection) {
+    const Key key = key_of(file, scale, selection);
     if (const auto known = meshes_.find(key); known != meshes_.end())
       if (std::shared_ptr<CachedMesh> held = known->second.lock()) return held;
-    Result<MeshReading> fresh = read_mesh(file, scale);
+    Result<MeshReading> fresh = read_mesh(file, scale, selection);
     if (!fresh) return fresh.errors();
     ++count_;
     std::erase_if(meshes_, [](const auto& entry) { return entry.second.expired(); });
-    auto read = std::make_shared<CachedMesh>(CachedMesh{*std::move(fresh), std::nullopt});
+    auto read = std::make_shared<CachedMesh>(CachedMesh{*std::move(fresh), std::nullopt, std::nullopt});
     meshes_[key] = read;
     return read;
   }
 
-  static Key key_of(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+  static Key key_of(const std::filesystem::path& file, const Eigen::Vector3d& scale, const MeshSelection& selection) {
     std::error_code ignored;
     return {std::filesystem::weakly_canonical(file, ignored).string(),
             std::filesystem::file_size(file, ignored),
             std::filesystem::last_write_time(file, ignored),
             scale.x(),
             scale.y(),
-            scale.z()};
+            scale.z(),
+            selection.node,
+            selection.without};
   }
 
   std::mutex mutex_;
@@ -79,13 +87,14 @@ class MeshCache {
 
 }  // namespace
 
-Result<SharedMesh> shared_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
-  return MeshCache::one().mesh(file, scale);
+Result<SharedMesh> shared_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                               const MeshSelection& selection) {
+  return MeshCache::one().mesh(file, scale, selection);
 }
 
-Result<std::shared_ptr<const ConvexHulls>> shared_hulls(const std::filesystem::path& file,
-                                                        const Eigen::Vector3d& scale) {
-  return MeshCache::one().hulls(file, scale);
+Result<std::shared_ptr<const ConvexHulls>> shared_hulls(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                                                        MeshContact contact, const MeshSelection& selection) {
+  return MeshCache::one().hulls(file, scale, contact, selection);
 }
 
 std::uint64_t meshes_read() { return MeshCache::one().count(); }

@@ -18,6 +18,7 @@
 #include "mesh_input.h"
 #include "mesh_materials.h"
 #include "mesh_scene.h"
+#include "vrml_scene.h"
 
 namespace rehearse {
 namespace {
@@ -87,6 +88,21 @@ Result<MeshReading> convert(const aiScene& scene, MeshFormat format, MeshInput& 
   return reading;
 }
 
+Result<MeshReading> read_by_assimp(MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale) {
+  Assimp::Importer importer;
+  const aiScene* scene = import(importer, format, input);
+  if (scene == nullptr) return error(refusal(importer, input.file()));
+  return convert(*scene, format, input, scale);
+}
+
+Result<MeshReading> read_vrml(MeshInput& input, const MeshSelection& selection, const Eigen::Vector3d& scale) {
+  MeshReading reading;
+  Result<std::vector<MeshPart>> parts = read_vrml_parts(input, selection, scale, reading.warnings);
+  if (!parts) return parts.errors();
+  reading.data.parts = *std::move(parts);
+  return reading;
+}
+
 void measure(MeshData& data) {
   Eigen::AlignedBox<float, 3> box;
   for (const MeshPart& part : data.parts) {
@@ -98,7 +114,8 @@ void measure(MeshData& data) {
 
 }  // namespace
 
-Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
+Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                              const MeshSelection& selection) {
   const Result<MeshFormat> format = mesh_format_of(file);
   if (!format) return at(file, format.errors());
   Result<std::string> bytes = read_mesh_file(file);
@@ -107,10 +124,10 @@ Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Ve
     MeshInput input(file, *bytes);
     if (auto checked = check_mesh_bytes(*format, *bytes); !checked) return at(file, checked.errors());
     input.replace(*std::move(bytes));
-    Assimp::Importer importer;
-    const aiScene* scene = import(importer, *format, input);
-    if (scene == nullptr) return at(file, {error(refusal(importer, file))});
-    Result<MeshReading> reading = convert(*scene, *format, input, scale);
+    if (!selection.node.empty() && *format != MeshFormat::vrml)
+      return at(file, {error("a node by its name can be read of a .wrl only", "name a file with that part alone")});
+    Result<MeshReading> reading =
+        *format == MeshFormat::vrml ? read_vrml(input, selection, scale) : read_by_assimp(*format, input, scale);
     if (!reading) return at(file, reading.errors());
     std::error_code ignored;
     reading->data.file = std::filesystem::weakly_canonical(file, ignored).string();

@@ -1,4 +1,4 @@
-// Reads a mesh from a file, by assimp.
+// Reads a mesh from a file, by assimp and by a reader of VRML.
 //
 // - STL, binary or ASCII: a file is binary if it has the size of a binary one. Normals are computed per triangle from
 //   the winding, because the file's normals are often wrong or zero. Colours in the file are ignored.
@@ -6,6 +6,7 @@
 //   cameras, lights, lines and points are ignored.
 // - OBJ: polygons become triangles; each object or group with faces has a separate `object` number. In all other
 //   formats the whole file is one object.
+// - WRL: VRML97, by Rehearse's own reader (vrml_scene.h), since assimp 5.2 has none.
 // - glTF and GLB: y is up by the standard, so they are turned: (x, y, z) becomes (x, -z, y).
 // Vertices keep the bits of the file's floats where no transform and no scale changes them. Mirrored nodes and scales
 // reverse the winding as well, so that the outside stays outside. If a file has no normals, those of the triangles are
@@ -16,10 +17,17 @@
 #include <rehearse/model.h>
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace rehearse {
+
+/// The part of a mesh file that is wanted. Only of a VRML file.
+struct MeshSelection {
+  std::string node = {};               // the node of that name (DEF), without the translations of it and above it
+  std::set<std::string> without = {};  // nodes of these names are left out
+};
 
 struct MeshReading {
   MeshData data;
@@ -28,6 +36,7 @@ struct MeshReading {
 
 /// `scale` per axis, of the shape's frame; negative mirrors. Never throws. Fails if the file can't be read, is of no
 /// known format, has more than max_mesh_bytes or max_mesh_triangles, no triangle, or a vertex that isn't finite.
-Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale);
+Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                              const MeshSelection& selection = {});
 
 }  // namespace rehearse

@@ -15,7 +15,7 @@ constexpr std::size_t stl_head = 84;      // header and number of triangles [byt
 constexpr std::size_t stl_triangle = 50;  // [bytes]
 constexpr std::size_t glb_head = 12;      // magic number, version, length [bytes]
 constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
-constexpr const char* known_formats = ".stl, .dae, .obj, .gltf and .glb are read";
+constexpr const char* known_formats = ".stl, .dae, .obj, .gltf, .glb and .wrl are read";
 
 /// A little-endian number of four bytes.
 std::uint32_t number_at(const std::string& bytes, std::size_t position) {
@@ -81,6 +81,7 @@ Result<MeshFormat> mesh_format_of(const std::filesystem::path& file) {
   if (extension == ".obj") return MeshFormat::obj;
   if (extension == ".gltf") return MeshFormat::gltf;
   if (extension == ".glb") return MeshFormat::glb;
+  if (extension == ".wrl") return MeshFormat::vrml;
   if (extension.empty()) return error("its name has no extension that says its format", known_formats);
   return error(fmt::format("{} isn't a format that is read", extension), fmt::format("convert it; {}", known_formats));
 }
@@ -97,7 +98,8 @@ Result<void> check_mesh_bytes(MeshFormat format, std::string& bytes) {
       return check_obj(bytes);
     case MeshFormat::glb: return check_glb(bytes);
     case MeshFormat::dae: return check_dae(bytes);
-    case MeshFormat::gltf: return {};  // truncated JSON is a syntax error
+    case MeshFormat::gltf:
+    case MeshFormat::vrml: return {};  // a truncated file is a syntax error
   }
   REHEARSE_ASSERT(false, "a MeshFormat outside its enumeration");
 }

@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-enum class MeshFormat { stl, dae, obj, gltf, glb };
+enum class MeshFormat { stl, dae, obj, gltf, glb, vrml };
 
 inline constexpr std::size_t max_mesh_triangles = 10'000'000;  // of a file
 

@@ -115,7 +115,7 @@ Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat
   }
   part.color = paint.color;
   part.has_default_color = paint.is_default;
-  if (paint.texture != nullptr && mesh.HasTextureCoords(paint.channel)) {
+  if (mesh.HasTextureCoords(paint.channel)) {
     part.texture = paint.texture;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& uv = mesh.mTextureCoords[paint.channel][i];

@@ -1,7 +1,9 @@
+#define XXH_INLINE_ALL
 #include "picture_file.h"
 
 #include <fmt/format.h>
 #include <png.h>
+#include <xxhash.h>
 
 #include <csetjmp>
 #include <cstddef>
@@ -10,6 +12,8 @@
 #include <optional>
 
 #include <jpeglib.h>  // needs size_t and FILE from the headers above
+
+#include "mesh_input.h"
 
 namespace rehearse {
 namespace {
@@ -121,6 +125,16 @@ Result<Texture> decode_picture(std::string_view bytes) {
     return error("it is a git-lfs pointer, not the picture it stands for", "run: git lfs pull");
   }
   return error("it is neither PNG nor JPEG", "save it as one of them");
+}
+
+Result<Texture> read_picture(const std::filesystem::path& file, const std::string& name) {
+  const Result<std::string> bytes = read_mesh_file(file);
+  if (!bytes) return bytes.errors();
+  Result<Texture> texture = decode_picture(*bytes);
+  if (!texture) return texture;
+  texture->file = name;
+  texture->digest = fmt::format("{:016x}", XXH3_64bits(bytes->data(), bytes->size()));
+  return texture;
 }
 
 }  // namespace rehearse

@@ -4,6 +4,8 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/model.h>
 
+#include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace rehearse {
@@ -13,5 +15,8 @@ inline constexpr unsigned max_texture_side = 8192;  // [pixels]
 /// Decodes a PNG or a JPEG; the first bytes determine the format. A damaged or truncated file is an error. The result's
 /// `file` is empty.
 Result<Texture> decode_picture(std::string_view bytes);
+
+/// Reads a texture that a robot's file names: the picture with its digest. `name` is the result's `file`.
+Result<Texture> read_picture(const std::filesystem::path& file, const std::string& name);
 
 }  // namespace rehearse

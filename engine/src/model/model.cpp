@@ -57,7 +57,13 @@ Eigen::Vector3d unit_moments(const Mesh& mesh) { return unit_moments(Box{mesh.da
 
 }  // namespace
 
+const Texture* texture_of(const MeshPart& part, const Shape& shape) {
+  if (part.texture_coordinates.empty()) return nullptr;
+  return part.texture ? part.texture.get() : shape.texture.get();
+}
+
 Color color_of(const MeshPart& part, const Shape& shape, const Color& otherwise) {
+  if (!part.texture && texture_of(part, shape)) return Color::Ones();
   if (part.color && !(part.has_default_color && shape.color)) return *part.color;
   return shape.color.value_or(otherwise);
 }
@@ -92,6 +98,8 @@ std::string_view type_name(const Device& device) {
     std::string_view operator()(const RangeSensor&) const { return "RangeSensor"; }
     std::string_view operator()(const Light& light) const { return light.cone ? "SpotLight" : "PointLight"; }
     std::string_view operator()(const ContactSensor&) const { return "ContactSensor"; }
+    std::string_view operator()(const Rotor&) const { return "RotorDevice"; }
+    std::string_view operator()(const Holder&) const { return "HolderDevice"; }
   };
   return std::visit(Namer{}, device.kind);
 }
@@ -106,8 +114,15 @@ int value_count(const Device& device) {
     int operator()(const RangeSensor&) const { return 0; }
     int operator()(const Light&) const { return 0; }
     int operator()(const ContactSensor&) const { return 4; }
+    int operator()(const Rotor&) const { return 0; }
+    int operator()(const Holder&) const { return 0; }
   };
   return std::visit(Counter{}, device.kind);
+}
+
+bool is_actuator(const Device& device) {
+  return std::holds_alternative<Light>(device.kind) || std::holds_alternative<Rotor>(device.kind) ||
+         std::holds_alternative<Holder>(device.kind);
 }
 
 std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor) {
@@ -186,8 +201,9 @@ Inertial solid_inertial(const Geometry& geometry, double mass) {
   return inertial;
 }
 
-std::vector<Eigen::Isometry3d> forward_kinematics(const Model& model, const Eigen::Isometry3d& root,
-                                                  const std::vector<double>& q) {
+std::vector<Eigen::Isometry3d> forward_kinematics(
+    const Model& model, const Eigen::Isometry3d& root, const std::vector<double>& q,
+    const std::function<Eigen::Isometry3d(std::size_t, const Eigen::Isometry3d&)>& free_pose) {
   REHEARSE_ASSERT(q.size() == model.joints.size(), "forward_kinematics needs one displacement a joint id");
   std::vector<Eigen::Isometry3d> poses;
   poses.reserve(model.links.size());
@@ -198,6 +214,7 @@ std::vector<Eigen::Isometry3d> forward_kinematics(const Model& model, const Eige
     }
     Eigen::Isometry3d pose = poses[static_cast<std::size_t>(link.parent)] * link.joint.origin;
     if (is_movable(link.joint.type)) pose = pose * motion(link.joint, q[static_cast<std::size_t>(link.joint.id)]);
+    if (link.joint.type == JointType::free && free_pose) pose = free_pose(poses.size(), pose);
     poses.push_back(pose);
   }
   return poses;

@@ -17,8 +17,8 @@ const Eigen::Vector3d sun_direction = Eigen::Vector3d(0.55, 0.45, 1.0).normalize
 
 constexpr double shadow_blur = 0.006;  // distance between two samples of a shadow's edge [m]
 
-/// The factor by which a fine picture is drawn larger, each way, before it is reduced.
-constexpr int shrink_factor(Quality quality) { return quality == Quality::fine ? 3 : 1; }
+/// The factor by which a picture with antialiasing is drawn larger, each way, before it is reduced.
+constexpr int shrink_factor(Quality quality) { return quality.antialiasing ? 3 : 1; }
 
 template <class Vector>
 std::array<float, 3> to_floats(const Vector& v) {
@@ -53,9 +53,10 @@ gl::Matrix4 to_floats(const Eigen::Matrix4d& matrix) {
 }
 
 void check(const Camera& camera, int largest) {
-  REHEARSE_ASSERT(camera.width >= 1 && camera.width <= largest, "a picture's width is 1 to 8192 pixels, 2730 if fine");
+  REHEARSE_ASSERT(camera.width >= 1 && camera.width <= largest,
+                  "a picture's width is 1 to 8192 pixels, 2730 with antialiasing");
   REHEARSE_ASSERT(camera.height >= 1 && camera.height <= largest,
-                  "a picture's height is 1 to 8192 pixels, 2730 if fine");
+                  "a picture's height is 1 to 8192 pixels, 2730 with antialiasing");
   REHEARSE_ASSERT(camera.field_of_view > 0.0 && camera.field_of_view < std::numbers::pi,
                   "a camera's field of view is between 0 and pi");
   REHEARSE_ASSERT(camera.near_clip > 0.0 && camera.far_clip > camera.near_clip,
@@ -199,7 +200,6 @@ Eigen::Matrix4d Renderer::Impl::draw_shadow_map(double& radius) {
 }
 
 void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Quality quality) {
-  const bool fine = quality == Quality::fine;
   const int factor = shrink_factor(quality);
   check(camera, max_size / factor);
   context->make_current();
@@ -207,7 +207,7 @@ void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Q
   gl::View view{to_floats(projection_of(camera))};
   view.up = to_floats(sight.from_world.linear() * Eigen::Vector3d::UnitZ());
   view.sun = to_floats(sight.from_world.linear() * sun_direction);
-  if (fine) {
+  if (quality.shadows) {
     double radius = 0.0;
     view.shadow_from_view = to_floats(Eigen::Matrix4d(draw_shadow_map(radius) * pose.matrix()));
     view.blur = static_cast<float>(shadow_blur / (2.0 * radius));
@@ -217,7 +217,7 @@ void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Q
   for (const PlacedLight& light : lights)
     if (light.light.on) view.lamps.push_back(lamp_of(light, sight.from_world));
   target.begin(factor * camera.width, factor * camera.height, camera.depth, look.sky);
-  painter.begin(fine ? gl::Pass::fine : gl::Pass::plain, view);
+  painter.begin(quality.shadows ? gl::Pass::shaded : gl::Pass::plain, view);
   paint_solid(sight.from_world, [&](const Item& item) { return sight.may_hold(item); });
   paint_translucent(sight);
 }
@@ -230,7 +230,13 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Look& look) {
   if (!context) return context.errors();
   auto impl = std::make_unique<Impl>(std::move(*context));
   impl->look = look;
-  return std::unique_ptr<Renderer>(new Renderer(std::move(impl)));
+  if (look.lights.size() > max_lights)
+    return error("there are " + std::to_string(look.lights.size()) + " lights",
+                 "a picture can have " + std::to_string(max_lights) + " of them");
+  std::unique_ptr<Renderer> renderer(new Renderer(std::move(impl)));
+  for (const SceneLight& lamp : look.lights)
+    renderer->set_light_pose(renderer->add_light(lamp.light), Eigen::Isometry3d(Eigen::Translation3d(lamp.position)));
+  return renderer;
 }
 
 int Renderer::add(const Shape& shape, const Color& color) {

@@ -63,9 +63,15 @@ std::vector<Item> ItemMaker::items_of(const Shape& shape, const Color& color) {
     REHEARSE_ASSERT(mesh->data, "a model that is drawn was loaded with its meshes");
     const std::vector<KnownPart>& parts = know(mesh->data).parts;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Color own = color_of(mesh->data->parts[i], shape, color);
+      const MeshPart& part = mesh->data->parts[i];
+      const Color own = color_of(part, shape, color);
       items.push_back({parts[i].batch, mesh_scale(shape.geometry), to_floats(own), parts[i].shines_through,
                        parts[i].centre, parts[i].radius, shape.pose});
+      if (part.texture || !texture_of(part, shape)) continue;
+      const KnownTexture& texture = know(shape.texture);
+      const Batch plain = batches_[parts[i].batch];
+      items.back().batch = add_batch(plain.mesh, textured(plain.skin, texture));
+      items.back().shines_through = texture.shines_through;
     }
     return items;
   }
@@ -98,6 +104,13 @@ const ItemMaker::KnownMesh& ItemMaker::know(const std::shared_ptr<const MeshData
   return meshes_.back();
 }
 
+gl::Skin ItemMaker::textured(gl::Skin skin, const KnownTexture& texture) {
+  skin.kind = texture.shines_through ? gl::Skin::Kind::cut_out : gl::Skin::Kind::textured;
+  skin.texture = texture.name;
+  skin.both_sides = skin.both_sides || texture.shines_through;
+  return skin;
+}
+
 ItemMaker::KnownPart ItemMaker::take_in(const MeshPart& part, bool closed) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& vertex : part.vertices) box.extend(vertex);
@@ -108,10 +121,8 @@ ItemMaker::KnownPart ItemMaker::take_in(const MeshPart& part, bool closed) {
   gl::Skin skin{gl::Skin::Kind::mesh, !closed};
   if (part.texture && !part.texture_coordinates.empty()) {
     const KnownTexture& texture = know(part.texture);
-    skin.kind = texture.shines_through ? gl::Skin::Kind::cut_out : gl::Skin::Kind::textured;
-    skin.texture = texture.name;
+    skin = textured(skin, texture);
     known.shines_through = texture.shines_through;
-    skin.both_sides = !closed || texture.shines_through;
   }
   known.batch = add_batch(painter_.add(part), skin);
   return known;

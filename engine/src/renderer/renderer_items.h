@@ -69,6 +69,7 @@ class ItemMaker {
   const KnownTexture& know(const std::shared_ptr<const Texture>& texture);
   const KnownMesh& know(const std::shared_ptr<const MeshData>& mesh);
   KnownPart take_in(const MeshPart& part, bool closed);
+  static gl::Skin textured(gl::Skin skin, const KnownTexture& texture);
 
   gl::Painter& painter_;
   std::vector<Batch> batches_;

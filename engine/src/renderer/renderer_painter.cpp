@@ -78,7 +78,7 @@ unsigned make_program(Pass pass, bool lamps, Skin::Kind kind) {
   fragment.push_back(fragment_shader_color);
   const Parts own = skin_parts(kind);
   fragment.insert(fragment.end(), own.begin(), own.end());
-  fragment.push_back(pass == Pass::fine ? with_shadows : without_shadows);
+  fragment.push_back(pass == Pass::shaded ? with_shadows : without_shadows);
   return link_program({vertex_shader, handed_on(kind)}, fragment);
 }
 

@@ -55,7 +55,7 @@ using Matrix4 = std::array<float, 16>;
 /// The kind of framebuffer and the way of drawing.
 enum class Pass {
   plain,   // into a Target
-  fine,    // into a Target, with the shadows of a ShadowMap that was drawn before
+  shaded,  // into a Target, with the shadows of a ShadowMap that was drawn before
   shadow,  // into a ShadowMap
 };
 
@@ -64,9 +64,9 @@ struct View {
   Matrix4 projection;          // from the camera's frame; z from 1 at the near clip down to 0 at the far clip
   std::array<float, 3> up{};   // world +z in the camera's frame
   std::array<float, 3> sun{};  // direction towards the sun in the camera's frame
-  Matrix4 shadow_from_view{};  // fine only: to the coordinates of the shadow map, 0 to 1
-  float blur = 0.0f;           // fine only: of the edges of shadows, in coordinates of the shadow map
-  float lift = 0.0f;           // fine only: how far above a mesh its shadow is looked up [m]
+  Matrix4 shadow_from_view{};  // shaded only: to the coordinates of the shadow map, 0 to 1
+  float blur = 0.0f;           // shaded only: of the edges of shadows, in coordinates of the shadow map
+  float lift = 0.0f;           // shaded only: how far above a mesh its shadow is looked up [m]
   std::vector<Lamp> lamps{};   // at most Renderer::max_lights
 };
 

@@ -33,6 +33,7 @@ struct Vision::Impl {
   std::vector<std::shared_ptr<const Model>> models;
   std::vector<ActiveCamera> cameras;
   std::unique_ptr<Renderer> renderer;
+  Look look;
   struct Drawn {
     int number, body, link;
   };
@@ -43,6 +44,10 @@ struct Vision::Impl {
   Result<void> add_lights();
   void place(const Observation& observation);
   Picture capture(const ActiveCamera& camera, const Observation& observation);
+  Quality quality_of(const Camera& camera) const {
+    return {camera.shadows || look.shadows, camera.antialiasing || look.antialiasing};
+  }
+  Result<void> check_size(const Camera& camera, const std::string& name) const;
 };
 
 Vision::Vision() : impl_(std::make_unique<Impl>()) {}
@@ -56,12 +61,15 @@ Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std
   Impl& impl = *vision->impl_;
   impl.models = std::move(models);
   impl.renderer = std::move(*renderer);
+  impl.look = look;
   impl.add_shapes();
   if (auto added = impl.add_lights(); !added) return added.errors();
   for (std::size_t body = 0; body < impl.models.size(); ++body) {
     for (std::size_t device = 0; device < impl.models[body]->devices.size(); ++device) {
       const auto* camera = std::get_if<Camera>(&impl.models[body]->devices[device].kind);
       if (!camera || !active[body][device]) continue;
+      if (auto checked = impl.check_size(*camera, impl.models[body]->devices[device].name); !checked)
+        return checked.errors();
       impl.cameras.push_back({static_cast<int>(body), static_cast<int>(device), {camera->frame_rate, time_step}});
     }
   }
@@ -81,13 +89,21 @@ Result<void> Vision::Impl::add_lights() {
     for (std::size_t device = 0; device < models[body]->devices.size(); ++device) {
       const auto* light = std::get_if<Light>(&models[body]->devices[device].kind);
       if (!light) continue;
-      if (lights.size() == Renderer::max_lights)
+      if (lights.size() + look.lights.size() == Renderer::max_lights)
         return error("there are more than " + std::to_string(Renderer::max_lights) + " lights",
                      "no picture can have more of them");
       lights.push_back({static_cast<int>(body), static_cast<int>(device), renderer->add_light(*light)});
     }
   }
   return {};
+}
+
+Result<void> Vision::Impl::check_size(const Camera& camera, const std::string& name) const {
+  constexpr int largest = Renderer::max_size / 3;
+  if (!quality_of(camera).antialiasing || (camera.width <= largest && camera.height <= largest)) return {};
+  return error("camera '" + name + "' has " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                   " pixels and antialiasing",
+               "with antialiasing a picture has at most " + std::to_string(largest) + " each way");
 }
 
 void Vision::Impl::place(const Observation& observation) {
@@ -102,7 +118,8 @@ void Vision::Impl::place(const Observation& observation) {
 Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& observation) {
   const Device& device = models[camera.body]->devices[camera.device];
   const Isometry3d pose = pose_of(observation.bodies[camera.body].links[device.link]) * device.pose;
-  Frame frame = renderer->draw(std::get<Camera>(device.kind), pose);
+  const Camera& settings = std::get<Camera>(device.kind);
+  Frame frame = renderer->draw(settings, pose, quality_of(settings));
   Picture picture;
   picture.color = std::make_shared<const Image>(std::move(frame.color));
   round_to_resolution(frame.depth);

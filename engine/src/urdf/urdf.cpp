@@ -51,11 +51,13 @@ urdf::Draft read_draft(XMLElement& robot, const std::filesystem::path& file, urd
   draft.name = read_robot_name(robot, file, findings);
   urdf::prune_to_schema(robot, findings);
   check_version(robot, findings);
-  urdf::note_transmissions(robot, findings);
+  draft.rotors = urdf::read_transmissions(robot, findings);
+  draft.springs = urdf::read_springs(robot, findings);
+  draft.loops = urdf::read_loops(robot, findings);
   urdf::read_surfaces(robot, draft, findings);
   draft.devices = urdf::read_devices(robot, findings);
   draft.tracks = urdf::read_tracks(robot, findings);
-  const urdf::Materials materials(robot, findings);
+  const urdf::Materials materials(robot, meshes, findings);
   for (auto* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
     auto read = urdf::read_link(*link, materials, meshes, findings);
     draft.is_complete = draft.is_complete && read.has_value();
@@ -85,7 +87,7 @@ void straighten_blanks(XMLElement& element) {
 
 /// True for elements that only Rehearse's own reader reads.
 bool is_ours_alone(std::string_view element) {
-  for (const char* name : {"gazebo", "sensor", "transmission", "material", "contact"}) {
+  for (const char* name : {"gazebo", "sensor", "transmission", "material", "contact", "loop_joint"}) {
     if (element == name) return true;
   }
   return false;
@@ -138,6 +140,7 @@ std::optional<Model> read_robot(const std::string& text, const std::filesystem::
     urdf::complete_masses(*model, options, findings);
     urdf::repair_inertias(*model, options, findings);
     urdf::check_dynamics(*model, options, findings);
+    meshes.prepare_contacts(*model);
   }
   if (findings.has_error()) return std::nullopt;
   prepare_for_urdfdom(*robot);

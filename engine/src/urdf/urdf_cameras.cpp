@@ -44,13 +44,17 @@ double read_field_of_view(const XMLElement& element, const Camera& camera, Findi
 void read_camera(const XMLElement& sensor, const XMLElement& element, Camera& camera, Eigen::Isometry3d& pose,
                  Findings& findings) {
   camera.frame_rate = read_positive_or(&sensor, "update_rate", 30.0, any_number, findings);
-  report_ignored(element, {"pose", "horizontal_fov", "vertical_fov", "image", "clip"}, findings);
+  report_ignored(element, {"pose", "horizontal_fov", "vertical_fov", "image", "clip", "shadows"}, findings);
   if (const XMLElement* inner = element.FirstChildElement("pose")) pose = pose * read_text_pose(*inner, findings);
   pose.linear() = pose.linear() * device_axes();
 
   const XMLElement* image = element.FirstChildElement("image");
   camera.width = read_count_or(image, "width", 320, max_image_side, findings);
   camera.height = read_count_or(image, "height", 240, max_image_side, findings);
+  if (const XMLElement* samples = image ? image->FirstChildElement("anti_aliasing") : nullptr)
+    camera.antialiasing = read_text_number(*samples, findings).value_or(0.0) > 1.0;
+  if (const XMLElement* shadows = element.FirstChildElement("shadows"))
+    camera.shadows = read_text_flag(*shadows, findings).value_or(false);
   camera.field_of_view = read_field_of_view(element, camera, findings);
 
   const XMLElement* clip = element.FirstChildElement("clip");

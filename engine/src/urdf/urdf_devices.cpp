@@ -61,6 +61,8 @@ std::optional<DeviceKind> kind_of(const XMLElement& element) {
     if (const auto light = light_of_type(type)) return *light;
     return std::nullopt;
   }
+  if (std::string_view(element.Name()) == "rotor") return Rotor{};
+  if (std::string_view(element.Name()) == "holder") return Holder{};
   if (text == nullptr && find_optical_camera(element) != nullptr) return Camera{};
   if (text == nullptr && find_optical_ray(element) != nullptr) return RangeSensor{};
   return kind_of_sensor(type);
@@ -116,6 +118,36 @@ void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vect
   }
 }
 
+void read_rotor(const XMLElement& element, Rotor& rotor, Findings& findings) {
+  const XMLElement* direction = element.FirstChildElement("direction");
+  const auto along = direction == nullptr ? std::nullopt : read_text_numbers(*direction, 3, findings);
+  if (!along) return;
+  const Eigen::Vector3d vector(along->data());
+  if (vector.isZero(0.0))
+    findings.error(direction->GetLineNum(), "the <direction> of a rotor is zero");
+  else
+    rotor.direction = vector.stableNormalized();
+}
+
+void read_holder(const XMLElement& element, Holder& holder, Findings& findings) {
+  holder.max_distance = read_positive_or(&element, "max_distance", holder.max_distance, 1e6, findings);
+  if (const XMLElement* target = element.FirstChildElement("target")) holder.target = text_of(*target);
+  const XMLElement* condition = element.FirstChildElement("condition");
+  const std::string_view text = condition == nullptr ? "distance" : text_of(*condition);
+  if (text == "distance") {
+    holder.condition = Holder::Condition::distance;
+  } else if (text == "collision") {
+    holder.condition = Holder::Condition::touch;
+  } else if (text == "name") {
+    holder.condition = Holder::Condition::name;
+    if (holder.target.empty())
+      findings.error(element.GetLineNum(), "a holder that holds by name has no <target>", "the name of a body");
+  } else {
+    findings.error(condition->GetLineNum(),
+                   fmt::format("<condition> holds {}, not distance, collision or name", in_quotes(text)));
+  }
+}
+
 void read_figures(const XMLElement& element, DeviceDraft& draft, Findings& findings) {
   Device& device = draft.device;
   std::vector<std::string_view> of_kind;
@@ -128,6 +160,12 @@ void read_figures(const XMLElement& element, DeviceDraft& draft, Findings& findi
     }
   } else if (auto* light = std::get_if<Light>(&device.kind)) {
     return read_light(element, *light, findings);
+  } else if (auto* rotor = std::get_if<Rotor>(&device.kind)) {
+    of_kind = {"direction"};
+    read_rotor(element, *rotor, findings);
+  } else if (auto* holder = std::get_if<Holder>(&device.kind)) {
+    of_kind = {"condition", "max_distance", "target"};
+    read_holder(element, *holder, findings);
   } else if (std::holds_alternative<ForceSensor>(device.kind)) {
     of_kind = {"force_torque"};
     read_force_sensor(element, draft, findings);
@@ -330,6 +368,8 @@ std::optional<int> read_count(const XMLElement& element, const char* attribute, 
 }
 
 std::string_view word_for(const Device& device) {
+  if (std::holds_alternative<Rotor>(device.kind)) return "rotor";
+  if (std::holds_alternative<Holder>(device.kind)) return "holder";
   return std::holds_alternative<Light>(device.kind) ? "light" : "sensor";
 }
 
@@ -350,7 +390,7 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
     if (kind != "gazebo") continue;
     for (const auto* child = part->FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
       const std::string_view what = child->Name();
-      if (what == "sensor" || what == "light") read_device(*child, devices, findings);
+      if (is_one_of(what, {"sensor", "light", "rotor", "holder"})) read_device(*child, devices, findings);
       if (!what.starts_with("sensor:")) continue;
       findings.warning(child->GetLineNum(),
                        fmt::format("{} is a sensor as Gazebo had them before 2012; it is passed over", tag(what)),

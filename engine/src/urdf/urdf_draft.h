@@ -70,6 +70,30 @@ struct SurfaceDraft {
   int line = 0;
 };
 
+/// The spring that a <gazebo> block sets for a joint.
+struct SpringDraft {
+  std::string reference;  // a joint
+  double stiffness = 0.0;
+  double zero = 0.0;  // displacement without effort
+  int line = 0;
+};
+
+/// A <loop_joint>, with the names of its links as written.
+struct LoopDraft {
+  LoopJoint joint;  // all but the links
+  std::string link;
+  std::string other_link;
+  int line = 0;
+};
+
+/// The rotor of an actuator in a <transmission>.
+struct RotorInertiaDraft {
+  std::string joint;
+  double inertia = 0.0;  // [kg·m²]
+  double ratio = 1.0;    // of the gear
+  int line = 0;
+};
+
 struct Draft {
   std::string name;
   std::vector<LinkDraft> links;           // in document order
@@ -77,6 +101,9 @@ struct Draft {
   std::vector<DeviceDraft> devices;       // in document order
   std::vector<TrackDraft> tracks;         // in document order
   std::vector<SurfaceDraft> surfaces;     // in document order
+  std::vector<SpringDraft> springs;       // in document order
+  std::vector<LoopDraft> loops;           // in document order
+  std::vector<RotorInertiaDraft> rotors;  // in document order
   std::optional<bool> collides_with_own;  // of links that don't set it themselves
   bool is_static = false;                 // the root is fixed to the world
   int static_line = 0;                    // line of <static>
@@ -109,8 +136,19 @@ void read_surfaces(const tinyxml2::XMLElement& robot, Draft& draft, Findings& fi
 /// Reads a <contact> of a <link>.
 void read_contact(const tinyxml2::XMLElement& contact, Surface& surface, Findings& findings);
 
-/// Adds one note about all <transmission> elements, with their joints and hardware interfaces.
-void note_transmissions(const tinyxml2::XMLElement& robot, Findings& findings);
+/// Reads the inertias of rotors in <transmission> elements. Adds one note about all of them, with their joints and
+/// hardware interfaces, and a warning about gear ratios that have no effect because no rotor's inertia is given.
+std::vector<RotorInertiaDraft> read_transmissions(const tinyxml2::XMLElement& robot, Findings& findings);
+
+/// Reads <springStiffness> and <springReference> of all <gazebo> blocks.
+std::vector<SpringDraft> read_springs(const tinyxml2::XMLElement& robot, Findings& findings);
+
+/// Reads all <loop_joint> elements. One that can't be read is left out, with an error.
+std::vector<LoopDraft> read_loops(tinyxml2::XMLElement& robot, Findings& findings);
+
+/// Sets springs, rotor inertias and loops in the model; a warning for a joint that doesn't exist, an error for a link
+/// that doesn't.
+void apply_joint_parts(const Draft& draft, Model& model, Findings& findings);
 
 /// Copies the draft's surfaces to the links; a warning for a reference that isn't a link.
 void apply_surfaces(const Draft& draft, Model& model, Findings& findings);

@@ -110,6 +110,20 @@ void separate_shapes(XMLElement& element) {
   }
 }
 
+/// Warns of a texture that no part of the shape shows.
+void check_texture(const Shape& shape, const XMLElement& element, Findings& findings) {
+  if (!shape.texture) return;
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  const bool is_shown =
+      mesh && mesh->data && std::any_of(mesh->data->parts.begin(), mesh->data->parts.end(), [](const MeshPart& part) {
+        return !part.texture && !part.texture_coordinates.empty();
+      });
+  if (is_shown) return;
+  findings.warning(element.GetLineNum(),
+                   fmt::format("the <texture> {} isn't drawn on this shape", in_quotes(shape.texture->file)),
+                   "a mesh with texture coordinates and without a texture of its own shows it");
+}
+
 /// Reads the shapes of a <visual> or <collision>.
 void read_element(XMLElement& element, const Materials* materials, Meshes& meshes, std::vector<Shape>& shapes,
                   Findings& findings) {
@@ -128,13 +142,18 @@ void read_element(XMLElement& element, const Materials* materials, Meshes& meshe
                     fmt::format("one <{}> for each shape", element.Name()));
   }
   if (has_name(element)) common.name = read_name(element, "name", findings).value_or("");
-  if (materials != nullptr) common.color = materials->of(element);
+  if (materials != nullptr) {
+    const Appearance appearance = materials->of(element);
+    common.color = appearance.color;
+    common.texture = appearance.texture;
+  }
   const std::size_t before = shapes.size();
   while (next != nullptr) {
     XMLElement* shape = std::exchange(next, next->NextSiblingElement());
     if (const auto read = read_geometry(*shape, element, meshes, use, findings)) {
       shapes.push_back(common);
       shapes.back().geometry = *read;
+      check_texture(shapes.back(), element, findings);
     }
   }
   if (shapes.size() > before + 1) separate_shapes(element);

@@ -1,5 +1,6 @@
 #include "urdf_materials.h"
 
+#include "urdf_meshes.h"
 #include "urdf_values.h"
 
 #include <fmt/format.h>
@@ -17,8 +18,8 @@ using tinyxml2::XMLElement;
 struct Mention {
   const XMLElement* element = nullptr;
   std::string name;
-  std::optional<Color> color;
-  bool has_texture = false;
+  Appearance appearance;
+  bool has_texture = false;  // whether or not it can be used
 };
 
 std::vector<const XMLElement*> all_materials(const XMLElement& robot) {
@@ -48,21 +49,15 @@ std::optional<Color> read_color(const XMLElement& material, Findings& findings) 
   return clamped.cast<float>();
 }
 
-/// Warns of an ignored texture: only meshes have textures.
-bool warn_of_texture(const XMLElement& material, Findings& findings) {
-  const XMLElement* texture = material.FirstChildElement("texture");
-  if (texture == nullptr) return false;
-  const char* file = texture->Attribute("filename");
-  findings.warning(texture->GetLineNum(),
-                   fmt::format("the <texture> {} of a material isn't drawn", in_quotes(file == nullptr ? "" : file)));
-  return true;
-}
-
-Mention read_mention(const XMLElement& element, Findings& findings) {
-  Mention mention{&element, "", read_color(element, findings), warn_of_texture(element, findings)};
+Mention read_mention(const XMLElement& element, Meshes& meshes, Findings& findings) {
+  Mention mention{&element, "", {read_color(element, findings), nullptr}, false};
+  if (const XMLElement* texture = element.FirstChildElement("texture")) {
+    mention.has_texture = true;
+    mention.appearance.texture = meshes.read_texture(*texture);
+  }
   if (const char* name = element.Attribute("name")) {
     mention.name = name;
-  } else if (mention.color) {
+  } else if (mention.appearance.says_something()) {
     findings.repair(element.GetLineNum(), "a material without a name; its colour is used in this place only");
   } else {
     findings.repair(element.GetLineNum(), "a material with neither name nor colour is left out");
@@ -74,9 +69,9 @@ Mention read_mention(const XMLElement& element, Findings& findings) {
 void report_doubles(const std::vector<Mention>& mentions, Findings& findings) {
   std::map<std::string, const Mention*> defined;
   for (const Mention& mention : mentions) {
-    if (mention.name.empty() || !mention.color) continue;
+    if (mention.name.empty() || !mention.appearance.color) continue;
     const Mention*& last = defined[mention.name];
-    if (last != nullptr && *last->color == *mention.color) {
+    if (last != nullptr && *last->appearance.color == *mention.appearance.color) {
       findings.ignored(mention.element->GetLineNum(), "a material defined again with the same colour");
     } else if (last != nullptr) {
       findings.repair(mention.element->GetLineNum(),
@@ -89,21 +84,21 @@ void report_doubles(const std::vector<Mention>& mentions, Findings& findings) {
 
 }  // namespace
 
-Materials::Materials(const XMLElement& robot, Findings& findings) {
+Materials::Materials(const XMLElement& robot, Meshes& meshes, Findings& findings) {
   std::vector<Mention> mentions;
-  for (const XMLElement* element : all_materials(robot)) mentions.push_back(read_mention(*element, findings));
+  for (const XMLElement* element : all_materials(robot)) mentions.push_back(read_mention(*element, meshes, findings));
   report_doubles(mentions, findings);
 
-  std::map<std::string, Color> known;  // the first definition of each name, until a later one has been read
+  std::map<std::string, Appearance> known;  // the first definition of each name, until a later one has been read
   for (const Mention& mention : mentions) {
-    if (!mention.name.empty() && mention.color) known.emplace(mention.name, *mention.color);
+    if (!mention.name.empty() && mention.appearance.says_something()) known.emplace(mention.name, mention.appearance);
   }
   for (const Mention& mention : mentions) {
-    if (mention.color) {
-      colors_[mention.element] = *mention.color;
-      if (!mention.name.empty()) known[mention.name] = *mention.color;
+    if (mention.appearance.says_something()) {
+      appearances_[mention.element] = mention.appearance;
+      if (!mention.name.empty()) known[mention.name] = mention.appearance;
     } else if (const auto found = known.find(mention.name); found != known.end()) {
-      colors_[mention.element] = found->second;
+      appearances_[mention.element] = found->second;
     } else if (!mention.name.empty() && !mention.has_texture) {
       findings.warning(mention.element->GetLineNum(),
                        fmt::format("material {} has no colour anywhere in the file", in_quotes(mention.name)));
@@ -111,12 +106,10 @@ Materials::Materials(const XMLElement& robot, Findings& findings) {
   }
 }
 
-std::optional<Color> Materials::of(const XMLElement& visual) const {
+Appearance Materials::of(const XMLElement& visual) const {
   const XMLElement* material = visual.FirstChildElement("material");
-  if (material == nullptr) return std::nullopt;
-  const auto found = colors_.find(material);
-  if (found == colors_.end()) return std::nullopt;
-  return found->second;
+  const auto found = appearances_.find(material);
+  return found == appearances_.end() ? Appearance{} : found->second;
 }
 
 }  // namespace rehearse::urdf

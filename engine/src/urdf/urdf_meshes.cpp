@@ -3,12 +3,29 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
+#include <string_view>
+
+#include "mesh/convex_parts.h"
 #include "mesh/mesh_cache.h"
+#include "mesh/picture_file.h"
+#include "model/rigid_groups.h"
 #include "urdf_values.h"
 
 namespace rehearse::urdf {
+namespace {
 
 using tinyxml2::XMLElement;
+
+/// What other simulators' extensions state of a mesh.
+MeshContact stated_contact(const XMLElement& element) {
+  if (element.FirstChildElement("drake:declare_convex") != nullptr) return MeshContact::hull;
+  const XMLElement* geometry = element.Parent()->ToElement();
+  const XMLElement* collision = geometry ? geometry->Parent()->ToElement() : nullptr;
+  const char* concave = collision ? collision->Attribute("concave") : nullptr;
+  return concave != nullptr && std::string_view(concave) == "yes" ? MeshContact::triangles : MeshContact::automatic;
+}
+
+}  // namespace
 
 Meshes::Meshes(const std::string& model_file, const UrdfOptions& options, Findings& findings)
     : options_(options), findings_(findings), paths_(model_file, options.packages) {}
@@ -17,7 +34,7 @@ std::optional<Mesh> Meshes::read(XMLElement& element, Use use) {
   const auto file = read_name(element, "filename", findings_);
   const auto scale = read_scale(element);
   if (!file || !scale) return std::nullopt;
-  Mesh mesh{nullptr, nullptr, *file, *scale};
+  Mesh mesh{nullptr, nullptr, *file, *scale, nullptr, stated_contact(element), element.GetLineNum()};
   if (options_.meshes == UrdfOptions::Meshes::skip) return mesh;
   return load(element, std::move(mesh), use);
 }
@@ -64,27 +81,66 @@ std::optional<Mesh> Meshes::load(const XMLElement& element, Mesh mesh, Use use) 
     }
   }
   mesh.data = std::move(loaded->data);
-  if (use == Use::collision && !take_hulls(line, place->file, mesh)) return std::nullopt;
   return mesh;
 }
 
-bool Meshes::take_hulls(int line, const std::filesystem::path& file, Mesh& mesh) {
+std::shared_ptr<const Texture> Meshes::read_texture(const XMLElement& element) {
+  const char* written = element.Attribute("filename");
+  const std::string name = written ? written : "";
+  if (name.empty()) findings_.ignored(element.GetLineNum(), "a <texture> without a filename");
+  if (name.empty() || options_.meshes == UrdfOptions::Meshes::skip) return nullptr;
+  const auto [known, is_new] = textures_.emplace(name, nullptr);
+  if (!is_new) return known->second;
+  const Result<MeshPlace> place = paths_.find(name);
+  Result<Texture> texture = place ? read_picture(place->file, name) : Result<Texture>(place.errors());
+  if (!texture) {
+    const std::string which = fmt::format("the <texture> {} of a material isn't drawn", in_quotes(name, longest_path));
+    // the reason may contain a path of this machine
+    findings_.warning(element.GetLineNum(),
+                      place ? which + ": " + texture.errors().front().message : which + ": it isn't there");
+    return nullptr;
+  }
+  return known->second = std::make_shared<const Texture>(*std::move(texture));
+}
+
+void Meshes::prepare_contacts(Model& model) {
+  const RigidGroups groups = group_links(model);
+  const bool is_fixed = options_.fixed_root || model.links.front().joint.type == JointType::fixed;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    for (Shape& shape : model.links[i].collisions) {
+      auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (!mesh || !mesh->data) continue;
+      const MeshContact contact = contact_of(*mesh, is_fixed && groups.links[i].group == 0);
+      if (contact != MeshContact::triangles) take_hulls(*mesh, contact);
+    }
+  }
+}
+
+MeshContact Meshes::contact_of(const Mesh& mesh, bool never_moves) {
+  const MeshContact wanted = options_.contact == MeshContact::automatic ? mesh.contact : options_.contact;
+  if (wanted == MeshContact::hull || wanted == MeshContact::parts) return wanted;
+  if (!never_moves) return MeshContact::parts;
+  constexpr double rounding = 1e-3;
+  const bool as_convex = wanted == MeshContact::automatic && is_convex(*mesh.data, rounding);
+  return as_convex ? MeshContact::hull : MeshContact::triangles;
+}
+
+void Meshes::take_hulls(Mesh& mesh, MeshContact contact) {
   const std::string which = fmt::format("the mesh {}", in_quotes(mesh.file, longest_path));
-  const auto hulls = shared_hulls(file, mesh.scale);
+  const auto hulls = shared_hulls(mesh.data->file, mesh.scale, contact);
   if (!hulls) {
-    findings_.error(line, fmt::format("{} can't be used for contact: {}", which, hulls.errors().front().message),
-                    "contact takes a mesh for the convex hull of each of its objects");
-    return false;
+    findings_.error(mesh.line, fmt::format("{} can't be used for contact: {}", which, hulls.errors().front().message),
+                    "contact takes a mesh that moves for convex parts");
+    return;
   }
   for (const Diagnostic& remark : (*hulls)->remarks) {
     const std::string message = fmt::format("{}: {}", which, remark.message);
     if (remark.severity == Severity::note)
-      findings_.note(line, message, remark.hint);
+      findings_.note(mesh.line, message, remark.hint);
     else
-      findings_.warning(line, message, remark.hint);
+      findings_.warning(mesh.line, message, remark.hint);
   }
   mesh.hulls = {*hulls, &(*hulls)->hulls};
-  return true;
 }
 
 /// Recordings contain warnings, so a warning can't contain the search paths of this machine.

@@ -3,7 +3,10 @@
 
 #include <rehearse/urdf.h>
 
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "mesh/mesh_paths.h"
 #include "urdf_findings.h"
@@ -25,15 +28,24 @@ class Meshes {
   /// repaired in the document, too, because urdfdom refuses it.
   std::optional<Mesh> read(tinyxml2::XMLElement& element, Use use);
 
+  /// The texture in that element's `filename`; null with a warning if it can't be used, or if meshes are skipped.
+  std::shared_ptr<const Texture> read_texture(const tinyxml2::XMLElement& element);
+
+  /// Sets Mesh::hulls of the collision meshes, where contacts don't take them for triangles. An error for a mesh that
+  /// can't be used.
+  void prepare_contacts(Model& model);
+
  private:
   std::optional<Eigen::Vector3d> read_scale(tinyxml2::XMLElement& element);
   std::optional<Mesh> load(const tinyxml2::XMLElement& element, Mesh mesh, Use use);
-  bool take_hulls(int line, const std::filesystem::path& file, Mesh& mesh);
+  MeshContact contact_of(const Mesh& mesh, bool never_moves);
+  void take_hulls(Mesh& mesh, MeshContact contact);
   void refuse(int line, const std::string& file, const Diagnostic& reason, bool is_found);
 
   const UrdfOptions& options_;
   Findings& findings_;
   MeshPaths paths_;
+  std::map<std::string, std::shared_ptr<const Texture>> textures_;  // by name as written; null: reported
 };
 
 }  // namespace rehearse::urdf

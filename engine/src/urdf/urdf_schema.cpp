@@ -23,13 +23,16 @@ struct Rule {
 /// An element has the same meaning at every place, so the table uses only its name.
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> table = {
-      {"robot", {"name", "version"}, {}, {"link", "joint", "material", "gazebo", "sensor", "transmission"}},
+      {"robot",
+       {"name", "version"},
+       {},
+       {"link", "joint", "material", "gazebo", "sensor", "transmission", "loop_joint"}},
       {"link", {"name"}, {"inertial"}, {"visual", "collision", "contact"}},
       {"inertial", {}, {"origin", "mass", "inertia"}, {}},
       {"mass", {"value"}, {}, {}},
       {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}, {}},
       {"visual", {"name"}, {"origin", "geometry", "material"}, {}},
-      {"collision", {"name"}, {"origin", "geometry"}, {}},
+      {"collision", {"name", "concave"}, {"origin", "geometry"}, {}},
       {"contact",
        {},
        {"lateral_friction", "spinning_friction", "rolling_friction", "stiffness", "damping", "restitution"},

@@ -120,7 +120,9 @@ bool read_robot_option(const XMLElement& element, Draft& draft, Findings& findin
 
 /// Children that other readers read.
 bool is_device(std::string_view name) {
-  return is_one_of(name, {"sensor", "light", "pseudo_continuous_track"}) || name.starts_with("sensor:");
+  return is_one_of(name, {"sensor", "light", "rotor", "holder", "pseudo_continuous_track", "springStiffness",
+                          "spring_stiffness", "springReference", "spring_reference"}) ||
+         name.starts_with("sensor:");
 }
 
 void read_block(const XMLElement& block, Draft& draft, Findings& findings) {

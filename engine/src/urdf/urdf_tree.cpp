@@ -221,6 +221,7 @@ std::optional<Model> join(const Draft& draft, Findings& findings) {
     findings.warning(draft.static_line, "<static> fixes the root link to the world; the joints move nevertheless");
   apply_surfaces(draft, model, findings);
   place_devices(draft, model, findings);
+  apply_joint_parts(draft, model, findings);
   set_tracks(draft, model, findings);
   resolve_mimics(draft, model, findings);
   return model;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ground_beam.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -14,9 +15,10 @@ using Eigen::Vector3d;
 /// A shape that beams may hit, and a sphere around it, a little larger than needed, for a quick test.
 struct Target {
   dGeomID geom;
-  const Polytope* hull;  // null: the shape is tested by ODE
-  Vector3d center;       // relative to the sensor [m]
-  double radius;         // [m]
+  const Polytope* hull;     // null: not a hull
+  const Heightmap* ground;  // null: not ground; without both, the shape is tested by ODE
+  Vector3d center;          // relative to the sensor [m]
+  double radius;            // [m]
 };
 
 /// All shapes in the order of the bodies, without those of the sensor's rigid group and those out of range.
@@ -30,7 +32,8 @@ std::vector<Target> targets_of(const std::vector<std::unique_ptr<SimulatedBody>>
       dGeomGetAABB(shape.geom, box);
       const Vector3d low(box[0], box[2], box[4]), high(box[1], box[3], box[5]);
       const Polytope* hull = dGeomGetClass(shape.geom) == dConvexClass ? shape.polytope.get() : nullptr;
-      const Target target{shape.geom, hull, 0.5 * (low + high) - origin, 0.5001 * (high - low).norm() + 1e-6};
+      const Target target{shape.geom, hull, shape.heightmap.get(), 0.5 * (low + high) - origin,
+                          0.5001 * (high - low).norm() + 1e-6};
       if (target.center.norm() - target.radius <= reach) targets.push_back(target);
     }
   }
@@ -79,6 +82,7 @@ class Ray {
   /// Distance from the ray's beginning to the shape [m]; +inf if the ray doesn't hit it.
   double distance_to(const Target& target) const {
     if (target.hull) return distance_to_hull(target);
+    if (target.ground) return distance_to_ground(target);
     dContactGeom hit;
     return dCollide(ray_, target.geom, 1, &hit, sizeof hit) > 0 ? hit.depth : nothing;
   }
@@ -99,6 +103,17 @@ class Ray {
       if (speed > 0.0) leaves = std::min(leaves, height / -speed);
     }
     return enters >= 0.0 && enters <= leaves ? enters : nothing;
+  }
+
+  /// ODE tests all cells below the beam's box; these are only the cells below the beam.
+  double distance_to_ground(const Target& target) const {
+    const Eigen::Matrix3d axes = rotation(dGeomGetRotation(target.geom));
+    const auto upright = [&axes](const Vector3d& vector) {  // ODE's field has its y axis upwards
+      const Vector3d in_field = axes.transpose() * vector;
+      return Vector3d(in_field.x(), -in_field.z(), in_field.y());
+    };
+    return beam_to_ground(*target.ground, upright(from_ - vector(dGeomGetPosition(target.geom))), upright(direction_),
+                          length_);
   }
 
   static constexpr double nothing = std::numeric_limits<double>::infinity();

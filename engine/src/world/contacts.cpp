@@ -119,8 +119,8 @@ void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const
 }  // namespace
 
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const ContactLaw& law, int max_contacts, Touches& touches, Friction& friction,
-                  std::vector<LinkPair>& pairs) {
+                  const Connections& connections, const ContactLaw& law, int max_contacts, Touches& touches,
+                  Friction& friction, std::vector<LinkPair>& pairs) {
   touches.clear();
   friction.begin();
   pairs.clear();
@@ -130,6 +130,7 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
   std::vector<dContactGeom> found(max_contacts);
   const auto meet = [&](std::size_t i, std::size_t shape, std::size_t j, std::size_t other) {
     const BodyShape &a = bodies[i]->shapes()[shape], &b = bodies[j]->shapes()[other];
+    if (!connections.empty() && connections.connect(static_cast<int>(i), a.link, static_cast<int>(j), b.link)) return;
     const LinkPair pair = LinkPair::of(static_cast<int>(i), a.link, static_cast<int>(j), b.link);
     if (collide(pair, {*bodies[i], a}, {*bodies[j], b}, found, touches, friction)) pairs.push_back(pair);
   };

@@ -1,5 +1,8 @@
 #include "geoms.h"
 
+#include <algorithm>
+#include <cstddef>
+
 namespace rehearse {
 namespace {
 
@@ -8,6 +11,24 @@ struct OdeConvex {
   std::vector<dReal> planes, points;
   std::vector<unsigned int> polygons;  // for each polygon the number of vertices, then their indices
 };
+
+/// The face's outline from the corner where it turns the most: ODE takes the first three points for its direction, and
+/// complains if they are nearly in line.
+std::vector<int> with_plain_corner_first(std::vector<int> face, const std::vector<Eigen::Vector3d>& vertices) {
+  const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
+    return vertices[static_cast<std::size_t>(face[i % face.size()])];
+  };
+  std::size_t best = 0;
+  double most = -1.0;
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    const double area = (at(i + 1) - at(i)).cross(at(i + 2) - at(i)).squaredNorm();
+    if (area <= most) continue;
+    most = area;
+    best = i;
+  }
+  std::rotate(face.begin(), face.begin() + static_cast<std::ptrdiff_t>(best), face.end());
+  return face;
+}
 
 MadeGeom make_hull(ConvexHull hull) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -21,12 +42,13 @@ MadeGeom make_hull(ConvexHull hull) {
     arrays->points.insert(arrays->points.end(), vertex.data(), vertex.data() + 3);
   for (const std::vector<int>& face : hull.faces) {
     arrays->polygons.push_back(static_cast<unsigned int>(face.size()));
-    arrays->polygons.insert(arrays->polygons.end(), face.begin(), face.end());
+    const std::vector<int> turned = with_plain_corner_first(face, hull.vertices);
+    arrays->polygons.insert(arrays->polygons.end(), turned.begin(), turned.end());
   }
   const dGeomID geom =
       dCreateConvex(nullptr, arrays->planes.data(), static_cast<unsigned int>(hull.faces.size()), arrays->points.data(),
                     static_cast<unsigned int>(hull.vertices.size()), arrays->polygons.data());
-  return {geom, polytope, arrays, middle};
+  return {geom, polytope, arrays, Eigen::Isometry3d(Eigen::Translation3d(middle))};
 }
 
 /// The triangles of a mesh in ODE's form, and ODE's tree of them.
@@ -59,11 +81,21 @@ MadeGeom make_trimesh(const MeshData& mesh) {
   return {dCreateTriMesh(nullptr, arrays->tree, nullptr, nullptr, nullptr), nullptr, arrays};
 }
 
+/// The heights in ODE's form: a field over x and z with y upwards, whose z runs against the heightmap's y.
+MadeGeom make_heightfield(const std::shared_ptr<const Heightmap>& map) {
+  constexpr double thickness = 1.0;  // of the ground under its lowest point [m]: what is deeper doesn't touch it
+  const std::shared_ptr<dxHeightfieldData> data(dGeomHeightfieldDataCreate(), dGeomHeightfieldDataDestroy);
+  dGeomHeightfieldDataBuildDouble(data.get(), map->heights.data(), 0, map->size.x(), map->size.y(), map->columns,
+                                  map->rows, 1.0, 0.0, thickness, 0);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return {dCreateHeightfield(nullptr, data.get(), 1), nullptr, data, pose, map};
+}
+
 }  // namespace
 
-std::vector<MadeGeom> make_geoms(const Geometry& geometry, bool trimesh) {
+std::vector<MadeGeom> make_geoms(const Geometry& geometry) {
   struct Maker {
-    bool trimesh;
     std::vector<MadeGeom> operator()(const Box& box) const {
       return {{dCreateBox(nullptr, box.size.x(), box.size.y(), box.size.z()), std::make_shared<const Polytope>(box),
                nullptr}};
@@ -78,13 +110,14 @@ std::vector<MadeGeom> make_geoms(const Geometry& geometry, bool trimesh) {
       return {{dCreateCapsule(nullptr, c.radius, c.length), nullptr, nullptr}};
     }
     std::vector<MadeGeom> operator()(const Mesh& mesh) const {
-      if (trimesh) return {make_trimesh(*mesh.data)};
+      if (mesh.heightmap) return {make_heightfield(mesh.heightmap)};
+      if (!mesh.hulls) return {make_trimesh(*mesh.data)};
       std::vector<MadeGeom> geoms;
       for (const ConvexHull& hull : *mesh.hulls) geoms.push_back(make_hull(hull));
       return geoms;
     }
   };
-  return std::visit(Maker{trimesh}, geometry);
+  return std::visit(Maker{}, geometry);
 }
 
 }  // namespace rehearse

@@ -163,6 +163,7 @@ void KinematicBody::visit_state(StateVisitor& visitor) {
       visitor.visit(*numbers);
   }
   visit_contact_sensors(visitor);
+  visit_actuators(visitor);
 }
 
 }  // namespace rehearse

@@ -22,6 +22,7 @@ class KinematicBody final : public SimulatedBody {
   void add_wrench(int, const Eigen::Vector3d&, const Eigen::Vector3d&) override {}
   Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
   Belt belt(int index) const override;
+  Mount mount(int link) const override { return {bodies_[link], Eigen::Isometry3d::Identity()}; }
   void after_step() override;
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
   bool finite() const override;

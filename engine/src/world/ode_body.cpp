@@ -50,6 +50,7 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     group.body = dBodyCreate(world);
     const Matrix3d& inertia = inertial.inertia;
     group.mass = inertial.mass;
+    moving_mass_ += inertial.mass;
     group.inertia = inertia;
     group.inverse_inertia = inertia.inverse();
     dMass mass;
@@ -106,7 +107,8 @@ void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_
     slots_.push_back({false, static_cast<int>(joints_.size())});
     const RigidGroup& child = group_of(index);
     joints_.emplace_back(world, link.joint, JointEnd{child.body, child.center}, group_of(link.parent).body,
-                         zero_posture[index], KeptLimits{description().joint_limits, description().effort_limits});
+                         zero_posture[index],
+                         KeptLimits{description().joint_limits && !link.joint.mimic, description().effort_limits});
     has_resistance_ |= joints_.back().resists();
   }
 }
@@ -188,7 +190,7 @@ void OdeBody::before_step() {
     group.previous_velocity = vector(dBodyGetLinearVel(group.body));
     group.previous_angular_velocity = vector(dBodyGetAngularVel(group.body));
   }
-  for (OdeJoint& joint : joints_) joint.before_step();
+  for (OdeJoint& joint : joints_) joint.before_step(time_step_);
   if (!cuts_.empty()) begin_motions();
 }
 
@@ -207,6 +209,7 @@ void OdeBody::drive(const BodyCommand& command) {
   REHEARSE_ASSERT(command.joints.size() == slots_.size(), "a command has an entry for each joint");
   hold_up_weightless();
   turn_freely();
+  apply_rotors();
   if (has_resistance_) resist_motions();
   for (std::size_t id = 0; id < slots_.size(); ++id) {
     const JointCommand& wanted = command.joints[id];
@@ -261,6 +264,13 @@ void OdeBody::resist_motions() {
   }
 }
 
+Mount OdeBody::mount(int link) const {
+  const RigidGroup& group = group_of(link);
+  const Isometry3d& in_group = links_[link].in_group;
+  if (!group.body) return {nullptr, group.fixed_pose * in_group};
+  return {group.body, Eigen::Translation3d(-group.center) * in_group};
+}
+
 void OdeBody::add_wrench(int link, const Vector3d& force, const Vector3d& torque_about_origin) {
   for (CutSensor& cut : cuts_) {
     if (!cut.part.holds[link]) continue;
@@ -286,6 +296,22 @@ Belt OdeBody::belt(int index) const {
   const RigidGroup& group = group_of(track.link);
   const Matrix3d group_axes = group.body ? rotation(dBodyGetRotation(group.body)) : Matrix3d(group.fixed_pose.linear());
   return {group_axes * (links_[track.link].in_group.linear() * model().links[track.link].joint.axis), track.speed};
+}
+
+LinkShare OdeBody::residual() const {
+  constexpr double standard_gravity = 9.80665;  // [m/s²]
+  LinkShare worst;
+  double most = 0.0;  // [N·s]
+  for (const int index : model().joints) {
+    const Joint& joint = model().links[index].joint;
+    if (slots_[joint.id].is_track) continue;
+    const double missing = joints_[slots_[joint.id].index].missing_impulse();
+    if (missing <= most && worst.link >= 0) continue;
+    most = missing;
+    worst.link = index;
+  }
+  if (worst.link >= 0) worst.share = most / (moving_mass_ * standard_gravity * time_step_);
+  return worst;
 }
 
 void OdeBody::after_step() {
@@ -433,6 +459,7 @@ void OdeBody::visit_state(StateVisitor& visitor) {
     visitor.visit(track.speed);
   }
   visit_contact_sensors(visitor);
+  visit_actuators(visitor);
 }
 
 void OdeBody::nudge(std::uint64_t bits) {

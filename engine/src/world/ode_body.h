@@ -58,6 +58,8 @@ class OdeBody final : public SimulatedBody {
   void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) override;
   Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
   Belt belt(int index) const override;
+  Mount mount(int link) const override;
+  LinkShare residual() const override;
   void after_step() override;
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
   bool finite() const override;
@@ -102,6 +104,7 @@ class OdeBody final : public SimulatedBody {
   std::vector<RigidGroup> groups_;
   std::vector<Slot> slots_;                            // by joint id
   std::vector<OdeJoint> joints_;                       // movable ones, by joint id
+  double moving_mass_ = 0.0;                           // of all groups that aren't fixed to the world [kg]
   bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
   std::vector<Track> tracks_;                          // by joint id
   std::vector<CutSensor> cuts_;                        // by device index

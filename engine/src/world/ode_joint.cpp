@@ -51,13 +51,10 @@ OdeJoint::OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dB
     dJointSetSliderAxis(ode_, axis.x(), axis.y(), axis.z());
   }
   if (resists()) create_resistance(world, parent, axis);
-  if (kept_.displacement) {
-    far_stops_ = revolute_ && (joint.lower < -pi || joint.upper > pi);
-    set_stops();
-  }
 }
 
-/// The joint's own motor is its drive or its dry friction, so damping is a motor of its own about the same axis.
+/// The joint's own motor is its drive or its dry friction, so damping and spring are a motor of its own about the same
+/// axis.
 void OdeJoint::create_resistance(dWorldID world, dBodyID parent, const Vector3d& axis) {
   constexpr int in_child = 1;  // the axis moves with the first body
   if (revolute_) {
@@ -82,13 +79,15 @@ void OdeJoint::set_resistance(int parameter, double value) {
 }
 
 // The damper's effort is -d (s v1 + (1 - s) v0), with the velocities v0 before and v1 after the step and the share s of
-// share_of_end(). The rotor's is -J (v1 - v0) / dt. The sum is c (v - v1), which is ODE's motor with the velocity v and
-// CFM 1 / c.
+// share_of_end(). The rotor's is -J (v1 - v0) / dt. The spring's is -k (q0 - r + dt (v1 - v0) / 4), by which a spring
+// and a mass keep their energy for every stiffness: the step has determinant 1 and a trace of at most 2. The sum is c
+// (v - v1), which is ODE's motor with the velocity v and CFM 1 / c.
 void OdeJoint::resist(double inertia, double time_step) {
-  const double rotor = joint_.armature / time_step;
+  const double rotor = joint_.armature / time_step + 0.25 * time_step * joint_.spring_stiffness;
+  const double spring = joint_.spring_stiffness * (displacement() - joint_.spring_reference);
   const double share = share_of_end(joint_.damping * time_step / (inertia + joint_.armature));
   resistance_gain_ = share * joint_.damping + rotor;
-  resistance_velocity_ = (rotor - (1.0 - share) * joint_.damping) * rate() / resistance_gain_;
+  resistance_velocity_ = ((rotor - (1.0 - share) * joint_.damping) * rate() - spring) / resistance_gain_;
   set_resistance(dParamCFM, 1.0 / resistance_gain_);
 }
 
@@ -121,17 +120,75 @@ double OdeJoint::displacement() const {
 
 double OdeJoint::rate() const { return revolute_ ? dJointGetHingeAngleRate(ode_) : dJointGetSliderPositionRate(ode_); }
 
+void OdeJoint::before_step(double time_step) {
+  previous_rate_ = rate();
+  const dBodyID parent = dJointGetBody(ode_, 1);
+  const Vector3d center = vector(dBodyGetPosition(child_.body));
+  const Vector3d at = revolute_ ? anchor() : center;
+  arm_ = at - center;
+  correction_.setZero();
+  Vector3d at_parent = at;
+  if (revolute_) {
+    dVector3 second;
+    dJointGetHingeAnchor2(ode_, second);
+    at_parent = vector(second);
+    correction_ = dWorldGetERP(dBodyGetWorld(child_.body)) / time_step * (at_parent - at);
+  }
+  if (parent) parent_arm_ = at_parent - vector(dBodyGetPosition(parent));
+}
+
+// ODE's constraint holds for the poses at the step's beginning: v1 + w1 x a1 - v2 - w2 x a2 = the correction. A
+// slider's is free along its axis.
+double OdeJoint::missing_impulse() const {
+  const auto velocity = [](dBodyID body, const Vector3d& arm) -> Vector3d {
+    return vector(dBodyGetLinearVel(body)) + vector(dBodyGetAngularVel(body)).cross(arm);
+  };
+  const dBodyID parent = dJointGetBody(ode_, 1);
+  const auto inverse_mass = [](dBodyID body) {
+    dMass mass;
+    dBodyGetMass(body, &mass);
+    return 1.0 / mass.mass;
+  };
+  Vector3d apart = velocity(child_.body, arm_) - correction_;
+  double inverse = inverse_mass(child_.body);
+  if (parent) {
+    apart -= velocity(parent, parent_arm_);
+    inverse += inverse_mass(parent);
+  }
+  if (!revolute_) apart -= world_axis().dot(apart) * world_axis();
+  return apart.norm() / inverse;
+}
+
 void OdeJoint::count_turns(double displacement) {
   if (!revolute_) return;
   wrapped_ = dJointGetHingeAngle(ode_);
   turns_ = static_cast<int>(std::lround((displacement - wrapped_) / (2.0 * pi)));
 }
 
-/// ODE compares a hinge's stops with its wrapped angle.
-void OdeJoint::set_stops() {
+/// ODE compares a hinge's stops with its wrapped angle, and takes none beyond half a turn.
+void OdeJoint::set_stops(bool active) {
+  if (!kept_.displacement || (!active && !stops_active_)) return;
   const double whole_turns = revolute_ ? 2.0 * pi * turns_ : 0.0;
-  set(dParamLoStop, joint_.lower - whole_turns);
-  set(dParamHiStop, joint_.upper - whole_turns);
+  set(dParamLoStop, active ? joint_.lower - whole_turns : -dInfinity);
+  set(dParamHiStop, active ? joint_.upper - whole_turns : dInfinity);
+  stops_active_ = active;
+}
+
+/// How far a displacement is beyond the joint's limits: positive above the upper, negative below the lower, else 0.
+double OdeJoint::beyond(double displacement) const {
+  return displacement - std::clamp(displacement, joint_.lower, joint_.upper);
+}
+
+/// A stop pushes a joint that is far beyond it back at most at that velocity, not with ODE's share of the error per
+/// step, which for 0.5 rad and 1 ms is 200 rad/s.
+void OdeJoint::ease_stops(double time_step) {
+  constexpr double velocity = 1.0;  // [rad/s] or [m/s]
+  const double share = velocity * time_step / std::max(std::abs(beyond(displacement())), 1e-12);
+  const double own = dWorldGetERP(dBodyGetWorld(child_.body));
+  const bool eases = share < own;
+  if (!eases && !eases_) return;
+  set(dParamStopERP, std::min(share, own));
+  eases_ = eases;
 }
 
 void OdeJoint::set_motor(double velocity, double limit) {
@@ -150,7 +207,23 @@ void OdeJoint::set_motor(double velocity, double limit) {
 
 void OdeJoint::drive_to(double displacement, double rate, double time_step) {
   const double velocity = rate + (displacement - this->displacement()) / time_step;
-  set_motor(std::clamp(velocity, -joint_.velocity, joint_.velocity), joint_.effort);
+  drive_at(std::clamp(velocity, -joint_.velocity, joint_.velocity), time_step);
+}
+
+/// A motor beside a stop of ODE gets its whole effort as a torque that the stop has to bear; so ODE's stops rest while
+/// a motor drives, and the motor's velocity leads not beyond them. If a load has turned the joint beyond, drive and
+/// stop together take it back, with whatever effort that needs.
+void OdeJoint::drive_at(double velocity, double time_step) {
+  set_stops(false);
+  if (!kept_.displacement) return set_motor(velocity, joint_.effort);
+  constexpr double slack = 1e-4, back = 1.0;  // [rad] or [m], [rad/s] or [m/s]
+  const double now = displacement();
+  const double over = beyond(now);
+  if (std::abs(over) > slack)
+    return set_motor(-std::copysign(std::min(std::abs(over) / time_step, back), over), unlimited);
+  set_motor(std::clamp(velocity, std::min((joint_.lower - now) / time_step, 0.0),
+                       std::max((joint_.upper - now) / time_step, 0.0)),
+            joint_.effort);
 }
 
 void OdeJoint::drive(const JointCommand& command, double time_step) {
@@ -162,15 +235,17 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
   if (command.drive & drive_displacement) {
     drive_to(command.q, 0.0, time_step);
   } else if (command.drive & drive_velocity) {
-    set_motor(command.dq, joint_.effort);
+    drive_at(command.dq, time_step);
   } else {
-    set_motor(0.0, joint_.friction);
+    set_stops(true);
+    const bool at_stop = stops_active_ && (displacement() <= joint_.lower || displacement() >= joint_.upper);
+    set_motor(0.0, at_stop ? 0.0 : joint_.friction);  // see drive_at()
     if (command.drive & drive_effort)
       effort_ = kept_.effort ? std::clamp(command.u, -joint_.effort, joint_.effort) : command.u;
     applied_ = effort_;
   }
   motor_drives_ = (command.drive & (drive_displacement | drive_velocity)) != 0;
-  apply_effort();
+  apply_effort(time_step);
 }
 
 void OdeJoint::follow(const OdeJoint& leader, double time_step) {
@@ -179,11 +254,11 @@ void OdeJoint::follow(const OdeJoint& leader, double time_step) {
   effort_ = 0.0;
   drive_to(mimic.multiplier * leader.displacement() + mimic.offset, mimic.multiplier * leader.rate(), time_step);
   motor_drives_ = true;
-  apply_effort();
+  apply_effort(time_step);
 }
 
-void OdeJoint::apply_effort() {
-  if (far_stops_) set_stops();
+void OdeJoint::apply_effort(double time_step) {
+  if (stops_active_) ease_stops(time_step);
   apply_resistance();
   even_torque_.setZero();
   if (applied_ == 0.0) return;
@@ -202,6 +277,8 @@ void OdeJoint::apply_effort() {
 void OdeJoint::after_step(double time_step) {
   acceleration_ = (rate() - previous_rate_) / time_step;
   if (motor_drives_) effort_ = motor_effort();
+  if (motor_drives_ && motor_limit_ > joint_.effort)  // the rest is that of the stop
+    effort_ = std::clamp(effort_, -joint_.effort, joint_.effort);
   if (!revolute_) return;
   const double angle = dJointGetHingeAngle(ode_);
   if (angle - wrapped_ > pi) --turns_;

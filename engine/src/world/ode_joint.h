@@ -1,4 +1,5 @@
-// OdeJoint: one movable joint in ODE, a hinge or a slider, with its drive, its stops, damping, rotor and friction.
+// OdeJoint: one movable joint in ODE, a hinge or a slider, with its drive, its stops, damping, rotor, spring and
+// friction.
 // Private to the world library.
 #pragma once
 
@@ -40,11 +41,13 @@ class OdeJoint {
   /// Sets the number of whole turns, which ODE's wrapped angle doesn't contain. `displacement`: of the bodies' current
   /// poses.
   void count_turns(double displacement);
-  void before_step() { previous_rate_ = rate(); }
+  void before_step(double time_step);
+  /// After ODE's step: the impulse that would give both bodies one velocity at the joint [N·s].
+  double missing_impulse() const;
   /// True if resist() has to be called.
-  bool resists() const { return joint_.damping > 0.0 || joint_.armature > 0.0; }
-  /// Sets damping and rotor inertia for the coming step. `inertia`: about the joint's axis without the rotor [kg·m²],
-  /// or along it [kg].
+  bool resists() const { return joint_.damping > 0.0 || joint_.armature > 0.0 || joint_.spring_stiffness > 0.0; }
+  /// Sets damping, rotor inertia and spring for the coming step. `inertia`: about the joint's axis without the rotor
+  /// [kg·m²], or along it [kg].
   void resist(double inertia, double time_step);
   /// Sets motor and force for the coming step.
   void drive(const JointCommand& command, double time_step);
@@ -71,10 +74,13 @@ class OdeJoint {
   void create_resistance(dWorldID world, dBodyID parent, const Eigen::Vector3d& axis);
   void set(int parameter, double value);
   void set_resistance(int parameter, double value);
-  void set_stops();
+  void set_stops(bool active);
+  double beyond(double displacement) const;
+  void ease_stops(double time_step);
   void set_motor(double velocity, double limit);
   void drive_to(double displacement, double rate, double time_step);
-  void apply_effort();
+  void drive_at(double velocity, double time_step);
+  void apply_effort(double time_step);
   void apply_resistance();
   double motor_effort() const;
 
@@ -82,7 +88,6 @@ class OdeJoint {
   JointEnd child_;
   KeptLimits kept_;
   bool revolute_;
-  bool far_stops_ = false;         // the stops are beyond half a turn, so they are moved when turns_ changes
   dJointID ode_ = nullptr;         // destroyed with its world
   dJointID resistance_ = nullptr;  // a motor of ODE for damping and rotor inertia; null: there are none
   std::unique_ptr<dJointFeedback> feedback_, resistance_feedback_;
@@ -93,13 +98,18 @@ class OdeJoint {
   double acceleration_ = 0.0;  // over the last step
   // scratch within a step
   double previous_rate_ = 0.0;
+  Eigen::Vector3d arm_ = Eigen::Vector3d::Zero();          // from the child's centre of mass to the joint [m]
+  Eigen::Vector3d parent_arm_ = Eigen::Vector3d::Zero();   // from the parent's [m]
+  Eigen::Vector3d correction_ = Eigen::Vector3d::Zero();   // velocity by which ODE corrects the joint's error [m/s]
   double applied_ = 0.0;                                   // effort added as an external force
   Eigen::Vector3d even_torque_ = Eigen::Vector3d::Zero();  // that ODE adds on both sides of a slider's force [N·m]
   double motor_velocity_ = 0.0;                            // of ODE's joint motor, if it is on
   double motor_limit_ = 0.0;                               // of its effort
-  double resistance_gain_ = 0.0;                           // of damping and rotor [N·m·s] or [N·s/m]
+  double resistance_gain_ = 0.0;                           // of damping, rotor and spring [N·m·s] or [N·s/m]
   double resistance_velocity_ = 0.0;                       // at which they exert no effort
   bool motor_on_ = false;                                  // ODE's joint motor has a force limit above zero
+  bool stops_active_ = false;                              // ODE's stops are set; they rest while a motor drives
+  bool eases_ = false;                                     // they push back at less than ODE's rate
   bool motor_drives_ = false;                              // the motor is the actuator, not dry friction
 };
 

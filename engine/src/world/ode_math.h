@@ -26,4 +26,13 @@ struct OdeRotation {
   }
 };
 
+/// Calls `use` with each number array of a body's pose and its size: position, quaternion, rotation. ODE returns
+/// pointers to its own numbers; its setters would normalise the quaternion and so change bits.
+template <class Use>
+void visit_pose(dBodyID body, Use use) {
+  use(dBodyGetPosition(body), 3);
+  use(dBodyGetQuaternion(body), 4);
+  use(dBodyGetRotation(body), 12);
+}
+
 }  // namespace rehearse

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <utility>
 
+#include "ode_math.h"
+
 namespace rehearse {
 namespace {
 
@@ -57,13 +59,10 @@ OwnJobs::~OwnJobs() { dThreadingFreeImplementation(jobs_); }
 
 namespace {
 
-/// Calls `use` with each number array of a body's motion and its size. ODE returns pointers to its own numbers; its
-/// setters would normalise the quaternion and so change bits.
+/// Calls `use` with each number array of a body's motion and its size.
 template <class Use>
 void visit_motion(dBodyID body, Use use) {
-  use(dBodyGetPosition(body), 3);
-  use(dBodyGetQuaternion(body), 4);
-  use(dBodyGetRotation(body), 12);
+  visit_pose(body, use);
   use(dBodyGetLinearVel(body), 3);
   use(dBodyGetAngularVel(body), 3);
 }

@@ -1,6 +1,7 @@
 // The pairs of links of one body that touch each other.
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "shape_contacts.h"
@@ -28,6 +29,8 @@ void SimulatedBody::pair_own_shapes() {
   const std::set<Pair> joined = joined_groups(links, groups_);
   const auto may_touch = [&](int a, int b) {
     const bool wanted = description_.self_collision || (links[a].collides_with_own && links[b].collides_with_own);
+    const std::array<int, 2> pair{std::min(a, b), std::max(a, b)};
+    if (std::binary_search(model().apart.begin(), model().apart.end(), pair)) return false;
     return wanted && !move_together(a, b) && !joined.count(std::minmax(groups_[a], groups_[b]));
   };
   std::set<Pair> overlapping;  // links

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ground_peaks.h"
 #include "hull_contacts.h"
 #include "ode_math.h"
 
@@ -38,9 +39,14 @@ std::vector<TouchPoint> touch(const Polytope& hull, const BodyShape& other, cons
 }  // namespace
 
 int collide_shapes(const BodyShape& a, const BodyShape& b, std::vector<dContactGeom>& found) {
-  const bool trimesh = dGeomGetClass(a.geom) == dTriMeshClass || dGeomGetClass(b.geom) == dTriMeshClass;
-  if (trimesh || (!is_hull(a) && !is_hull(b)))
-    return dCollide(a.geom, b.geom, static_cast<int>(found.size()), found.data(), sizeof(dContactGeom));
+  const auto is_trimesh = [](const BodyShape& shape) { return dGeomGetClass(shape.geom) == dTriMeshClass; };
+  const bool on_ground = a.heightmap || b.heightmap;
+  if (on_ground || is_trimesh(a) || is_trimesh(b) || (!is_hull(a) && !is_hull(b))) {
+    const int count = dCollide(a.geom, b.geom, static_cast<int>(found.size()), found.data(), sizeof(dContactGeom));
+    if (!on_ground) return count;
+    const std::span<dContactGeom> room = std::span(found).subspan(static_cast<std::size_t>(count));
+    return count + (a.heightmap ? touch_peaks(a, b, true, room) : touch_peaks(b, a, false, room));
+  }
   const bool first_is_hull = is_hull(a);
   const BodyShape& hull = first_is_hull ? a : b;
   const BodyShape& other = first_is_hull ? b : a;

@@ -1,5 +1,6 @@
 #include "simulated_body.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -48,6 +49,10 @@ SimulatedBody::SimulatedBody(WorldBody description)
   contact_sums_.resize(model().devices.size());
   for (const Device& device : model().devices)
     if (std::holds_alternative<ContactSensor>(device.kind)) feel(device.link);
+  const auto acts = [](const Device& device) {
+    return std::holds_alternative<Rotor>(device.kind) || std::holds_alternative<Holder>(device.kind);
+  };
+  if (std::any_of(model().devices.begin(), model().devices.end(), acts)) actuators_.resize(model().devices.size());
 }
 
 SimulatedBody::~SimulatedBody() {
@@ -56,12 +61,11 @@ SimulatedBody::~SimulatedBody() {
 
 std::vector<SimulatedBody::AddedGeom> SimulatedBody::add_shape(int link, int collision, int belt) {
   const Shape& shape = model().links[link].collisions[collision];
-  const bool never_moves = groups_[link] == 0 && root_is_fixed(description_);
   std::vector<AddedGeom> geoms;
-  for (MadeGeom& made : make_geoms(shape.geometry, description_.trimesh && never_moves)) {
-    geoms.push_back({made.geom, shape.pose});
-    geoms.back().in_link.translation() += shape.pose.linear() * made.origin;
-    shapes_.push_back({made.geom, link, belt, collision, std::move(made.polytope), std::move(made.kept)});
+  for (MadeGeom& made : make_geoms(shape.geometry)) {
+    geoms.push_back({made.geom, shape.pose * made.pose});
+    shapes_.push_back(
+        {made.geom, link, belt, collision, std::move(made.polytope), std::move(made.kept), std::move(made.heightmap)});
   }
   return geoms;
 }
@@ -69,6 +73,41 @@ std::vector<SimulatedBody::AddedGeom> SimulatedBody::add_shape(int link, int col
 void SimulatedBody::feel(int link) {
   feels_[link] = true;
   feels_something_ = true;
+}
+
+void SimulatedBody::command(int device, const std::vector<double>& values) {
+  const DeviceKind& kind = model().devices.at(device).kind;
+  if (std::holds_alternative<Holder>(kind) && !values.empty()) actuators_[device].on = values[0];
+  constexpr std::size_t rotor_values = 13;  // on, position, direction, thrust and its range, torque and its range
+  if (!std::holds_alternative<Rotor>(kind) || values.size() < rotor_values) return;
+  const Eigen::Map<const Eigen::Vector3d> position(&values[1]), direction(&values[4]);
+  actuators_[device] = {values[0], position, direction, values[7], values[10]};
+}
+
+void SimulatedBody::apply_rotors() {
+  for (std::size_t i = 0; i < actuators_.size(); ++i) {
+    const Device& device = model().devices[i];
+    const Actuator& rotor = actuators_[i];
+    if (!std::holds_alternative<Rotor>(device.kind) || rotor.on == 0.0) continue;
+    const Eigen::Vector3d place = link_point(device.link, rotor.position);
+    const Eigen::Vector3d direction = link_point(device.link, rotor.position + rotor.direction) - place;
+    const Eigen::Vector3d force = rotor.thrust * direction;
+    add_wrench(device.link, force, rotor.torque * direction + place.cross(force));
+  }
+}
+
+void SimulatedBody::visit_actuators(StateVisitor& visitor) {
+  for (std::size_t i = 0; i < actuators_.size(); ++i) {
+    const Device& device = model().devices[i];
+    if (!std::holds_alternative<Rotor>(device.kind) && !std::holds_alternative<Holder>(device.kind)) continue;
+    visitor.begin_part(name(), device.name, StatePart::actuator);
+    Actuator& actuator = actuators_[i];
+    visitor.visit(actuator.on);
+    visitor.visit(actuator.position);
+    visitor.visit(actuator.direction);
+    visitor.visit(actuator.thrust);
+    visitor.visit(actuator.torque);
+  }
 }
 
 void SimulatedBody::watch(int link) {
@@ -136,14 +175,17 @@ namespace {
 /// Errors about missing data for contacts of the body's meshes.
 Diagnostics check_meshes(const WorldBody& description, const std::string& body) {
   Diagnostics findings;
-  if (description.trimesh && !root_is_fixed(description))
-    findings.push_back(error(body + "only a fixed body can be touched as a trimesh, and this one moves",
-                             "fix it, or let its meshes be touched as their convex hulls"));
-  for (const Link& link : description.model->links) {
+  const RigidGroups groups = group_links(*description.model);
+  for (std::size_t i = 0; i < description.model->links.size(); ++i) {
+    const Link& link = description.model->links[i];
+    const bool never_moves = groups.links[i].group == 0 && root_is_fixed(description);
     for (const Shape& shape : link.collisions) {
       const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
-      if (mesh && (!mesh->data || !mesh->hulls))
+      if (mesh && !mesh->data)
         findings.push_back(error(body + "link '" + link.name + "' has a mesh for its collision that wasn't loaded"));
+      else if (mesh && !mesh->hulls && !never_moves)
+        findings.push_back(error(body + "link '" + link.name + "' moves, and its mesh has triangles for its collision",
+                                 "load the model with UrdfOptions::contact automatic, parts or hull"));
     }
   }
   return findings;

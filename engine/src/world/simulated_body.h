@@ -27,6 +27,9 @@ enum class StatePart {
   acceleration,  // of a joint
   belt,          // of a track
   wrench,        // measured by a force sensor in the last step; the next step doesn't depend on it
+  actuator,      // of a rotor or holder: its command
+  solver,        // of the world: iterations; a world without it begins with its default
+  connection,    // of a joint between bodies, or of a holder
   contact,       // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
 
@@ -57,11 +60,12 @@ struct Belt {
 /// A collision shape, or one hull of its mesh. Its geom belongs to the body.
 struct BodyShape {
   dGeomID geom = nullptr;
-  int link = 0;                              // index into the model's links
-  int belt = -1;                             // index for SimulatedBody::belt(); -1: its surface doesn't run
-  int collision = 0;                         // index into the link's collisions
-  std::shared_ptr<const Polytope> polytope;  // of boxes and hulls, in the geom's frame; null for other shapes
-  std::shared_ptr<const void> kept;          // data that ODE points to
+  int link = 0;                                // index into the model's links
+  int belt = -1;                               // index for SimulatedBody::belt(); -1: its surface doesn't run
+  int collision = 0;                           // index into the link's collisions
+  std::shared_ptr<const Polytope> polytope;    // of boxes and hulls, in the geom's frame; null for other shapes
+  std::shared_ptr<const void> kept;            // data that ODE points to
+  std::shared_ptr<const Heightmap> heightmap;  // null for all shapes but ground
 };
 
 /// A contact of the last step from the side of one of its two links.
@@ -69,6 +73,18 @@ struct Touch {
   int link = 0;       // index into the model's links
   int collision = 0;  // index into the link's collisions
   ContactReading reading;
+};
+
+/// How a link is fixed to a body of ODE.
+struct Mount {
+  dBodyID body = nullptr;                                   // null: the link never moves
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // of the link in the body's frame, or in the world
+};
+
+/// A share of a body's weight, at a link.
+struct LinkShare {
+  int link = -1;  // index into the model's links; -1: none
+  double share = 0.0;
 };
 
 class SimulatedBody {
@@ -85,6 +101,11 @@ class SimulatedBody {
   virtual void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) = 0;
   virtual Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const = 0;
   virtual Belt belt(int index) const = 0;
+  /// A link of a kinematic body without shapes is on no body, though it moves.
+  virtual Mount mount(int link) const = 0;
+  /// The share of the body's weight that is missing at the joint that the solver left worst off in the last step, and
+  /// the link that this joint moves.
+  virtual LinkShare residual() const { return {}; }
   /// Reads the results of the step. Call take_touches() before it.
   virtual void after_step() = 0;
   /// Fills the readings from the state.
@@ -114,6 +135,10 @@ class SimulatedBody {
   const Diagnostics& remarks() const { return remarks_; }
   /// From now on observe() reports the contacts of the link.
   void watch(int link);
+  /// Commands a rotor or a holder; `values` is its whole state as cnoid's writeState() gives it.
+  void command(int device, const std::vector<double>& values);
+  /// True if that holder is turned on.
+  bool is_on(int device) const { return !actuators_.empty() && actuators_[device].on != 0.0; }
   /// True if contacts of the link are needed (it is watched, or a sensor measures them): pass them to take_touches().
   bool feels(int link) const { return feels_[link]; }
   /// True if contacts of any link are needed.
@@ -142,6 +167,10 @@ class SimulatedBody {
   void observe_devices(BodyObservation& observation, const WorldSettings& settings, bool stepped) const;
   /// Visits the state of contact sensors; the last part of visit_state().
   void visit_contact_sensors(StateVisitor& visitor);
+  /// Passes the state of rotors and holders to the visitor.
+  void visit_actuators(StateVisitor& visitor);
+  /// Adds the forces of the rotors for the coming step.
+  void apply_rotors();
 
  private:
   /// Force, then torque, of a force sensor by device index.
@@ -152,6 +181,14 @@ class SimulatedBody {
   struct ContactSum {
     double points = 0.0;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the link [N]
+  };
+  /// The command to a rotor or holder. Position and direction are in the link frame.
+  struct Actuator {
+    double on = 0.0;                                      // 1: it is on
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();   // [m]
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit length
+    double thrust = 0.0;                                  // along the direction [N]
+    double torque = 0.0;                                  // about it [N·m]
   };
   std::vector<double> contact_reading(std::size_t device, const LinkReading& link) const;
 
@@ -166,6 +203,7 @@ class SimulatedBody {
   bool feels_something_ = false;
   std::vector<Touch> touches_;
   std::vector<ContactSum> contact_sums_;  // by device index; state of the contact sensors
+  std::vector<Actuator> actuators_;       // by device index; empty: the body has neither rotors nor holders
 };
 
 /// Checks everything on which ODE would abort. The messages begin with "body 'SR1': ".

@@ -38,10 +38,13 @@ void StateTaker::visit(void* data, std::size_t size) {
 /// A part of a different size has a different meaning: the body has become kinematic, or the joint a track.
 void StateTaker::end_part() {
   const auto& [body, owner, part] = name_;
-  const bool matters = part != StatePart::wrench && part != StatePart::contact;
+  const bool matters = part != StatePart::wrench && part != StatePart::contact && part != StatePart::solver;
   if (!matters || at_ == (current_ ? current_->size() : 0)) return;
   std::string what = "body '" + body + "'";
-  if (state_.has_body(body)) what += (part == StatePart::motion ? ": link '" : ": joint '") + owner + "'";
+  if (body.empty())
+    what = "connection '" + owner + "'";
+  else if (state_.has_body(body))
+    what += (part == StatePart::motion ? ": link '" : ": joint '") + owner + "'";
   if (told_.insert(what).second) missing_.push_back(error(what + " isn't in the state"));
 }
 

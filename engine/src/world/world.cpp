@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "beams.h"
+#include "connections.h"
 #include "contacts.h"
 #include "friction.h"
 #include "kinematic_body.h"
@@ -53,7 +54,8 @@ class Restorer final : public StateVisitor {
 
 namespace {
 constexpr int substitute_iterations = 1000;  // of the quick solver where the exact one fails
-}
+constexpr double converged_share = 0.001;    // of a body's weight that may be missing at its joints
+}  // namespace
 
 struct World::Impl {
   WorldSettings settings;
@@ -62,20 +64,27 @@ struct World::Impl {
   std::unique_ptr<OwnJobs> jobs;  // destroyed after the world
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<SimulatedBody>> bodies;
-  Touches touches;  // refers to the bodies
+  std::unique_ptr<Connections> connections;  // refers to the bodies
+  Touches touches;                           // refers to the bodies
   Friction friction;
   std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
+  double iterations;      // of a solver that converges, in the coming step
   bool exploded = false;  // ODE stopped during a step
   std::string solver_message;
+  Residual residual;
   Command command;
   mutable Observation observation;
   mutable bool observed = false;
   mutable std::vector<std::byte> scratch;
 
   Impl(const WorldSettings& of, const std::vector<WorldBody>& with)
-      : settings(of), law(of, with), friction(of.time_step, of.gravity.norm()), random(of.seed) {}
+      : settings(of),
+        law(of, with),
+        friction(of.time_step, of.gravity.norm()),
+        random(of.seed),
+        iterations(of.solver.iterations) {}
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -87,6 +96,9 @@ struct World::Impl {
   void create_world();
   void apply_command();
   void step_bodies();
+  void step_until_converged();
+  void measure_residual(int iterations);
+  std::vector<dBodyID> ode_bodies() const;
 
   /// Visits the state except that of friction, whose size changes.
   void visit_state(StateVisitor& visitor) {
@@ -94,6 +106,10 @@ struct World::Impl {
     visitor.visit(&tick, sizeof tick);
     visitor.visit(&random, sizeof random);
     for (auto& body : bodies) body->visit_state(visitor);
+    connections->visit_state(visitor);
+    if (!settings.solver.converge) return;
+    visitor.begin_part("", "", StatePart::solver);
+    visitor.visit(iterations);
   }
   void after_restore();
   void save_to(std::vector<std::byte>& bytes) {
@@ -153,6 +169,8 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
     else
       impl.bodies.push_back(std::make_unique<OdeBody>(impl.world, std::move(body), settings.time_step));
   }
+  impl.connections = std::make_unique<Connections>(impl.world, impl.bodies, settings.connections);
+  if (findings = impl.connections->check(); !findings.empty()) return findings;
   return world;
 }
 
@@ -193,7 +211,15 @@ void World::watch(int body, int link) {
 
 const std::string& World::solver_message() const { return impl_->solver_message; }
 
+const Residual& World::residual() const { return impl_->residual; }
+
 const std::vector<LinkPair>& World::touching() const { return impl_->touching; }
+
+const std::vector<std::string>& World::events() const { return impl_->connections->events(); }
+
+void World::command_device(int body, int device, const std::vector<double>& values) {
+  impl_->bodies.at(body)->command(device, values);
+}
 
 void World::actuate(const Command& command) {
   REHEARSE_ASSERT(command.bodies.size() == impl_->bodies.size(), "a command has an entry for each body");
@@ -218,35 +244,75 @@ void World::Impl::apply_command() {
   }
 }
 
+std::vector<dBodyID> World::Impl::ode_bodies() const {
+  std::vector<dBodyID> all;
+  for (const auto& body : bodies) {
+    const std::vector<dBodyID> of_body = body->ode_bodies();
+    all.insert(all.end(), of_body.begin(), of_body.end());
+  }
+  return all;
+}
+
+void World::Impl::measure_residual(int iterations) {
+  residual = {};
+  residual.iterations = iterations;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const LinkShare worst = bodies[i]->residual();
+    if (worst.link < 0 || (residual.body >= 0 && worst.share <= residual.share)) continue;
+    residual.body = static_cast<int>(i);
+    residual.link = worst.link;
+    residual.share = worst.share;
+  }
+}
+
+/// ODE's quick solver makes a fixed number of iterations and tells nothing about their success, so a step that isn't
+/// good enough is made anew with twice as many. The next step begins with that number: the force that one step lacks, a
+/// better next one would have to add.
+void World::Impl::step_until_converged() {
+  const OdeMotions before(ode_bodies());
+  for (;; iterations = std::min<double>(2.0 * iterations, SolverSettings::most_iterations)) {
+    dWorldSetQuickStepNumIterations(world, static_cast<int>(iterations));
+    exploded = !step_ode(world, settings.time_step, true);
+    if (exploded) return;
+    measure_residual(static_cast<int>(iterations));
+    if (residual.share <= converged_share || iterations >= SolverSettings::most_iterations) break;
+    before.restore();
+  }
+  constexpr double ample = 0.02; // share of the allowed residual below which half the iterations will do
+  if (residual.share < ample * converged_share)
+    iterations = std::max<double>(0.5 * iterations, settings.solver.iterations);
+}
+
 /// ODE's exact solver fails on many degenerate sets of contacts: it reports "LCP internal error" and drops all
 /// constraints that it hasn't solved yet. The quick solver then makes the step instead.
 void World::Impl::step_bodies() {
   solver_message.clear();
   OwnRandom own_random(random);
   if (settings.solver.method == SolverSettings::Method::quick) {
+    if (settings.solver.converge) return step_until_converged();
     exploded = !step_ode(world, settings.time_step, true);
+    if (!exploded) measure_residual(settings.solver.iterations);
     return;
   }
-  std::vector<dBodyID> moved;
-  for (const auto& body : bodies) {
-    const std::vector<dBodyID> of_body = body->ode_bodies();
-    moved.insert(moved.end(), of_body.begin(), of_body.end());
-  }
-  const OdeMotions before(moved);
+  const OdeMotions before(ode_bodies());
   exploded = !step_ode(world, settings.time_step, false);
   const std::vector<std::string> messages = take_ode_messages();
-  if (exploded || messages.empty()) return;
+  if (exploded) return;
+  if (messages.empty()) return measure_residual(0);
   solver_message = messages.front();
   before.restore();
   exploded = !step_ode(world, settings.time_step, true);
+  if (!exploded) measure_residual(substitute_iterations);
 }
 
 bool World::step() {
   Impl& impl = *impl_;
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
-  add_contacts(impl.world, impl.contacts, impl.bodies, impl.law, impl.settings.solver.max_contacts, impl.touches,
-               impl.friction, impl.touching);
+  impl.connections->update(time());
+  add_contacts(impl.world, impl.contacts, impl.bodies, *impl.connections, impl.law, impl.settings.solver.max_contacts,
+               impl.touches, impl.friction, impl.touching);
+  impl.connections->update_holders(impl.touching);
   impl.step_bodies();
   ++impl.tick;
   impl.observed = false;
@@ -346,8 +412,10 @@ void World::Impl::after_restore() {
     body->after_restore();
     body->forget_touches();
   }
+  connections->after_restore();
   touching.clear();
   solver_message.clear();
+  residual = {};
   observed = false;
 }
 

@@ -87,12 +87,13 @@ std::optional<double> horizon_of(const Scenario& scenario, std::optional<double>
 
 enum class LevelState {
   equal,   // bit for bit
+  proved,  // equal bit for bit, which is known without a simulation
   within,  // different bits, within tolerance
   differs,
   skipped,  // not requested, or there was nothing to compare
 };
 
-/// "equal", "within", "differs" or "skipped".
+/// "equal", "proved", "within", "differs" or "skipped".
 std::string_view to_string(LevelState state);
 
 struct CheckOptions {
@@ -100,8 +101,31 @@ struct CheckOptions {
   bool plant = true;
   bool closed = true;
   std::optional<double> estimated_horizon;  // horizon of level closed if the scenario states none [s]
-  RecordOptions run;                        // options for the runs of all levels
+  /// The folder of certificates: statements of checks that simulated a golden and got its bits. With them, levels are
+  /// proved instead of simulated. The scenario must be as Scenario::load made it. None: all levels are simulated.
+  std::optional<std::filesystem::path> certificates;
+  int sampled = 0;    // share of the proved checks that are simulated, too, chosen by name and day [%]
+  RecordOptions run;  // options for the runs of all levels
 };
+
+// Proof: levels that need no simulation.
+//
+// If a check has simulated a golden and got all of its bits, it stores a certificate: this world makes this golden. The
+// certificate has all on which the world's bits depend (session.h: describe_plant). As long as nothing of this changes,
+// level plant is proved. If the controllers, fed with the golden's inputs, also do all that they did in the golden, bit
+// for bit, level closed is proved by induction over the ticks. In all other cases the levels are simulated.
+
+/// How checks use proofs.
+struct ProofMode {
+  bool on = true;
+  int sampled = 0;  // as CheckOptions::sampled
+};
+
+/// The mode of REHEARSE_PROOF: on (the default), off, or sample:PERCENT. Any other word is an error.
+Result<ProofMode> proof_mode();
+
+/// True if the check of that name is among these percent of today's checks.
+Result<bool> is_sampled(const std::string& name, int percent);
 
 struct CheckReport {
   LevelState controller = LevelState::skipped;
@@ -122,6 +146,10 @@ struct CheckReport {
   /// Remarks on the tolerances from the measured noise (`rehearse golden noise`). Sentences; they fail nothing.
   std::vector<std::string> remarks;
   bool golden_written = false;
+  bool proved = false;  // nothing was simulated
+  /// The first tick of the closed loop that was simulated; what comes before is proved. None: none was simulated.
+  std::optional<std::int64_t> simulated_from;
+  std::string not_proved;  // a sentence: why something was simulated; empty if nothing was, or if no proof was wanted
   /// The closed loop is within tolerance, but equal programs and files gave different bits, or the run doesn't repeat
   /// itself (reproduce). The check then counts as different.
   bool not_reproduced = false;
@@ -145,10 +173,10 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesyst
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation);
 
-/// A JSON object with verdict, equal, within, not_reproduced, levels (controller, plant, closed), first (as in
-/// compare.h) and comparisons (plant, closed: null, or as to_json(Comparison)). Further members: horizon (null or [s]),
-/// expectations and remarks. Each expectation has its text, line, whether it holds, and first: null, or series, tick,
-/// time and value.
+/// A JSON object with verdict, equal, within, not_reproduced, proved, simulated_from (null or a tick), not_proved (null
+/// or a sentence), levels (controller, plant, closed), first (as in compare.h) and comparisons (plant, closed: null, or
+/// as to_json(Comparison)). Further members: horizon (null or [s]), expectations and remarks. Each expectation has its
+/// text, line, whether it holds, and first: null, or series, tick, time and value.
 std::string to_json(const CheckReport& report);
 
 // Reproduction: whether a recording repeats itself here and now, bit for bit. Goldens and tolerances play no part.

@@ -47,6 +47,7 @@ struct BenchContact {
 /// World frame. The rotation is a unit quaternion; it isn't aligned, so that no compiler option changes the layout.
 struct BenchLink {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+  /// From the link's frame to the world's.
   Eigen::Quaternion<double, Eigen::DontAlign> rotation = Eigen::Quaternion<double, Eigen::DontAlign>::Identity();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();              // [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();      // [rad/s]
@@ -64,11 +65,12 @@ struct BenchDevice {
   /// points, force [N] (4); range sensor: distances [m], one per beam, which the controller gets rounded to float.
   /// Empty: no measurement.
   std::vector<double> values;
-  std::shared_ptr<const Image> image;
-  std::shared_ptr<const DepthImage> depth;
-  bool on = true;  // set by the controller
+  std::shared_ptr<const Image> image;       // of a camera; null: no picture
+  std::shared_ptr<const DepthImage> depth;  // of a RangeCamera [m]; null: no distances
+  bool on = true;                           // set by the controller
 };
 
+/// The beginning of a bench.
 struct BenchOptions {
   double time_step = 0.001;              // [s]
   std::string options;                   // the controller's option string
@@ -77,6 +79,7 @@ struct BenchOptions {
   bool joystick = true;                                // true: a joystick is connected, at rest until the test moves it
 };
 
+/// A controller with a robot whose inputs a test sets and whose commands it reads, tick by tick, without physics.
 class ControllerBench {
  public:
   /// `library`: a controller's name or path, `model`: a URDF file; paths are relative to the test's fixtures. Runs
@@ -87,8 +90,11 @@ class ControllerBench {
   ControllerBench(const ControllerBench&) = delete;
   ControllerBench& operator=(const ControllerBench&) = delete;
 
+  /// Inputs and commands of a joint. Throws std::out_of_range if the robot has none of this name.
   BenchJoint& joint(std::string_view name);
+  /// Inputs and commands of a link; throws likewise.
   BenchLink& link(std::string_view name);
+  /// The reading of a device; throws likewise.
   BenchDevice& device(std::string_view name);
 
   // The joystick, by the names (or the numbers) that a scenario uses. A value stays until it is set again. They throw

@@ -76,6 +76,8 @@ inline const bool folders_are_set =
 /// Runs a scenario (a path in the fixtures) in simulation and returns its recording, which is kept as
 /// traces/Suite.Test.mcap in the test's output folder. Throws std::runtime_error, which fails the test, if the run
 /// can't begin, or if a controller refused, threw, crashed or hung in it. The text is the message of `rehearse record`.
+/// If it is proved that the run is golden/Suite.Test.mcap, bit for bit, the controllers run on its inputs, nothing is
+/// simulated, and the recording is a copy of the golden (check.h: Proof). REHEARSE_PROOF=off simulates always.
 inline Trace record(const std::string& scenario) {
   return internal::record_for_test(scenario, internal::current_test());
 }

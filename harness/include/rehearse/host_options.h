@@ -17,6 +17,7 @@ struct GivenController {
   bool optional = false;  // the run continues without it if it refuses to take part
 };
 
+/// The controllers of a run, and how they are called.
 struct HostOptions {
   /// Library (a name or a path) to load instead of any other, by controller: NAME or BODY/NAME.
   std::map<std::string, std::string> libraries;

@@ -242,9 +242,11 @@ struct Record {
   std::optional<std::uint64_t> chunk;  // offset in the file of the chunk that contains it, if any
 };
 
-/// Reads one file. open() fails only if nothing can be read: the file doesn't exist, is not MCAP or is not a file (a
-/// directory, a device). A pipe counts as a file; so does standard input, named "-". A file that is cut or damaged
-/// opens: damage() reports the place, passes deliver all undamaged messages and then return the damage that they met.
+/// Reads one log: an MCAP file, a rosbag2 folder with all of its files, a database of rosbag2 (.db3), or such a file
+/// compressed by zstd. All but the first are converted to an MCAP file in the folder for temporary files (TMPDIR).
+/// open() fails only if nothing can be read: the file doesn't exist, is no log or is not a file (a device). A pipe
+/// counts as a file; so does standard input, named "-". A file that is cut or damaged opens: damage() reports the
+/// place, passes deliver all undamaged messages and then return the damage that they met.
 class Reader {
  public:
   using OnMessage = std::function<bool(const Message&)>;  // false: stop
@@ -262,7 +264,8 @@ class Reader {
   const std::string& name() const;     // as the user named the file
   const std::string& profile() const;  // of the header
   const std::string& library() const;  // of the header: the library that wrote the file
-  std::uint64_t size() const;          // [bytes]
+  std::uint64_t size() const;          // of the log's own files [bytes]
+  const std::string& form() const;     // "MCAP", or the container from which it was converted
 
   /// Whether open() read the summary alone. The first pass over all messages then makes the walk: until then damage()
   /// is empty, and an attachment's CRC isn't checked. That pass reports the findings of the walk.

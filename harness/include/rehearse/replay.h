@@ -26,17 +26,19 @@ struct Event;
 
 /// One word (64 bits) of the outputs of the controllers in a tick.
 struct OutputField {
+  /// What the 64 bits are.
   enum class Kind {
     number,  // the bits of a double
     flag,    // 0 or 1: whether the controller takes part, the result of control(), whether a device was commanded
   };
-  std::string controller;  // "SR1/SR1Minimum"
-  std::string channel;     // topic, as in a recording
-  std::string element;     // within the channel: RLEG_KNEE/u
-  std::string unit;        // may be empty
-  Kind kind = Kind::number;
+  std::string controller;    // "SR1/SR1Minimum"
+  std::string channel;       // topic, as in a recording
+  std::string element;       // within the channel: RLEG_KNEE/u
+  std::string unit;          // may be empty
+  Kind kind = Kind::number;  // of the word
 };
 
+/// What is replayed of a recording, and who is notified of the outputs.
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before this time are not compared [s]
   std::optional<double> until;  // end of the replay [s]
@@ -66,10 +68,10 @@ struct ReplayOptions : HostOptions {
 /// Outputs of the controllers beside their commands: lines to os(), and variables. They do not influence the verdict,
 /// except variables that a tolerance rule of the recording's scenario names: these are compared like commands.
 struct ReplayedWords {
-  std::int64_t lines = 0;      // number of compared lines
-  std::int64_t variables = 0;  // number of compared numbers of variables
-  std::int64_t different = 0;  // ticks with different lines, and variables with different bits
-  std::optional<Divergence> first;
+  std::int64_t lines = 0;           // number of compared lines
+  std::int64_t variables = 0;       // number of compared numbers of variables
+  std::int64_t different = 0;       // ticks with different lines, and variables with different bits
+  std::optional<Divergence> first;  // the first different number of a variable
 };
 
 /// Differences of commands, in the order of ticks, controllers, links; without ReplayOptions::tolerances no difference
@@ -78,22 +80,29 @@ struct ReplayReport : Differences {
   std::int64_t ticks = 0;             // number of replayed ticks
   std::int64_t ticks_different = 0;   // number of ticks with a different command
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
-  ReplayedWords words;
-  bool controller_refused = false;
+  ReplayedWords words;                // the outputs beside commands
+  bool controller_refused = false;    // a controller that isn't optional refused to take part; the replay ended
   /// BODY/NAME of the controllers whose library isn't, byte by byte, the recorded one
   std::vector<std::string> other_controllers;
   /// Files beside the recording that a controller reads now, or read during the recording, and whose content has
   /// changed: a sentence each.
   std::vector<std::string> changed_files;
   bool same_controllers = false;  // every controller's file is, byte by byte, the recorded one; options are equal, too
-  Diagnostics remarks;
+  /// The first tick with another hash of inputs or outputs than the recorded one; none: there is no such tick.
+  std::optional<std::int64_t> first_other_hash;
+  /// Nothing that the controllers read, did or wrote distinguishes this replay from the whole recording: the hashes of
+  /// inputs and outputs in all ticks, the channels that a recording would have, commands, lines, variables and events.
+  bool repeats_the_run = false;
+  Diagnostics remarks;            // about libraries, warnings of controllers
 
+  /// All commands have the recorded bits.
   bool equal() const { return !first && !failure; }
+  /// All commands are within ReplayOptions::tolerances.
   bool within() const { return !beyond && !failure; }
 };
 
-/// Fails if the trace can't be read or isn't a recording of Rehearse, if a library doesn't load, or if a controller
-/// reads a quantity that was not recorded.
+/// Replays a recording. Fails if the trace can't be read or isn't a recording of Rehearse, if a library doesn't load,
+/// or if a controller reads a quantity that was not recorded.
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options = {});
 
 /// Writes the replay of a recording as a new recording. It contains the recorded observations, the controllers' inputs

@@ -145,18 +145,19 @@ struct ScenarioController {
 
 struct ScenarioBody {
   std::string name;                             // unique; names the channels
-  std::string model_file;                       // as written; empty for an inline shape
+  std::string model_file;                       // a URDF or a heightmap, as written; empty for an inline shape
   std::map<std::string, std::string> packages;  // directories of the model's meshes by package, as written
   std::shared_ptr<const Model> model;           // never null in a loaded scenario
   bool fixed = false;                           // the root link is fixed to the world, by the scenario or by the model
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            // of the root link [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of the root link, unit
   bool kinematic = false;                                        // it follows its commands exactly, without dynamics
-  bool joint_limits = false;                                     // its joints stop at their limits
-  bool effort_limits = false;                                    // commanded efforts are clamped to their limits
-  bool trimesh = false;         // meshes of links that never move collide as exact triangle meshes
-  bool self_collision = false;  // all links of the body can collide with each other
-  std::vector<double> joints;   // initial displacement by joint id [rad] or [m]
+  /// Its joints stop at their limits: unless this is false. If the scenario states it, recordings state the limits.
+  std::optional<bool> joint_limits;
+  bool effort_limits = false;                                  // commanded efforts are clamped to their limits
+  MeshContact contact = MeshContact::automatic;                // of the model's meshes
+  bool self_collision = false;                                 // all links of the body can collide with each other
+  std::vector<double> joints;                                  // initial displacement by joint id [rad] or [m]
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // initial, of the root link's origin, world [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // initial, of the root link, world [rad/s]
   std::vector<double> joint_velocities;                        // initial, by joint id [rad/s] or [m/s]
@@ -232,7 +233,8 @@ struct Scenario {
   bool lever_arms = true;  // accelerometers and IMUs measure at their own place, not at their link's origin
   std::string options;     // option string of the simulator, before each controller's option string
   std::vector<ScenarioBody> bodies;
-  std::vector<MaterialPair> pairs;  // of materials of the bodies
+  std::vector<MaterialPair> pairs;      // of materials of the bodies
+  std::vector<Connection> connections;  // `joints:` and `welds:`
   std::vector<Push> pushes;
   std::optional<JoystickScript> joystick;  // nullopt: the scenario has none
   Look look;                               // of all pictures
@@ -260,8 +262,13 @@ struct Scenario {
   /// without a file is reported at the place of that `model:`.
   using ModelSource = std::function<Result<Model>(const std::string& model_file, const UrdfOptions& options)>;
 
+  /// The source of the bytes of a heightmap's file, as written in the scenario.
+  using FileSource = std::function<Result<std::string>(const std::string& file)>;
+
   /// Parses text that is already in memory, as in a recording; `file` is used in messages and in Scenario::file.
-  static Result<Scenario> parse(std::string text, const std::string& file, const ModelSource& models);
+  /// Without `files` a heightmap is an error.
+  static Result<Scenario> parse(std::string text, const std::string& file, const ModelSource& models,
+                                const FileSource& files = {});
 };
 
 /// The `tolerances` of a YAML file. It is a scenario (then nothing else of it is read), or it has no other key.

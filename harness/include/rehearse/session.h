@@ -9,6 +9,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/mcap_types.h>
 #include <rehearse/replay.h>
 #include <rehearse/scenario.h>
 #include <rehearse/simulation.h>
@@ -31,6 +32,7 @@ Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path&
 /// One run, stepped tick by tick.
 class Session {
  public:
+  /// Loads the controllers and opens the trace. Fails, and writes nothing, as record() does.
   static Result<std::unique_ptr<Session>> create(const Scenario& scenario, const std::filesystem::path& trace,
                                                  const RecordOptions& options);
   ~Session();
@@ -39,6 +41,7 @@ class Session {
 
   /// Makes one tick. Returns false if the run is over, by its duration or by a failure.
   Result<bool> step();
+  /// The tick that step() makes next.
   std::int64_t tick() const;
   /// Calls stop() of the controllers, records the last state and closes the trace.
   Result<RunSummary> finish();
@@ -57,6 +60,20 @@ class Session {
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options = {});
 
+/// All on which the bits of this scenario's world depend in this process, each with a hash or identifier by its name:
+/// the code of Rehearse, the libraries of the process, its pinned arithmetic, the processor's maker, the scenario
+/// without its controllers' libraries and the parts that judge runs, models, meshes. The scenario must be as
+/// Scenario::load made it. Fails if the bits may depend on something else: the process isn't pinned, a library has no
+/// build identifier.
+Result<mcap::StringMap> describe_plant(const Scenario& scenario);
+
+/// Runs the scenario and writes the trace, as record() does, but simulates only from the golden's last suitable
+/// checkpoint before the tick `moment` on. The caller knows that the golden is a run of this world, and that its
+/// controllers do the same as the scenario's in all ticks before `moment`. If the golden's part can't be taken as it is
+/// (no checkpoint, events of the world, other state than recorded), everything is simulated.
+Result<ResumedRun> record_from(const Scenario& scenario, const Trace& golden, std::int64_t moment,
+                               const std::filesystem::path& trace, const RecordOptions& options = {});
+
 // Branch: a recording that begins as a copy of a source recording and differs from it from a given moment on.
 //
 // Until the moment it contains the source's states, sensors and frames without change. The controllers, the recorded
@@ -67,20 +84,23 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
 
 /// "TRACE@3.2s" or "TRACE@tick:640".
 struct BranchPoint {
-  std::filesystem::path trace;
-  std::optional<double> time;  // [s]; none: `tick` is set
-  std::optional<std::int64_t> tick;
+  std::filesystem::path trace;       // the source
+  std::optional<double> time;        // [s]; none: `tick` is set
+  std::optional<std::int64_t> tick;  // none: `time` is set
 
   /// Fails with a caret under the part that can't be read.
   static Result<BranchPoint> parse(const std::string& text);
 };
 
+/// What differs from the source.
 struct BranchOptions : HostOptions {
   /// The recorded scenario file; it names the models' meshes, which no recording contains. The file, its models and
   /// meshes must be unchanged. Empty: the recording is sufficient, if there are no meshes.
   std::filesystem::path scenario;
-  /// The end, as time of the run [s], or as duration after the moment [s]; none: the source's end.
-  std::optional<double> until, duration;
+  /// The end as time of the run [s]; without it and `duration` the source's end.
+  std::optional<double> until;
+  /// The end as duration after the moment [s].
+  std::optional<double> duration;
   /// Inputs that are altered before controllers see them, as ReplayOptions::set; inputs before the moment are altered,
   /// too.
   std::vector<std::string> set;
@@ -91,8 +111,9 @@ struct BranchOptions : HostOptions {
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
+/// What became of a branch.
 struct BranchSummary {
-  RunSummary run;
+  RunSummary run;         // the whole recording
   std::int64_t tick = 0;  // of the moment
   double time = 0.0;      // of this tick [s]
   std::string world;      // a sentence: how the state of the world was restored

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -48,6 +49,12 @@ struct RunSummary {
   }
 };
 
+/// A closed loop whose first part was taken from a golden.
+struct ResumedRun {
+  RunSummary summary;     // of the whole run
+  std::int64_t from = 0;  // first tick that was simulated
+};
+
 struct PlantOptions {
   /// The tick at which to begin: a tick with a checkpoint, or 0. Cameras and range sensors deliver nothing that they
   /// captured before it.
@@ -81,6 +88,12 @@ using RunPlant = std::function<Result<PlantSummary>(const Scenario&, const Trace
 struct Simulation {
   std::function<Result<RunSummary>(const Scenario&, const std::filesystem::path& trace, const RecordOptions&)> record;
   RunPlant run_plant;
+  /// session.h: describe_plant. Null: nothing is proved, everything is simulated.
+  std::function<Result<std::map<std::string, std::string>>(const Scenario&)> describe_plant = nullptr;
+  /// session.h: record_from. Null: a run that is known to begin like its golden is simulated from the start.
+  std::function<Result<ResumedRun>(const Scenario&, const Trace& golden, std::int64_t moment,
+                                   const std::filesystem::path& trace, const RecordOptions&)>
+      record_from = nullptr;
 };
 
 }  // namespace rehearse

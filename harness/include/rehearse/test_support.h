@@ -11,6 +11,7 @@
 
 namespace rehearse {
 
+/// The folders that a test program reads and writes.
 struct TestFolders {
   std::string fixtures;  // scenarios and models; REHEARSE_FIXTURES in the environment overrides it
   std::string golden;    // goldens; REHEARSE_GOLDEN_DIR overrides it
@@ -57,8 +58,9 @@ enum class Level {
 /// The levels to compare; without it closed alone. If closed differs, the other levels are run as well, to find the
 /// faulty part.
 struct Levels {
+  /// In any order.
   Levels(std::initializer_list<Level> wanted) : levels(wanted) {}
-  std::vector<Level> levels;
+  std::vector<Level> levels;  // that are compared
 };
 
 namespace internal {

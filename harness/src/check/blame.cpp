@@ -147,7 +147,11 @@ bool Detective::is_noise(const Divergence& place, const Scenario& recorded) {
   return again && again->within;
 }
 
-bool is_mesh(const Shape& shape) { return std::holds_alternative<Mesh>(shape.geometry); }
+/// True for a mesh that a recording doesn't contain: heightmaps are attached to it.
+bool is_mesh(const Shape& shape) {
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  return mesh && !mesh->heightmap;
+}
 
 /// The attachments that aren't what they were; "" if none.
 std::string changed_files(const Comparison& comparison) {
@@ -236,6 +240,7 @@ std::string nothing_differs(const CheckReport& report) {
     sentence = fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
                            report.replay->equal() ? "bit for bit" : "within tolerance, computed otherwise");
   if (report.plant == LevelState::skipped) return sentence;
+  if (report.plant == LevelState::proved) return sentence + "; the world is the one that made the golden";
   return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",
                      verdict(*report.plant_comparison));
 }

@@ -9,6 +9,7 @@
 #include "compare/scenario_changes.h"
 #include "model/clock.h"
 #include "noise_floor.h"
+#include "proof.h"
 #include "recording/provenance.h"
 #include "replay/plant_level.h"
 #include "scenario/branch_origin.h"
@@ -37,15 +38,20 @@ struct Check {
   const CheckOptions& options;
   const Simulation& simulation;
   CheckReport report;
+  bool world_is_known = false;                       // it makes the golden under the golden's commands
   std::optional<NoiseFloor> noise = std::nullopt;    // that was measured of the golden
   std::optional<Trace> whole_golden = std::nullopt;  // if noise was measured of it: it is known by all of its numbers
 
   fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
   Result<void> check_controller();
+  Result<void> check_proved();
+  Result<void> certify(const Proof& proof);
+  Result<void> make_closed_loop();
+  Result<void> simulate();
   Result<void> check_plant();
   Result<void> check_closed();
   void blame();
-  Result<void> certify();
+  Result<void> test_reproduction();
   Result<void> tell_time_step(const Divergence& change);
   void tell_duration(const Divergence& change, const Trace& fresh);
   void judge_by_expectations(const Trace& fresh);
@@ -68,6 +74,48 @@ Result<void> Check::check_controller() {
   }
   report.controller = state_of(*replayed);
   report.replay = *std::move(replayed);
+  return {};
+}
+
+/// The world is known to make the golden. What this leaves open is simulated.
+Result<void> Check::check_proved() {
+  if (options.plant) report.plant = LevelState::proved;
+  if (options.controller || options.closed)
+    if (auto done = check_controller(); !done) return done;
+  const bool repeats = report.replay && report.replay->repeats_the_run;
+  std::vector<ExpectationResult> results;
+  if (options.closed && repeats) {
+    auto judged = judge_expectations(scenario.expectations, golden.file());
+    if (!judged) return judged.errors();
+    results = *std::move(judged);
+  }
+  report.proved = (repeats || (!options.controller && !options.closed)) && !first_violation(results);
+  if (!options.controller) {  // nobody asked for it
+    report.controller = LevelState::skipped;
+    report.replay.reset();
+    report.controller_problem.clear();
+  }
+  if (!report.proved) return {};
+  report.expectations = std::move(results);
+  if (options.closed) report.closed = LevelState::proved;
+  report.verdict =
+      options.closed || options.controller
+          ? "proved without simulating: the world is the one that made the golden, and the controllers command what "
+            "they commanded"
+          : "proved without simulating: the world is the one that made the golden";
+  if (!report.expectations.empty()) report.verdict += "; " + verdict(report.expectations);
+  return {};
+}
+
+/// Every bit of the golden was compared: this world makes it.
+Result<void> Check::certify(const Proof& proof) {
+  if (report.closed != LevelState::equal || report.run->ending()) return {};
+  if (report.horizon) {  // only what comes before it was compared
+    const auto compared = compare(golden.file(), actual, scenario.tolerances, {});
+    if (!compared) return compared.errors();
+    if (!compared->equal) return {};
+  }
+  if (auto stored = proof.certify(); !stored) report.remarks.push_back(stored.errors()[0].message);
   return {};
 }
 
@@ -114,7 +162,7 @@ Result<void> Check::check_closed() {
   if (report.closed == LevelState::differs || first_violation(report.expectations))
     tell_files(*fresh, *report.comparison, actual, "this run");
   blame();
-  if (auto done = certify(); !done) return done;
+  if (auto done = test_reproduction(); !done) return done;
   if (report.not_reproduced) tell_files(*fresh, *report.comparison, actual, "this run");
   if (duration) tell_duration(*duration, *fresh);
   judge_by_expectations(*fresh);
@@ -123,8 +171,9 @@ Result<void> Check::check_closed() {
 
 /// No tick is compared; but the run may become the next golden, and is judged by what is expected of it.
 Result<void> Check::tell_time_step(const Divergence& change) {
-  report.verdict = fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
-                               change.actual, change.expected);
+  report.verdict =
+      fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
+                  change.actual, change.expected);
   report.first = change;
   (options.closed ? report.closed : options.plant ? report.plant : report.controller) = LevelState::differs;
   if (!options.closed) return {};
@@ -152,7 +201,7 @@ void Check::tell_duration(const Divergence& change, const Trace& fresh) {
 
 /// Tolerances are for what changed. Where nothing did, or where a run doesn't repeat itself, other bits are chance, and
 /// a golden that is met by chance certifies nothing.
-Result<void> Check::certify() {
+Result<void> Check::test_reproduction() {
   if (report.closed != LevelState::within || report.comparison->words_alone) return {};
   const auto fresh = Trace::load(actual);
   if (!fresh) return fresh.errors();
@@ -160,7 +209,8 @@ Result<void> Check::certify() {
   if (!found) return found.errors();
   const Divergence& bit = *report.comparison->first_bit;
   if (!found->reproduced()) {
-    report.verdict = fmt::format("the golden isn't certified, though this run is within its tolerances: {}", found->verdict);
+    report.verdict =
+        fmt::format("the golden isn't certified, though this run is within its tolerances: {}", found->verdict);
     report.first = found->first ? found->first : bit;
   } else if (report.comparison->same_origin) {
     report.verdict = fmt::format(
@@ -191,15 +241,16 @@ void Check::judge_by_expectations(const Trace& fresh) {
 }
 
 void Check::tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what) {
-  report.message += fmt::format(
-      "{}{}: {}{}", report.message.empty() ? "" : "\n", what, file.string(),
-      picture_lines(write_picture_differences(golden, fresh, comparison, scenario.tolerances, file)));
+  report.message +=
+      fmt::format("{}{}: {}{}", report.message.empty() ? "" : "\n", what, file.string(),
+                  picture_lines(write_picture_differences(golden, fresh, comparison, scenario.tolerances, file)));
 }
 
 /// Names the part that changed.
 void Check::blame() {
-  const Blame found = find_guilty(
-      {scenario, golden, simulation, with_controllers_of(scenario, options.run), actual, plant_trace().concat(".again")}, report);
+  const Blame found = find_guilty({scenario, golden, simulation, with_controllers_of(scenario, options.run), actual,
+                                   plant_trace().concat(".again")},
+                                  report);
   report.verdict = found.sentence;
   report.first = found.place;
   if (report.first || !report.comparison) return;
@@ -232,9 +283,38 @@ void Check::judge_tolerances() {
   for (std::string& remark : noise_remarks(*noise, *whole_golden, comparisons))
     report.remarks.push_back(std::move(remark));
   if (scenario.horizon && noise->horizon() && *scenario.horizon >= *noise->horizon())
-    report.remarks.push_back(fmt::format("the scenario's horizon, {:g} s, is not before {:g} s, when a perturbed run left the "
-                                         "tolerances",
-                                         *scenario.horizon, *noise->horizon()));
+    report.remarks.push_back(
+        fmt::format("the scenario's horizon, {:g} s, is not before {:g} s, when a perturbed run left the "
+                    "tolerances",
+                    *scenario.horizon, *noise->horizon()));
+}
+
+Result<void> Check::make_closed_loop() {
+  auto run = make_run(scenario, golden, world_is_known && report.replay ? &*report.replay : nullptr, actual,
+                      options.run, simulation);
+  if (!run) return run.errors();
+  report.simulated_from = run->from;
+  report.run = std::move(run->summary);
+  return {};
+}
+
+/// Makes the levels that aren't known yet.
+Result<void> Check::simulate() {
+  if (auto done = find_noise(); !done) return done;
+  if (options.closed)
+    if (auto made = make_closed_loop(); !made) return made;
+  if (const auto change = changed_time_step(scenario, golden)) return tell_time_step(*change);
+  if (options.controller && report.controller == LevelState::skipped)
+    if (auto done = check_controller(); !done) return done;
+  if (options.plant && report.plant == LevelState::skipped)
+    if (auto done = check_plant(); !done) return done;
+  if (options.closed) {
+    if (auto done = check_closed(); !done) return done;
+  } else {
+    blame();
+  }
+  judge_tolerances();
+  return {};
 }
 
 /// Why the golden's world doesn't follow its commands, or isn't what was read of it: then only its controllers can be
@@ -262,58 +342,10 @@ Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scena
 
 }  // namespace
 
-Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
-                            const Simulation& simulation) {
-  if (auto made = make_folder_of(actual); !made) return made.errors();
-  return simulation.record(scenario, actual, options.run);
-}
-
-HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given) {
-  HostOptions options = given;
-  const auto add = [&](const ScenarioBody& body, const ScenarioController& controller) {
-    const fs::path file = fs::path(scenario.file).parent_path() / controller.library;
-    std::error_code ignored;
-    const bool is_beside = fs::is_regular_file(file, ignored);  // the recording doesn't know where its paths begin
-    options.controllers[body.name + "/" + controller.name] = {
-        is_beside ? fs::absolute(file, ignored).string() : controller.library, controller.options, controller.delay,
-        controller.optional};
-  };
-  options.run_options = scenario.options;
-  for (const ScenarioBody& body : scenario.bodies) {
-    for (const ScenarioController& controller : body.controllers) {
-      add(body, controller);
-      for (const ScenarioController& child : controller.children) add(body, child);
-    }
-  }
-  return options;
-}
-
-Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
-                                   std::optional<double> until) {
-  ReplayOptions replaying;
-  static_cast<HostOptions&>(replaying) = host;
-  replaying.until = until;
-  const auto recorded = RunFacts::of(golden).provenance;
-  const bool computes_alike = recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
-  if (!computes_alike) replaying.tolerances = scenario.tolerances;
-  return replay(golden.file(), replaying);
-}
-
-LevelState state_of(const ReplayReport& replayed) {
-  if (replayed.equal()) return LevelState::equal;
-  return replayed.within() ? LevelState::within : LevelState::differs;
-}
-
-Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,
-                                      const HostOptions& host, const Simulation& simulation) {
-  ReproductionOptions trying;
-  static_cast<HostOptions&>(trying) = with_controllers_of(scenario, host);
-  return reproduce(scenario, run, fs::path(file).concat(".again"), trying, simulation);
-}
-
 std::string_view to_string(LevelState state) {
   switch (state) {
     case LevelState::equal: return "equal";
+    case LevelState::proved: return "proved";
     case LevelState::within: return "within";
     case LevelState::differs: return "differs";
     case LevelState::skipped: return "skipped";
@@ -323,7 +355,7 @@ std::string_view to_string(LevelState state) {
 
 bool CheckReport::equal() const {
   for (const LevelState level : {controller, plant, closed})
-    if (level != LevelState::equal && level != LevelState::skipped) return false;
+    if (level == LevelState::within || level == LevelState::differs) return false;
   return true;
 }
 
@@ -333,47 +365,66 @@ bool CheckReport::within() const {
   return true;
 }
 
-Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
-                                   const CheckOptions& asked, const Simulation& simulation) {
-  const auto expected = load_without_messages(golden);
-  if (!expected) return expected.errors();
-  if (const auto known = check_version(*expected); !known) return known.errors();
-  const auto origin = RunFacts::of(*expected).branch;
-  const auto pushed = with_pushes_of(origin, plain);
-  if (!pushed) return pushed.errors();
-  const Scenario& scenario = *pushed;
-  CheckOptions options = asked;
-  Check check{scenario, *expected, actual, options, simulation, {}};
-  if (const std::string why = why_no_world(*expected); !why.empty()) {
+namespace {
+
+/// Leaves out the levels that the golden can't have.
+void leave_out_levels(const Trace& golden, CheckOptions& options, CheckReport& report) {
+  const auto origin = RunFacts::of(golden).branch;
+  if (const std::string why = why_no_world(golden); !why.empty()) {
     options.plant = options.closed = false;
-    check.report.remarks.push_back(why + ", so the levels plant and closed are skipped");
+    report.remarks.push_back(why + ", so the levels plant and closed are skipped");
   } else if (origin && origin->acted_until) {
     options.closed = false;
-    check.report.remarks.push_back(
+    report.remarks.push_back(
         fmt::format("the golden is a branch: until tick {} other controllers moved its world, so the "
                     "level closed is skipped",
                     *origin->acted_until));
   }
-  if (auto done = check.find_noise(); !done) return done.errors();
-  if (options.closed) {
-    auto run = make_run(scenario, actual, options, simulation);
-    if (!run) return run.errors();
-    check.report.run = std::move(*run);
+}
+
+/// A share of what is proved is simulated all the same.
+Result<CheckReport> sampled(Check check) {
+  const auto chosen = is_sampled(check.scenario.name, check.options.sampled);
+  if (!chosen) return chosen.errors();
+  if (!*chosen) return std::move(check.report);
+  CheckOptions simulating = check.options;
+  simulating.certificates.reset();
+  auto again = check_scenario(check.scenario, check.golden.file(), check.actual, simulating, check.simulation);
+  if (!again) return again;
+  if (again->equal()) return std::move(check.report);
+  again->verdict = "the proof was wrong: by it nothing has changed since the golden, but simulated: " + again->verdict;
+  again->closed = LevelState::differs;
+  return again;
+}
+
+}  // namespace
+
+Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
+                                   const CheckOptions& asked, const Simulation& simulation) {
+  const auto outline = Trace::outline(golden);
+  if (!outline) {  // a pass over all of it finds what is damaged
+    const auto whole = load_without_messages(golden);
+    return whole ? outline.errors() : whole.errors();
   }
-  if (const auto change = changed_time_step(scenario, *expected)) {
-    if (auto done = check.tell_time_step(*change); !done) return done.errors();
-    return std::move(check.report);
-  }
-  if (options.controller)
-    if (auto done = check.check_controller(); !done) return done.errors();
-  if (options.plant)
-    if (auto done = check.check_plant(); !done) return done.errors();
-  if (options.closed) {
-    if (auto done = check.check_closed(); !done) return done.errors();
-  } else {
-    check.blame();
-  }
-  check.judge_tolerances();
+  if (const auto known = check_version(*outline); !known) return known.errors();
+  const auto pushed = with_pushes_of(RunFacts::of(*outline).branch, plain);
+  if (!pushed) return pushed.errors();
+  const Scenario& scenario = *pushed;
+  CheckOptions options = asked;
+  Check proving{scenario, *outline, actual, options, simulation, {}};
+  leave_out_levels(*outline, options, proving.report);
+  const Proof proof(scenario, *outline, options, simulation);
+  if (proof.holds())
+    if (auto done = proving.check_proved(); !done) return done.errors();
+  if (proving.report.proved) return sampled(std::move(proving));
+
+  const auto expected = load_without_messages(golden);
+  if (!expected) return expected.errors();
+  Check check{scenario, *expected, actual, options, simulation, std::move(proving.report)};
+  check.report.not_proved = proof.objection();
+  check.world_is_known = proof.holds();
+  if (auto done = check.simulate(); !done) return done.errors();
+  if (auto done = check.certify(proof); !done) return done.errors();
   if (check.report.within()) {
     std::error_code ignored;
     fs::remove(actual, ignored);

@@ -13,7 +13,7 @@ namespace {
 Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
                                           const Simulation& simulation) {
   CheckReport report;
-  auto run = make_run(scenario, actual, options, simulation);
+  auto run = make_run(scenario, actual, options.run, simulation);
   if (!run) return run.errors();
   report.run = std::move(*run);
   if (scenario.expectations.empty()) return report;

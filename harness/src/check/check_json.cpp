@@ -31,6 +31,9 @@ std::string to_json(const CheckReport& report) {
       {"equal", report.equal()},
       {"within", report.within()},
       {"not_reproduced", report.not_reproduced},
+      {"proved", report.proved},
+      {"simulated_from", nullptr},
+      {"not_proved", nullptr},
       {"levels",
        {{"controller", to_string(report.controller)},
         {"plant", to_string(report.plant)},
@@ -40,6 +43,8 @@ std::string to_json(const CheckReport& report) {
       {"horizon", nullptr},
       {"expectations", nlohmann::ordered_json::array()},
       {"remarks", report.remarks}};
+  if (report.simulated_from) object["simulated_from"] = *report.simulated_from;
+  if (!report.not_proved.empty()) object["not_proved"] = report.not_proved;
   if (report.horizon) object["horizon"] = *report.horizon;
   for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
   return text_of(object);

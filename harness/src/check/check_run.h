@@ -1,4 +1,5 @@
-// What a check does with a run: makes it, and asks whether it repeats itself. Internal to check*.cpp.
+// The runs of a check: makes them, feeds controllers with a golden's inputs, and tests whether a run repeats itself.
+// Internal.
 #pragma once
 
 #include <rehearse/check.h>
@@ -9,7 +10,13 @@
 namespace rehearse {
 
 /// Records the scenario into `actual`, whose folder is made if there is none.
-Result<RunSummary> make_run(const Scenario& scenario, const std::filesystem::path& actual, const CheckOptions& options,
+Result<RunSummary> make_run(const Scenario& scenario, const std::filesystem::path& actual, const RecordOptions& options,
+                            const Simulation& simulation);
+
+/// The same in a world that is known to make the golden. `replayed`: the scenario's controllers on the golden's inputs;
+/// the run is simulated only from a checkpoint before their first other command. Null: nothing is known.
+Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const ReplayReport* replayed,
+                            const std::filesystem::path& actual, const RecordOptions& options,
                             const Simulation& simulation);
 
 /// For replays of any recording: the controllers of the scenario as it is now, whatever the recording names.

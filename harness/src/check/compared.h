@@ -7,7 +7,7 @@ namespace rehearse {
 
 inline bool compared_anything(const CheckReport& report) {
   const auto has_values = [](const std::optional<Comparison>& compared) { return compared && compared->values > 0; };
-  return !report.within() || report.golden_written || !report.expectations.empty() ||
+  return !report.within() || report.golden_written || report.proved || !report.expectations.empty() ||
          (report.replay && report.replay->values > 0) || has_values(report.plant_comparison) ||
          has_values(report.comparison);
 }

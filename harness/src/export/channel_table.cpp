@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "compare/compare_parts.h"
-#include "picture_file.h"
 #include "trace/message_json.h"
 #include "trace/ros2msg.h"
 
@@ -62,15 +61,15 @@ std::string pattern_of(std::string_view path) {
 /// A table by schema: a column for each field, except bytes and values with a series.
 class FieldTable final : public ChannelTable {
  public:
-  FieldTable(ros2msg::Schema schema, TraceChannel channel, std::optional<HeldValues> held)
-      : decoder_(std::move(schema)), channel_(std::move(channel)), held_(std::move(held)) {}
+  FieldTable(ros2msg::Schema schema, TraceChannel channel, std::optional<HeldValues> held, bool bytes)
+      : decoder_(std::move(schema)), channel_(std::move(channel)), held_(std::move(held)), bytes_(bytes) {}
 
   bool read(mcap::Bytes payload) override {
     for (std::string& cell : cells_) cell.clear();
     bool too_many = false;
     const bool fits = decoder_.decode(payload, [&](const ros2msg::Value& value) {
       if (held_ && held_->holds(value)) return;
-      if (value.kind == ros2msg::Value::Kind::blob) {
+      if (value.kind == ros2msg::Value::Kind::blob && !bytes_) {
         left_out_.insert(pattern_of(value.path));
         return;
       }
@@ -117,13 +116,17 @@ class FieldTable final : public ChannelTable {
       case Kind::unsigned_integer:
       case Kind::boolean: return append_number(cell, value.unsigned_integer);
       case Kind::text: return append_cell(cell, value.text);
-      case Kind::blob: return;
+      case Kind::blob:
+        append_base64(cell, value.blob);
+        cell = cell.substr(1, cell.size() - 2);  // without the quotes of JSON
+        return;
     }
   }
 
   ros2msg::Decoder decoder_;
   TraceChannel channel_;
   std::optional<HeldValues> held_;
+  const bool bytes_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<std::string> cells_;  // as written in the file
   std::set<std::string> left_out_;
@@ -154,12 +157,12 @@ class WholeTable final : public ChannelTable {
 
 }  // namespace
 
-Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& channel, const mcap::Schema* schema) {
+Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& channel, const mcap::Schema* schema,
+                                                         bool bytes) {
   if (channel.message_encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") {
     return error(fmt::format("messages of encoding '{}'{} can't be decoded", channel.message_encoding,
                              schema == nullptr ? " without a schema" : ""));
   }
-  if (is_picture_type(schema->name)) return error("pictures: see --frames");
   auto series = SeriesTable::make(channel, schema, false);
   if (!series) return series.errors();
   auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
@@ -167,7 +170,7 @@ Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& ch
   if (!parsed) return parsed.errors();
   const auto held = *series == nullptr ? std::nullopt : std::optional<HeldValues>(schema->name);
   std::unique_ptr<ChannelTable> fields =
-      std::make_unique<FieldTable>(std::move(*parsed), describe_channel(channel, schema), held);
+      std::make_unique<FieldTable>(std::move(*parsed), describe_channel(channel, schema), held, bytes);
   if (*series == nullptr) return fields;
   return std::unique_ptr<ChannelTable>(std::make_unique<WholeTable>(std::move(*series), std::move(fields)));
 }

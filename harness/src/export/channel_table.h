@@ -24,8 +24,10 @@ class ChannelTable {
   };
 
   virtual ~ChannelTable() = default;
-  /// Fails if its messages have no table: pictures, encodings that aren't decoded, an invalid schema.
-  static Result<std::unique_ptr<ChannelTable>> make(const mcap::Channel& channel, const mcap::Schema* schema);
+  /// Fails if its messages have no table: encodings that aren't decoded, an invalid schema. `bytes`: bytes get a
+  /// column, too, in base64.
+  static Result<std::unique_ptr<ChannelTable>> make(const mcap::Channel& channel, const mcap::Schema* schema,
+                                                    bool bytes = false);
 
   /// Reads a message; columns that occur first in it are added. False if it doesn't fit its schema.
   virtual bool read(mcap::Bytes payload) = 0;

@@ -38,10 +38,10 @@ struct Output {
 using Outputs = std::map<std::uint16_t, Output>;  // by channel
 
 /// The tables of all channels that can have one, with all their columns, which a first pass finds.
-Result<Outputs> learn_columns(ExportSource& source, ExportReport& report) {
+Result<Outputs> learn_columns(ExportSource& source, bool bytes, ExportReport& report) {
   Outputs outputs;
   for (const mcap::Channel* channel : source.channels()) {
-    auto table = ChannelTable::make(*channel, source.schema_of(*channel));
+    auto table = ChannelTable::make(*channel, source.schema_of(*channel), bytes);
     if (table) {
       outputs[channel->id].table = std::move(*table);
       outputs[channel->id].topic.topic = channel->topic;
@@ -186,7 +186,7 @@ Result<ExportReport> export_tables(const std::filesystem::path& trace, const std
   auto source = ExportSource::open(trace, options);
   if (!source) return source.errors();
   ExportReport report;
-  auto outputs = learn_columns(*source, report);
+  auto outputs = learn_columns(*source, options.bytes, report);
   if (!outputs) return outputs.errors();
   TopicNames names;
   for (auto& [id, output] : *outputs) {

@@ -4,8 +4,8 @@
 // time [s] to the nanosecond, then values, separated by commas, quoted as in RFC 4180. A number has enough digits to be
 // read back with the same bits; NaN, Infinity and -Infinity are written so; booleans are 1 and 0. A cell without a
 // value in a message is empty; for the types that trace.h lists it is NaN. Those types have columns with the names of
-// their series. All types then have a column for each further field, named by its path, texts included. Bytes have no
-// column: the report lists such fields.
+// their series. All types then have a column for each further field, named by its path, texts included. Bytes have
+// a column only if it is asked for: else the report lists such fields.
 //
 // Files are read twice, first for the columns, and never held in memory: memory grows with columns, not with messages.
 // A file that exists is replaced only if it is of the same kind; this is checked for all tables before anything is
@@ -24,6 +24,7 @@ namespace rehearse {
 
 struct ExportOptions {
   mcap::Selection selection;
+  bool bytes = false;  // tables have columns of bytes, in base64
   /// Called with the number of messages done and of all; both passes count.
   std::function<void(std::int64_t, std::int64_t)> progress;
 };

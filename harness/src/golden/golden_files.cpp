@@ -10,7 +10,6 @@
 #include <iterator>
 
 #include "run_folder.h"
-#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {
@@ -74,12 +73,6 @@ Result<std::string> read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return can_not("be read", file, std::strerror(errno));
   return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-Result<std::uint64_t> hash_of_file(const fs::path& file) {
-  const auto bytes = read_text(file);
-  if (!bytes) return bytes.errors();
-  return hash_bytes(bytes->data(), bytes->size());
 }
 
 namespace {

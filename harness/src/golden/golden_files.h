@@ -12,9 +12,6 @@ namespace rehearse {
 
 Result<std::string> read_text(const std::filesystem::path& file);
 
-/// XXH3 of the bytes of a file.
-Result<std::uint64_t> hash_of_file(const std::filesystem::path& file);
-
 /// Writes new versions of two files and replaces the old ones. `write_trace` writes the first to the given path;
 /// `make_digest` makes the text of the second from the written trace. Both are complete on disk, under temporary names,
 /// before either is renamed. If anything fails before that, neither file is changed and no temporary file is left.

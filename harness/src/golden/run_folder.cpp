@@ -17,6 +17,7 @@
 #include "golden_files.h"
 #include "pending_verdict.h"
 #include "stale_report.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

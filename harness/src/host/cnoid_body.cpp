@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cnoid/AccelerationSensor>
 #include <cnoid/ForceSensor>
+#include <cnoid/HolderDevice>
 #include <cnoid/Imu>
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
 #include <cnoid/RateGyroSensor>
+#include <cnoid/RotorDevice>
 #include <cnoid/SpotLight>
 #include <limits>
 
@@ -40,7 +42,7 @@ cnoid::LinkPtr make_link(const Link& link, bool fixed) {
   const Joint& joint = link.joint;
   made->setName(link.name);
   made->setJointName(joint.name);
-  made->setJointId(joint.id);
+  made->setJointId(joint.controller_id.value_or(joint.id));
   made->setJointType(joint_type(joint, fixed));
   made->setJointAxis(joint.axis);
   made->setOffsetPosition(joint.origin);
@@ -98,8 +100,26 @@ cnoid::DevicePtr make_light(const Light& light) {
   return made;
 }
 
+cnoid::DevicePtr make_rotor(const Device& device) {
+  const Multicopter::RotorDevicePtr made = new Multicopter::RotorDevice;
+  made->setPosition(device.pose.translation());
+  made->setDirection(device.pose.linear() * std::get<Rotor>(device.kind).direction);
+  return made;
+}
+
+cnoid::DevicePtr make_holder(const Holder& holder) {
+  const cnoid::HolderDevicePtr made = new cnoid::HolderDevice;
+  constexpr cnoid::HolderDevice::HoldCondition conditions[] = {
+      cnoid::HolderDevice::Distance, cnoid::HolderDevice::Collision, cnoid::HolderDevice::Name};
+  made->setHoldCondition(conditions[static_cast<int>(holder.condition)]);
+  made->setMaxHoldDistance(holder.max_distance);
+  made->setHoldTargetName(holder.target);
+  return made;
+}
+
 cnoid::DevicePtr make_device(const Device& device) {
   struct Maker {
+    const Device& device;
     cnoid::DevicePtr operator()(const ForceSensor&) const { return new cnoid::ForceSensor; }
     cnoid::DevicePtr operator()(const Gyro&) const { return new cnoid::RateGyroSensor; }
     cnoid::DevicePtr operator()(const Accelerometer&) const { return new cnoid::AccelerationSensor; }
@@ -108,8 +128,10 @@ cnoid::DevicePtr make_device(const Device& device) {
     cnoid::DevicePtr operator()(const RangeSensor& sensor) const { return make_range_sensor(sensor); }
     cnoid::DevicePtr operator()(const Light& light) const { return make_light(light); }
     cnoid::DevicePtr operator()(const ContactSensor&) const { return new ContactDevice; }
+    cnoid::DevicePtr operator()(const Rotor&) const { return make_rotor(device); }
+    cnoid::DevicePtr operator()(const Holder& holder) const { return make_holder(holder); }
   };
-  cnoid::DevicePtr made = std::visit(Maker{}, device.kind);
+  cnoid::DevicePtr made = std::visit(Maker{device}, device.kind);
   made->setName(device.name);
   made->setId(device.id);
   made->setLocalPosition(device.pose);
@@ -167,9 +189,9 @@ cnoid::Isometry3 pose_of(const LinkReading& link) {
   return pose;
 }
 
-void set_initial_state(cnoid::Body& body, const BodyObservation& observation) {
+void set_initial_state(cnoid::Body& body, const Model& model, const BodyObservation& observation) {
   for (std::size_t id = 0; id < observation.joints.size(); ++id)
-    body.joint(static_cast<int>(id))->q() = observation.joints[id].q;
+    body.link(model.joints[id])->q() = observation.joints[id].q;
   for (std::size_t i = 0; i < observation.links.size(); ++i) {
     cnoid::Link* link = body.link(static_cast<int>(i));
     link->T() = pose_of(observation.links[i]);

@@ -15,7 +15,7 @@ namespace rehearse {
 cnoid::BodyPtr make_cnoid_body(const Model& model, const std::string& name, bool fixed);
 
 /// Joint displacements and link poses of the observation, everything else at rest.
-void set_initial_state(cnoid::Body& body, const BodyObservation& observation);
+void set_initial_state(cnoid::Body& body, const Model& model, const BodyObservation& observation);
 
 /// The link's pose, with the rotation matrix computed from the quaternion.
 cnoid::Isometry3 pose_of(const LinkReading& link);

@@ -218,7 +218,7 @@ std::vector<std::string> ControllerIo::freeze() {
     }
     for (const FlagQuantity& known : flag_quantities) {
       const bool of_joint = known.quantity <= Quantity::u;
-      const int joint = link.jointId();
+      const int joint = io_body_->model().links[i].joint.id;
       if (input_flags_[i] & known.input_flag) {
         if (of_joint && joint < 0)
           findings.push_back(fmt::format("link '{}' has no joint to read", link.name()));
@@ -249,7 +249,7 @@ void ControllerIo::input(const BodyObservation& seen) {
   for (const IoField& field : inputs_.fields) {
     double* values = input_values_.data() + field.offset;
     gather(field, seen, values);
-    scatter(field, values, *body_->link(field.link));
+    scatter(field, values, *body_->links()[field.link]);
   }
   for (std::size_t i = 0; i < contact_links_.size(); ++i) {
     const int link = contact_links_[i];
@@ -266,7 +266,7 @@ void ControllerIo::input(const BodyObservation& seen) {
 
 void ControllerIo::output() {
   for (const IoField& field : outputs_.fields)
-    gather_command(field, *body_->link(field.link), output_values_.data() + field.offset);
+    gather_command(field, *body_->links()[field.link], output_values_.data() + field.offset);
 }
 
 std::vector<std::string> ControllerIo::take_messages() {

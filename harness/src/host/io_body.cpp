@@ -13,7 +13,7 @@ IoBody::IoBody(const ScenarioBody& description, const BodyObservation& initial)
       notified_(model().devices.size(), false),
       new_info_(model().devices.size(), false),
       said_(model().devices.size()) {
-  set_initial_state(*body_, initial);
+  set_initial_state(*body_, model(), initial);
   for (int i = 0; i < body_->numDevices(); ++i) {
     connections_.emplace_back(body_->device(i)->sigStateChanged().connect([this, i] {
       notified_[i] = true;

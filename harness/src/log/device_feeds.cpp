@@ -37,20 +37,22 @@ class NumberFeed : public DeviceFeed {
   NumberFeed(const DeviceSource& source, const Model& model, const ros2msg::Schema& schema)
       : DeviceFeed(source, model), imu_(schema), wrench_(schema) {}
 
-  bool take(std::int64_t time, mcap::Bytes payload) override {
+  Result<void> take(std::int64_t time, mcap::Bytes payload) override {
     if (source().kind == DeviceSource::Kind::imu) {
       const msg::Imu* imu = imu_.read(payload);
-      if (imu) add(time, imu->angular_velocity, imu->linear_acceleration);
-      return imu != nullptr;
+      if (!imu) return misfit(payload);
+      add(time, imu->angular_velocity, imu->linear_acceleration);
+    } else {
+      const msg::WrenchStamped* wrench = wrench_.read(payload);
+      if (!wrench) return misfit(payload);
+      add(time, wrench->wrench.force, wrench->wrench.torque);
     }
-    const msg::WrenchStamped* wrench = wrench_.read(payload);
-    if (wrench) add(time, wrench->wrench.force, wrench->wrench.torque);
-    return wrench != nullptr;
+    return {};
   }
 
-  Result<void> look(const LogMoment& moment, Observation& seen) override {
+  void look(const LogMoment& moment, Observation& seen) override {
     auto span = track_.at(moment.time, source().sampling == Sampling::interpolate);
-    if (!span) return {};
+    if (!span) return;
     if (span->after && static_cast<double>(span->after->time - span->before->time) * 1e-9 > source().max_age)
       span->after = nullptr;
     std::array<double, 6> v = span->before->values;
@@ -71,7 +73,6 @@ class NumberFeed : public DeviceFeed {
         reading.values.assign(v.begin(), v.end());
       }
     }
-    return {};
   }
 
  private:
@@ -88,33 +89,28 @@ class NumberFeed : public DeviceFeed {
 /// Large messages: stored unchanged, and decoded only if a tick needs them.
 class BulkFeed : public DeviceFeed {
  public:
-  BulkFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline)
-      : DeviceFeed(source, model), timeline_(timeline) {}
+  BulkFeed(const DeviceSource& source, const Model& model, const LogTicks& ticks)
+      : DeviceFeed(source, model), ticks_(ticks) {}
 
-  bool take(std::int64_t time, mcap::Bytes payload) override {
+  Result<void> take(std::int64_t time, mcap::Bytes payload) override {
     waiting_.push_back({time, {payload.begin(), payload.end()}});
-    return true;
-  }
-
-  Result<void> look(const LogMoment& moment, Observation& seen) override {
-    std::optional<Waiting> newest;
-    for (; !waiting_.empty() && waiting_.front().time <= moment.time; waiting_.pop_front())
-      newest = std::move(waiting_.front());
-    if (!newest) return {};
-    arrived_ = newest->time;
-    const auto shown = show(newest->payload, seen);
-    if (shown) {
-      any_shown_ = true;
-    } else if (any_shown_) {
-      ++unreadable_;  // a broken message: the last good one stays
-    } else {
-      Diagnostic problem = shown.errors()[0];
-      problem.message = fmt::format("'{}' has {}", source().topic, problem.message);
-      return at(source().place, std::move(problem));
-    }
     return {};
   }
-  std::int64_t unreadable() const override { return unreadable_; }
+
+  /// Shows the latest message that can be read.
+  void look(const LogMoment& moment, Observation& seen) override {
+    const auto later = std::find_if(waiting_.begin(), waiting_.end(),
+                                    [&](const Waiting& message) { return message.time > moment.time; });
+    for (auto newest = later; newest != waiting_.begin();) {
+      --newest;
+      arrived_ = newest->time;
+      const auto shown = show(newest->payload, seen);
+      if (shown) break;
+      unreadable_.push_back({newest->time, shown.errors()[0]});
+    }
+    waiting_.erase(waiting_.begin(), later);
+  }
+  std::vector<UnreadableMessage> take_unreadable() override { return std::exchange(unreadable_, {}); }
 
  protected:
   virtual Result<void> show(const std::vector<std::byte>& payload, Observation& seen) = 0;
@@ -129,11 +125,10 @@ class BulkFeed : public DeviceFeed {
   void measured(const msg::Header& header) {
     constexpr std::int64_t longest = 1'000'000'000;  // [ns]: a longer delay means that the clocks differ
     std::int64_t age = arrived_ - static_cast<std::int64_t>(header.stamp.to_ns());
-    if (timeline_.clock == LogClock::header_stamp || age < 0 || age > longest) age = 0;
+    if (source().clock == LogClock::header_stamp || age < 0 || age > longest) age = 0;
     // The time of the nearest tick: exactly the number that a replay of the recording computes.
-    measured_at_ = time_of(timeline_.ticks.nearest(arrived_ - age), timeline_.ticks.time_step());
+    measured_at_ = time_of(ticks_.nearest(arrived_ - age), ticks_.time_step());
   }
-  static Diagnostic not_of_its_type() { return error("a message that isn't what its schema says"); }
 
  private:
   struct Waiting {
@@ -141,19 +136,18 @@ class BulkFeed : public DeviceFeed {
     std::vector<std::byte> payload;
   };
 
-  LogTimeline timeline_;
+  const LogTicks& ticks_;
   std::int64_t arrived_ = 0;  // time of the present message [ns]
   double measured_at_ = 0.0;  // [s]
-  bool any_shown_ = false;
-  std::int64_t unreadable_ = 0;
+  std::vector<UnreadableMessage> unreadable_;
   std::deque<Waiting> waiting_;
 };
 
 class PictureFeed : public BulkFeed {
  public:
-  PictureFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline, const LogTopic& topic,
+  PictureFeed(const DeviceSource& source, const Model& model, const LogTicks& ticks, const LogTopic& topic,
               const ros2msg::Schema& schema)
-      : BulkFeed(source, model, timeline),
+      : BulkFeed(source, model, ticks),
         is_raw_(topic.has("encoding", FieldContent::text)),
         raw_(schema),
         compressed_(schema) {}
@@ -174,7 +168,7 @@ class PictureFeed : public BulkFeed {
     const bool is_depth = source().kind == DeviceSource::Kind::depth;
     const msg::Image* raw = is_raw_ ? raw_.read(payload) : nullptr;
     const msg::CompressedImage* compressed = is_raw_ ? nullptr : compressed_.read(payload);
-    if (!raw && !compressed) return not_of_its_type();
+    if (!raw && !compressed) return misfit(payload);
     measured(raw ? raw->header : compressed->header);
     if (is_depth) {
       auto depth = depth_of(*raw);
@@ -199,9 +193,9 @@ class PictureFeed : public BulkFeed {
 
 class RangeFeed : public BulkFeed {
  public:
-  RangeFeed(const DeviceSource& source, const Model& model, const LogTimeline& timeline, const LogTopic& topic,
+  RangeFeed(const DeviceSource& source, const Model& model, const LogTicks& ticks, const LogTopic& topic,
             const ros2msg::Schema& schema)
-      : BulkFeed(source, model, timeline), is_scan_(topic.has("ranges/*")), scan_(schema), cloud_(schema) {}
+      : BulkFeed(source, model, ticks), is_scan_(topic.has("ranges/*")), scan_(schema), cloud_(schema) {}
 
   Diagnostics take_remarks() override { return std::exchange(remarks_, {}); }
 
@@ -209,7 +203,7 @@ class RangeFeed : public BulkFeed {
   Result<void> show(const std::vector<std::byte>& payload, Observation& seen) override {
     const msg::LaserScan* scan = is_scan_ ? scan_.read(payload) : nullptr;
     const msg::PointCloud2* cloud = is_scan_ ? nullptr : cloud_.read(payload);
-    if (!scan && !cloud) return not_of_its_type();
+    if (!scan && !cloud) return misfit(payload);
     measured(scan ? scan->header : cloud->header);
     for (const int index : source().devices) {
       const auto& sensor = std::get<RangeSensor>(device(index).kind);
@@ -249,16 +243,16 @@ class CameraInfoFeed : public DeviceFeed {
   CameraInfoFeed(const DeviceSource& source, const Model& model, const ros2msg::Schema& schema)
       : DeviceFeed(source, model), reader_(schema) {}
 
-  bool take(std::int64_t, mcap::Bytes payload) override {
-    if (compared_) return true;
+  Result<void> take(std::int64_t, mcap::Bytes payload) override {
+    if (compared_) return {};
     const msg::CameraInfo* info = reader_.read(payload);
-    if (!info) return false;
+    if (!info) return misfit(payload);
     compared_ = true;
     for (const int index : source().devices) compare(*info, std::get<Camera>(device(index).kind), device(index).name);
-    return true;
+    return {};
   }
 
-  Result<void> look(const LogMoment&, Observation&) override { return {}; }
+  void look(const LogMoment&, Observation&) override {}
   Diagnostics take_remarks() override { return std::exchange(remarks_, {}); }
 
  private:
@@ -288,14 +282,14 @@ class CameraInfoFeed : public DeviceFeed {
 
 }  // namespace
 
-std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTimeline& timeline,
+std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTicks& ticks,
                                           const LogTopic& topic, const ros2msg::Schema& schema) {
   switch (source.kind) {
     case DeviceSource::Kind::imu:
     case DeviceSource::Kind::wrench: return std::make_unique<NumberFeed>(source, model, schema);
     case DeviceSource::Kind::picture:
-    case DeviceSource::Kind::depth: return std::make_unique<PictureFeed>(source, model, timeline, topic, schema);
-    case DeviceSource::Kind::ranges: return std::make_unique<RangeFeed>(source, model, timeline, topic, schema);
+    case DeviceSource::Kind::depth: return std::make_unique<PictureFeed>(source, model, ticks, topic, schema);
+    case DeviceSource::Kind::ranges: return std::make_unique<RangeFeed>(source, model, ticks, topic, schema);
     case DeviceSource::Kind::camera_info: return std::make_unique<CameraInfoFeed>(source, model, schema);
   }
   return nullptr;

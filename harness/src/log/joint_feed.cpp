@@ -1,19 +1,22 @@
 // Feeds for joints, the root link and the joystick from a log.
+#include <fmt/format.h>
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
+#include "joint_messages.h"
 #include "log_feed.h"
 #include "log_track.h"
 #include "message_reader.h"
+#include "number_messages.h"
+#include "topic_watch.h"
 
 namespace rehearse {
 namespace {
-
-constexpr double unknown_number = std::numeric_limits<double>::quiet_NaN();
 
 std::int64_t nanoseconds(std::optional<double> seconds) {
   return seconds ? std::llround(*seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
@@ -31,27 +34,39 @@ std::optional<typename LogTrack<N>::Span> span_at(LogTrack<N>& track, std::int64
 /// The difference of two angles, at most half a turn [rad].
 double shorter_way(double from, double to) { return std::remainder(to - from, 2.0 * std::numbers::pi); }
 
+/// Scales a number of the log; a factor of 1 keeps all its bits, as those of NaN.
+double scaled(double number, double factor) { return factor == 1.0 ? number : number * factor; }
+
 class JointFeed : public LogFeed {
  public:
   JointFeed(const JointSource& source, const Model& model, const ros2msg::Schema& schema)
-      : source_(source), model_(model), reader_(schema), names_(source.names, model), tracks_(model.joints.size()) {}
+      : source_(source), model_(model), reader_(schema, JointRole::measured), names_(source.names, model) {
+    tracks_.resize(model.joints.size());
+    gaps_.assign(model.joints.size(), GapWatch(source.max_age));
+  }
 
-  bool take(std::int64_t time, mcap::Bytes payload) override {
-    const msg::JointState* state = reader_.read(payload);
-    if (!state) return false;
+  Result<void> take(std::int64_t time, mcap::Bytes payload) override {
+    const auto read = reader_.read(payload);
+    if (!read) return read.errors();
+    const msg::JointState* state = *read;
     const std::size_t count = state->name.size();
-    const auto fits = [count](const std::vector<double>& values) { return values.empty() || values.size() == count; };
-    if (!fits(state->position) || !fits(state->velocity) || !fits(state->effort)) return false;
+    for (const auto& [what, values] :
+         {std::pair("positions", &state->position), {"velocities", &state->velocity}, {"efforts", &state->effort}})
+      if (!values->empty() && values->size() != count)
+        return error(fmt::format("{} {} of {} joints", values->size(), what, count));
     const std::vector<JointRename>& joints = names_.find(state->name);
     for (std::size_t i = 0; i < count; ++i)
       if (joints[i].joint >= 0) take_joint(time, joints[i], *state, i);
-    return true;
+    return {};
   }
 
-  Result<void> look(const LogMoment& moment, Observation& seen) override {
+  void look(const LogMoment& moment, Observation& seen) override {
+    std::optional<std::int64_t> newest;  // time of the latest value of any joint [ns]
     for (std::size_t joint = 0; joint < tracks_.size(); ++joint) {
-      const auto span = span_at(tracks_[joint], moment.time, source_);
+      const auto span = span_at(tracks_[joint].values, moment.time, source_);
       if (!span) continue;
+      tracks_[joint].shown = span->before->time;
+      newest = std::max(newest.value_or(span->before->time), span->before->time);
       std::array<double, 3> values = span->before->values;
       if (span->after) {
         const bool turns = model_.links[model_.joints[joint]].joint.type == JointType::continuous;
@@ -60,32 +75,57 @@ class JointFeed : public LogFeed {
                   mix(values[2], span->after->values[2], span->fraction)};
       }
       JointReading& reading = seen.bodies[0].joints[joint];
-      if (!std::isnan(values[0])) reading.q = values[0];
-      if (!std::isnan(values[1])) reading.dq = values[1];
-      if (!std::isnan(values[2])) reading.u = values[2];
+      const auto& known = tracks_[joint].known_from;
+      if (known[0] <= span->before->time) reading.q = values[0];
+      if (known[1] <= span->before->time) reading.dq = values[1];
+      if (known[2] <= span->before->time) reading.u = values[2];
     }
-    return {};
+    if (!newest || moment.time - *newest > nanoseconds(source_.max_age)) return;  // a gap of the whole topic
+    for (std::size_t joint = 0; joint < tracks_.size(); ++joint)
+      if (tracks_[joint].shown && gaps_[joint].look(moment.time - *tracks_[joint].shown, moment.seconds))
+        silences_.push_back(model_.links[model_.joints[joint]].joint.name);
   }
 
+  bool has_position(int joint) const override {
+    return tracks_[joint].shown && tracks_[joint].known_from[0] <= *tracks_[joint].shown;
+  }
+
+  std::vector<SilentJoint> silent_joints() const override {
+    std::vector<SilentJoint> silent;
+    for (std::size_t joint = 0; joint < gaps_.size(); ++joint)
+      if (gaps_[joint].found().gaps > 0)
+        silent.push_back({gaps_[joint].found(), model_.links[model_.joints[joint]].joint.name});
+    return silent;
+  }
+  std::vector<std::string> take_silences() override { return std::exchange(silences_, {}); }
+
  private:
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+  struct Track {
+    LogTrack<3> values;                                           // q, dq, u
+    std::optional<std::int64_t> shown;                            // time of the value at the last tick [ns]
+    std::array<std::int64_t, 3> known_from{never, never, never};  // time of the first message with each [ns]
+  };
+
   void take_joint(std::int64_t time, const JointRename& joint, const msg::JointState& state, std::size_t index) {
-    LogTrack<3>& track = tracks_[joint.joint];
-    const auto* before = track.newest();
-    std::array<double, 3> values =
-        before ? before->values : std::array<double, 3>{unknown_number, unknown_number, unknown_number};
+    Track& track = tracks_[joint.joint];
+    const auto* before = track.values.newest();
+    std::array<double, 3> values = before ? before->values : std::array<double, 3>{};
+    const auto put = [&](std::size_t quantity, double value) {
+      values[quantity] = value;
+      track.known_from[quantity] = std::min(track.known_from[quantity], time);
+    };
     if (!state.position.empty()) {
-      values[0] = state.position[index] * joint.scale;
+      put(0, scaled(state.position[index], joint.scale));
       if (joint.offset != 0.0) values[0] += joint.offset;  // adding 0 would change -0 to 0
     }
-    if (!state.effort.empty()) values[2] = state.effort[index] / joint.scale;
+    if (!state.effort.empty()) put(2, joint.scale == 1.0 ? state.effort[index] : state.effort[index] / joint.scale);
     if (source_.differentiate) {
-      values[1] = before && before->time < time ? slope(joint.joint, *before, time, values[0])
-                  : before                      ? values[1]
-                                                : 0.0;
+      put(1, before && before->time < time ? slope(joint.joint, *before, time, values[0]) : before ? values[1] : 0.0);
     } else if (!state.velocity.empty()) {
-      values[1] = state.velocity[index] * joint.scale;
+      put(1, scaled(state.velocity[index], joint.scale));
     }
-    track.add(time, values);
+    track.values.add(time, values);
   }
 
   double slope(int joint, const LogTrack<3>::Sample& before, std::int64_t time, double q) const {
@@ -96,9 +136,11 @@ class JointFeed : public LogFeed {
 
   const JointSource& source_;
   const Model& model_;
-  MessageReader<msg::JointState> reader_;
+  JointMessages reader_;
   JointNames names_;
-  std::vector<LogTrack<3>> tracks_;  // by joint id: q, dq, u; NaN: no value yet
+  std::vector<Track> tracks_;   // by joint id
+  std::vector<GapWatch> gaps_;  // by joint id
+  std::vector<std::string> silences_;
 };
 
 /// Both types of messages with the root link's pose. A field that the schema lacks stays 0.
@@ -147,32 +189,40 @@ struct Odometry {
 class RootFeed : public LogFeed {
  public:
   RootFeed(const RootSource& source, const ros2msg::Schema& schema)
-      : source_(source), pose_(schema), odometry_(schema) {}
+      : source_(source), pose_(schema), odometry_(schema), transforms_(schema) {}
 
-  bool take(std::int64_t time, mcap::Bytes payload) override {
+  Result<void> take(std::int64_t time, mcap::Bytes payload) override {
     msg::Pose pose;
     msg::Twist twist;
-    if (source_.has_covariance) {
+    if (!source_.frame.empty()) {
+      const msg::TFMessage* message = transforms_.read(payload);
+      if (!message) return misfit(payload);
+      const auto found = std::find_if(message->transforms.begin(), message->transforms.end(),
+                                      [this](const auto& one) { return one.child_frame_id == source_.frame; });
+      if (found == message->transforms.end()) return {};  // of other frames
+      const msg::Vector3& place = found->transform.translation;
+      pose = {{place.x, place.y, place.z}, found->transform.rotation};
+    } else if (source_.has_covariance) {
       const Odometry* message = odometry_.read(payload);
-      if (!message) return false;
+      if (!message) return misfit(payload);
       pose = message->pose.pose;
       twist = message->twist.twist;
     } else {
       const PoseOnly* message = pose_.read(payload);
-      if (!message) return false;
+      if (!message) return misfit(payload);
       pose = message->pose;
     }
     const auto& [p, r] = pose;
     const double norm = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-    if (!(norm > 0.5 && norm < 2.0)) return false;  // no valid orientation
+    if (norm <= 0.5 || norm >= 2.0) return error(fmt::format("an orientation of length {:.4g}, not 1", norm));
     track_.add(time, {p.x, p.y, p.z, r.x, r.y, r.z, r.w, twist.linear.x, twist.linear.y, twist.linear.z,
                       twist.angular.x, twist.angular.y, twist.angular.z});
-    return true;
+    return {};
   }
 
-  Result<void> look(const LogMoment& moment, Observation& seen) override {
+  void look(const LogMoment& moment, Observation& seen) override {
     const auto span = span_at(track_, moment.time, source_);
-    if (!span) return {};
+    if (!span) return;
     std::array<double, 13> values = span->before->values;
     Eigen::Quaterniond rotation = rotation_of(values);
     if (span->after) {
@@ -183,10 +233,9 @@ class RootFeed : public LogFeed {
     LinkReading& root = seen.bodies[0].links[0];
     root.position = {values[0], values[1], values[2]};
     root.rotation = rotation;
-    if (!source_.has_twist) return {};
+    if (!source_.has_twist) return;
     root.velocity = rotation * Eigen::Vector3d(values[7], values[8], values[9]);
     root.angular_velocity = rotation * Eigen::Vector3d(values[10], values[11], values[12]);
-    return {};
   }
 
  private:
@@ -201,21 +250,22 @@ class RootFeed : public LogFeed {
   const RootSource& source_;
   MessageReader<PoseOnly> pose_;
   MessageReader<Odometry> odometry_;
+  MessageReader<msg::TFMessage> transforms_;
   LogTrack<13> track_;  // position, orientation x y z w, twist in the link's own frame
 };
 
 class JoyFeed : public LogFeed {
  public:
-  JoyFeed(const JoySource& source, const ros2msg::Schema& schema) : source_(source), reader_(schema) {}
+  JoyFeed(const JoySource& source, const ros2msg::Schema& schema) : source_(source), reader_(schema), twist_(schema) {}
 
-  bool take(std::int64_t time, mcap::Bytes payload) override {
-    const msg::Joy* joy = reader_.read(payload);
-    if (!joy) return false;
+  Result<void> take(std::int64_t time, mcap::Bytes payload) override {
+    const msg::Joy* joy = source_.is_twist ? joy_of_twist(payload) : reader_.read(payload);
+    if (!joy) return misfit(payload);
     std::array<double, axes_ + buttons_> values{};
     for (std::size_t i = 0; i < axes_; ++i) {
       const JoyAxis& axis = source_.axes[i];
       if (axis.index < 0 || static_cast<std::size_t>(axis.index) >= joy->axes.size()) continue;
-      values[i] = static_cast<double>(axis.invert ? -joy->axes[axis.index] : joy->axes[axis.index]);
+      values[i] = static_cast<double>(axis.invert ? -joy->axes[axis.index] : joy->axes[axis.index]) * axis.scale;
     }
     for (std::size_t i = 0; i < buttons_; ++i) {
       const int button = source_.buttons[i];
@@ -223,23 +273,32 @@ class JoyFeed : public LogFeed {
         values[axes_ + i] = joy->buttons[button] != 0 ? 1.0 : 0.0;
     }
     track_.add(time, values);
-    return true;
+    return {};
   }
 
-  Result<void> look(const LogMoment& moment, Observation& seen) override {
+  void look(const LogMoment& moment, Observation& seen) override {
     const auto span = track_.at(moment.time, false);
-    if (!span) return {};
+    if (!span) return;
     for (std::size_t i = 0; i < axes_; ++i) seen.joystick->axes[i] = static_cast<float>(span->before->values[i]);
     for (std::size_t i = 0; i < buttons_; ++i) seen.joystick->buttons[i] = span->before->values[axes_ + i] != 0.0;
-    return {};
   }
 
  private:
   static constexpr std::size_t axes_ = joystick_axes.size();
   static constexpr std::size_t buttons_ = joystick_buttons.size();
 
+  /// The six numbers of a Twist as axes.
+  const msg::Joy* joy_of_twist(mcap::Bytes payload) {
+    const std::vector<double>* numbers = twist_.read(payload);
+    if (!numbers) return nullptr;
+    joy_.axes.assign(numbers->begin(), numbers->end());
+    return &joy_;
+  }
+
   const JoySource& source_;
   MessageReader<msg::Joy> reader_;
+  NumberMessages twist_;
+  msg::Joy joy_;
   LogTrack<axes_ + buttons_> track_;
 };
 

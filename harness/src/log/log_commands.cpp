@@ -8,29 +8,15 @@
 #include <cmath>
 #include <utility>
 
-#include "message_reader.h"
+#include "joint_messages.h"
+#include "number_messages.h"
 
 namespace rehearse {
-namespace {
-
-/// Float64MultiArray and similar messages.
-struct NumberArray {
-  static constexpr std::string_view type_name = "std_msgs/msg/Float64MultiArray";
-  std::vector<double> data;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("data", self.data);
-  }
-};
-
-}  // namespace
-
 struct CommandReader::Readers {
   Readers(const LogMap& map, const Model& model, const ros2msg::Schema& schema)
-      : states(schema), array(schema), names(map.commands->names, model) {}
-  MessageReader<msg::JointState> states;
-  MessageReader<NumberArray> array;
+      : states(schema, JointRole::commanded), array(schema), names(map.commands->names, model) {}
+  JointMessages states;
+  NumberMessages array;
   JointNames names;
 };
 
@@ -38,15 +24,17 @@ CommandReader::CommandReader(const LogMap& map, const Model& model, const ros2ms
     : source_(*map.commands), joints_(model.joints.size()), readers_(std::make_unique<Readers>(map, model, schema)) {}
 CommandReader::~CommandReader() = default;
 
-std::optional<CommandedJoints> CommandReader::read(mcap::Bytes payload) {
+Result<CommandedJoints> CommandReader::read(mcap::Bytes payload) {
   CommandedJoints joints(joints_);
-  const bool fits = source_.is_array ? read_array(payload, joints) : read_states(payload, joints);
-  return fits ? std::optional(std::move(joints)) : std::nullopt;
+  const Result<void> done = source_.is_array ? read_array(payload, joints) : read_states(payload, joints);
+  if (!done) return done.errors();
+  return joints;
 }
 
-bool CommandReader::read_states(mcap::Bytes payload, CommandedJoints& joints) {
-  const msg::JointState* state = readers_->states.read(payload);
-  if (!state) return false;
+Result<void> CommandReader::read_states(mcap::Bytes payload, CommandedJoints& joints) {
+  const auto read = readers_->states.read(payload);
+  if (!read) return read.errors();
+  const msg::JointState* state = *read;
   const std::vector<JointRename>& named = readers_->names.find(state->name);
   for (std::size_t i = 0; i < named.size(); ++i) {
     const JointRename& joint = named[i];
@@ -59,22 +47,35 @@ bool CommandReader::read_states(mcap::Bytes payload, CommandedJoints& joints) {
     if (i < state->velocity.size()) commanded.dq = state->velocity[i] * joint.scale;
     if (i < state->effort.size()) commanded.u = state->effort[i] / joint.scale;
   }
-  return true;
+  return {};
 }
 
-bool CommandReader::read_array(mcap::Bytes payload, CommandedJoints& joints) {
-  const NumberArray* array = readers_->array.read(payload);
-  if (!array || array->data.size() != source_.joints.size()) return false;
-  for (std::size_t i = 0; i < array->data.size(); ++i) {
+Result<void> CommandReader::read_array(mcap::Bytes payload, CommandedJoints& joints) {
+  const std::vector<double>* numbers = readers_->array.read(payload);
+  if (!numbers) return misfit(payload);
+  if (numbers->size() != source_.joints.size())
+    return error(fmt::format("{} numbers, where the map has {} joints", numbers->size(), source_.joints.size()),
+                 "expected joints: a joint, or ~, for each number");
+  for (std::size_t i = 0; i < numbers->size(); ++i) {
     if (!source_.joints[i]) continue;
     CommandedJoint& commanded = joints[*source_.joints[i]];
     switch (source_.quantity) {
-      case CommandSource::Quantity::position: commanded.q = array->data[i]; break;
-      case CommandSource::Quantity::velocity: commanded.dq = array->data[i]; break;
-      case CommandSource::Quantity::effort: commanded.u = array->data[i]; break;
+      case CommandSource::Quantity::position: commanded.q = (*numbers)[i]; break;
+      case CommandSource::Quantity::velocity: commanded.dq = (*numbers)[i]; break;
+      case CommandSource::Quantity::effort: commanded.u = (*numbers)[i]; break;
     }
   }
-  return true;
+  return {};
+}
+
+std::optional<double> CommandedJoint::*commanded_part(const IoField& field) {
+  if (field.joint < 0) return nullptr;
+  switch (field.quantity) {
+    case Quantity::q: return &CommandedJoint::q;
+    case Quantity::dq: return &CommandedJoint::dq;
+    case Quantity::u: return &CommandedJoint::u;
+    default: return nullptr;
+  }
 }
 
 void keep_largest(CommandedJoints& largest, const CommandedJoints& joints) {
@@ -85,10 +86,11 @@ void keep_largest(CommandedJoints& largest, const CommandedJoints& joints) {
         largest[i].*part = std::max((largest[i].*part).value_or(0.0), std::abs(*number));
 }
 
-bool LogCommands::take(std::int64_t time, mcap::Bytes payload) {
+Result<void> LogCommands::take(std::int64_t time, mcap::Bytes payload) {
   auto joints = reader_.read(payload);
-  if (joints) samples_.push_back({time, *std::move(joints)});
-  return joints.has_value();
+  if (!joints) return joints.errors();
+  samples_.push_back({time, *std::move(joints)});
+  return {};
 }
 
 bool LogCommands::covers(std::int64_t tick) const {
@@ -98,13 +100,13 @@ bool LogCommands::covers(std::int64_t tick) const {
 const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
   const std::int64_t from = ticks_.time(tick + shift_);
   std::int64_t until = ticks_.time(tick + shift_ + 1);
-  if (!ticks_.is_grid())
+  if (!ticks_.is_nominal())
     until = std::min<std::int64_t>(until, from + facts_.latency + std::llround(ticks_.time_step() / 2 * 1e9));
   while (!samples_.empty() && samples_.front().time < from) samples_.pop_front();
   const CommandedJoints* found = nullptr;
   for (const Sample& sample : samples_) {
     if (sample.time >= until) break;
-    if (!found || ticks_.is_grid()) found = &sample.joints;
+    if (!found || ticks_.is_nominal()) found = &sample.joints;
   }
   return found;
 }
@@ -127,10 +129,8 @@ std::vector<CommandPair> LogCommands::compare(const CommandedJoints& logged, con
   for (const HostedController& hosted : host.controllers()) {
     if (!hosted.tick.has_output) continue;
     for (const IoField& field : hosted.io->outputs().fields) {
-      if (field.joint < 0 || field.quantity > Quantity::u || field.quantity == Quantity::ddq) continue;
-      const auto part = field.quantity == Quantity::q    ? &CommandedJoint::q
-                        : field.quantity == Quantity::dq ? &CommandedJoint::dq
-                                                         : &CommandedJoint::u;
+      const auto part = commanded_part(field);
+      if (!part) continue;
       const std::optional<double>& expected = logged[field.joint].*part;
       const double actual = hosted.io->output_values()[field.offset];
       const double largest = facts_.largest.empty() ? 0.0 : (facts_.largest[field.joint].*part).value_or(0.0);

@@ -34,18 +34,21 @@ class CommandReader {
   CommandReader(const LogMap& map, const Model& model, const ros2msg::Schema& schema);
   ~CommandReader();
 
-  /// Nullopt: the message doesn't fit its schema.
-  std::optional<CommandedJoints> read(mcap::Bytes payload);
+  /// Fails with the reason if the message can't be read.
+  Result<CommandedJoints> read(mcap::Bytes payload);
 
  private:
   struct Readers;
-  bool read_states(mcap::Bytes payload, CommandedJoints& joints);
-  bool read_array(mcap::Bytes payload, CommandedJoints& joints);
+  Result<void> read_states(mcap::Bytes payload, CommandedJoints& joints);
+  Result<void> read_array(mcap::Bytes payload, CommandedJoints& joints);
 
   const CommandSource& source_;
   const std::size_t joints_;  // of the model
   std::unique_ptr<Readers> readers_;
 };
+
+/// The member for what a controller commands in that field; null: it isn't q, dq or u of a joint.
+std::optional<double> CommandedJoint::*commanded_part(const IoField& field);
 
 /// Keeps the larger magnitudes of both; numbers that aren't finite are ignored.
 void keep_largest(CommandedJoints& largest, const CommandedJoints& joints);
@@ -70,8 +73,8 @@ class LogCommands {
         shift_(map.commands->shift),
         reader_(map, model, schema) {}
 
-  /// Adds the next message; it must not be earlier than the one before it. False: it doesn't fit its schema.
-  bool take(std::int64_t time, mcap::Bytes payload);
+  /// Adds the next message; it must not be earlier than the one before it. Fails with the reason if it can't be read.
+  Result<void> take(std::int64_t time, mcap::Bytes payload);
 
   /// True if at least three of four ticks have a command: one without it lacks it.
   bool come_each_tick() const { return 4 * facts_.messages >= 3 * ticks_.size(); }

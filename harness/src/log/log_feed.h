@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "log_map/log_map.h"
+#include "log_replay.h"
 #include "log_ticks.h"
 #include "trace/ros2msg.h"
 
@@ -24,18 +25,29 @@ struct LogMoment {
   double seconds = 0.0;  // of the tick [s]
 };
 
+/// A message that a tick needed and that can't be read.
+struct UnreadableMessage {
+  std::int64_t time = 0;  // [ns]
+  Diagnostic reason;
+};
+
 class LogFeed {
  public:
   virtual ~LogFeed() = default;
 
-  /// Adds the next message, which isn't earlier than the one before it. False: it doesn't fit its schema, and is left
-  /// out.
-  virtual bool take(std::int64_t time, mcap::Bytes payload) = 0;
-  /// Writes the values at that time into the observation of the robot; unknown values stay unchanged. Fails if a source
-  /// isn't as the map states.
-  virtual Result<void> look(const LogMoment& moment, Observation& seen) = 0;
-  /// Number of messages that a tick needed and that could not be read.
-  virtual std::int64_t unreadable() const { return 0; }
+  /// Adds the next message, which isn't earlier than the one before it. Fails with the reason if it can't be read; then
+  /// it is left out.
+  virtual Result<void> take(std::int64_t time, mcap::Bytes payload) = 0;
+  /// Writes the values at that time into the observation of the robot; unknown values stay unchanged.
+  virtual void look(const LogMoment& moment, Observation& seen) = 0;
+  /// True if it gave the joint a displacement, which may be NaN, at the last tick.
+  virtual bool has_position(int /*joint*/) const { return false; }
+  /// The messages that the last look() decoded and could not read.
+  virtual std::vector<UnreadableMessage> take_unreadable() { return {}; }
+  /// The joints without a message while others of the topic had some.
+  virtual std::vector<SilentJoint> silent_joints() const { return {}; }
+  /// The names of those whose silence became a gap since the last call.
+  virtual std::vector<std::string> take_silences() { return {}; }
   /// Remarks on the messages, each once.
   virtual Diagnostics take_remarks() { return {}; }
 };
@@ -44,14 +56,8 @@ class LogFeed {
 std::unique_ptr<LogFeed> make_joint_feed(const JointSource& source, const Model& model, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_root_feed(const RootSource& source, const ros2msg::Schema& schema);
 std::unique_ptr<LogFeed> make_joy_feed(const JoySource& source, const ros2msg::Schema& schema);
-/// Relates the times of a log to those of a recording.
-struct LogTimeline {
-  const LogTicks& ticks;
-  LogClock clock = LogClock::log_time;
-};
-
 /// The feed of a numeric device, a camera or a range sensor.
-std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTimeline& timeline,
+std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTicks& ticks,
                                           const LogTopic& topic, const ros2msg::Schema& schema);
 
 /// The joints of a JointState's names, as ids of the model; -1: the model has no such joint.

@@ -34,17 +34,19 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     const DurationCounts& intervals = survey_.sources[i].intervals;
     const std::int64_t period = intervals.is_regular() ? intervals.median() : 0;
     Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age, period)});
+    if (plan_) fed.watch.doubt(plan_->window_of(mapped.source->topic));
     if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, *schema);
     if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
     if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
-    if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, {ticks_, map_.clock}, *topic, *schema);
+    if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, *schema);
     if (mapped.commands) {
       const SourceSurvey& whole = survey_.sources[i];
       CommandFacts facts{survey_.largest_commands, whole.messages, *whole.first, whole.last,
-                         survey_.latencies.median()};
+                         plan_ ? plan_->latency() : 0};
       commands_ = std::make_unique<LogCommands>(map_, model_, *schema, ticks_, std::move(facts));
     }
-    if (!ticks_.is_grid() && fed.feed) lookahead_ = std::max(lookahead_, period);
+    if (plan_ && fed.feed)
+      lookahead_ = std::max({lookahead_, period, plan_->window_of(mapped.source->topic).after + 1});
     if (mapped.source->sampling == Sampling::interpolate)
       lookahead_ = std::max(lookahead_, nanoseconds(*mapped.source->max_age));
   }
@@ -54,33 +56,63 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
 void LogObservations::take(std::int64_t time, const mcap::Message& message) {
   for (Fed& fed : fed_) {
     if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(time)) continue;
-    const bool fits = fed.feed              ? fed.feed->take(time, message.data)
-                      : fed.mapped.commands ? commands_->take(time, message.data)
-                                            : true;
-    fed.unreadable += fits ? 0 : 1;
+    Result<void> taken;
+    if (fed.feed) taken = fed.feed->take(time, message.data);
+    if (fed.mapped.commands) taken = commands_->take(time, message.data);
+    ++fed.readable;
+    if (!taken) reject(fed, time, taken.errors()[0]);
   }
+}
+
+void LogObservations::reject(Fed& fed, std::int64_t time, const Diagnostic& reason) {
+  constexpr std::size_t most_reasons = 5;
+  --fed.readable;
+  fed.watch.reject(time);
+  if (!fed.unreadable_first) fed.unreadable_first = reason;
+  const auto same = [&](const LogUnreadable& known) { return known.reason == reason.message; };
+  auto known = std::find_if(fed.unreadable_for.begin(), fed.unreadable_for.end(), same);
+  if (known == fed.unreadable_for.end()) {
+    if (fed.unreadable_for.size() == most_reasons) return;
+    known = fed.unreadable_for.insert(known, {reason.message, 0, seconds_of(time - ticks_.time(0))});
+  }
+  ++known->messages;
+}
+
+Diagnostics LogObservations::unreadable_sources() const {
+  Diagnostics found;
+  for (const Fed& fed : fed_)
+    if (fed.readable == 0 && fed.unreadable_first)
+      found.push_back(
+          at(fed.mapped.source->place, error(fmt::format("no message on '{}' can be read: the first has {}",
+                                                         fed.mapped.source->topic, fed.unreadable_first->message),
+                                             fed.unreadable_first->hint)));
+  return found;
 }
 
 /// Reads all sources at the tick.
-Result<void> LogObservations::look(std::int64_t tick) {
+void LogObservations::look(std::int64_t tick) {
   const LogMoment moment{ticks_.time(tick), tick, time_of(tick, map_.time_step)};
   for (Fed& fed : fed_) {
+    if (fed.feed) {
+      fed.feed->look(moment, seen_);
+      for (const UnreadableMessage& message : fed.feed->take_unreadable()) reject(fed, message.time, message.reason);
+      for (const std::string& joint : fed.feed->take_silences())
+        add_gap_event(fed, tick, fmt::format("of joint {} on", joint));
+    }
     const bool both_sides = fed.mapped.source->sampling == Sampling::interpolate;
     const auto age = fed.watch.look(moment.time, moment.seconds, both_sides);
-    if (!fed.feed) continue;
-    if (auto looked = fed.feed->look(moment, seen_); !looked) return looked;
-    if (age == TopicWatch::Age::gap_begins && ++fed.gap_events <= max_gap_events) add_gap_event(fed, tick);
+    if (fed.feed && age == TopicWatch::Age::gap_begins) add_gap_event(fed, tick, "on");
   }
-  return {};
 }
 
-void LogObservations::add_gap_event(Fed& fed, std::int64_t tick) {
+void LogObservations::add_gap_event(Fed& fed, std::int64_t tick, std::string what) {
+  if (++fed.gap_events > max_gap_events) return;
   msg::Event& event = gap_events_.emplace_back();
   event.stamp = msg::Time::from_ns(nanoseconds_of(tick, map_.time_step));
   event.tick = tick;
   event.severity = to_string(Severity::warning);
   event.source = "log";
-  event.text = fmt::format("nothing on {} for more than {} s: its last value is held{}", fed.mapped.source->topic,
+  event.text = fmt::format("nothing {} {} for more than {} s: its last value is held{}", what, fed.mapped.source->topic,
                            *fed.mapped.source->max_age,
                            fed.gap_events == max_gap_events ? "; further gaps of it are counted only" : "");
 }
@@ -100,21 +132,26 @@ void LogObservations::place_links() {
   }
 }
 
-Result<const BodyObservation*> LogObservations::look_first() {
+const BodyObservation& LogObservations::look_first() {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   BodyObservation& body = seen_.bodies.emplace_back();
   body.joints.assign(model_.joints.size(), {unknown, unknown, 0.0, unknown});
   body.links.resize(model_.links.size());
   body.devices.resize(model_.devices.size());
   if (map_.joystick) seen_.joystick.emplace();
-  if (auto looked = look(0); !looked) return looked.errors();
-  return &body;
+  look(0);
+  return body;
+}
+
+bool LogObservations::has_position(int joint) const {
+  return std::any_of(fed_.begin(), fed_.end(),
+                     [joint](const Fed& fed) { return fed.feed && fed.feed->has_position(joint); });
 }
 
 void LogObservations::complete_posture(const std::vector<double>& joints) {
   BodyObservation& body = seen_.bodies[0];
   for (std::size_t id = 0; id < body.joints.size(); ++id)
-    if (std::isnan(body.joints[id].q)) body.joints[id].q = joints[id];
+    if (!has_position(static_cast<int>(id))) body.joints[id].q = joints[id];
   place_links();
 }
 
@@ -129,7 +166,7 @@ Diagnostics LogObservations::take_remarks() {
 Result<bool> LogObservations::observe(Moment& now) {
   if (now.tick > 0) {
     for (DeviceReading& device : seen_.bodies[0].devices) device.fresh = false;
-    if (auto looked = look(now.tick); !looked) return looked.errors();
+    look(now.tick);
     place_links();
   }
   now.seen = now.read = &seen_;
@@ -150,7 +187,8 @@ std::vector<LogTopicReport> LogObservations::report() const {
     fed.watch.report(topic, ticks_.time(0));
     topic.topic = fed.mapped.source->topic;
     topic.use = fed.mapped.use;
-    topic.unreadable = fed.unreadable + (fed.feed ? fed.feed->unreadable() : 0);
+    topic.unreadable_for = fed.unreadable_for;
+    if (fed.feed) topic.silent_joints = fed.feed->silent_joints();
   }
   return topics;
 }

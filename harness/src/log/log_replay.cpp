@@ -2,22 +2,26 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/urdf.h>
+#include <rehearse/body.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <utility>
 
+#include "bag/bag_folder.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
 #include "host/process_guard.h"
+#include "log_mistakes.h"
 #include "log_observations.h"
 #include "log_requirements.h"
 #include "log_scenario.h"
 #include "log_sink.h"
 #include "log_survey.h"
+#include "log_tick_plan.h"
 #include "model/clock.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
@@ -42,16 +46,31 @@ void warn(Diagnostics& remarks, Diagnostics findings) {
   }
 }
 
-/// The hash of all bytes of a file.
-Result<std::string> hash_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+/// The size and the time of the last change of a file; they differ after a change.
+std::pair<std::uintmax_t, fs::file_time_type> state_of(const fs::path& file) {
+  std::error_code ignored;
+  return {fs::file_size(file, ignored), fs::last_write_time(file, ignored)};
+}
+
+/// The hash of all bytes of a file; of the files that a rosbag2 folder names.
+Result<std::string> hash_of(const fs::path& log) {
+  std::vector<fs::path> files{log};
+  std::error_code ignored;
+  if (fs::is_directory(log, ignored)) {
+    const auto folder = bag::read_folder(log);
+    if (!folder) return folder.errors();
+    files = folder->files;
+  }
   std::vector<char> block(1 << 20);
   std::uint64_t hash = 0;
-  while (stream) {
-    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-    hash = hash_bytes(block.data(), static_cast<std::size_t>(stream.gcount()), hash);
+  for (const fs::path& file : files) {
+    std::ifstream stream(file, std::ios::binary);
+    while (stream) {
+      stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+      hash = hash_bytes(block.data(), static_cast<std::size_t>(stream.gcount()), hash);
+    }
+    if (!stream.eof()) return in_file(file.string(), error("it can't be read"));
   }
-  if (!stream.eof()) return in_file(file.string(), error("it can't be read"));
   return hash_text(hash);
 }
 
@@ -59,9 +78,11 @@ class LogReplayer {
  public:
   LogReplayer(mcap::Reader& log, const LogMap& map, std::shared_ptr<const Model> model, const fs::path& trace,
               const LogReplayOptions& options)
-      : log_(log), map_(map), model_(std::move(model)), trace_(trace), options_(options), times_(log, map.clock) {}
+      : log_(log), map_(map), model_(std::move(model)), trace_(trace), options_(options) {}
 
   Result<LogReplayReport> run(const std::vector<LogTopic>& topics, std::string log_hash);
+  /// After run(): maps whose ticks are the messages of another topic that sends regularly.
+  std::vector<LogMap> maps_with_other_ticks() const;
 
  private:
   Result<void> find_span();
@@ -74,6 +95,7 @@ class LogReplayer {
   Result<Scenario> make_scenario(const BodyObservation& seen);
   mcap::StringMap provenance_of_log() const;
   void report_topics();
+  void warn_of(const LogUnreadable& found, const LogSource& source);
   void report_ticks();
   Result<void> finish();
   Result<void> close_file();
@@ -83,9 +105,10 @@ class LogReplayer {
   std::shared_ptr<const Model> model_;
   const fs::path& trace_;
   const LogReplayOptions& options_;
-  LogTimes times_;
   std::vector<MappedSource> sources_;
+  std::optional<LogTimes> times_;
   LogSurvey survey_;
+  std::optional<TickPlan> plan_;  // none: the nominal grid
   std::optional<LogTicks> log_ticks_;
   std::int64_t ticks_ = 0;  // number of ticks to run
   std::optional<LogObservations> observations_;
@@ -122,6 +145,7 @@ Result<void> LogReplayer::find_span() {
     if (!start) start = there;
     start = map_.start_with_first ? std::min(*start, there) : std::max(*start, there);
   }
+  for (Diagnostic& mistake : mistakes_in_names(sources_, survey_, *model_)) missing.push_back(std::move(mistake));
   if (!missing.empty()) return missing;
   if (!start) start = *survey_.sources[0].first;  // only a joystick
   return make_ticks(*start, *end);
@@ -132,8 +156,11 @@ Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
   log_ticks_.emplace(start, map_.time_step);
   if (map_.tick) {
     if (auto fits = check_interval(); !fits) return fits;
-    log_ticks_ = LogTicks::at_messages(survey_.tick_messages, start, map_.time_step);
-    if (log_ticks_->is_grid())
+    auto plan = TickPlan::make(map_, sources_, survey_);
+    if (!plan) return plan.errors();
+    plan_.emplace(*std::move(plan));
+    log_ticks_ = plan_->ticks(std::exchange(survey_.tick_messages, {}), start);
+    if (log_ticks_->size() == 0)
       return at(map_.tick->place,
                 error(fmt::format("'{}' has no message after the first one of each input", map_.tick->topic),
                       "look at start"));
@@ -170,10 +197,11 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   report_.log_hash = std::move(log_hash);
   report_.has_commands = map_.commands.has_value();
   sources_ = sources_of(map_, *model_);
-  survey_ = survey(log_, map_, *model_, sources_);
+  times_.emplace(log_, sources_);
+  survey_ = survey(log_, map_, *model_, sources_, *times_);
   warn(report_.remarks, survey_.damage);
   if (auto found = find_span(); !found) return found.errors();
-  observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_);
+  observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
@@ -185,7 +213,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
 }
 
 bool LogReplayer::on_message(const mcap::Message& message) {
-  const auto time = times_.of(message);
+  const auto time = times_->of(message);
   if (!time) return true;
   // Messages that are logged from now on aren't earlier than this.
   const std::int64_t known = static_cast<std::int64_t>(message.log_time) - survey_.latest - observations_->lookahead();
@@ -211,13 +239,19 @@ Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
 
 /// Makes the first tick: its posture becomes the scenario's, and the inputs of the controller are known only now.
 Result<void> LogReplayer::begin() {
-  const auto seen = observations_->look_first();
-  if (!seen) return seen.errors();
+  const BodyObservation& seen = observations_->look_first();
+  if (Diagnostics unreadable = observations_->unreadable_sources(); !unreadable.empty()) return unreadable;
   for (Diagnostic& remark : observations_->take_remarks()) report_.remarks.push_back(std::move(remark));
-  auto scenario = make_scenario(**seen);
+  auto scenario = make_scenario(seen);
   if (!scenario) return scenario.errors();
   scenario_ = *std::move(scenario);
   observations_->complete_posture(scenario_->bodies[0].joints);
+  report_.begin.joints = scenario_->bodies[0].joints;
+  report_.begin.has_joystick = map_.joystick.has_value();
+  if (map_.root) report_.begin.root = LogStart::Root{seen.links[0].position, seen.links[0].rotation};
+  report_.time_step = map_.time_step;
+  report_.body = map_.body;
+  report_.controller = map_.controller;
   return host_controller();
 }
 
@@ -233,6 +267,13 @@ Result<void> LogReplayer::host_controller() {
   Command at_rest = host_->initialize(initial_observation(*scenario_));
   if (Diagnostics missing = inputs_not_given(*host_, *model_, map_, sources_, survey_); !missing.empty())
     return missing;
+  if (map_.commands) {
+    const SourceSurvey* found = nullptr;
+    for (std::size_t i = 0; i < sources_.size(); ++i)
+      if (sources_[i].commands) found = &survey_.sources[i];
+    auto comparable = check_commands(*host_, *model_, *map_.commands, *found, report_.remarks);
+    if (!comparable) return comparable;
+  }
   auto recorder = Recorder::create(trace_, *scenario_, provenance_of_log());
   if (!recorder) return recorder.errors();
   recorder_ = std::move(*recorder);
@@ -280,21 +321,32 @@ void LogReplayer::report_topics() {
     for (const auto& [id, channel] : log_.channels())
       if (channel.topic == topic.topic && log_.schema_of(channel)) topic.type = log_.schema_of(channel)->name;
     const SourceSurvey& whole = survey_.sources[i];
+    topic.clock = times_->clock_of(topic.topic);
     topic.unreadable += whole.without_time;
+    if (whole.without_time > 0) topic.unreadable_for.push_back({"no time in header.stamp", whole.without_time, 0.0});
+    for (const LogUnreadable& found : topic.unreadable_for) warn_of(found, *sources_[i].source);
     topic.skipped += whole.messages - whole.without_time - topic.messages;  // after the last tick
     topic.messages = whole.messages;
     topic.out_of_order = whole.out_of_order;
   }
 }
 
+void LogReplayer::warn_of(const LogUnreadable& found, const LogSource& source) {
+  const std::string amount = found.messages == 1 ? "1 message" : fmt::format("{} messages", found.messages);
+  Diagnostic& remark = report_.remarks.emplace_back(
+      at(source.place, error(fmt::format("{} on '{}' can't be read: {} (the first at {:.3f} s)", amount, source.topic,
+                                         found.reason, found.first_at),
+                             "no tick uses them")));
+  remark.severity = Severity::warning;
+}
+
 void LogReplayer::report_ticks() {
   if (!map_.tick) return;
-  LogTickReport& tick = report_.tick.emplace();
-  tick.topic = map_.tick->topic;
+  LogTickReport& tick = report_.tick.emplace(plan_->report());
   for (std::int64_t i = 0; i < recorder_->size().ticks; ++i) tick.missing += log_ticks_->has_message(i) ? 0 : 1;
   for (std::size_t i = 0; i < sources_.size(); ++i)
     if (sources_[i].source->topic == tick.topic) tick.interval = seconds_of(survey_.sources[i].intervals.median());
-  if (map_.commands && survey_.latencies.median() > 0) tick.latency = seconds_of(survey_.latencies.median());
+  if (!map_.commands) tick.latency.reset();
 }
 
 /// Ends the recording, and makes the report of the topics.
@@ -338,6 +390,54 @@ Result<void> LogReplayer::close_file() {
   return {};
 }
 
+/// A common time step near that interval [s]: 1, 2, 2.5, 4, 5 or 8 times a power of ten if it is within 1 %.
+double common_step(double interval) {
+  const double decade = std::pow(10.0, std::floor(std::log10(interval)));
+  for (const double digit : {1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0})
+    if (std::abs(interval - digit * decade) <= 0.01 * interval) return digit * decade;
+  return interval;
+}
+
+std::vector<LogMap> LogReplayer::maps_with_other_ticks() const {
+  std::vector<LogMap> maps;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const LogSource& source = *sources_[i].source;
+    const DurationCounts& intervals = survey_.sources[i].intervals;
+    if (!(sources_[i].is_awaited() || sources_[i].commands) || !intervals.is_regular()) continue;
+    if (map_.tick && map_.tick->topic == source.topic) continue;
+    const double interval = seconds_of(intervals.median());
+    LogMap& map = maps.emplace_back(map_);
+    if (std::abs(interval - map.time_step) > 0.25 * map.time_step) map.time_step = common_step(interval);
+    static_cast<LogSource&>(map.tick.emplace()) = source;
+    if (map.time_step < Scenario::min_time_step || map.time_step > Scenario::max_time_step) maps.pop_back();
+  }
+  return maps;
+}
+
+/// Replays a log again with other ticks, up to some ticks after the first difference. Sets the report's timing to the
+/// first with which nine of ten ticks that differ agree.
+void try_other_ticks(mcap::Reader& log, const std::vector<LogMap>& maps, const std::shared_ptr<const Model>& model,
+                     const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
+  constexpr double ticks_after = 2000, most_ticks = 100'000;
+  const double share = static_cast<double>(report.ticks_different) / static_cast<double>(report.ticks_compared);
+  const double step = report.duration / static_cast<double>(report.ticks);
+  const double ticks = static_cast<double>(report.beyond->tick) + ticks_after;
+  if (ticks > most_ticks) return;
+  options.until = std::min(options.until.value_or(report.duration), ticks * step);
+  options.on_difference = {};
+  options.progress = {};
+  const fs::path nowhere = "/dev/null";
+  for (const LogMap& map : maps) {
+    const auto tried = LogReplayer(log, map, model, nowhere, options).run(topics, report.log_hash);
+    if (!tried || tried->ticks_compared < 10) continue;
+    if (static_cast<double>(tried->ticks_different) > 0.1 * share * static_cast<double>(tried->ticks_compared))
+      continue;
+    report.timing =
+        LogTiming{std::nullopt, map.tick->topic, map.time_step, tried->ticks_compared, tried->ticks_different};
+    return;
+  }
+}
+
 }  // namespace
 
 Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, const LogReplayOptions& options) {
@@ -345,20 +445,28 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   auto reader = mcap::Reader::open(log);
   if (!reader) return reader.errors();
   const std::vector<LogTopic> topics = topics_of(**reader);
-  if (topics.empty()) return in_file(log.string(), error("it holds no channel", "expected a ROS 2 bag in MCAP"));
+  if (topics.empty()) return in_file(log.string(), error("it holds no channel", "expected a ROS 2 bag"));
   UrdfOptions urdf;
   urdf.meshes = UrdfOptions::Meshes::skip;  // nothing collides, and nothing is rendered
-  auto model = load_urdf(options.model, urdf);
+  auto model = load_model(options.model, urdf);
   if (!model) return model.errors();
   auto map = LogMap::load(options.map, *model, topics);
   if (!map) return map.errors();
   std::error_code ignored;
   if (fs::equivalent(log, trace, ignored))
     return in_file(trace.string(), error("that is the log itself", "name another file for the recording"));
+  const auto before = state_of(log);
   auto hash = hash_of(log);
   if (!hash) return hash.errors();
-  LogReplayer replayer(**reader, *map, std::make_shared<const Model>(*std::move(model)), trace, options);
+  const auto robot = std::make_shared<const Model>(*std::move(model));
+  LogReplayer replayer(**reader, *map, robot, trace, options);
   auto report = replayer.run(topics, *std::move(hash));
+  if (report && report->beyond && !(report->timing && report->timing->shift))
+    try_other_ticks(**reader, replayer.maps_with_other_ticks(), robot, topics, options, *report);
+  if (state_of(log) != before) {
+    if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);
+    return in_file(log.string(), error("it changed while it was read", "replay it when nothing writes it any more"));
+  }
   if (report)
     for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
   return report;

@@ -16,13 +16,15 @@ class Requirements {
   Requirements(const Model& model, const LogMap& map, const std::vector<MappedSource>& sources, const LogSurvey& survey)
       : model_(model), map_(map) {
     for (std::size_t i = 0; i < sources.size(); ++i) {
+      if (!sources[i].joints) continue;
       for (const auto& [joint, given] : survey.sources[i].joints) {
         GivenJoint& all = joints_[joint];
         all.q |= given.q;
         all.dq |= given.dq;
         all.u |= given.u;
       }
-      strangers_.insert(survey.sources[i].strangers.begin(), survey.sources[i].strangers.end());
+      for (const auto& [name, joint] : survey.sources[i].names)
+        if (joint < 0) strangers_.insert(name);
     }
   }
 
@@ -87,7 +89,7 @@ class Requirements {
   }
 
   void check_device(const Device& device, int index) {
-    if (std::holds_alternative<Light>(device.kind)) return;  // a light measures nothing
+    if (is_actuator(device)) return;  // it measures nothing
     for (const DeviceSource& source : map_.devices)
       if (source.kind != DeviceSource::Kind::camera_info &&
           std::find(source.devices.begin(), source.devices.end(), index) != source.devices.end())
@@ -121,7 +123,14 @@ Diagnostics inputs_not_given(const ControllerHost& host, const Model& model, con
 }
 
 mcap::StringMap metadata_of(const LogTopicReport& topic) {
-  return {{"use", topic.use},
+  std::vector<std::string> reasons, silent;
+  for (const LogUnreadable& found : topic.unreadable_for)
+    reasons.push_back(fmt::format("{} from {:.9g} s on: {}", found.messages, found.first_at, found.reason));
+  for (const SilentJoint& joint : topic.silent_joints)
+    silent.push_back(fmt::format("{}: {} gaps, {} ticks", joint.joint, joint.gaps, joint.ticks_in_gaps));
+  return {{"unreadable_for", fmt::format("{}", fmt::join(reasons, "; "))},
+          {"silent_joints", fmt::format("{}", fmt::join(silent, "; "))},
+          {"use", topic.use},
           {"type", topic.type},
           {"messages", fmt::format("{}", topic.messages)},
           {"used", fmt::format("{}", topic.used)},

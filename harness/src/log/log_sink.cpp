@@ -13,10 +13,27 @@ namespace rehearse {
 /// doesn't have.
 void LogSink::note_irregularity(std::int64_t tick, bool has_command) {
   const LogTicks& ticks = log_.ticks();
-  if (ticks.is_grid() || !agreed_) return;
+  if (ticks.is_nominal() || !agreed_) return;
   const bool lacks_command = !has_command && log_.commands()->come_each_tick();
   if (!ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command)
     doubt_ = ticks_of_doubt;
+}
+
+void LogSink::note_joystick(const Moment& now) {
+  constexpr std::size_t most_moves = 1000;
+  const JoystickReading& seen = *now.seen->joystick;
+  if (seen == joystick_) return;
+  JoystickMove move{time_of(now.tick, map_.time_step), {}, {}};
+  for (std::size_t i = 0; i < seen.axes.size(); ++i)
+    if (seen.axes[i] != joystick_.axes[i]) move.axes.emplace_back(joystick_axes[i], seen.axes[i]);
+  for (std::size_t i = 0; i < seen.buttons.size(); ++i)
+    if (seen.buttons[i] != joystick_.buttons[i]) move.buttons.emplace_back(joystick_buttons[i], seen.buttons[i]);
+  joystick_ = seen;
+  if (report_.begin.joystick.size() < most_moves) {
+    report_.begin.joystick.push_back(std::move(move));
+  } else {
+    ++report_.begin.moves_left_out;
+  }
 }
 
 void LogSink::compare(const Moment& now) {

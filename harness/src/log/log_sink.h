@@ -27,6 +27,7 @@ class LogSink final : public RecordingSink {
 
   Result<void> emit(const Moment& now) override {
     auto done = RecordingSink::emit(now);
+    if (now.seen->joystick) note_joystick(now);
     if (done && now.alive && log_.commands()) compare(now);
     return done;
   }
@@ -40,6 +41,7 @@ class LogSink final : public RecordingSink {
     std::vector<Divergence> differences;
   };
   void compare(const Moment& now);
+  void note_joystick(const Moment& now);
   void note_irregularity(std::int64_t tick, bool has_command);
   void judge(Judged tick);
   void report(Judged tick);
@@ -55,6 +57,7 @@ class LogSink final : public RecordingSink {
   /// After so many ticks in a row that differ they count: missing or late messages don't explain them.
   static constexpr std::size_t longest_doubt = 100;
   CommandTiming timing_;
+  JoystickReading joystick_;      // at the last tick
   bool agreed_ = true;            // in the last tick that was compared
   int doubt_ = 0;                 // number of ticks in a row that have to agree until a difference counts
   std::vector<Judged> in_doubt_;  // the last ticks, if all of them differ and are in doubt

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "compare/series_scale.h"
+#include "joint_messages.h"
 #include "log_feed.h"
 #include "message_reader.h"
 
@@ -17,49 +18,36 @@ namespace {
 
 /// Messages of joints are decoded until this number of messages contained no new joint or quantity.
 constexpr std::int64_t joint_messages = 1000;
-/// Nanoseconds up to the year 2116; a later time is invalid.
-constexpr std::uint64_t end_of_time = std::uint64_t{1} << 62;
 
-struct HeaderOnly {
-  static constexpr std::string_view type_name = "std_msgs/msg/Header";
-  msg::Header header;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-  }
-};
-
-const char* suffix_of(DeviceSource::Kind kind) {
-  switch (kind) {
-    case DeviceSource::Kind::depth: return " (depth)";
-    case DeviceSource::Kind::camera_info: return " (info)";
-    default: return "";
-  }
-}
-
-/// The joints and quantities in JointState messages.
+/// The joints and quantities in the messages of a source: JointStates, or arrays of commands.
 class JointSurvey {
  public:
-  JointSurvey(const JointSource& source, const Model& model, const ros2msg::Schema& schema)
-      : source_(source), reader_(schema), names_(source.names, model) {}
+  JointSurvey(const MappedSource& mapped, const LogMap& map, const Model& model, const ros2msg::Schema& schema)
+      : renamed_(mapped.joints ? mapped.joints->names : mapped.commands->names),
+        differentiates_(mapped.joints && mapped.joints->differentiate),
+        reader_(schema, mapped.joints ? JointRole::measured : JointRole::commanded),
+        names_(renamed_, model) {
+    if (mapped.commands && mapped.commands->is_array) array_.emplace(map, model, schema);
+  }
 
   void look(mcap::Bytes payload, std::int64_t time, SourceSurvey& found) {
-    if (idle_ >= joint_messages) return;
+    if (idle_ >= joint_messages && unseen_ == 0) return;
     ++idle_;
-    const msg::JointState* state = reader_.read(payload);
-    if (!state) return;
+    if (array_) return look_at_array(payload, found);
+    const auto read = reader_.read(payload);
+    if (!read) return fail(read.errors()[0], found);
+    const msg::JointState* state = *read;
+    any_read_ = true;
+    found.unreadable.reset();
     const std::vector<JointRename>& joints = names_.find(state->name);
+    if (state->name != last_names_) note_names(state->name, joints, found);
     for (std::size_t i = 0; i < joints.size(); ++i) {
-      if (joints[i].joint < 0) {
-        found.strangers.insert(state->name[i]);
-        continue;
-      }
+      if (joints[i].joint < 0) continue;
       const auto [known, is_new] = found.joints.emplace(joints[i].joint, GivenJoint());
       const GivenJoint before = known->second;
       GivenJoint& given = known->second;
       given.q |= state->position.size() == joints.size();
-      given.dq |= state->velocity.size() == joints.size() || (source_.differentiate && given.q);
+      given.dq |= state->velocity.size() == joints.size() || (differentiates_ && given.q);
       given.u |= state->effort.size() == joints.size();
       if (!is_new && before.q == given.q && before.dq == given.dq && before.u == given.u) continue;
       found.complete = time;
@@ -68,10 +56,43 @@ class JointSurvey {
   }
 
  private:
-  const JointSource& source_;
-  MessageReader<msg::JointState> reader_;
+  void fail(Diagnostic reason, SourceSurvey& found) {
+    if (!any_read_ && !found.unreadable) found.unreadable = std::move(reason);
+  }
+
+  void look_at_array(mcap::Bytes payload, SourceSurvey& found) {
+    const auto commanded = array_->read(payload);
+    if (!commanded) return fail(commanded.errors()[0], found);
+    any_read_ = true;
+    found.unreadable.reset();
+    idle_ = joint_messages;  // all others have the same joints
+    for (std::size_t id = 0; id < commanded->size(); ++id) {
+      const CommandedJoint& joint = (*commanded)[id];
+      if (joint.q || joint.dq || joint.u)
+        found.joints[static_cast<int>(id)] = {joint.q.has_value(), joint.dq.has_value(), joint.u.has_value()};
+    }
+  }
+
+  void note_names(const std::vector<std::string>& names, const std::vector<JointRename>& joints, SourceSurvey& found) {
+    last_names_ = names;
+    std::set<std::string> in_message;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (!in_message.insert(names[i]).second) found.repeated.insert(names[i]);
+      found.names.emplace(names[i], joints[i].joint);
+    }
+    unseen_ = std::count_if(renamed_.begin(), renamed_.end(),
+                            [&found](const auto& renamed) { return found.names.count(renamed.first) == 0; });
+  }
+
+  const std::map<std::string, JointRename>& renamed_;
+  const bool differentiates_;
+  JointMessages reader_;
+  std::optional<CommandReader> array_;
   JointNames names_;
-  std::int64_t idle_ = 0;  // number of messages since the last new joint or quantity
+  std::vector<std::string> last_names_;
+  bool any_read_ = false;
+  std::ptrdiff_t unseen_ = std::ssize(renamed_);  // number of the map's names that no message had
+  std::int64_t idle_ = 0;                         // number of messages since the last new joint or quantity
 };
 
 /// One source during the survey.
@@ -86,78 +107,27 @@ void add_tick(std::int64_t time, LogSurvey& found) {
   if (found.tick_messages.empty() || time > found.tick_messages.back()) found.tick_messages.push_back(time);
 }
 
+/// Adds the time from the last message of each input, and of the ticks, to a command.
+void add_latencies(std::int64_t time, const std::vector<MappedSource>& sources, LogSurvey& found) {
+  if (!found.tick_messages.empty() && time >= found.tick_messages.back())
+    found.latencies.add(time - found.tick_messages.back());
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    SourceSurvey& source = found.sources[i];
+    if (sources[i].is_awaited() && source.first && time >= source.last) source.before_commands.add(time - source.last);
+  }
+}
+
 bool is_behind(const mcap::Location& a, const mcap::Location& b) {
   return a.record != b.record ? a.record > b.record : a.inside > b.inside;
 }
 
 }  // namespace
 
-struct LogTimes::Stamps {
-  explicit Stamps(const ros2msg::Schema& schema) : reader(schema) {}
-  MessageReader<HeaderOnly> reader;
-};
-
-LogTimes::LogTimes(const mcap::Reader& log, LogClock clock) : log_(log), clock_(clock) {}
-LogTimes::~LogTimes() = default;
-
-std::optional<std::int64_t> LogTimes::of(const mcap::Message& message) {
-  if (message.log_time >= end_of_time) return std::nullopt;
-  if (clock_ == LogClock::log_time) return static_cast<std::int64_t>(message.log_time);
-  std::unique_ptr<Stamps>& stamps = stamps_[message.channel->id];
-  if (!stamps) {
-    const mcap::Schema* schema = log_.schema_of(*message.channel);
-    auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
-    if (!parsed) return std::nullopt;  // topics_of() has reported it
-    stamps = std::make_unique<Stamps>(*parsed);
-  }
-  const HeaderOnly* read = stamps->reader.read(message.data);
-  if (!read || read->header.stamp.sec < 0 || read->header.stamp.nanosec >= 1'000'000'000) return std::nullopt;
-  return static_cast<std::int64_t>(read->header.stamp.to_ns());
-}
-
-std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
-  std::vector<MappedSource> sources;
-  const auto add = [&sources](const LogSource& source, std::string use) -> MappedSource& {
-    MappedSource& added = sources.emplace_back();
-    added.source = &source;
-    added.use = std::move(use);
-    return added;
-  };
-  for (const JointSource& joints : map.joints) add(joints, "joints").joints = &joints;
-  for (const DeviceSource& devices : map.devices) {
-    std::vector<std::string> names;
-    for (const int device : devices.devices) names.push_back(model.devices[device].name);
-    add(devices, fmt::format("{}{}", fmt::join(names, ", "), suffix_of(devices.kind))).devices = &devices;
-  }
-  if (map.joystick) add(*map.joystick, "joystick").joystick = &*map.joystick;
-  if (map.root) add(*map.root, "root").root = &*map.root;
-  if (map.commands) add(*map.commands, "commands").commands = &*map.commands;
-  const auto ticks_too = [&map](const MappedSource& mapped) { return mapped.source->topic == map.tick->topic; };
-  if (map.tick && std::none_of(sources.begin(), sources.end(), ticks_too)) add(*map.tick, "ticks");
-  return sources;
-}
-
-std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vector<MappedSource>& sources) {
-  std::vector<std::uint16_t> channels;
-  for (const auto& [id, channel] : log.channels()) {
-    const auto maps_it = [topic = channel.topic](const MappedSource& mapped) { return mapped.source->topic == topic; };
-    if (std::any_of(sources.begin(), sources.end(), maps_it)) channels.push_back(id);
-  }
-  return channels;
-}
-
-Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
-                          const std::function<bool(const mcap::Message&)>& callback) {
-  if (channels.empty()) return {};  // without a channel the reader would deliver all
-  const auto read = log.for_each_message_in_order(callback, channels);
-  return read ? Diagnostics() : read.errors();
-}
-
-LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const std::vector<MappedSource>& sources) {
+LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const std::vector<MappedSource>& sources,
+                 LogTimes& times) {
   LogSurvey found;
   found.sources.resize(sources.size());
   std::vector<Surveyed> surveyed(sources.size());
-  LogTimes times(log, map.clock);
   bool any_time = false;
   const bool has_relative = std::any_of(map.tolerances.begin(), map.tolerances.end(), is_relative);
   const auto look = [&](const mcap::Message& message) {
@@ -179,19 +149,18 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
       if (source.first) source.intervals.add(*time - source.last);
       if (!source.first) source.first = source.complete = *time;
       source.last = *time;
-      if (sources[i].commands && !found.tick_messages.empty() && *time >= found.tick_messages.back())
-        found.latencies.add(*time - found.tick_messages.back());
+      if (sources[i].commands) add_latencies(*time, sources, found);
       const std::int64_t late = static_cast<std::int64_t>(message.log_time) - *time;
       found.latest = std::exchange(any_time, true) ? std::max(found.latest, late) : late;
-      const bool is_scale = sources[i].commands && has_relative;
-      if (!sources[i].joints && !is_scale) continue;
-      if (!state.joints && !state.commands) {
+      if (!sources[i].joints && !sources[i].commands) continue;
+      if (!state.joints) {
         const mcap::Schema* schema = log.schema_of(*message.channel);
         const auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
-        if (parsed && is_scale) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
-        if (parsed && !is_scale) state.joints = std::make_unique<JointSurvey>(*sources[i].joints, model, *parsed);
+        if (!parsed) continue;  // topics_of() has reported it
+        state.joints = std::make_unique<JointSurvey>(sources[i], map, model, *parsed);
+        if (sources[i].commands && has_relative) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
       }
-      if (state.joints) state.joints->look(message.data, *time, source);
+      state.joints->look(message.data, *time, source);
       if (state.commands)
         if (const auto joints = state.commands->read(message.data)) keep_largest(found.largest_commands, *joints);
     }

@@ -14,45 +14,13 @@
 #include <string>
 #include <vector>
 
+#include "log_clocks.h"
 #include "log_commands.h"
 #include "log_map/log_map.h"
 #include "log_ticks.h"
 #include "trace/ros2msg.h"
 
 namespace rehearse {
-
-/// One source of a map of any kind. One of the pointers is set, except for a topic that only makes ticks.
-struct MappedSource {
-  const LogSource* source = nullptr;  // never null
-  std::string use;                    // "joints", the names of devices, "commands"
-  const JointSource* joints = nullptr;
-  const DeviceSource* devices = nullptr;
-  const JoySource* joystick = nullptr;
-  const RootSource* root = nullptr;
-  const CommandSource* commands = nullptr;
-
-  /// True if the first tick waits for it: a joystick sends only when it is moved, and commands and camera infos are no
-  /// inputs.
-  bool is_awaited() const { return joints || root || (devices && devices->kind != DeviceSource::Kind::camera_info); }
-};
-
-/// The sources in the map's order; they point into it.
-std::vector<MappedSource> sources_of(const LogMap& map, const Model& model);
-
-/// The time of a message on the map's clock.
-class LogTimes {
- public:
-  LogTimes(const mcap::Reader& log, LogClock clock);
-  ~LogTimes();
-  /// [ns]; nullopt if the message has no such time: its header can't be read, or its time is out of range.
-  std::optional<std::int64_t> of(const mcap::Message& message);
-
- private:
-  struct Stamps;
-  const mcap::Reader& log_;
-  LogClock clock_;
-  std::map<std::uint16_t, std::unique_ptr<Stamps>> stamps_;  // by channel id
-};
 
 /// The quantities of a joint in a log.
 struct GivenJoint {
@@ -66,9 +34,12 @@ struct SourceSurvey {
   std::optional<std::int64_t> first;     // [ns]
   std::optional<std::int64_t> complete;  // for joints: the time when each had a message [ns]; else first
   std::int64_t last = 0;                 // [ns]
-  std::map<int, GivenJoint> joints;      // by id
-  std::set<std::string> strangers;       // names of joints that the model doesn't have
+  std::map<int, GivenJoint> joints;      // by id; also those of commands
+  std::map<std::string, int> names;      // joint ids by the log's names; -1: the model has no such joint
+  std::set<std::string> repeated;        // names that a message has twice
+  std::optional<Diagnostic> unreadable;  // why the first of the decoded messages can't be read; none: one can be read
   DurationCounts intervals;              // between messages
+  DurationCounts before_commands;        // from the last message to each command
 };
 
 struct LogSurvey {
@@ -81,14 +52,7 @@ struct LogSurvey {
   Diagnostics damage;                // damage of the log
 };
 
-/// The channels of the log with the topics of the sources.
-std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vector<MappedSource>& sources);
-
-/// Delivers the messages of `channels`, of any topic, in order of log time. A damaged log is read as far as possible;
-/// the damage is returned.
-Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
-                          const std::function<bool(const mcap::Message&)>& callback);
-
-LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const std::vector<MappedSource>& sources);
+LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const std::vector<MappedSource>& sources,
+                 LogTimes& times);
 
 }  // namespace rehearse

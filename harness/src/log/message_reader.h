@@ -4,7 +4,9 @@
 // fields, in a different order. Fields of the struct that the schema lacks keep their default values.
 #pragma once
 
+#include <fmt/format.h>
 #include <rehearse/cdr.h>
+#include <rehearse/diagnostic.h>
 #include <rehearse/mcap.h>
 #include <rehearse/message_codec.h>
 
@@ -101,6 +103,11 @@ void clear_sequences(T& message) {
 }
 
 }  // namespace detail
+
+/// The reason why a payload can't be read.
+inline Diagnostic misfit(mcap::Bytes payload) {
+  return error(fmt::format("{} bytes that aren't what its schema says", payload.size()));
+}
 
 /// True if payloads of two definitions have equal layouts and field names. Bounds don't matter.
 inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2msg::Schema& b, std::size_t of_b) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -103,7 +104,8 @@ Result<DepthImage> distances(const msg::Image& message, float meters) {
     for (std::size_t x = 0; x < message.width; ++x) {
       const Number raw = number_at<Number>(&message.data[y * message.step + x * sizeof(Number)], swap);
       const float distance = static_cast<float>(raw) * meters;
-      depth.meters.push_back(distance > 0.0f ? distance : std::numeric_limits<float>::infinity());
+      const bool is_none = std::isfinite(distance) && distance <= 0.0f;  // NaN and ±inf stay
+      depth.meters.push_back(is_none ? std::numeric_limits<float>::infinity() : distance);
     }
   }
   return depth;

@@ -15,6 +15,14 @@ namespace rehearse {
 namespace {
 
 constexpr float none = std::numeric_limits<float>::infinity();
+
+/// NaN (no valid measurement) and ±inf (too near, nothing there; REP 117) stay; other distances outside of the limits
+/// count as none.
+float distance_of(double distance, double least, double most) {
+  if (std::isfinite(distance) && !(distance >= least && distance <= most)) return none;
+  return static_cast<float>(distance);
+}
+
 constexpr std::uint8_t float64 = 8;  // of PointField
 
 Result<void> check_count(std::size_t count, const RangeSensor& sensor, const char* what) {
@@ -72,7 +80,8 @@ Result<std::vector<float>> ranges_of(const msg::LaserScan& scan, const RangeSens
   if (auto fits = check_count(scan.ranges.size(), sensor, "scan"); !fits) return fits.errors();
   std::vector<float> ranges = scan.ranges;
   for (float& range : ranges)
-    if (!(range >= scan.range_min && range <= scan.range_max)) range = none;
+    range = distance_of(static_cast<double>(range), static_cast<double>(scan.range_min),
+                        static_cast<double>(scan.range_max));
   return ranges;
 }
 
@@ -86,7 +95,7 @@ Result<std::vector<float>> ranges_of(const msg::PointCloud2& cloud, const RangeS
   std::vector<float> ranges(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double distance = range ? range->at(i) : std::hypot(x->at(i), y->at(i), z->at(i));
-    ranges[i] = distance > 0.0 ? static_cast<float>(distance) : none;
+    ranges[i] = distance_of(distance, std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max());
   }
   return ranges;
 }

@@ -9,8 +9,8 @@
 
 namespace rehearse {
 
-/// A distance for each beam of the sensor, +inf for none. Values outside of the scan's own range limits count as none.
-/// Fails if the scan has a different number of beams.
+/// A distance for each beam of the sensor [m], +inf for none. NaN and -inf (too near) stay as they are; other values
+/// outside of the scan's own range limits count as none. Fails if the scan has a different number of beams.
 Result<std::vector<float>> ranges_of(const msg::LaserScan& scan, const RangeSensor& sensor);
 
 /// The distances of a cloud with one point per beam, row by row from the lowest pitch, each row from the lowest yaw.

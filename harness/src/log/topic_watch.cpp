@@ -2,13 +2,26 @@
 
 #include "model/clock.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace rehearse {
 
-TopicWatch::TopicWatch(std::optional<double> max_age, std::int64_t period) : period_(period) {
+GapWatch::GapWatch(std::optional<double> max_age) {
   if (max_age) max_age_ = std::llround(*max_age * 1e9);
+}
+
+bool GapWatch::look(std::int64_t age, double seconds) {
+  if (seconds_of(age) > found_.worst_age) {
+    found_.worst_age = seconds_of(age);
+    found_.worst_age_at = seconds;
+  }
+  const bool was_in_gap = std::exchange(in_gap_, max_age_ && age > *max_age_);
+  found_.ticks_in_gaps += in_gap_ ? 1 : 0;
+  found_.gaps += in_gap_ && !was_in_gap ? 1 : 0;
+  return in_gap_ && !was_in_gap;
 }
 
 bool TopicWatch::came(std::int64_t time) {
@@ -30,6 +43,13 @@ bool TopicWatch::came(std::int64_t time) {
   return true;
 }
 
+void TopicWatch::reject(std::int64_t time) {
+  ++counts_.unreadable;
+  const auto is_it = [time](const Waiting& waiting) { return waiting.time == time; };
+  const auto found = std::find_if(waiting_.rbegin(), waiting_.rend(), is_it);
+  if (found != waiting_.rend()) waiting_.erase(std::next(found).base());
+}
+
 TopicWatch::Age TopicWatch::look(std::int64_t time, double seconds, bool both_sides) {
   bool fresh = false;
   while (!waiting_.empty() && waiting_.front().time <= time) {
@@ -49,15 +69,10 @@ TopicWatch::Age TopicWatch::look(std::int64_t time, double seconds, bool both_si
   const std::int64_t age = time - *current_;
   const bool is_next_in_time = !waiting_.empty() && waiting_.front().time - *current_ < period_ + period_ / 2;
   may_miss_ = period_ > 0 && age >= period_ / 2 && !is_next_in_time;
-  if (seconds_of(age) > counts_.worst_age) {
-    counts_.worst_age = seconds_of(age);
-    counts_.worst_age_at = seconds;
-  }
-  const bool was_in_gap = std::exchange(in_gap_, max_age_ && age > *max_age_);
-  if (!in_gap_) return fresh ? Age::fresh : Age::held;
-  ++counts_.ticks_in_gaps;
-  counts_.gaps += was_in_gap ? 0 : 1;
-  return was_in_gap ? Age::gap : Age::gap_begins;
+  may_miss_ |= age < window_.before || (!waiting_.empty() && waiting_.front().time - time < window_.after);
+  if (gaps_.look(age, seconds)) return Age::gap_begins;
+  if (gaps_.is_in_gap()) return Age::gap;
+  return fresh ? Age::fresh : Age::held;
 }
 
 void TopicWatch::report(LogTopicReport& report, std::int64_t start) const {
@@ -65,13 +80,11 @@ void TopicWatch::report(LogTopicReport& report, std::int64_t start) const {
   report.used = counts_.used;
   report.same_stamp = counts_.same_stamp;
   report.backwards = counts_.backwards;
-  report.worst_age = counts_.worst_age;
-  report.worst_age_at = counts_.worst_age_at;
-  report.gaps = counts_.gaps;
-  report.ticks_in_gaps = counts_.ticks_in_gaps;
+  static_cast<LogGaps&>(report) = gaps_.found();
+  report.unreadable = counts_.unreadable;
   report.ticks_without = counts_.ticks_without;
   for (const Waiting& waiting : waiting_) report.used += waiting.used ? 1 : 0;
-  report.skipped = report.messages - report.used - report.backwards;
+  report.skipped = report.messages - report.used - report.backwards - report.unreadable;
   report.longest_gap = seconds_of(longest_gap_);
   report.longest_gap_at = longest_gap_ > 0 ? seconds_of(longest_gap_at_ - start) : 0.0;
   const std::int64_t counted = report.messages - report.backwards;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "log_replay.h"
+#include "log_ticks.h"
 
 #include <cstdint>
 #include <deque>
@@ -10,21 +11,41 @@
 
 namespace rehearse {
 
+/// Counts the spans in which the value at ticks is older than a map allows.
+class GapWatch {
+ public:
+  /// `max_age` [s]: an older value is a gap; nullopt: there are no gaps.
+  explicit GapWatch(std::optional<double> max_age);
+
+  /// A tick at that time [s] reads a value of that age [ns]. True: a gap begins.
+  bool look(std::int64_t age, double seconds);
+  bool is_in_gap() const { return in_gap_; }
+  const LogGaps& found() const { return found_; }
+
+ private:
+  std::optional<std::int64_t> max_age_;  // [ns]
+  bool in_gap_ = false;
+  LogGaps found_;
+};
+
 class TopicWatch {
  public:
-  /// `max_age` [s]: an older message at a tick is a gap; nullopt: there are no gaps. `period` [ns]: of regular
-  /// messages; 0: they aren't regular.
-  explicit TopicWatch(std::optional<double> max_age, std::int64_t period = 0);
+  /// `max_age` [s]: see GapWatch. `period` [ns]: of regular messages; 0: they aren't regular.
+  explicit TopicWatch(std::optional<double> max_age, std::int64_t period = 0) : gaps_(max_age), period_(period) {}
 
   /// Adds the time of the next message in the order of the log [ns]. False: it is earlier than the last message, and
   /// isn't used.
   bool came(std::int64_t time);
+  /// The message of that time, which no tick has read yet, can't be read: it isn't used.
+  void reject(std::int64_t time);
   /// A tick reads the topic; `both_sides`: it also reads the next message.
   enum class Age { none_yet, fresh, held, gap_begins, gap };
   Age look(std::int64_t time, double seconds, bool both_sides);
-  /// True if a message that the last tick could have had may be missing: it is half a period or more after the last
-  /// one, and the next one is more than one and a half periods after that. Messages up to a period after the tick have
-  /// to be there.
+  /// Messages in that window around a tick may have come before or after it.
+  void doubt(const TickWindow& window) { window_ = window; }
+  /// True if the last tick may have had another message. One may be missing: the tick is half a period or more after
+  /// the last one, and the next one is more than one and a half periods after that. Or one is in the window. Messages
+  /// up to a period after the tick have to be there.
   bool may_miss() const { return may_miss_; }
   /// Sets all members except names. `start`: the time of tick 0 [ns].
   void report(LogTopicReport& report, std::int64_t start) const;
@@ -37,15 +58,15 @@ class TopicWatch {
     bool used;
   };
 
-  std::optional<std::int64_t> max_age_;  // [ns]
   std::optional<std::int64_t> first_, last_;
   std::int64_t longest_gap_ = 0, longest_gap_at_ = 0;
   std::optional<std::int64_t> current_;
   bool current_used_ = false;
   std::deque<Waiting> waiting_;  // after the current one
   LogTopicReport counts_;
-  bool in_gap_ = false;
+  GapWatch gaps_;
   const std::int64_t period_;  // [ns]
+  TickWindow window_;
   bool may_miss_ = false;
 };
 

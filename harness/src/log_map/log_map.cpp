@@ -31,9 +31,8 @@ void LogMapReader::read(const YamlNode& root) {
                    "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
   read_body(keys, root);
   read_clock(keys);
-  if (const YamlNode* node = keys.find("tick")) read_tick(*node);
   if (const YamlNode* node = keys.find("start")) read_start(*node);
-  read_max_age(keys);
+  keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
   if (const YamlNode* node = keys.find("imus")) each(*node, "imus", [&](const YamlNode& one) { read_imu(one); });
@@ -45,6 +44,7 @@ void LogMapReader::read(const YamlNode& root) {
   if (const YamlNode* node = keys.find("joystick")) read_joystick(*node);
   if (const YamlNode* node = keys.find("root")) read_root(*node);
   if (const YamlNode* node = keys.find("commands")) read_commands(*node);
+  if (const YamlNode* node = keys.find("tick")) read_tick(*node);
   if (const YamlNode* node = keys.find("tolerances")) {
     Scenario place;  // holds the list, which has the form of a scenario's
     place.file = map_.file;
@@ -76,20 +76,41 @@ void LogMapReader::read_clock(const Keys& keys) {
   const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
   if (const YamlNode* node = keys.require("time_step", "the controller's tick [s]"))
     map_.time_step = read_number(findings_, *node, "time_step", steps).value_or(map_.time_step);
-  const YamlNode* clock = keys.find("clock");
-  if (clock == nullptr) return;
-  if (clock->kind == YamlNode::Kind::scalar && clock->text == "header.stamp") {
-    map_.clock = LogClock::header_stamp;
-  } else if (clock->kind != YamlNode::Kind::scalar || clock->text != "log_time") {
-    expected(findings_, *clock, "clock",
-             "log_time (when a message was written into the log) or header.stamp (when it was measured)");
-  }
+  if (const YamlNode* clock = keys.find("clock")) clock_ = read_clock_name(*clock).value_or(clock_);
 }
 
-/// Any topic with messages can be the tick.
+std::optional<LogClock> LogMapReader::read_clock_name(const YamlNode& node) {
+  if (node.kind == YamlNode::Kind::scalar && node.text == "header.stamp") return LogClock::header_stamp;
+  if (node.kind == YamlNode::Kind::scalar && node.text == "log_time") return LogClock::log_time;
+  expected(findings_, node, "clock",
+           "log_time (when a message was written into the log) or header.stamp (when it was measured)");
+  return std::nullopt;
+}
+
+/// Any topic with messages can be the tick. Its clock is that of the topic's other sources.
 void LogMapReader::read_tick(const YamlNode& node) {
-  LogSource source;
-  if (find_topic(node, "tick", {{}}, "messages", source)) map_.tick = std::move(source);
+  std::optional<Keys> keys;
+  if (node.kind == YamlNode::Kind::map)
+    keys.emplace(findings_, node, "the tick",
+                 std::initializer_list<std::string_view>{"topic", "grid", "latency", "clock", "clock_offset"});
+  const YamlNode* topic = keys ? keys->require("topic", "the name of one of the log's topics") : &node;
+  if (topic == nullptr) return;
+  TickSource source;
+  read_source(keys ? &*keys : nullptr, source, std::nullopt);
+  const auto known = clocks_.find(topic->text);
+  if (known != clocks_.end() && !(keys && keys->find("clock"))) source.clock = known->second.first;
+  if (!find_topic(*topic, "tick", {{}}, "messages", source)) return;
+  if (keys) keys->flag("grid", source.grid);
+  const YamlNode* latency = keys ? keys->find("latency") : nullptr;
+  const bool is_of_commands = map_.commands && map_.commands->topic == source.topic;
+  source.before_commands = is_of_commands && (latency || source.grid);
+  if (latency && !is_of_commands) {
+    findings_.error(*latency, fmt::format("'latency' of '{}', which isn't the topic of the commands", source.topic),
+                    "expected topic: that of commands, which come some time after their ticks");
+  } else if (latency && !(latency->kind == YamlNode::Kind::scalar && latency->text == "measured")) {
+    source.latency = read_number(findings_, *latency, "latency", {0.0, Scenario::max_time_step, "[s], or measured"});
+  }
+  map_.tick = std::move(source);
 }
 
 void LogMapReader::read_start(const YamlNode& node) {
@@ -98,11 +119,6 @@ void LogMapReader::read_start(const YamlNode& node) {
   } else if (node.kind != YamlNode::Kind::scalar || node.text != "all") {
     expected(findings_, node, "start", "all (when each input has had a message) or first (with the first message)");
   }
-}
-
-/// Reads the default of all sources.
-void LogMapReader::read_max_age(const Keys& keys) {
-  keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
 }
 
 void LogMapReader::read_controller(const YamlNode& node) {

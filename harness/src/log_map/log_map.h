@@ -37,7 +37,16 @@ struct LogSource {
   std::string topic;
   Sampling sampling = Sampling::hold;
   std::optional<double> max_age;  // an older message at a tick is a gap [s]; nullopt: there are no gaps
-  Place place;                    // of the topic's name
+  LogClock clock = LogClock::log_time;
+  std::optional<double> clock_offset;  // of the log's clock from the stamps' [s]; nullopt: estimated if it is needed
+  Place place;                         // of the topic's name
+};
+
+/// The ticks of the controller, by the messages of a topic.
+struct TickSource : LogSource {
+  bool grid = false;              // evenly spaced, with the rate and the phase of the messages; false: at the messages
+  std::optional<double> latency;  // of commands: from the tick to the message [s]; nullopt: measured
+  bool before_commands = false;   // the topic is that of the commands, and ticks are their latency earlier
 };
 
 /// Converts the log's name and numbers of a joint to the model's: q = scale * position + offset, dq = scale * velocity,
@@ -46,6 +55,7 @@ struct JointRename {
   int joint = 0;  // id in the model
   double scale = 1.0;
   double offset = 0.0;  // [rad] or [m]
+  Place place;          // of the log's name; not set for a joint that isn't renamed
 };
 
 /// JointState: joints that aren't renamed are those of the same name; names that the model doesn't have are ignored.
@@ -64,15 +74,20 @@ struct DeviceSource : LogSource {
 struct JoyAxis {
   int index = -1;
   bool invert = false;
+  double scale = 1.0;
 };
 
+/// Joy, or Twist: its linear and angular x, y, z are the axes 0 to 5.
 struct JoySource : LogSource {
+  bool is_twist = false;
   std::array<JoyAxis, joystick_axes.size()> axes;      // by joystick_axes
   std::array<int, joystick_buttons.size()> buttons{};  // by joystick_buttons; -1: never pressed
 };
 
-/// PoseStamped, or Odometry whose twist is in the root link's frame, as in ROS.
+/// PoseStamped, or Odometry whose twist is in the root link's frame, as in ROS; or the transform of a frame in a
+/// TFMessage.
 struct RootSource : LogSource {
+  std::string frame;            // of a TFMessage: the child frame; empty for the other types
   bool has_covariance = false;  // as Odometry's pose has
   bool has_twist = false;
 };
@@ -95,12 +110,11 @@ struct MappedController {
 };
 
 struct LogMap {
-  std::string file;               // as the user named it
-  std::string text;               // the file's bytes
-  std::string body;               // the body in channel names; the model's name if the map states none
-  double time_step = 0.001;       // of the controller [s]
-  std::optional<LogSource> tick;  // each message of this topic is a tick; nullopt: ticks are a grid of time_step
-  LogClock clock = LogClock::log_time;
+  std::string file;                // as the user named it
+  std::string text;                // the file's bytes
+  std::string body;                // the body in channel names; the model's name if the map states none
+  double time_step = 0.001;        // of the controller [s]
+  std::optional<TickSource> tick;  // nullopt: ticks are a grid of time_step from the first message on
   /// True: the first tick is at the first message. False: it is when all mapped sources have a message.
   bool start_with_first = false;
   MappedController controller;

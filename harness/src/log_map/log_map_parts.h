@@ -30,9 +30,9 @@ class LogMapReader {
   bool check_version(const YamlNode& root);
   void read_body(const Keys& keys, const YamlNode& root);
   void read_clock(const Keys& keys);
+  std::optional<LogClock> read_clock_name(const YamlNode& node);
   void read_tick(const YamlNode& node);
   void read_start(const YamlNode& node);
-  void read_max_age(const Keys& keys);
   void read_controller(const YamlNode& node);
   void check_something_is_mapped(const YamlNode& root);
 
@@ -49,6 +49,10 @@ class LogMapReader {
   /// The topic of that name that has one of the sets of fields; null, and an error is reported, if there is none.
   const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
                              std::string_view what, LogSource& source);
+  /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age; the map's
+  /// where the source has none. Null keys: the source is a topic alone.
+  void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
+  void check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source);
   void read_sampling(const Keys& keys, LogSource& source);
   void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
   std::optional<int> read_joint(const YamlNode& node);
@@ -71,7 +75,9 @@ class LogMapReader {
   const Model& model_;
   const std::vector<LogTopic>& topics_;
   LogMap& map_;
+  LogClock clock_ = LogClock::log_time;                             // of all sources without their own
   std::optional<double> max_age_;                                   // stated in the map for all sources [s]
+  std::map<std::string, std::pair<LogClock, int>> clocks_;          // by topic, with the line of its first source
   std::set<std::string> joint_topics_;                              // joint topics read so far
   std::map<std::pair<int, DeviceSource::Kind>, int> device_lines_;  // lines that already named a device
 };

@@ -25,6 +25,26 @@ std::vector<std::string> joint_names(const Model& model) {
   return names;
 }
 
+/// The fields of the types that name joints: JointState, JointTrajectory, DynamicJointState and
+/// JointTrajectoryControllerState in both of its versions.
+std::vector<std::vector<std::pair<std::string, FieldContent>>> joint_messages() {
+  return {{{"name/*", text}, {"position/*", number}},
+          {{"name/*", text}, {"velocity/*", number}},
+          {{"name/*", text}, {"effort/*", number}},
+          {{"joint_names/*", text}, {"points/*/positions/*", number}},
+          {{"joint_names/*", text}, {"interface_values/*/values/*", number}},
+          {{"joint_names/*", text}, {"feedback/positions/*", number}},
+          {{"joint_names/*", text}, {"actual/positions/*", number}}};
+}
+
+/// The fields of a Twist, below `prefix`.
+std::vector<std::pair<std::string, FieldContent>> twist_below(const std::string& prefix) {
+  std::vector<std::pair<std::string, FieldContent>> needs;
+  for (const char* vector : {"linear", "angular"})
+    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("{}{}/{}", prefix, vector, axis), number);
+  return needs;
+}
+
 /// The topic of a source: the source itself, or its key `topic`.
 const YamlNode* topic_of(const YamlNode& node, const Keys* keys) {
   return keys == nullptr ? &node : keys->require("topic", "the name of one of the log's topics");
@@ -68,12 +88,31 @@ const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view 
                     there_are);
     return nullptr;
   }
-  if (map_.clock == LogClock::header_stamp && !(found->has("header/stamp/sec") && found->has("header/stamp/nanosec"))) {
-    findings_.error(node, fmt::format("'{}' is of type {}, which has no header.stamp", shortened(*name), found->type),
-                    "expected clock: log_time, which every message has");
-    return nullptr;
-  }
+  check_clock(node, *found, source);
   return found;
+}
+
+void LogMapReader::check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source) {
+  const bool has_stamp = topic.has("header/stamp/sec") && topic.has("header/stamp/nanosec");
+  if (source.clock == LogClock::header_stamp && !has_stamp)
+    findings_.error(node,
+                    fmt::format("'{}' is of type {}, which has no header.stamp", shortened(topic.name), topic.type),
+                    "expected clock: log_time, which every message has");
+  const auto [first, is_new] = clocks_.emplace(topic.name, std::pair(source.clock, node.line));
+  if (!is_new && first->second.first != source.clock)
+    findings_.error(node, fmt::format("'{}' has another clock here", shortened(topic.name)),
+                    fmt::format("expected that of line {}", first->second.second));
+}
+
+void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optional<double> max_age) {
+  source.clock = clock_;
+  if (max_age) source.max_age = max_age_ ? max_age_ : max_age;
+  if (keys == nullptr) return;
+  if (const YamlNode* clock = keys->find("clock")) source.clock = read_clock_name(*clock).value_or(clock_);
+  keys->number("max_age", any_age, source.max_age);
+  keys->number("clock_offset", {-1e10, 1e10, "[s]"}, source.clock_offset);
+  if (const YamlNode* offset = keys->find("clock_offset"); offset && source.clock == LogClock::log_time)
+    findings_.error(*offset, "'clock_offset' without stamps", "expected clock: header.stamp, too");
 }
 
 /// For sources of numbers.
@@ -123,6 +162,7 @@ void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointR
     }
     if (!joint) continue;
     rename.joint = *joint;
+    rename.place = {map_.file, entry.key->line, entry.key->column};
     const auto [first, is_new] = taken.emplace(*joint, entry.name);
     if (!is_new)
       findings_.error(*entry.value,
@@ -136,12 +176,12 @@ void LogMapReader::read_joints(const YamlNode& node) {
   std::optional<Keys> keys;
   if (node.kind != YamlNode::Kind::scalar)
     keys.emplace(findings_, node, "a source of joints",
-                 std::initializer_list<std::string_view>{"topic", "names", "velocity", "sampling", "max_age"});
+                 std::initializer_list<std::string_view>{"topic", "names", "velocity", "sampling", "max_age", "clock",
+                                                         "clock_offset"});
   if (keys && !keys->is_map()) return;
   JointSource source;
-  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
+  read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
   if (keys) {
-    keys->number("max_age", any_age, source.max_age);
     read_sampling(*keys, source);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
     const YamlNode* velocity = keys->find("velocity");
@@ -153,12 +193,10 @@ void LogMapReader::read_joints(const YamlNode& node) {
   }
   const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
   if (topic == nullptr) return;
-  const std::vector<Needs> needs{{{"name/*", text}, {"position/*", number}},
-                                 {{"name/*", text}, {"velocity/*", number}},
-                                 {{"name/*", text}, {"effort/*", number}}};
-  const LogTopic* found = find_topic(*topic, "joints", needs, "a JointState", source);
+  const LogTopic* found =
+      find_topic(*topic, "joints", joint_messages(), "a JointState or another type with joints' names", source);
   if (found == nullptr) return;
-  if (source.differentiate && !found->has("position/*"))
+  if (source.differentiate && found->has("name/*", text) && !found->has("position/*"))
     findings_.error(*topic, fmt::format("'{}' has no positions to differentiate", source.topic),
                     "expected velocity: message");
   if (!joint_topics_.insert(source.topic).second)
@@ -220,12 +258,11 @@ std::vector<int> LogMapReader::read_devices(const Keys& keys, DeviceSource::Kind
 }
 
 void LogMapReader::read_imu(const YamlNode& node) {
-  const Keys keys(findings_, node, "an IMU", {"topic", "device", "sampling", "max_age"});
+  const Keys keys(findings_, node, "an IMU", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = DeviceSource::Kind::imu;
-  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
-  keys.number("max_age", any_age, source.max_age);
+  read_source(&keys, source, max_age_of_numbers);
   read_sampling(keys, source);
   source.devices = read_devices(keys, source.kind, "gyros, accelerometers and IMUs");
   Needs needs;
@@ -237,12 +274,11 @@ void LogMapReader::read_imu(const YamlNode& node) {
 }
 
 void LogMapReader::read_wrench(const YamlNode& node) {
-  const Keys keys(findings_, node, "a wrench", {"topic", "device", "sampling", "max_age"});
+  const Keys keys(findings_, node, "a wrench", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = DeviceSource::Kind::wrench;
-  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
-  keys.number("max_age", any_age, source.max_age);
+  read_source(&keys, source, max_age_of_numbers);
   read_sampling(keys, source);
   source.devices = read_devices(keys, source.kind, "force sensors");
   Needs needs;
@@ -254,14 +290,14 @@ void LogMapReader::read_wrench(const YamlNode& node) {
 }
 
 void LogMapReader::read_camera(const YamlNode& node) {
-  const Keys keys(findings_, node, "a camera", {"topic", "depth", "info", "device", "max_age"});
+  const Keys keys(findings_, node, "a camera",
+                  {"topic", "depth", "info", "device", "max_age", "clock", "clock_offset"});
   if (!keys.is_map()) return;
   const YamlNode *picture = keys.find("topic"), *depth = keys.find("depth"), *info = keys.find("info");
   if (!picture && !depth)
     findings_.error(node, "a camera has neither 'topic' nor 'depth'", "expected topic: the name of one with pictures");
   DeviceSource common;
-  common.max_age = max_age_ ? max_age_ : max_age_of_pictures;
-  keys.number("max_age", any_age, common.max_age);
+  read_source(&keys, common, max_age_of_pictures);
   common.devices = read_devices(keys, depth ? DeviceSource::Kind::depth : DeviceSource::Kind::picture,
                                 depth ? "cameras that measure depth" : "cameras");
   const Needs raw{{"encoding", text}, {"width", number}, {"height", number}, {"step", number}, {"data", bytes}};
@@ -281,12 +317,11 @@ void LogMapReader::read_camera(const YamlNode& node) {
 }
 
 void LogMapReader::read_ranges(const YamlNode& node) {
-  const Keys keys(findings_, node, "a range sensor", {"topic", "device", "max_age"});
+  const Keys keys(findings_, node, "a range sensor", {"topic", "device", "max_age", "clock", "clock_offset"});
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = DeviceSource::Kind::ranges;
-  source.max_age = max_age_ ? max_age_ : max_age_of_pictures;
-  keys.number("max_age", any_age, source.max_age);
+  read_source(&keys, source, max_age_of_pictures);
   source.devices = read_devices(keys, source.kind, "range sensors");
   const Needs scan{{"ranges/*", number}, {"range_min", number}, {"range_max", number}};
   const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number}, {"row_step", number},
@@ -299,14 +334,13 @@ void LogMapReader::read_ranges(const YamlNode& node) {
 void LogMapReader::read_root(const YamlNode& node) {
   std::optional<Keys> keys;
   if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(findings_, node, "the root", std::initializer_list<std::string_view>{"topic", "sampling", "max_age"});
+    keys.emplace(
+        findings_, node, "the root",
+        std::initializer_list<std::string_view>{"topic", "frame", "sampling", "max_age", "clock", "clock_offset"});
   if (keys && !keys->is_map()) return;
   RootSource source;
-  source.max_age = max_age_ ? max_age_ : max_age_of_numbers;
-  if (keys) {
-    keys->number("max_age", any_age, source.max_age);
-    read_sampling(*keys, source);
-  }
+  read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
+  if (keys) read_sampling(*keys, source);
   const auto pose_at = [](const std::string& path) {
     Needs needs;
     for (const char* axis : {"x", "y", "z"}) needs.emplace_back(path + "/position/" + axis, number);
@@ -315,9 +349,18 @@ void LogMapReader::read_root(const YamlNode& node) {
   };
   const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
   if (topic == nullptr) return;
-  const LogTopic* found =
-      find_topic(*topic, "root", {pose_at("pose"), pose_at("pose/pose")}, "a PoseStamped or Odometry", source);
+  const Needs transforms{{"transforms/*/child_frame_id", text}, {"transforms/*/transform/rotation/w", number}};
+  const LogTopic* found = find_topic(*topic, "root", {pose_at("pose"), pose_at("pose/pose"), transforms},
+                                     "a PoseStamped, Odometry or TFMessage", source);
   if (found == nullptr) return;
+  const YamlNode* frame = keys ? keys->find("frame") : nullptr;
+  if (found->has("transforms/*/child_frame_id", text)) {
+    source.frame = frame ? read_text(findings_, *frame, "frame", "the name of the root link's frame").value_or("")
+                         : model_.links[0].name;
+  } else if (frame) {
+    findings_.error(*frame, fmt::format("'frame' of '{}', which isn't a TFMessage", source.topic),
+                    "it is for /tf: the child frame of the transform");
+  }
   source.has_covariance = found->has("pose/pose/position/x");
   source.has_twist = source.has_covariance && found->has("twist/twist/linear/x");
   map_.root = std::move(source);
@@ -336,8 +379,9 @@ void LogMapReader::read_axes(const YamlNode& node, JoySource& source) {
     }
     const YamlNode* index = entry.value;
     if (entry.value->kind == YamlNode::Kind::map) {
-      const Keys keys(findings_, *entry.value, "an axis", {"index", "invert"});
+      const Keys keys(findings_, *entry.value, "an axis", {"index", "invert", "scale"});
       keys.flag("invert", source.axes[*axis].invert);
+      keys.number("scale", any_scale, source.axes[*axis].scale);
       index = keys.require("index", "its number in the message");
     }
     if (index != nullptr)
@@ -364,21 +408,26 @@ void LogMapReader::read_buttons(const YamlNode& node, JoySource& source) {
 void LogMapReader::read_joystick(const YamlNode& node) {
   std::optional<Keys> keys;
   if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(findings_, node, "the joystick",
-                 std::initializer_list<std::string_view>{"topic", "axes", "buttons", "max_age"});
+    keys.emplace(
+        findings_, node, "the joystick",
+        std::initializer_list<std::string_view>{"topic", "axes", "buttons", "max_age", "clock", "clock_offset"});
   if (keys && !keys->is_map()) return;
   JoySource source;
   for (std::size_t i = 0; i < source.axes.size(); ++i) source.axes[i].index = static_cast<int>(i);
   for (std::size_t i = 0; i < source.buttons.size(); ++i) source.buttons[i] = static_cast<int>(i);
+  read_source(keys ? &*keys : nullptr, source, std::nullopt);
   if (keys) {
-    keys->number("max_age", any_age, source.max_age);
     if (const YamlNode* axes = keys->find("axes")) read_axes(*axes, source);
     if (const YamlNode* buttons = keys->find("buttons")) read_buttons(*buttons, source);
   }
   const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
-  if (topic != nullptr &&
-      find_topic(*topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}}, "a Joy", source))
-    map_.joystick = std::move(source);
+  if (topic == nullptr) return;
+  const LogTopic* found = find_topic(
+      *topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}, twist_below(""), twist_below("twist/")},
+      "a Joy or Twist", source);
+  if (found == nullptr) return;
+  source.is_twist = !found->has("axes/*");
+  map_.joystick = std::move(source);
 }
 
 /// For an array of numbers: reads their joints and their quantity.
@@ -386,8 +435,13 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
   const YamlNode* joints = keys.require("joints", "the joints that the numbers are of, in order; ~ for none");
   if (joints != nullptr) {
     if (const auto* list = read_list(findings_, *joints, "joints", "a list of joints in the order of the numbers"))
-      for (const YamlNodePtr& item : *list)
-        source.joints.push_back(item->kind == YamlNode::Kind::empty ? std::nullopt : read_joint(*item));
+      for (const YamlNodePtr& item : *list) {
+        const std::optional<int> joint = item->kind == YamlNode::Kind::empty ? std::nullopt : read_joint(*item);
+        if (joint && std::find(source.joints.begin(), source.joints.end(), joint) != source.joints.end())
+          findings_.error(*item, fmt::format("'{}' is in 'joints' twice", shortened(item->text)),
+                          "expected each joint for one number");
+        source.joints.push_back(joint);
+      }
   }
   const YamlNode* quantity = keys.require("quantity", "position, velocity or effort");
   if (quantity == nullptr) return;
@@ -405,23 +459,24 @@ void LogMapReader::read_commands(const YamlNode& node) {
   std::optional<Keys> keys;
   if (node.kind != YamlNode::Kind::scalar)
     keys.emplace(findings_, node, "a source of commands",
-                 std::initializer_list<std::string_view>{"topic", "names", "joints", "quantity", "shift"});
+                 std::initializer_list<std::string_view>{"topic", "names", "joints", "quantity", "shift", "clock",
+                                                         "clock_offset"});
   if (keys && !keys->is_map()) return;
   CommandSource source;
+  read_source(keys ? &*keys : nullptr, source, std::nullopt);
   if (keys) {
     keys->integer("shift", -1000, 1000, source.shift);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
   }
   const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
   if (topic == nullptr) return;
-  const std::vector<Needs> needs{{{"name/*", text}, {"position/*", number}},
-                                 {{"name/*", text}, {"velocity/*", number}},
-                                 {{"name/*", text}, {"effort/*", number}},
-                                 {{"data/*", number}}};
+  std::vector<Needs> needs = joint_messages();
+  for (Needs& numbers : std::vector<Needs>{{{"data/*", number}}, twist_below(""), twist_below("twist/")})
+    needs.push_back(std::move(numbers));
   const LogTopic* found =
       find_topic(*topic, "commands", needs, "a JointState or an array of numbers, as Float64MultiArray", source);
   if (found == nullptr) return;
-  source.is_array = !found->has("name/*", text);
+  source.is_array = !found->has("name/*", text) && !found->has("joint_names/*", text);
   if (source.is_array && !keys) {
     findings_.error(*topic, fmt::format("'{}' is an array of numbers, of joints that it doesn't name", source.topic),
                     "expected {topic: ..., joints: [...], quantity: effort}");

@@ -59,6 +59,10 @@ LogTopic log_topic(std::string name, std::string message_encoding, const mcap::S
     topic.schema = schema->data;
   }
   if (!topic.problem.empty()) return topic;
+  if (schema->encoding.empty() && schema->data.empty()) {
+    topic.problem = fmt::format("the log has no definition of {}, and it is no standard type", schema->name);
+    return topic;
+  }
   if (schema->encoding != "ros2msg") {
     topic.problem = fmt::format("its schema is written in '{}', not in ros2msg", schema->encoding);
     return topic;

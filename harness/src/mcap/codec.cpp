@@ -117,6 +117,30 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
   return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", printable(compression)));
 }
 
+Result<Bytes> Decompressor::decompress_frame(Bytes compressed, std::uint64_t most, RawBuffer& out) {
+  const std::uint64_t size = ZSTD_getFrameContentSize(compressed.data(), compressed.size());
+  if (size > most) return error("its zstd frame states no size, or one that is too large");
+  return decompress_zstd(state_->zstd.get(), compressed, size, out);
+}
+
+Result<void> decompress_frames(Bytes compressed, const std::function<bool(Bytes)>& take) {
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+  std::vector<std::byte> piece(ZSTD_DStreamOutSize());
+  ZSTD_inBuffer in{compressed.data(), compressed.size(), 0};
+  std::size_t wanted = 1;
+  bool is_full = false;
+  while (in.pos < in.size || is_full) {
+    ZSTD_outBuffer out{piece.data(), piece.size(), 0};
+    wanted = ZSTD_decompressStream(context.get(), &out, &in);
+    if (ZSTD_isError(wanted))
+      return error(fmt::format("damaged at byte {}: zstd says: {}", in.pos, ZSTD_getErrorName(wanted)));
+    if (out.pos > 0 && !take(Bytes(piece).first(out.pos))) return {};
+    is_full = out.pos == out.size;
+  }
+  if (wanted != 0) return error(fmt::format("truncated at byte {}: its zstd frame isn't whole", in.size));
+  return {};
+}
+
 namespace {
 
 /// The number of bytes of `target` that could be filled before the stream ended or was invalid.

@@ -3,6 +3,7 @@
 
 #include <rehearse/mcap.h>
 
+#include <functional>
 #include <memory>
 
 namespace rehearse::mcap {
@@ -44,6 +45,10 @@ class RawBuffer {
   std::size_t capacity_ = 0;
 };
 
+/// Decompresses all zstd frames of a file, piece by piece, until `take` returns false. Fails, after all pieces that can
+/// be decompressed, if the bytes are damaged or cut.
+Result<void> decompress_frames(Bytes compressed, const std::function<bool(Bytes)>& take);
+
 class Decompressor {
  public:
   Decompressor();
@@ -54,6 +59,9 @@ class Decompressor {
   /// Decompresses into `out`; the result must have exactly `size` bytes. `compression` is the name in the chunk; for an
   /// empty name it returns `compressed` itself. The diagnostic states the problem, not the place.
   Result<Bytes> decompress(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);
+
+  /// Decompresses one zstd frame of a size that the frame states, at most `most` bytes.
+  Result<Bytes> decompress_frame(Bytes compressed, std::uint64_t most, RawBuffer& out);
 
   /// Decompresses damaged bytes as far as possible, at most `size` bytes; returns nothing for an unknown compression.
   Bytes decompress_front(std::string_view compression, Bytes compressed, std::uint64_t size, RawBuffer& out);

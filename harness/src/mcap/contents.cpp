@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "codec.h"
+#include "container.h"
 
 namespace rehearse::mcap {
 
@@ -29,6 +30,11 @@ void DamageLog::add(std::string message) {
 
 void DamageLog::add(const DamageLog& other) {
   for (const Diagnostic& diagnostic : other.list_) add(diagnostic.message);
+}
+
+void DamageLog::add(const Diagnostics& of_sources) {
+  for (const Diagnostic& diagnostic : of_sources)
+    if (list_.size() < limit) list_.push_back(diagnostic);
 }
 
 void Contents::learn(const Record& record, DamageLog& damage) {
@@ -143,7 +149,16 @@ std::string describe_start(Bytes start) {
   if (seen == magic.size() && std::equal(magic.begin(), magic.begin() + version_at, start.begin())) {
     return "an MCAP file of a version that this reader doesn't know, or damaged in its first eight bytes";
   }
-  return "not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n";
+  switch (container_of(start)) {
+    case Container::ros1_bag:
+      return "a bag of ROS 1, which isn't read: rosbags-convert --src FILE --dst FOLDER (of the Python package "
+             "rosbags) "
+             "makes one of ROS 2, and mcap convert FILE OUT.mcap an MCAP file with messages of ROS 1";
+    case Container::sqlite: return "not an MCAP file, but a database: it is read by its name, not as a stream";
+    case Container::zstd:
+      return "not an MCAP file, but one compressed by zstd: it is read by its name, or zstd -dc FILE";
+    default: return "not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n";
+  }
 }
 
 std::string describe_cut(const CutPlace& cut) {

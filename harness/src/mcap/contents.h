@@ -13,6 +13,8 @@ class DamageLog {
   void add(std::string message);
   /// Adds the damage of another log.
   void add(const DamageLog& other);
+  /// Adds the damage of the files that this one was made of.
+  void add(const Diagnostics& of_sources);
   const Diagnostics& list() const { return list_; }
   const std::string& file() const { return file_; }
 

@@ -150,7 +150,10 @@ void Doctor::examine_schema(const Record& record, Place place) {
   if (schema->name.empty()) add(Severity::warning, place, fmt::format("Schema {} has no name", schema->id));
   if (schema->encoding.empty() && !schema->data.empty())
     fail(place, fmt::format("Schema {} {} has data but no encoding", schema->id, in_quotes(schema->name)));
-  if (into_.profile == "ros2" && schema->encoding != "ros2msg" && schema->encoding != "ros2idl")
+  if (schema->encoding.empty() && schema->data.empty())
+    add(Severity::note, place,
+        fmt::format("Schema {} {} is a name without a definition", schema->id, in_quotes(schema->name)));
+  else if (into_.profile == "ros2" && schema->encoding != "ros2msg" && schema->encoding != "ros2idl")
     add(Severity::warning, place,
         fmt::format("Schema {} {} has the encoding {}; the profile ros2 has ros2msg and ros2idl", schema->id,
                     in_quotes(schema->name), in_quotes(schema->encoding)));
@@ -287,7 +290,7 @@ Result<Examination> examine_view(const FileView& view, Bytes bytes, const std::s
     return refused;
   }
   Examination examination;
-  examination.size = bytes.size();
+  examination.size = view.converted() ? view.converted()->size : bytes.size();
   Doctor(view, bytes, options, examination).examine();
   return examination;
 }

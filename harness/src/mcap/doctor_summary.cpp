@@ -124,9 +124,12 @@ void Doctor::examine_repeated(const Record& record) {
   const Place place{record.offset, {}};
   const auto compare = [&](std::string_view kind, const auto& repeated, std::string_view name, const auto* known,
                            std::uint64_t known_at) {
-    if (known == nullptr && !damaged_)
-      fail(place,
-           fmt::format("the summary has {} {} {}, and the data section hasn't", kind, repeated.id, in_quotes(name)));
+    const std::string what =
+        fmt::format("the summary has {} {} {}, and the data section hasn't", kind, repeated.id, in_quotes(name));
+    if (known == nullptr && !damaged_ && into_.library.starts_with("libmcap"))
+      add(Severity::note, place, what + ": as rosbag2 writes topics without messages (seen with libmcap 1.1.0)");
+    else if (known == nullptr && !damaged_)
+      fail(place, what);
     if (known != nullptr && *known != repeated)
       fail(place, fmt::format("{} {} is defined otherwise than at byte {}", kind, repeated.id, known_at));
   };

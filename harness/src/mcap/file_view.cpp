@@ -1,5 +1,7 @@
 #include "file_view.h"
 
+#include "temporary_file.h"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
@@ -143,48 +145,6 @@ Diagnostic failure(const std::string& name, std::string_view what, int problem) 
   return diagnostic;
 }
 
-/// A file without a name, which is removed when its descriptor is closed.
-class TemporaryFile {
- public:
-  TemporaryFile() {
-    std::error_code none;
-    folder_ = std::filesystem::temp_directory_path(none).string();
-    if (none) {
-      folder_ = "the folder for temporary files";
-      errno = none.value();
-      return;
-    }
-    descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return;
-    std::string name = folder_ + "/rehearse.XXXXXX";  // not every file system supports nameless files
-    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
-    if (descriptor_ >= 0) ::unlink(name.c_str());
-  }
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  bool append(Bytes bytes) {
-    size_ += bytes.size();
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno != EINTR) return false;
-      if (written > 0) bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
-    return true;
-  }
-  int descriptor() const { return descriptor_; }
-  std::uint64_t size() const { return size_; }
-  const std::string& folder() const { return folder_; }
-
- private:
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
-  std::string folder_;
-};
-
 /// Stores the input to its end.
 Result<std::shared_ptr<const TemporaryFile>> keep(Input& input) {
   const auto kept = std::make_shared<TemporaryFile>();
@@ -220,12 +180,39 @@ bool was_cut(Bytes mapped) {
 }
 
 Result<FileView> FileView::open(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return open_folder(file);
   auto input = Input::open(file);
   if (!input) return input.errors();
-  if (input->mappable_size() > 0) return map(input->descriptor(), input->mappable_size(), input->name());
-  const auto kept = keep_for_all(*input);
-  if (!kept) return kept.errors();
-  return map((*kept)->descriptor(), (*kept)->size(), input->name());
+  auto kept = std::shared_ptr<const TemporaryFile>();
+  if (input->mappable_size() == 0) {
+    auto stored = keep_for_all(*input);
+    if (!stored) return stored.errors();
+    kept = *stored;
+  }
+  auto view = kept ? map(kept->descriptor(), kept->size(), input->name())
+                   : map(input->descriptor(), input->mappable_size(), input->name());
+  if (!view) return view;
+  const Container container = container_of(view->bytes());
+  if (container != Container::sqlite && container != Container::zstd) return view;
+  const std::filesystem::path path = kept ? std::filesystem::path(kept->path()) : file;
+  return map_converted(convert_file(container, view->bytes(), view->name(), path), view->name());
+}
+
+Result<FileView> FileView::open_folder(const std::filesystem::path& path) {
+  const auto folder = bag::read_folder(path);
+  if (!folder) return folder.errors();
+  if (folder->files.size() == 1 && !folder->compressed_messages) return open(folder->files[0]);
+  const std::string name = (path.has_filename() ? path : path.parent_path()).string();  // without a / at its end
+  return map_converted(convert_folder(*folder, name), name);
+}
+
+Result<FileView> FileView::map_converted(Result<ConvertedPtr> converted, const std::string& name) {
+  if (!converted) return converted.errors();
+  const TemporaryFile& file = *(*converted)->file;
+  auto view = map(file.descriptor(), file.size(), name);
+  if (view) view->converted_ = *converted;
+  return view;
 }
 
 Result<FileView> FileView::map(int descriptor, std::uint64_t size, const std::string& name) {
@@ -255,11 +242,12 @@ FileView::~FileView() {
 }
 
 FileView::FileView(FileView&& other) noexcept
-    : bytes_(std::exchange(other.bytes_, {})), name_(std::move(other.name_)) {}
+    : bytes_(std::exchange(other.bytes_, {})), name_(std::move(other.name_)), converted_(std::move(other.converted_)) {}
 
 FileView& FileView::operator=(FileView&& other) noexcept {
   std::swap(bytes_, other.bytes_);
   std::swap(name_, other.name_);
+  std::swap(converted_, other.converted_);
   return *this;
 }
 

@@ -6,6 +6,8 @@
 #include <functional>
 #include <utility>
 
+#include "container.h"
+
 namespace rehearse::mcap {
 
 /// An open descriptor for reading.
@@ -47,10 +49,11 @@ class Input {
 
 class FileView {
  public:
-  /// Maps a file for reading, in its present size: data that is appended later isn't seen. Input that can't be mapped
-  /// (a pipe, standard input by the name "-") is first stored to its end in a nameless temporary file. For a pipe
-  /// without a name this file is kept for the life of the process, so that it can be opened again. If a different
-  /// program truncates a mapped file, the missing bytes are read as zeros.
+  /// Maps a file for reading, in its present size: data that is appended later isn't seen. Every verb opens logs here:
+  /// one that isn't an MCAP file is converted first (container.h). Input that can't be mapped (a pipe, standard input
+  /// by the name "-") is first stored to its end in a nameless temporary file. For a pipe without a name this file is
+  /// kept for the life of the process, so that it can be opened again. If a different program truncates a mapped file,
+  /// the missing bytes are read as zeros.
   static Result<FileView> open(const std::filesystem::path& file);
   FileView() = default;
   ~FileView();
@@ -62,11 +65,17 @@ class FileView {
   void forget(Bytes part) const;
   const std::string& name() const { return name_; }  // name of the file in messages
 
+  /// The log that was converted to these bytes; null: the bytes are the file's own.
+  const Converted* converted() const { return converted_.get(); }
+
  private:
+  static Result<FileView> open_folder(const std::filesystem::path& folder);
+  static Result<FileView> map_converted(Result<ConvertedPtr> converted, const std::string& name);
   static Result<FileView> map(int descriptor, std::uint64_t size, const std::string& name);
 
   Bytes bytes_;
   std::string name_;
+  ConvertedPtr converted_;
 };
 
 /// True if bytes of a mapped file were read that a different program had truncated. Such a read raises SIGBUS, which

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "quiet_thread.h"
+
 namespace rehearse::mcap {
 namespace {
 
@@ -20,7 +22,8 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
       channels_(channels),
       damage_(damage),
       passed_(reader.file_, reader.bytes_),
-      chunks_(reader.chunks_) {
+      chunks_(reader.chunks_),
+      opener_(reader.options_) {
   std::stable_sort(chunks_.begin(), chunks_.end(),
                    [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
   if (reader.loose_messages_) collect_loose();
@@ -34,39 +37,64 @@ void MessageOrder::collect_loose() {
   add(std::move(run));
 }
 
-void MessageOrder::open_next_chunk() {
-  const Chunk place = chunks_[next_chunk_++];
-  passed_.pass(place.offset);
+MessageOrder::~MessageOrder() {
+  if (thread_.joinable()) thread_.join();
+}
+
+/// The other messages of the file are not touched. `ahead` has the place.
+void MessageOrder::open(ChunkAhead& ahead) {
   Record record;
-  if (!RecordWalker(reader_.bytes_, place.offset).next(record) || !parse_chunk(record.body)) {
-    // The walk has found it: a different process truncates the file.
-    damage_.add(fmt::format("damaged: the chunk at byte {} is gone", place.offset));
-    return;
-  }
-  std::unique_ptr<Run> run;
+  ahead.body = {};
+  if (!RecordWalker(reader_.bytes_, ahead.place.offset).next(record) || !parse_chunk(record.body)) return;
+  ahead.body = record.body;
+  ahead.opened = opener_.open(record, ahead.run->buffer);
+}
+
+void MessageOrder::open_ahead() {
+  ahead_.place = chunks_[next_chunk_];
   if (spare_.empty()) {
-    run = std::make_unique<Run>();
+    ahead_.run = std::make_unique<Run>();
   } else {
-    run = std::move(spare_.back());
+    ahead_.run = std::move(spare_.back());
     spare_.pop_back();
   }
-  run->order.clear();
-  run->next = 0;
-  run->chunk = place.offset;
-  run->compressed = record.body;
-  const OpenedChunk opened = reader_.chunk_opener_.open(record, run->buffer);
-  if (!opened.ok()) {
-    damage_.add(reader_.chunk_opener_.describe(opened));
+  const bool is_first = next_chunk_ == 0;  // nothing else can be done meanwhile
+  if (is_first)
+    open(ahead_);
+  else
+    thread_ = start_quiet_thread([this] { open(ahead_); });
+}
+
+void MessageOrder::open_next_chunk() {
+  if (thread_.joinable())
+    thread_.join();
+  else
+    open_ahead();
+  if (thread_.joinable()) thread_.join();
+  ChunkAhead now = std::move(ahead_);
+  passed_.pass(now.place.offset);
+  if (++next_chunk_ < chunks_.size()) open_ahead();
+  if (now.body.empty()) {
+    // The walk has found it: a different process truncates the file.
+    damage_.add(fmt::format("damaged: the chunk at byte {} is gone", now.place.offset));
     return;
   }
-  if (!opened.head.compression.empty()) reader_.file_.forget(record.body);  // the buffer contains all of it
-  run->records = opened.records;
-  RecordWalker inside(run->records);
-  collect(*run, inside, &place);
-  if (!inside.at_end()) {
-    damage_.add(fmt::format("damaged: the records of the chunk at byte {} aren't whole", place.offset));
+  if (!now.opened.ok()) {
+    damage_.add(opener_.describe(now.opened));
+    return;
   }
-  add(std::move(run));
+  now.run->order.clear();
+  now.run->next = 0;
+  now.run->chunk = now.place.offset;
+  now.run->compressed = now.body;
+  if (!now.opened.head.compression.empty()) reader_.file_.forget(now.body);  // the buffer contains all of it
+  now.run->records = now.opened.records;
+  RecordWalker inside(now.run->records);
+  collect(*now.run, inside, &now.place);
+  if (!inside.at_end()) {
+    damage_.add(fmt::format("damaged: the records of the chunk at byte {} aren't whole", now.place.offset));
+  }
+  add(std::move(now.run));
 }
 
 void MessageOrder::collect(Run& run, RecordWalker& walker, const Chunk* place) {

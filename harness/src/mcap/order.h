@@ -4,6 +4,7 @@
 #include "reader_impl.h"
 
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -29,12 +30,23 @@ struct Run {
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
 };
 
+/// A chunk that is decompressed by a thread while the messages before it are delivered.
+struct ChunkAhead {
+  Chunk place;
+  std::unique_ptr<Run> run;
+  Bytes body;  // of the chunk's record; empty: the record is gone
+  OpenedChunk opened;
+};
+
 /// The messages of a file, one after the other, by (log time, position in the file). A chunk is opened at the time of
 /// its first message and released after its last.
 class MessageOrder {
  public:
   /// All three must outlive it.
   MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage);
+  ~MessageOrder();
+  MessageOrder(const MessageOrder&) = delete;
+  MessageOrder& operator=(const MessageOrder&) = delete;
 
   /// The record of the next message; false if there is none left, or not enough memory.
   bool next(Record& record);
@@ -47,6 +59,8 @@ class MessageOrder {
   }
   void collect_loose();
   void open_next_chunk();
+  void open_ahead();
+  void open(ChunkAhead& ahead);
   void collect(Run& run, RecordWalker& walker, const Chunk* place);
   void add(std::unique_ptr<Run> run);
   void let_go(std::unique_ptr<Run> run);
@@ -57,6 +71,9 @@ class MessageOrder {
   PassedBytes passed_;         // includes the bytes between chunks
   std::vector<Chunk> chunks_;  // by start time, then offset
   std::size_t next_chunk_ = 0;
+  ChunkOpener opener_;  // of the thread
+  ChunkAhead ahead_;    // of the chunk next_chunk_, if the thread is joinable
+  std::thread thread_;
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<Run>> spare_;  // kept for their memory
   std::uint64_t held_ = 0;                   // bytes of open chunks

@@ -3,25 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstring>
 
+#include "quiet_thread.h"
+
 namespace rehearse::mcap {
-
-namespace {
-
-/// Starts a thread that gets no signals: alarms and interrupts are for the program's own threads.
-template <class Function>
-std::thread start_quiet_thread(Function function) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread thread(std::move(function));
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread;
-}
-
-}  // namespace
 
 Output::Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
     : sink_(std::move(sink)),

@@ -206,7 +206,13 @@ Reader::~Reader() = default;
 const std::string& Reader::name() const { return impl_->name_; }
 const std::string& Reader::profile() const { return impl_->contents_.profile; }
 const std::string& Reader::library() const { return impl_->contents_.library; }
-std::uint64_t Reader::size() const { return impl_->bytes_.size(); }
+std::uint64_t Reader::size() const {
+  return impl_->file_.converted() ? impl_->file_.converted()->size : impl_->bytes_.size();
+}
+const std::string& Reader::form() const {
+  static const std::string usual = "MCAP";
+  return impl_->file_.converted() ? impl_->file_.converted()->form : usual;
+}
 bool Reader::opened_by_summary() const { return !impl_->walked_; }
 const Diagnostics& Reader::damage() const { return impl_->damage_.list(); }
 const std::map<std::uint16_t, Schema>& Reader::schemas() const { return impl_->contents_.schemas; }

@@ -18,7 +18,9 @@ class Reader::Impl {
         name_(std::move(name)),
         options_(options),
         damage_(name_),
-        chunk_opener_(options) {}
+        chunk_opener_(options) {
+    if (file_.converted()) damage_.add(file_.converted()->damage);
+  }
 
   /// Opens the file as the options state.
   Result<void> open();

@@ -262,6 +262,8 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   auto draft = Draft::begin(target, std::span(&source, 1));
   if (!draft) return draft.errors();
   Recovery recovery;
+  if (view->converted())
+    for (const Diagnostic& damage : view->converted()->damage) recovery.remarks.push_back(damage.message);
   const Survey survey(*view, options, recovery);
   if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
   if (auto done = write_saved(*view, source, *draft, survey, options, recovery); !done) return done.errors();

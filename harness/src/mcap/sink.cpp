@@ -183,8 +183,9 @@ Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) 
   if (!is_new) opened = create(file);
   if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));
   auto sink = std::make_unique<FileSink>(opened);
-  if (!is_new && !lock(opened)) return other_writer();
-  if (!is_new && S_ISREG(mode_of(opened)) && ::ftruncate(opened, 0) != 0)
+  const bool keeps_bytes = S_ISREG(mode_of(opened));  // unlike a device as /dev/null, to which any number may write
+  if (!is_new && keeps_bytes && !lock(opened)) return other_writer();
+  if (!is_new && keeps_bytes && ::ftruncate(opened, 0) != 0)
     return refuse(fmt::format("can't empty the trace: {}", std::strerror(errno)));
   return std::unique_ptr<Sink>(std::move(sink));
 }

@@ -2,18 +2,16 @@
 
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
-#include <link.h>
 #include <rehearse/pin.h>
 
 #include <algorithm>
 #include <cfloat>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
-#include <map>
 #include <string_view>
 
 #include "host/virtualised.h"
+#include "loaded_libraries.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
 #include "trace/trace_version.h"
@@ -45,64 +43,31 @@ std::string compiler() {
 #endif
 }
 
-/// The linker's build identifier of a loaded library: it differs for different code.
-std::string build_id(const dl_phdr_info& library) {
-  for (int i = 0; i < library.dlpi_phnum; ++i) {
-    const ElfW(Phdr)& header = library.dlpi_phdr[i];
-    if (header.p_type != PT_NOTE) continue;
-    const char* at = reinterpret_cast<const char*>(library.dlpi_addr + header.p_vaddr);
-    const char* const end = at + header.p_memsz;
-    while (at + sizeof(ElfW(Nhdr)) <= end) {
-      ElfW(Nhdr) note;
-      std::memcpy(&note, at, sizeof note);
-      const char* name = at + sizeof note;
-      const char* content = name + (note.n_namesz + 3) / 4 * 4;
-      if (content + note.n_descsz > end) break;
-      if (note.n_type == NT_GNU_BUILD_ID && std::string_view(name, note.n_namesz) == std::string_view("GNU", 4))
-        return std::string(content, note.n_descsz);
-      at = content + (note.n_descsz + 3) / 4 * 4;
-    }
-  }
-  return {};
-}
-
 /// A hash over the loaded libraries whose code influences bits: those of Rehearse, and those that they compute with.
 /// Empty if one of them has no build identifier.
 std::string programs() {
-  struct Libraries {
-    std::map<std::string, std::string> marks;
-    bool all_marked = true;
-  } libraries;
-  const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
-    const std::string_view path = library->dlpi_name;
-    const std::string name(path.substr(path.rfind('/') + 1));
-    constexpr std::string_view deciding[] = {"librehearse_model.",
-                                             "librehearse_world.",
-                                             "librehearse_renderer.",
-                                             "librehearse_scenario.",
-                                             "librehearse_harness.",
-                                             "librehearse_mcap.",
-                                             "librehearse_trace.",
-                                             "librehearse_cnoid.",
-                                             "librehearse_simulation.",
-                                             "libode.",
-                                             "libOSMesa.",
-                                             "libm.",
-                                             "libc.",
-                                             "libstdc++."};
-    const auto names_it = [&](std::string_view prefix) { return name.starts_with(prefix); };
-    if (std::any_of(std::begin(deciding), std::end(deciding), names_it)) {
-      auto& found = *static_cast<Libraries*>(into);
-      found.marks[name] = build_id(*library);
-      found.all_marked = found.all_marked && !found.marks[name].empty();
-    }
-    return 0;
-  };
-  dl_iterate_phdr(take, &libraries);
-  if (!libraries.all_marked || libraries.marks.empty()) return {};
+  constexpr std::string_view deciding[] = {"librehearse_model.",
+                                           "librehearse_world.",
+                                           "librehearse_renderer.",
+                                           "librehearse_scenario.",
+                                           "librehearse_harness.",
+                                           "librehearse_mcap.",
+                                           "librehearse_trace.",
+                                           "librehearse_cnoid.",
+                                           "librehearse_simulation.",
+                                           "libode.",
+                                           "libOSMesa.",
+                                           "libm.",
+                                           "libc.",
+                                           "libstdc++."};
   std::string all;
-  for (const auto& [name, mark] : libraries.marks) all += name + '\0' + mark + '\0';
-  return hash_text(hash_bytes(all.data(), all.size()));
+  for (const auto& [name, library] : loaded_libraries()) {
+    const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
+    if (std::none_of(std::begin(deciding), std::end(deciding), names_it)) continue;
+    if (library.build_id.empty()) return {};
+    all += name + '\0' + library.build_id + '\0';
+  }
+  return all.empty() ? all : hash_text(hash_bytes(all.data(), all.size()));
 }
 
 std::string environment(const char* variable) {
@@ -135,9 +100,10 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {facts::seed, std::to_string(scenario.seed)},
       {facts::time_step, fmt::format("{}", scenario.time_step)},
       {facts::duration, fmt::format("{}", scenario.duration)},
-      {facts::solver, fmt::format("{}, {} iterations, over-relaxation {}, erp {}, cfm {}",
-                                  solver.method == SolverSettings::Method::quick ? "quick" : "exact", solver.iterations,
-                                  solver.over_relaxation, solver.erp, solver.cfm)},
+      {facts::solver, fmt::format("{}, {}{} iterations, over-relaxation {}, erp {}, cfm {}",
+                                  solver.method == SolverSettings::Method::quick ? "quick" : "exact",
+                                  solver.converge ? "at least " : "", solver.iterations, solver.over_relaxation,
+                                  solver.erp, solver.cfm)},
       {facts::physics, physics},
       {facts::libc, std::string("glibc ") + gnu_get_libc_version()},
       {facts::compiler, compiler()},

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <set>
 
@@ -39,7 +40,7 @@ mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::
   return metadata;
 }
 
-/// Adds the bounds that the simulation enforces for the joints of this body.
+/// Adds the bounds that the simulation enforces for the joints of this body because the scenario says so.
 void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
   const auto state = [&metadata](const std::string& element, double lower, double upper) {
     if (std::isfinite(lower) || std::isfinite(upper))
@@ -47,7 +48,7 @@ void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
   };
   for (const int link : body.model->joints) {
     const Joint& joint = body.model->links[link].joint;
-    if (body.joint_limits) state(joint.name + "/q", joint.lower, joint.upper);
+    if (body.joint_limits.value_or(false)) state(joint.name + "/q", joint.lower, joint.upper);
     if (body.effort_limits) state(joint.name + "/u", -joint.effort, joint.effort);
   }
 }
@@ -182,25 +183,42 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
 }
 
+namespace {
+
+/// Of the file that a model was read from: a URDF, a .body file, or a heightmap.
+const char* media_type_of(const ScenarioBody& body) {
+  const Link& root = body.model->links.front();
+  const Mesh* mesh = root.visuals.empty() ? nullptr : std::get_if<Mesh>(&root.visuals.front().geometry);
+  if (std::filesystem::path(body.model_file).extension() == ".body") return "application/yaml";
+  if (!mesh || !mesh->heightmap) return "application/xml";
+  return mesh->file.ends_with(".png") ? "image/png" : "text/plain";
+}
+
+}  // namespace
+
 Result<void> Recorder::Impl::attach_sources() {
-  // Names are those of the scenario: a trace doesn't contain folders of its machine.
-  if (auto done = writer->add_attachment("scenario.yaml", "application/yaml", bytes_of(scenario.text)); !done)
-    return done;
+  for (const SourceFile& source : sources_of(scenario))
+    if (auto done = writer->add_attachment(source.name, source.media_type, bytes_of(source.text)); !done) return done;
+  return {};
+}
+
+std::vector<SourceFile> sources_of(const Scenario& scenario) {
+  std::vector<SourceFile> sources{{"scenario.yaml", "application/yaml", scenario.text}};
   std::set<std::string> attached;
   for (const ScenarioBody& body : scenario.bodies) {
     if (body.model_file.empty() || !attached.insert(body.model_file).second) continue;
-    if (auto done = writer->add_attachment(body.model_file, "application/xml", bytes_of(body.model->source_text));
-        !done)
-      return done;
-    const std::string report = load_report(scenario, body.model_file);
-    if (auto done = writer->add_attachment(body.model_file + ".report", "text/plain", bytes_of(report)); !done)
-      return done;
-    const std::string meshes = mesh_digests(*body.model);
-    if (meshes.empty()) continue;
-    if (auto done = writer->add_attachment(body.model_file + ".meshes", "text/plain", bytes_of(meshes)); !done)
-      return done;
+    sources.push_back({body.model_file, media_type_of(body), body.model->source_text});
+    sources.push_back({body.model_file + ".report", "text/plain", load_report(scenario, body.model_file)});
+    std::string meshes = mesh_digests(*body.model);
+    if (!meshes.empty()) sources.push_back({body.model_file + ".meshes", "text/plain", std::move(meshes)});
   }
-  return {};
+  return sources;
+}
+
+std::map<std::string, mcap::StringMap> Recorder::channels_of(const Scenario& scenario, const ControllerHost& host) {
+  Recorder recorder(std::make_unique<Impl>(scenario));
+  recorder.declare(&host);
+  return std::move(recorder.impl_->listed);
 }
 
 Result<void> Recorder::attach(const std::string& name, const std::string& media_type, const std::string& text) {

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,8 +32,20 @@ struct TickHashes {
   std::uint64_t output = 0;
 };
 
+/// A file or text from which a run is made, as a recording contains it.
+struct SourceFile {
+  std::string name;  // as the scenario states it: a recording doesn't contain folders of its machine
+  std::string media_type;
+  std::string text;
+};
+
+/// The scenario, its models with their load reports, and the digests of their meshes.
+std::vector<SourceFile> sources_of(const Scenario& scenario);
+
 class Recorder {
  public:
+  /// The metadata of the channels, by topic, that declare() would add to a recording.
+  static std::map<std::string, mcap::StringMap> channels_of(const Scenario& scenario, const ControllerHost& host);
   /// Creates the file and writes the data known before the run: attachments (scenario, models, load reports) and the
   /// provenance.
   static Result<std::unique_ptr<Recorder>> create(const std::filesystem::path& file, const Scenario& scenario,

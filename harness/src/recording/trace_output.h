@@ -33,10 +33,11 @@ struct RecordingSize {
 struct TraceOutput {
   explicit TraceOutput(double seconds_a_tick) : time_step(seconds_a_tick) {}
 
-  double time_step;  // [s]
-  std::unique_ptr<mcap::Writer> writer;
+  double time_step;                      // [s]
+  std::unique_ptr<mcap::Writer> writer;  // null: channels are listed, and nothing is written
   RecordingSize size;
-  std::map<std::string, std::uint16_t> by_topic;  // channels
+  std::map<std::string, std::uint16_t> by_topic;       // channels
+  std::map<std::string, mcap::StringMap> listed = {};  // their metadata by topic, if nothing is written
 
   /// Adds a channel for messages of type T, which is the type of the name's kind. Returns its id, which is never 0. Its
   /// metadata is the units of that kind, and `metadata`.
@@ -46,6 +47,10 @@ struct TraceOutput {
     REHEARSE_ASSERT(form_of(name.kind).type == T::type_name, "a channel has the messages of its kind");
     const std::string topic = name.topic();
     metadata.merge(unit_metadata(name.kind));
+    if (!writer) {
+      listed[topic] = std::move(metadata);
+      return static_cast<std::uint16_t>(listed.size());
+    }
     const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
     ++size.channels;
     return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), group);

@@ -13,8 +13,8 @@
 namespace rehearse {
 
 CopyingSink::CopyingSink(const Scenario& scenario, mcap::Reader& source, const ControllerHost& host, Recorder& recorder,
-                         const AlteredInputs& altered)
-    : RecordingSink(recorder), scenario_(scenario), source_(source), host_(host), altered_(altered) {
+                         const AlteredInputs& altered, Diagnostics* remarks)
+    : RecordingSink(recorder, remarks), scenario_(scenario), source_(source), host_(host), altered_(altered) {
   const std::size_t ids = source.channels().empty() ? 0 : std::size_t{source.channels().rbegin()->first} + 1;
   is_copied_.assign(ids, false);
   parts_.assign(ids, Part::state);
@@ -55,6 +55,7 @@ void CopyingSink::keep_acted(std::optional<std::int64_t> until, std::optional<st
 }
 
 Result<void> CopyingSink::copy(RecordingSource& from, Run& run, std::optional<std::int64_t> end) {
+  from_ = &from;
   const auto copied = from.drive(
       run, [this](const mcap::Message& message) { return take(message); }, {},
       end ? nanoseconds_of(*end, scenario_.time_step) : RecordingSource::no_end);
@@ -91,6 +92,7 @@ Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::
 }
 
 Result<void> CopyingSink::emit(const Moment& now) {
+  same_outputs_ = same_outputs_ && now.host->output_hash() == from_->recorded().output_hash;
   if (!altered_.empty())
     if (auto done = record_altered(now); !done) return done;
   return close_tick(now);

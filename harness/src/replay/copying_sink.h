@@ -18,9 +18,10 @@ namespace rehearse {
 
 class CopyingSink final : public RecordingSink {
  public:
-  /// The host has been initialised and started, the recorder has its channels. All must outlive this.
+  /// The host has been initialised and started, the recorder has its channels. `remarks` as in RecordingSink. All must
+  /// outlive this.
   CopyingSink(const Scenario& scenario, mcap::Reader& source, const ControllerHost& host, Recorder& recorder,
-              const AlteredInputs& altered);
+              const AlteredInputs& altered, Diagnostics* remarks = nullptr);
 
   /// What the source's controllers commanded is kept as well, on topics with `acted`: see BranchOrigin::acted_until.
   /// `source_until`: that of the source itself.
@@ -31,6 +32,8 @@ class CopyingSink final : public RecordingSink {
   Result<void> copy(RecordingSource& from, Run& run, std::optional<std::int64_t> end);
 
   Result<void> emit(const Moment& now) override;
+  /// True if the controllers' outputs were the recorded ones in all ticks of copy(), by their hashes.
+  bool same_outputs() const { return same_outputs_; }
 
  private:
   enum class Part { state, controller, tick, events };
@@ -47,6 +50,8 @@ class CopyingSink final : public RecordingSink {
   std::vector<bool> is_copied_;  // by channel id
   std::vector<Part> parts_;      // by channel id
   std::optional<std::int64_t> acted_until_, source_acted_until_;
+  const RecordingSource* from_ = nullptr;  // of copy()
+  bool same_outputs_ = true;
 };
 
 }  // namespace rehearse

@@ -72,6 +72,7 @@ void RecordedOutputs::pair_link(Channel& channel, int link) {
 }
 
 void RecordedOutputs::pair_joints(Channel& channel) {
+  new_pairs_ = true;
   channel.pairs.clear();
   const std::tuple<const std::vector<double>*, Quantity, const char*> arrays[] = {
       {&channel.joints.position(), Quantity::q, "/q"},
@@ -87,6 +88,22 @@ void RecordedOutputs::pair_joints(Channel& channel) {
       channel.pairs.push_back({&(*array)[i], place, name + suffix});
     }
   }
+}
+
+/// Finds the fields that no message of this tick contains, if other channels have messages than in the last tick.
+void RecordedOutputs::find_unpaired() {
+  const auto is_known = [](const auto& entry) { return entry.second.here == entry.second.was_here; };
+  if (!new_pairs_ && std::all_of(by_id_.begin(), by_id_.end(), is_known)) return;
+  new_pairs_ = false;
+  std::vector<bool> recorded(hosted_.io->output_values().size(), false);
+  for (auto& [id, channel] : by_id_) {
+    channel.was_here = channel.here;
+    for (const Pair& pair : channel.pairs)
+      if (channel.here && pair.place >= 0) recorded[pair.place] = true;
+  }
+  unpaired_.clear();
+  for (const IoField& field : hosted_.io->outputs().fields)
+    if (field.quantity != Quantity::ddq && !recorded[field.offset]) unpaired_.push_back(field.link);
 }
 
 void RecordedOutputs::begin_tick() {
@@ -117,10 +134,10 @@ Divergence RecordedOutputs::divergence(const std::string& topic, const std::stri
   return divergence;
 }
 
-std::int64_t RecordedOutputs::compare(const OnDifference& differs) const {
+std::int64_t RecordedOutputs::compare(const OnDifference& differs) {
   std::int64_t compared = 0;
   const std::vector<double>& now = hosted_.io->output_values();
-  std::vector<bool> recorded(now.size(), false);
+  find_unpaired();
   for (const auto& [id, channel] : by_id_) {
     if (channel.device >= 0) {
       compared += compare_device(channel, differs);
@@ -129,7 +146,6 @@ std::int64_t RecordedOutputs::compare(const OnDifference& differs) const {
     if (!channel.here) continue;
     for (const Pair& pair : channel.pairs) {
       ++compared;
-      if (pair.place >= 0) recorded[pair.place] = true;
       if (pair.place >= 0 && hosted_.running && identical(*pair.expected, now[pair.place])) continue;
       Divergence found = divergence(channel.topic, pair.element);
       const bool is_commanded = pair.place >= 0 && hosted_.running;
@@ -147,9 +163,8 @@ std::int64_t RecordedOutputs::compare(const OnDifference& differs) const {
     found.note = "the device is commanded now, and never was in the recording";
     differs(std::move(found));
   }
-  for (const IoField& field : hosted_.io->outputs().fields) {
-    if (field.quantity == Quantity::ddq || recorded[field.offset]) continue;
-    Divergence found = divergence("/" + hosted_.label + "/output", model_.links[field.link].name);
+  for (const int link : unpaired_) {
+    Divergence found = divergence("/" + hosted_.label + "/output", model_.links[link].name);
     found.note = "the controller commands it now, and did not in the recording";
     differs(std::move(found));
   }

@@ -31,7 +31,7 @@ class RecordedOutputs {
   using OnDifference = std::function<void(Divergence&&)>;
   /// Calls `differs` for each number that isn't the same bits now: joints, then links, then devices. Tick and time are
   /// the caller's to fill in. Returns how many numbers were compared.
-  std::int64_t compare(const OnDifference& differs) const;
+  std::int64_t compare(const OnDifference& differs);
   /// Calls `differs` if the commands act a tick later, or earlier, than the recorded ones did.
   void compare_delay(bool delayed, const OnDifference& differs) const;
 
@@ -47,13 +47,15 @@ class RecordedOutputs {
     ChannelKind kind = ChannelKind::other;
     mcap::StringMap metadata;
     int device = -1;
-    bool here = false;  // had a message in this tick
+    bool here = false;      // had a message in this tick
+    bool was_here = false;  // in the tick of unpaired_
     JointArrays joints;
     std::vector<double> values;  // of a link or a device
     std::vector<Pair> pairs;
   };
 
   void pair_joints(Channel& channel);
+  void find_unpaired();
   void pair_link(Channel& channel, int link);
   int place_of(int link, Quantity quantity) const;
   std::int64_t compare_device(const Channel& channel, const OnDifference& differs) const;
@@ -63,6 +65,8 @@ class RecordedOutputs {
   const Model& model_;
   std::vector<std::uint16_t> channels_;
   std::map<std::uint16_t, Channel> by_id_;
+  bool new_pairs_ = true;      // since unpaired_ was made
+  std::vector<int> unpaired_;  // links with a commanded field that no message of the tick contains
 };
 
 }  // namespace rehearse

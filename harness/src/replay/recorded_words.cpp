@@ -10,6 +10,17 @@
 #include "trace/float64_message.h"
 
 namespace rehearse {
+namespace {
+
+/// Events of the world and of a log aren't the host's.
+void add_event(RunningHash& events, const msg::Event& event) {
+  if (event.source == "world" || event.source == "log") return;
+  CdrWriter cdr;
+  msg::encode(event, cdr);
+  events.add(cdr.bytes().data(), cdr.bytes().size());
+}
+
+}  // namespace
 
 RecordedWords::RecordedWords(const ControllerHost& host, const mcap::Reader& trace) : host_(host) {
   for (const auto& [id, channel] : trace.channels()) {
@@ -38,6 +49,7 @@ Result<void> RecordedWords::accept(const mcap::Message& message) {
   if (message.channel->id == events_channel_) {
     msg::Event event;
     fits = msg::decode(reader, event);
+    if (fits) add_event(recorded_events_, event);
     if (fits && is_line(event)) coming_.push_back(event.source + ": " + event.text);
   } else {
     msg::Float64 number;
@@ -49,8 +61,10 @@ Result<void> RecordedWords::accept(const mcap::Message& message) {
 }
 
 void RecordedWords::say(const std::vector<msg::Event>& events) {
-  for (const msg::Event& event : events)
+  for (const msg::Event& event : events) {
+    add_event(said_events_, event);
     if (is_line(event)) said_.push_back(event.source + ": " + event.text);
+  }
 }
 
 void RecordedWords::begin_tick(const OnDifference& differs) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/controller_host.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 
@@ -39,6 +40,8 @@ class RecordedWords {
   std::int64_t compare_variables(const OnDifference& differs) const;
   /// Lines compared so far.
   std::int64_t lines() const { return lines_; }
+  /// True if all events of the host and its controllers so far, with tick and severity, are the recorded ones.
+  bool same_events() const { return recorded_events_.value() == said_events_.value(); }
 
  private:
   struct Variable {
@@ -56,6 +59,7 @@ class RecordedWords {
   bool begun_ = false;
   Lines coming_, recorded_, said_;
   std::int64_t lines_ = 0;
+  RunningHash recorded_events_, said_events_;
 };
 
 }  // namespace rehearse

@@ -83,6 +83,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   HostedCommands commands(host, HostedCommands::Written::never);
   Run run(scenario.time_step, source, commands, comparison, 0, Run::no_end);
   run.report_progress(options.progress, scenario.ticks());
+  const bool same_channels = has_channels_of(recording, scenario, host);
   comparison.take_events();
   if (!host.failure())
     if (auto done = replay_ticks(run, source, comparison, scenario, options, damage, report); !done)
@@ -94,6 +95,9 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   warn(report, altered.unused());
   report.failure = host.failure();
   report.controller_refused = host.any_refused();
+  report.repeats_the_run = same_channels && comparison.repeats_all() && report.equal() && report.words.different == 0 &&
+                           !report.controller_refused && (source.last_state() || host.controllers().empty()) &&
+                           options.from == 0.0 && !source.alters();
   report.other_controllers = other_controllers(recording, host);
   report.changed_files = changed_files(recording, host);
   report.same_controllers = report.other_controllers.empty() && !host.has_other_options();

@@ -79,9 +79,11 @@ bool ReplayComparison::is_compared(std::int64_t tick) const {
 void ReplayComparison::compare(const Moment& now) {
   const std::int64_t before = report_.values_different;
   if (!source_.alters()) compare_inputs(now);
+  if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
+    report_.first_other_hash = now.tick;
   if (now.tick == 0) compare_delays();
   if (!is_compared(now.tick)) return;
-  for (const RecordedOutputs& outputs : outputs_)
+  for (RecordedOutputs& outputs : outputs_)
     report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
   compare_results();
   compare_variables();
@@ -93,6 +95,7 @@ void ReplayComparison::compare(const Moment& now) {
 void ReplayComparison::compare_inputs(const Moment& now) {
   if (reads_the_same_ && !*reads_the_same_) return;
   const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;
+  if (!same && !report_.first_other_hash) report_.first_other_hash = now.tick;
   if (!reads_the_same_) reads_the_same_ = same;
   if (same || !*reads_the_same_ || !is_compared(now.tick)) return;
   Divergence found;

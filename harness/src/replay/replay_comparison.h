@@ -35,6 +35,8 @@ class ReplayComparison final : public Sink {
   void take_events();
   /// No line follows in the recording or here.
   void end_lines();
+  /// True if hashes and events of all ticks so far are the recorded ones.
+  bool repeats_all() const { return !report_.first_other_hash && words_.same_events(); }
 
  private:
   bool is_compared(std::int64_t tick) const;

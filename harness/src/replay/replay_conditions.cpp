@@ -5,7 +5,9 @@
 #include "host/opened_files.h"
 #include "host/virtualised.h"
 #include "recording/provenance.h"
+#include "recording/recorder.h"
 #include "recording_source.h"
+#include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
@@ -48,6 +50,22 @@ std::vector<std::string> other_controllers(const mcap::Reader& recording, const 
   for (const HostedController& hosted : host.controllers())
     if (!recorded.had_library(hosted.label, hosted.library->content_hash())) others.push_back(hosted.label);
   return others;
+}
+
+bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host) {
+  std::map<std::string, mcap::StringMap> here = Recorder::channels_of(scenario, host), there;
+  const auto is_of_side = [](const ChannelName& name) {
+    return name.side == ChannelSide::input || name.side == ChannelSide::output;
+  };
+  std::erase_if(here, [&](const auto& entry) { return !is_of_side(ChannelName::parse(entry.first)); });
+  for (const auto& [id, channel] : recording.channels()) {
+    const ChannelName name = ChannelName::parse(channel.topic);
+    // the channel of a device's commands is added by the first of them
+    if (!is_of_side(name) || name.kind == ChannelKind::device_state) continue;
+    there[channel.topic] = channel.metadata;
+    there[channel.topic].erase("offered_qos_profiles");  // the writer's
+  }
+  return here == there;
 }
 
 /// What a run ended by a failure would have read later isn't known. A recording from before files were recorded says

@@ -19,6 +19,9 @@ Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& sce
                               const RecordedInputs& inputs);
 /// BODY/NAME of the controllers whose libraries aren't the recorded ones, by their hashes.
 std::vector<std::string> other_controllers(const mcap::Reader& recording, const ControllerHost& host);
+/// True if a recording of these controllers would have the channels of inputs and outputs that this one has, with their
+/// metadata. The controllers have been initialised.
+bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host);
 /// Files that controllers read and that have changed since the recording, or may have: a sentence each.
 std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host);
 /// What may have made the last bits differ, if it isn't the controllers.

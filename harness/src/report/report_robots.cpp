@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <rehearse/body.h>
 #include <rehearse/mcap.h>
-#include <rehearse/urdf.h>
 
 #include <algorithm>
 #include <array>
@@ -29,11 +29,14 @@ ReportJson pose_json(const Eigen::Isometry3d& pose) {
 ReportJson vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 ReportJson color_json(const Color& c) { return {c[0], c[1], c[2], c[3]}; }
 
-bool has_meshes(const Model& model) {
+bool lacks_meshes(const Model& model) {
   return std::any_of(model.links.begin(), model.links.end(), [](const Link& link) {
-    const auto is_mesh = [](const Shape& shape) { return std::holds_alternative<Mesh>(shape.geometry); };
-    return std::any_of(link.visuals.begin(), link.visuals.end(), is_mesh) ||
-           std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
+    const auto lacks_mesh = [](const Shape& shape) {
+      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      return mesh && !mesh->data;
+    };
+    return std::any_of(link.visuals.begin(), link.visuals.end(), lacks_mesh) ||
+           std::any_of(link.collisions.begin(), link.collisions.end(), lacks_mesh);
   });
 }
 
@@ -101,7 +104,7 @@ void RobotWriter::write(const Scenario& scenario) {
 
 /// The recorded model with the meshes of this machine; null: it can't be loaded.
 std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) {
-  if (body.model_file.empty() || !has_meshes(*body.model)) return body.model;
+  if (body.model_file.empty() || !lacks_meshes(*body.model)) return body.model;
   const auto file = find_model(scenario_file_, run_.trace.file(), body.model_file);
   if (!file) return body.model;
   UrdfOptions options;
@@ -109,14 +112,15 @@ std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) 
   options.fixed_root = body.fixed;
   options.kinematic = body.kinematic;
   for (const auto& [name, folder] : body.packages) options.packages[name] = file->parent_path() / folder;
-  auto model = parse_urdf(text_of(run_.trace.find_attachment(body.model_file)), file->string(), options);
+  auto model = parse_model(text_of(run_.trace.find_attachment(body.model_file)), file->string(), options);
   return model ? std::make_shared<const Model>(*std::move(model)) : body.model;
 }
 
 /// Compares the mesh with its digest in the recording.
 bool RobotWriter::is_as_recorded(const ScenarioBody& body, const Mesh& mesh) const {
+  if (mesh.heightmap) return true;
   const std::string digests = text_of(run_.trace.find_attachment(body.model_file + ".meshes"));
-  if (digests.empty()) return true;
+  if (digests.empty() || mesh.file.empty()) return true;
   return digests.find(fmt::format("{}  {}\n", mesh.data->digest, mesh.file)) != std::string::npos;
 }
 
@@ -146,8 +150,8 @@ void RobotWriter::write_body(const ScenarioBody& body) {
 }
 
 /// Seven names; null: no series moves it.
-ReportJson RobotWriter::pose_series(const ScenarioBody& body) {
-  const std::string topic = ChannelName::of_owner(body.name, body.model->links[0].name, ChannelKind::pose).topic();
+ReportJson RobotWriter::pose_series(const ScenarioBody& body, const Link& link) {
+  const std::string topic = ChannelName::of_owner(body.name, link.name, ChannelKind::pose).topic();
   const TraceChannel* channel = run_.trace.find_channel(topic);
   if (!channel || channel->rows() == 0) return nullptr;
   ReportJson names = ReportJson::array();
@@ -191,7 +195,7 @@ ReportJson RobotWriter::link_json(const ScenarioBody& body, const Link& link, co
   if (index == 0) {
     json["joint"] = nullptr;
     json["offset"] = pose_json(Eigen::Isometry3d::Identity());
-    ReportJson series = body.fixed ? ReportJson() : pose_series(body);
+    ReportJson series = body.fixed ? ReportJson() : pose_series(body, link);
     if (series.is_null()) {
       Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
       root.translate(body.position).rotate(body.rotation);
@@ -201,6 +205,7 @@ ReportJson RobotWriter::link_json(const ScenarioBody& body, const Link& link, co
   } else {
     json["joint"] = joint_json(body, link);
     json["offset"] = pose_json(link.joint.origin);
+    if (link.joint.type == JointType::free) json["pose"] = pose_series(body, link);
   }
   json["shapes"] = shapes_json(body, drawn);
   return json;

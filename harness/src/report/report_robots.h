@@ -37,7 +37,7 @@ class RobotWriter {
   void write_body(const ScenarioBody& body);
   ReportJson link_json(const ScenarioBody& body, const Link& link, const Link& drawn, int index);
   ReportJson joint_json(const ScenarioBody& body, const Link& link);
-  ReportJson pose_series(const ScenarioBody& body);
+  ReportJson pose_series(const ScenarioBody& body, const Link& link);
   ReportJson shapes_json(const ScenarioBody& body, const Link& link);
   void add_shape(ReportJson& shapes, const Shape& shape);
   int mesh_of(const MeshData& mesh, const Shape& shape);

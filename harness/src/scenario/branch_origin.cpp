@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <vector>
 
 #include "model/clock.h"
 #include "model/names.h"
@@ -14,12 +14,9 @@
 namespace rehearse {
 
 Result<std::string> name_and_hash(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
-  stream.seekg(0);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream) return error(fmt::format("{} can't be read", file.string()));
-  return fmt::format("{} {}", file.filename().string(), hash_text(hash_bytes(bytes.data(), bytes.size())));
+  const auto hash = hash_of_file(file);
+  if (!hash) return hash.errors();
+  return fmt::format("{} {}", file.filename().string(), hash_text(*hash));
 }
 
 namespace {

@@ -1,6 +1,7 @@
+#include <rehearse/body.h>
 #include <rehearse/scenario.h>
-#include <rehearse/urdf.h>
 
+#include "mesh/heightmap_file.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace rehearse {
 namespace {
@@ -85,12 +87,20 @@ void read_method(Findings& findings, const YamlNode& node, SolverSettings& solve
   }
 }
 
+/// A number, or auto: the default number, and more in steps that don't converge.
+void read_iterations(Findings& findings, const YamlNode& node, SolverSettings& solver) {
+  solver.converge = node.kind == YamlNode::Kind::scalar && node.text == "auto";
+  if (solver.converge) return;
+  if (const auto count = read_integer(findings, node, "iterations", 1, SolverSettings::most_iterations))
+    solver.iterations = static_cast<int>(*count);
+}
+
 void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
   const Keys keys(findings, node, "the solver",
                   {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
                    "friction", "max_contacts"});
   if (const YamlNode* method = keys.find("method")) read_method(findings, *method, solver);
-  keys.integer("iterations", 1, 10000, solver.iterations);
+  if (const YamlNode* iterations = keys.find("iterations")) read_iterations(findings, *iterations, solver);
   keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
   keys.number("erp", {0.0, 1.0}, solver.erp);
   keys.number("cfm", {0.0, 1.0}, solver.cfm);
@@ -105,12 +115,64 @@ void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {
   keys.flag("frames", scenario.record_frames);
 }
 
+void read_light(Findings& findings, const YamlNode& node, Look& look) {
+  const Keys keys(findings, node, "a light",
+                  {"position", "color", "intensity", "range", "direction", "beam_width", "cut_off_angle"});
+  if (!keys.is_map()) return;
+  SceneLight lamp;
+  if (keys.require("position", "[x, y, z] [m]") != nullptr) keys.vector3("position", any_position, lamp.position);
+  if (const YamlNode* color = keys.find("color")) {
+    if (const auto values = read_numbers(findings, *color, "color", 3, 3, {0.0, 1.0}))
+      lamp.light.color = Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]).cast<float>();
+  }
+  double intensity = 1.0;
+  keys.number("intensity", {0.0, 1e6}, intensity);
+  lamp.light.intensity = static_cast<float>(intensity);
+  keys.number("range", any_length, lamp.light.range);
+  if (keys.find("direction") != nullptr) {
+    LightCone cone;
+    keys.vector3("direction", {-1e6, 1e6}, cone.direction);
+    const auto angle = [&](const char* key, float& out) {
+      const YamlNode* value = keys.find(key);
+      const auto read = value ? read_angle(findings, *value, key) : std::nullopt;
+      if (read && (*read < 0.0 || *read > std::numbers::pi))
+        expected(findings, *value, key, "an angle from 0 to 180 deg");
+      if (read) out = static_cast<float>(*read);
+    };
+    cone.beam_width = 0.5f;
+    cone.cut_off_angle = 0.7f;
+    angle("beam_width", cone.beam_width);
+    angle("cut_off_angle", cone.cut_off_angle);
+    if (cone.direction.isZero(0.0))
+      expected(findings, *keys.find("direction"), "direction", "a direction as in [0, 0, -1]");
+    lamp.light.cone = cone;
+  }
+  for (const char* key : {"beam_width", "cut_off_angle"})
+    if (const YamlNode* found = keys.find(key); found != nullptr && !lamp.light.cone)
+      findings.error(*found, fmt::format("{} is given without direction", key),
+                     "a light without one shines everywhere");
+  look.lights.push_back(lamp);
+}
+
 void read_look(Findings& findings, const YamlNode& node, Look& look) {
-  const Keys keys(findings, node, "the look", {"sky"});
-  const YamlNode* sky = keys.find("sky");
-  if (sky == nullptr) return;
-  if (const auto color = read_numbers(findings, *sky, "sky", 3, 3, {0.0, 1.0}))
-    look.sky = Eigen::Vector4d((*color)[0], (*color)[1], (*color)[2], 1.0).cast<float>();
+  const Keys keys(findings, node, "the look", {"sky", "shadows", "antialiasing", "lights"});
+  keys.flag("shadows", look.shadows);
+  keys.flag("antialiasing", look.antialiasing);
+  if (const YamlNode* sky = keys.find("sky")) {
+    if (const auto color = read_numbers(findings, *sky, "sky", 3, 3, {0.0, 1.0}))
+      look.sky = Eigen::Vector4d((*color)[0], (*color)[1], (*color)[2], 1.0).cast<float>();
+  }
+  const YamlNode* lights = keys.find("lights");
+  const auto* list =
+      lights ? read_list(findings, *lights, "lights", "a list of lights, each with a position") : nullptr;
+  if (list == nullptr) return;
+  for (const YamlNodePtr& light : *list) read_light(findings, *light, look);
+}
+
+/// Only a check reads the value: always_simulates().
+void read_simulate(Findings& findings, const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::scalar || (node.text != "always" && node.text != "unproved"))
+    expected(findings, node, "simulate", "always, or unproved: only what a check can't prove");
 }
 
 // False if the rest of the file can't be checked: it isn't a scenario, or has a different version.
@@ -129,12 +191,14 @@ bool check_version(Findings& findings, const YamlNode& root) {
   return false;
 }
 
-void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models, Scenario& scenario) {
+void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models,
+                   const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(findings, root, "the scenario",
-                  {"rehearse", "name",       "golden", "duration",   "time_step", "seed",   "gravity",  "options",
-                   "solver",   "lever_arms", "bodies", "materials",  "pairs",     "pushes", "joystick", "noise",
-                   "look",     "cameras",    "record", "tolerances", "horizon",   "expect"});
+  const Keys keys(
+      findings, root, "the scenario",
+      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity", "options",  "solver",
+       "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",  "joystick", "noise",
+       "look",       "cameras", "record",    "tolerances", "horizon",   "expect", "simulate"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -144,8 +208,10 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
   if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
   if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))
-    read_bodies(findings, *node, models, scenario);
+    read_bodies(findings, *node, models, files, scenario);
   read_materials(findings, keys.find("materials"), keys.find("pairs"), scenario);
+  if (const YamlNode* node = keys.find("joints")) read_connections(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("welds")) read_welds(findings, *node, scenario);
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
   if (const YamlNode* node = keys.find("joystick")) read_joystick(findings, *node, scenario);
   if (const YamlNode* node = keys.find("noise")) read_noise(findings, *node, scenario);
@@ -154,6 +220,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
   if (const YamlNode* node = keys.find("horizon")) read_horizon(findings, *node, scenario);
   if (const YamlNode* node = keys.find("expect")) read_expectations(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("simulate")) read_simulate(findings, *node);
   if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }
 
@@ -181,21 +248,29 @@ Result<Scenario> Scenario::load(const std::filesystem::path& file) {
     UrdfOptions here = options;
     for (auto& [name, directory] : here.packages) directory = folder / directory;
     std::error_code ignored;
-    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_urdf(path, here);
+    if (!model_file.empty() && std::filesystem::is_regular_file(path, ignored)) return load_model(path, here);
     return error(fmt::format("there is no model file '{}'", shortened(model_file)),
                  fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
   };
-  return parse(std::move(*text), file.string(), beside);
+  const auto bytes = [folder = file.parent_path()](const std::string& name) -> Result<std::string> {
+    const std::filesystem::path path = folder / name;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path, ignored)) return read_heightmap_file(path);
+    return error(fmt::format("there is no file '{}'", shortened(name)),
+                 fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
+  };
+  return parse(std::move(*text), file.string(), beside, bytes);
 }
 
-Result<Scenario> Scenario::parse(std::string text, const std::string& file, const ModelSource& models) {
+Result<Scenario> Scenario::parse(std::string text, const std::string& file, const ModelSource& models,
+                                 const FileSource& files) {
   const Result<YamlNodePtr> root = parse_yaml(text, file);
   if (!root) return root.errors();
   Scenario scenario;
   scenario.file = file;
   scenario.text = std::move(text);
   Findings findings(file);
-  read_scenario(findings, **root, models, scenario);
+  read_scenario(findings, **root, models, files, scenario);
   if (findings.any_error()) return findings.errors();
   scenario.warnings = findings.warnings();
   return scenario;

@@ -1,5 +1,6 @@
-#include <rehearse/urdf.h>
+#include <rehearse/body.h>
 
+#include "mesh/heightmap_file.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -15,13 +16,14 @@ namespace rehearse {
 namespace {
 
 // The keys for the shape of a body; at most one of them may be given.
-constexpr std::array<std::string_view, 4> model_keys{"model", "box", "sphere", "cylinder"};
+constexpr std::array<std::string_view, 5> model_keys{"model", "box", "sphere", "cylinder", "heightmap"};
 
 // Reads one body after the other, and each model file once for all bodies with the same settings.
 class BodyReader {
  public:
-  BodyReader(Findings& findings, const Scenario::ModelSource& source, Scenario& scenario)
-      : findings_(findings), source_(source), scenario_(scenario) {}
+  BodyReader(Findings& findings, const Scenario::ModelSource& source, const Scenario::FileSource& files,
+             Scenario& scenario)
+      : findings_(findings), source_(source), files_(files), scenario_(scenario) {}
 
   void read(const YamlNode& node);
 
@@ -37,6 +39,7 @@ class BodyReader {
   void read_packages(const YamlNode& node, ScenarioBody& body);
   void read_contact(const Keys& keys, ScenarioBody& body);
   void check_contact(const Keys& keys, const ScenarioBody& body);
+  void read_ground(const Keys& keys, const YamlNode& node, ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
   void refuse_keys_of_a_file(const Keys& keys);
   void read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body);
@@ -45,36 +48,45 @@ class BodyReader {
   std::optional<Color> read_color(const YamlNode& node);
   std::optional<Checker> read_checker(const YamlNode& node);
   void make_shape(const Keys& keys, std::string_view kind, const YamlNode& shape, ScenarioBody& body);
+  void place_as_model(ScenarioBody& body);
   void check_root(const Keys& keys, ScenarioBody& body);
   void read_velocities(const Keys& keys, ScenarioBody& body);
   std::optional<Surface> read_surface(const Keys& keys);
 
   Findings& findings_;
   const Scenario::ModelSource& source_;
+  const Scenario::FileSource& files_;
   Scenario& scenario_;
   // By file: the packages of its first body.
   std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;
-  // by file, fixed, kinematic, default mass and missing meshes; null: loading failed, and this was reported
-  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool>, std::shared_ptr<const Model>> models_;
+  // by file, fixed, kinematic, default mass, missing meshes and their contact; null: loading failed, and this was
+  // reported
+  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, MeshContact>, std::shared_ptr<const Model>>
+      models_;
 };
 
 void BodyReader::read(const YamlNode& node) {
-  const Keys keys(findings_, node, "a body", {"name",          "model",        "packages",
-                                              "box",           "sphere",       "cylinder",
-                                              "mass",          "default_mass", "allow_missing_meshes",
-                                              "fixed",         "dynamics",     "joint_limits",
-                                              "effort_limits", "collision",    "self_collision",
-                                              "friction",      "mu2",          "fdir1",
-                                              "restitution",   "position",     "rotation",
-                                              "joints",        "velocity",     "joint_velocities",
-                                              "controllers"});
+  const Keys keys(findings_, node, "a body", {"name",           "model",
+                                              "packages",       "box",
+                                              "sphere",         "cylinder",
+                                              "heightmap",      "mass",
+                                              "default_mass",   "fixed",
+                                              "dynamics",       "allow_missing_meshes",
+                                              "joint_limits",   "collision",
+                                              "self_collision", "effort_limits",
+                                              "friction",       "mu2",
+                                              "fdir1",          "restitution",
+                                              "position",       "rotation",
+                                              "joints",         "velocity",
+                                              "controllers",    "joint_velocities"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
   read_name(keys, body);
   keys.flag("fixed", body.fixed);
   if (const YamlNode* dynamics = keys.find("dynamics")) read_dynamics(*dynamics, body);
-  keys.flag("joint_limits", body.joint_limits);
+  if (const YamlNode* limits = keys.find("joint_limits"))
+    body.joint_limits = read_flag(findings_, *limits, "joint_limits");
   keys.flag("effort_limits", body.effort_limits);
   if (const YamlNode* limits = keys.find("effort_limits"); limits != nullptr && body.effort_limits && body.kinematic)
     findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
@@ -82,6 +94,7 @@ void BodyReader::read(const YamlNode& node) {
   if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
   read_contact(keys, body);
   read_model(keys, body);
+  if (body.model != nullptr) place_as_model(body);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
@@ -138,17 +151,24 @@ void BodyReader::read_contact(const Keys& keys, ScenarioBody& body) {
   const YamlNode* node = keys.find("collision");
   if (node == nullptr) return;
   const bool is_word = node->kind == YamlNode::Kind::scalar;
-  body.trimesh = is_word && node->text == "trimesh";
-  if (!body.trimesh && !(is_word && node->text == "hull"))
-    expected(findings_, *node, "collision", "hull (meshes are touched as their convex hulls) or trimesh (as they are)");
+  for (const auto& [word, contact] :
+       {std::pair("automatic", MeshContact::automatic), std::pair("hull", MeshContact::hull),
+        std::pair("parts", MeshContact::parts), std::pair("triangles", MeshContact::triangles)}) {
+    if (!is_word || node->text != word) continue;
+    body.contact = contact;
+    return;
+  }
+  expected(findings_, *node, "collision",
+           "automatic, hull (meshes are touched as their convex hulls), parts (as convex parts) or triangles (as they "
+           "are)");
 }
 
 // Called after check_root(), because the model may fix the body.
 void BodyReader::check_contact(const Keys& keys, const ScenarioBody& body) {
-  if (body.trimesh && !body.fixed)
+  if (body.contact == MeshContact::triangles && !body.fixed)
     findings_.error(*keys.find("collision"),
-                    fmt::format("only a fixed body can be touched as a trimesh, but {} moves", body.name),
-                    "expected fixed: true, or collision: hull");
+                    fmt::format("only a fixed body can be touched as triangles, but {} moves", body.name),
+                    "expected fixed: true, or collision: parts");
   if (body.self_collision && body.kinematic)
     findings_.warning(*keys.find("self_collision"), "self_collision does nothing: the body is kinematic",
                       "nothing pushes a kinematic body");
@@ -161,18 +181,20 @@ void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
     if (key == model_keys.end()) continue;
     if (!chosen.empty()) {
       findings_.error(*entry.key, fmt::format("the body has both '{}' and '{}'", chosen, *key),
-                      "expected one of model, box, sphere, cylinder");
+                      "expected one of model, box, sphere, cylinder, heightmap");
       continue;
     }
     chosen = *key;
     if (chosen == "model") {
       read_model_file(keys, *entry.value, body);
+    } else if (chosen == "heightmap") {
+      read_ground(keys, *entry.value, body);
     } else {
       make_shape(keys, chosen, *entry.value, body);
     }
   }
   if (!chosen.empty() && chosen != "model") refuse_keys_of_a_file(keys);
-  if (chosen.empty()) keys.require("model", "a URDF file, or instead one of box, sphere, cylinder");
+  if (chosen.empty()) keys.require("model", "a URDF or .body file, or instead one of box, sphere, cylinder, heightmap");
 }
 
 void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
@@ -187,10 +209,12 @@ void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
 }
 
 void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
-  if (const auto file = read_text(findings_, node, "model", "the path of a URDF file, relative to the scenario")) {
+  if (const auto file =
+          read_text(findings_, node, "model", "the path of a URDF or .body file, relative to the scenario")) {
     UrdfOptions options;
     options.fixed_root = body.fixed;
     options.kinematic = body.kinematic;
+    options.contact = body.contact;
     keys.number("default_mass", any_mass, options.default_mass);
     keys.flag("allow_missing_meshes", options.allow_missing_meshes);
     options.packages.insert(body.packages.begin(), body.packages.end());
@@ -210,9 +234,10 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
   if (packages_.emplace(file, options.packages).first->second != options.packages)
     findings_.error(node, fmt::format("the model '{}' has other packages in a body above", shortened(file, 500)),
                     "a recording holds a model once: give both bodies the same packages");
-  const auto [known, is_new] = models_.emplace(
-      std::tuple(file, options.fixed_root, options.kinematic, options.default_mass, options.allow_missing_meshes),
-      nullptr);
+  const auto [known, is_new] =
+      models_.emplace(std::tuple(file, options.fixed_root, options.kinematic, options.default_mass,
+                                 options.allow_missing_meshes, options.contact),
+                      nullptr);
   if (!is_new) return known->second;
   Result<Model> model = source_(file, options);
   if (!model) {
@@ -298,6 +323,46 @@ void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlN
   body.model = std::make_shared<const Model>(std::move(model));
 }
 
+void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
+  const Keys parts(findings_, node, "a heightmap", {"file", "size", "height", "color"});
+  const YamlNode* file = parts.require("file", "the path of a PNG or of a grid of numbers, relative to the scenario");
+  const YamlNode* size = parts.require("size", "the full lengths [x, y] [m]");
+  const auto name = file ? read_text(findings_, *file, "file", "the path of a PNG or of a grid") : std::nullopt;
+  const auto lengths = size ? read_numbers(findings_, *size, "size", 2, 2, any_length) : std::nullopt;
+  HeightmapSettings settings;
+  const bool is_picture = name && name->ends_with(".png");
+  if (is_picture && parts.require("height", "of white over black [m]") == nullptr) return;
+  parts.number("height", {-1e4, 1e4, "[m]"}, settings.height);
+  std::optional<Color> color;
+  if (const YamlNode* node_of_color = parts.find("color")) color = read_color(*node_of_color);
+  for (const char* key : {"mass", "dynamics", "collision"})
+    if (const YamlNode* found = keys.find(key))
+      findings_.error(*found, fmt::format("{} is given for a heightmap", key), "the ground never moves");
+  if (const YamlNode* fixed = keys.find("fixed"); fixed != nullptr && !body.fixed)
+    findings_.error(*fixed, "a heightmap can't be free", "the ground never moves");
+  body.fixed = true;
+  const std::optional<Surface> surface = read_surface(keys);
+  if (!name || !lengths || !surface) return;
+  settings.size = {(*lengths)[0], (*lengths)[1]};
+  const Result<std::string> bytes = files_ ? files_(*name) : error("there is no file '" + shortened(*name) + "'");
+  if (!bytes) {
+    findings_.error(*file, bytes.errors().front().message, bytes.errors().front().hint);
+    return;
+  }
+  Result<Mesh> ground = read_heightmap(*bytes, *name, settings);
+  if (!ground) {
+    findings_.error(*file, fmt::format("the heightmap '{}' can't be used", shortened(*name, 500)),
+                    "its own mistakes follow", ground.errors());
+    return;
+  }
+  Model model = single_shape_model(body.name, *ground, 0.0, color);
+  model.links.front().surface = *surface;
+  model.source_file = *name;
+  model.source_text = *bytes;
+  body.model_file = *name;
+  body.model = std::make_shared<const Model>(std::move(model));
+}
+
 // The surface of a shape; nothing if it has a mistake.
 std::optional<Surface> BodyReader::read_surface(const Keys& keys) {
   constexpr Range any_friction{0.0, 1e6};
@@ -336,6 +401,15 @@ void BodyReader::read_velocities(const Keys& keys, ScenarioBody& body) {
   if (joints != nullptr) read_joint_velocities(findings_, *joints, body);
 }
 
+// The pose and the materials that the scenario may replace.
+void BodyReader::place_as_model(ScenarioBody& body) {
+  const std::vector<Link>& links = body.model->links;
+  body.position = links.front().joint.origin.translation();
+  body.rotation = Eigen::Quaterniond(links.front().joint.origin.linear()).normalized();
+  if (std::none_of(links.begin(), links.end(), [](const Link& link) { return !link.material.empty(); })) return;
+  for (const Link& link : links) body.materials.push_back(link.material);
+}
+
 // A model may itself be fixed to the world; a scenario can't make it movable.
 void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
   const Link& root = body.model->links.front();
@@ -351,11 +425,12 @@ void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
 
 }  // namespace
 
-void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models, Scenario& scenario) {
+void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models,
+                 const Scenario::FileSource& files, Scenario& scenario) {
   const auto* list = read_list(findings, node, "bodies", "a list of bodies, each with a name and a model or shape");
   if (list == nullptr) return;
   if (list->empty()) findings.error(node, "bodies is an empty list", "expected at least one body");
-  BodyReader reader(findings, models, scenario);
+  BodyReader reader(findings, models, files, scenario);
   for (const YamlNodePtr& body : *list) reader.read(*body);
 }
 

@@ -3,7 +3,7 @@
 
 #include <rehearse/diagnostic.h>
 
-#include "scenario_yaml.h"
+#include "yaml/yaml_tree.h"
 
 #include <string>
 #include <vector>

@@ -101,11 +101,13 @@ void JointReader::read_displacement(std::size_t id, const YamlNode& node) {
 void JointReader::place_within_limits(const YamlNode& body_node) {
   for (std::size_t id = 0; id < body_.joints.size(); ++id) {
     const Joint& free = joint(id);
-    if (places_[id] != nullptr || free.mimic || (free.lower <= slack && free.upper >= -slack)) continue;
-    body_.joints[id] = std::clamp(0.0, free.lower, free.upper);
-    findings_.warning(body_node,
-                      fmt::format("{} starts at {:.6g}, its limit that is nearest to 0", free.name, body_.joints[id]),
-                      "joints: states where it starts");
+    const double start = free.start;
+    if (places_[id] != nullptr || free.mimic || (free.lower <= start + slack && free.upper >= start - slack)) continue;
+    body_.joints[id] = std::clamp(start, free.lower, free.upper);
+    findings_.warning(
+        body_node,
+        fmt::format("{} starts at {:.6g}, its limit that is nearest to {:.6g}", free.name, body_.joints[id], start),
+        "joints: states where it starts");
   }
 }
 
@@ -162,7 +164,9 @@ void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBod
 }
 
 void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* node, ScenarioBody& body) {
-  body.joints.assign(body.model->joints.size(), 0.0);
+  body.joints.clear();
+  for (const int link : body.model->joints)
+    body.joints.push_back(body.model->links[static_cast<std::size_t>(link)].joint.start);
   JointReader reader(findings, body);
   if (node != nullptr) reader.read(*node);
   reader.place_within_limits(body_node);

@@ -24,36 +24,39 @@ void set_material(Findings& findings, const NamedEntry& entry, const std::string
     return;
   }
   const std::string name = entry.name.substr(slash + 1);
-  const int link = body.model->find_link(name);
-  if (link >= 0) {
-    body.materials[static_cast<std::size_t>(link)] = material;
-    return;
-  }
-  std::vector<std::string> names;
-  for (const Link& known : body.model->links) names.push_back(known.name);
-  findings.error(*entry.key, fmt::format("{} has no link '{}'", body.name, shortened(name)),
-                 name_hint(name, names, "links"));
+  if (const auto link = find_link(findings, *entry.key, name, body))
+    body.materials[static_cast<std::size_t>(*link)] = material;
 }
 
-/// The names of all materials, in document order, each once.
-std::vector<std::string> read_materials(Findings& findings, const YamlNode& node, Scenario& scenario) {
+void add_once(const std::string& name, std::vector<std::string>& names) {
+  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+/// The names of all materials that the models state, each once.
+std::vector<std::string> materials_of_models(const Scenario& scenario) {
   std::vector<std::string> names;
+  for (const ScenarioBody& body : scenario.bodies)
+    for (const std::string& name : body.materials) add_once(name, names);
+  return names;
+}
+
+/// Adds the names of all materials in document order.
+void read_materials(Findings& findings, const YamlNode& node, std::vector<std::string>& names, Scenario& scenario) {
   if (node.kind != YamlNode::Kind::map) {
     expected(findings, node, "materials", "a map of BODY: MATERIAL or BODY/LINK: MATERIAL");
-    return names;
+    return;
   }
   std::vector<std::pair<NamedEntry, std::string>> of_bodies;  // after those of links, which go before them
   for (const NamedEntry& entry : read_entries(findings, node)) {
     const auto material = read_name(findings, *entry.value, "a material");
     if (!material) continue;
-    if (std::find(names.begin(), names.end(), *material) == names.end()) names.push_back(*material);
+    add_once(*material, names);
     if (entry.name.find('/') == std::string::npos)
       of_bodies.emplace_back(entry, *material);
     else
       set_material(findings, entry, *material, scenario);
   }
   for (const auto& [entry, material] : of_bodies) set_material(findings, entry, material, scenario);
-  return names;
 }
 
 /// The two materials of a pair; nothing if there is a mistake.
@@ -104,8 +107,8 @@ void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::
 }  // namespace
 
 void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario) {
-  std::vector<std::string> known;
-  if (materials != nullptr) known = read_materials(findings, *materials, scenario);
+  std::vector<std::string> known = materials_of_models(scenario);
+  if (materials != nullptr) read_materials(findings, *materials, known, scenario);
   if (pairs == nullptr) return;
   const auto* list = read_list(findings, *pairs, "pairs", "a list of pairs of materials");
   if (list == nullptr) return;

@@ -4,13 +4,15 @@
 #include <rehearse/scenario.h>
 
 #include "scenario_findings.h"
-#include "scenario_yaml.h"
+#include "scenario_values.h"
+#include "yaml/yaml_tree.h"
 
 namespace rehearse {
 
 /// The `bodies` list with its models, each requested once. A body with a mistake is added nevertheless, so that indices
 /// and names of references stay valid; its model is null if the model is the mistake.
-void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models, Scenario& scenario);
+void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models,
+                 const Scenario::FileSource& files, Scenario& scenario);
 
 /// The `controllers` list of a body.
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);
@@ -26,6 +28,12 @@ void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBod
 /// `materials`, a map from bodies and links to names, and the `pairs` list; null: the scenario has none. After the
 /// bodies.
 void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario);
+
+/// The `joints` list: joints between links in addition to those of the models. After the bodies.
+void read_connections(Findings& findings, const YamlNode& node, Scenario& scenario);
+
+/// The `welds` list: links that are connected for a time. After the bodies and the duration.
+void read_welds(Findings& findings, const YamlNode& node, Scenario& scenario);
 
 /// The `pushes` list. After the bodies.
 void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario);
@@ -50,5 +58,16 @@ void read_expectations(Findings& findings, const YamlNode& node, Scenario& scena
 
 /// The index of the body of that name in scenario.bodies; reports it if there is none.
 std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario);
+
+/// The index of the body's link; reports it if there is none. body.model must not be null.
+std::optional<int> find_link(Findings& findings, const YamlNode& at, const std::string& name, const ScenarioBody& body);
+
+/// The span of time of `what`, "push": from <= t < until. Reports mistakes, and warns of a span after the end of the
+/// run.
+struct Span {
+  double from = 0.0;   // [s]
+  double until = 0.0;  // [s]
+};
+std::optional<Span> read_span(Findings& findings, const Keys& keys, const Scenario& scenario, std::string_view what);
 
 }  // namespace rehearse

@@ -10,12 +10,6 @@
 namespace rehearse {
 namespace {
 
-std::vector<std::string> link_names(const Model& model) {
-  std::vector<std::string> names;
-  for (const Link& link : model.links) names.push_back(link.name);
-  return names;
-}
-
 std::vector<std::string> camera_names(const Scenario& scenario) {
   std::vector<std::string> names;
   for (const ScenarioBody& body : scenario.bodies) {
@@ -26,15 +20,6 @@ std::vector<std::string> camera_names(const Scenario& scenario) {
   return names;
 }
 
-void read_link(Findings& findings, const YamlNode& node, const ScenarioBody& body, Push& push) {
-  const auto name = read_text(findings, node, "link", "the name of a link");
-  if (!name || body.model == nullptr) return;
-  push.link = body.model->find_link(*name);
-  if (push.link < 0)
-    findings.error(node, fmt::format("{} has no link '{}'", body.name, shortened(*name)),
-                   name_hint(*name, link_names(*body.model), "links"));
-}
-
 void read_target(Findings& findings, const Keys& keys, const Scenario& scenario, Push& push) {
   const YamlNode* body_node = keys.require("body", "the name of a body");
   if (body_node == nullptr) return;
@@ -43,29 +28,12 @@ void read_target(Findings& findings, const Keys& keys, const Scenario& scenario,
   if (!body) return;
   push.body = *body;
   const ScenarioBody& target = scenario.bodies[static_cast<std::size_t>(*body)];
-  if (const YamlNode* link = keys.find("link")) read_link(findings, *link, target, push);
+  const YamlNode* link = keys.find("link");
+  const auto link_name = link == nullptr ? std::nullopt : read_text(findings, *link, "link", "the name of a link");
+  if (link_name && target.model != nullptr) push.link = find_link(findings, *link, *link_name, target).value_or(0);
   if (target.fixed && push.link == 0)
     findings.warning(*body_node, fmt::format("the push does nothing: the root link of {} is fixed", target.name),
                      "name another link");
-}
-
-void read_span(Findings& findings, const Keys& keys, const Scenario& scenario, Push& push) {
-  const Range times{0.0, Scenario::max_duration, "[s]"};
-  const YamlNode* from_node = keys.require("from", "when it begins [s]");
-  const YamlNode* until_node = keys.require("until", "when it ends [s]");
-  std::optional<double> from, until;
-  if (from_node != nullptr) from = read_number(findings, *from_node, "from", times);
-  if (until_node != nullptr) until = read_number(findings, *until_node, "until", times);
-  if (!from || !until) return;
-  push.from = *from;
-  push.until = *until;
-  if (*until <= *from) {
-    findings.error(*until_node, fmt::format("until is {}, which is not after from", *until),
-                   fmt::format("expected a time above {} [s]", *from));
-  } else if (scenario.duration > 0.0 && *from >= scenario.duration) {
-    findings.warning(*from_node, fmt::format("the push begins at {} s, after the end of the run", *from),
-                     fmt::format("the duration is {} s", scenario.duration));
-  }
 }
 
 void read_push(Findings& findings, const YamlNode& node, Scenario& scenario) {
@@ -80,7 +48,10 @@ void read_push(Findings& findings, const YamlNode& node, Scenario& scenario) {
   keys.vector3("at", any_position, push.point);
   if (const YamlNode* at = keys.find("at"); at != nullptr && keys.find("force") == nullptr)
     findings.error(*at, "'at' without 'force'", "it says where the force acts; a torque acts on the link as a whole");
-  read_span(findings, keys, scenario, push);
+  if (const auto span = read_span(findings, keys, scenario, "push")) {
+    push.from = span->from;
+    push.until = span->until;
+  }
   scenario.pushes.push_back(push);
 }
 
@@ -150,6 +121,34 @@ std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string
   }
   findings.error(at, fmt::format("there is no body '{}'", shortened(name)), name_hint(name, names, "bodies"));
   return std::nullopt;
+}
+
+std::optional<int> find_link(Findings& findings, const YamlNode& at, const std::string& name,
+                             const ScenarioBody& body) {
+  const int link = body.model->find_link(name);
+  if (link >= 0) return link;
+  std::vector<std::string> names;
+  for (const Link& known : body.model->links) names.push_back(known.name);
+  findings.error(at, fmt::format("{} has no link '{}'", body.name, shortened(name)), name_hint(name, names, "links"));
+  return std::nullopt;
+}
+
+std::optional<Span> read_span(Findings& findings, const Keys& keys, const Scenario& scenario, std::string_view what) {
+  const Range times{0.0, Scenario::max_duration, "[s]"};
+  const YamlNode* from_node = keys.require("from", "when it begins [s]");
+  const YamlNode* until_node = keys.require("until", "when it ends [s]");
+  std::optional<double> from, until;
+  if (from_node != nullptr) from = read_number(findings, *from_node, "from", times);
+  if (until_node != nullptr) until = read_number(findings, *until_node, "until", times);
+  if (!from || !until) return std::nullopt;
+  if (*until <= *from) {
+    findings.error(*until_node, fmt::format("until is {}, which is not after from", *until),
+                   fmt::format("expected a time above {} [s]", *from));
+  } else if (scenario.duration > 0.0 && *from >= scenario.duration) {
+    findings.warning(*from_node, fmt::format("the {} begins at {} s, after the end of the run", what, *from),
+                     fmt::format("the duration is {} s", scenario.duration));
+  }
+  return Span{*from, *until};
 }
 
 void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario) {

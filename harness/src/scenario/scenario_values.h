@@ -5,7 +5,7 @@
 #pragma once
 
 #include "scenario_findings.h"
-#include "scenario_yaml.h"
+#include "yaml/yaml_tree.h"
 
 #include <Eigen/Geometry>
 #include <cstdint>

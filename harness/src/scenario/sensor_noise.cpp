@@ -19,6 +19,8 @@ std::vector<MeasuredQuantity> quantities_of(const Device& device) {
     std::vector<MeasuredQuantity> operator()(const ContactSensor&) const { return {force}; }
     std::vector<MeasuredQuantity> operator()(const RangeSensor&) const { return {range}; }
     std::vector<MeasuredQuantity> operator()(const Light&) const { return {}; }
+    std::vector<MeasuredQuantity> operator()(const Rotor&) const { return {}; }
+    std::vector<MeasuredQuantity> operator()(const Holder&) const { return {}; }
     std::vector<MeasuredQuantity> operator()(const Camera& camera) const {
       if (camera.depth) return {color, depth};
       return {color};

@@ -1,7 +1,7 @@
 #include "trace_scenario.h"
 
 #include <fmt/format.h>
-#include <rehearse/urdf.h>
+#include <rehearse/body.h>
 
 #include "branch_origin.h"
 #include "trace/run_facts.h"
@@ -36,9 +36,15 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
     if (!model) return error(fmt::format("the trace has no attachment '{}'", file));
     UrdfOptions without_meshes = options;  // a trace contains no meshes
     without_meshes.meshes = UrdfOptions::Meshes::skip;
-    return parse_urdf(std::string(model->text()), file, without_meshes);
+    return parse_model(std::string(model->text()), file, without_meshes);
   };
-  Result<Scenario> scenario = Scenario::parse(std::string(source->text()), trace.name() + "/scenario.yaml", models);
+  const Scenario::FileSource files = [&trace](const std::string& file) -> Result<std::string> {
+    const mcap::Attachment* found = find_attachment(trace, file);
+    if (!found) return error(fmt::format("the trace has no attachment '{}'", file));
+    return std::string(found->text());
+  };
+  Result<Scenario> scenario =
+      Scenario::parse(std::string(source->text()), trace.name() + "/scenario.yaml", models, files);
   if (!scenario) return scenario;
   scenario->seed = run.seed.value_or(scenario->seed);
   scenario->duration = run.duration.value_or(scenario->duration);

@@ -9,6 +9,7 @@
 #include "branch_source.h"
 #include "closed_loop.h"
 #include "host/float_mode.h"
+#include "led_world.h"
 #include "model/clock.h"
 #include "recording/provenance.h"
 #include "replay/copying_sink.h"
@@ -171,38 +172,15 @@ Result<void> Branch::create(ClosedLoop& loop) {
   return {};
 }
 
-/// Records nothing in the steps before the moment, except the contacts, which count as existing.
-class ContactsSink final : public Sink {
- public:
-  explicit ContactsSink(Recorder& recorder) : recorder_(recorder) {}
-  Result<void> emit(const Moment& now) override {
-    recorder_.begin_with_contacts(*now.touching);
-    return {};
-  }
-
- private:
-  Recorder& recorder_;
-};
-
 /// Moves the world to its state at the moment, with all pending captures.
 Result<void> Branch::lead_world(ClosedLoop& loop) {
-  auto commands = RecordedCommands::find(*scenario_, source_->recording);
-  if (!commands) return commands.errors();
-  Plant& plant = *loop.plant;
-  ContactsSink sink(*loop.recorder);
-  Run leading(scenario_->time_step, *loop.world, *commands, sink, checkpoint_, origin_.tick);
-  RecordedCheckpoints checkpoints(source_->recording, *scenario_);
-  const auto restored = begin_at_checkpoint(checkpoint_, plant, checkpoints, *commands, leading.command);
-  if (!restored) return restored.errors();
-  REHEARSE_ASSERT(*restored, "it was chosen from those there are");
-  if (auto led = leading.go(); !led) return led;
-  if (leading.interruption()) return *leading.interruption();
-  if (leading.broke_down())
-    return in_file(file_, error(fmt::format("led by the recorded commands, the simulation exploded after tick {}",
-                                            leading.tick() - 1)));
-  moved_ = std::move(leading.command);
+  auto led = rehearse::lead_world(*scenario_, source_->recording, checkpoint_, origin_.tick, *loop.plant, *loop.world,
+                                  *loop.recorder);
+  if (!led) return led.errors();
+  moved_ = std::move(led->command);
   const auto moment = static_cast<std::size_t>(origin_.tick);
-  if (moment >= source_->state_hashes.size() || plant.world().state_hash() == source_->state_hashes[moment]) return {};
+  const auto& hashes = source_->state_hashes;
+  if (moment >= hashes.size() || loop.plant->world().state_hash() == hashes[moment]) return {};
   Diagnostic& remark = summary_.run.remarks.emplace_back(
       error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
                         origin_.tick),
@@ -224,11 +202,8 @@ Result<void> Branch::copy_source(ClosedLoop& loop) {
 /// Closes the loop from the moment on. The last commands of the recorded controllers are still in force, but joints
 /// have the drives of the present controllers.
 void Branch::close(ClosedLoop& loop) {
-  Command& command = loop.run->command;
-  for (std::size_t body = 0; body < moved_.bodies.size(); ++body)
-    for (std::size_t joint = 0; joint < moved_.bodies[body].joints.size(); ++joint)
-      moved_.bodies[body].joints[joint].drive = command.bodies[body].joints[joint].drive;
-  command = std::move(moved_);
+  take_drives(loop.run->command, moved_);
+  loop.run->command = std::move(moved_);
   loop.world->save_checkpoints(source_->checkpoint_interval());
   loop.world->alter(loop.altered);
   loop.run->change(*loop.world, *loop.sink, scenario_->ticks());

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "led_world.h"
 #include "model/clock.h"
 #include "recorded_checkpoints.h"
 #include "recording/mesh_digests.h"
@@ -28,21 +29,6 @@ void find_ticks(BranchSource& source) {
   source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
   const auto outcome = RunFacts::of(source.recording).outcome;
   if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
-}
-
-/// The number of ticks that cameras and range sensors must run before a moment. Then all captures that arrive at the
-/// moment or later are captured again. It is twice the longest cycle, which is a second at most (renderer/vision.h).
-std::int64_t lead_of(const Scenario& scenario) {
-  double longest = 0.0;
-  for (const ScenarioBody& body : scenario.bodies) {
-    for (const Device& device : body.model->devices) {
-      if (const auto* camera = std::get_if<Camera>(&device.kind)) longest = std::max(longest, 1.0 / camera->frame_rate);
-      if (const auto* laser = std::get_if<RangeSensor>(&device.kind))
-        longest = std::max(longest, 1.0 / laser->scan_rate);
-    }
-  }
-  constexpr std::int64_t for_contacts = 2;  // contacts are known after a step
-  return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
 }
 
 /// Loads the models with their meshes, from the scenario's files.

@@ -35,13 +35,14 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario.bodies)
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
-                      body.joint_limits, body.effort_limits, body.trimesh, body.self_collision, body.linear_velocity,
+                      body.joint_limits.value_or(true), body.effort_limits, body.self_collision, body.linear_velocity,
                       body.angular_velocity, body.joint_velocities, body.materials});
   return bodies;
 }
 
 WorldSettings world_settings(const Scenario& scenario) {
-  return {scenario.time_step, scenario.gravity, scenario.seed, scenario.solver, scenario.lever_arms, scenario.pairs};
+  return {scenario.time_step,  scenario.gravity, scenario.seed,       scenario.solver,
+          scenario.lever_arms, scenario.pairs,   scenario.connections};
 }
 
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario) { return create(scenario, scenario); }
@@ -101,7 +102,9 @@ void Plant::obey(std::int64_t tick, Command& command) {
     for (std::size_t device = 0; device < told_[body].size(); ++device) {
       DeviceCommand& wanted = command.bodies[body].devices[device];
       const bool fresh = std::exchange(wanted.fresh, false);
-      if (!fresh || !std::holds_alternative<Light>(scenario_.bodies[body].model->devices[device].kind)) continue;
+      if (!fresh || !is_actuator(scenario_.bodies[body].model->devices[device])) continue;
+      world_->command_device(static_cast<int>(body), static_cast<int>(device), wanted.values);
+      if (!std::holds_alternative<Light>(scenario_.bodies[body].model->devices[device].kind)) continue;
       DeviceReading& reading = told_[body][device].emplace();
       reading.fresh = true;
       reading.measured_at = time_of(tick + 1, scenario_.time_step);

@@ -72,7 +72,6 @@ Result<void> RecordedCheckpoints::make_recorded_world() {
     Model model = *body.model;
     for (Link& link : model.links) link.collisions.clear();
     body.model = std::make_shared<const Model>(std::move(model));
-    body.trimesh = false;
   }
   auto world = World::create(world_settings(*recorded), std::move(bodies));
   if (!world) return world.errors();

@@ -29,7 +29,7 @@ Eigen::Vector3d vector(const std::vector<double>& numbers, std::size_t at) {
 /// True if a device's state, in the form of the API's writeState, is on.
 bool is_on(const Device& device, const std::vector<double>& state) {
   const bool says_so = std::holds_alternative<Camera>(device.kind) ||
-                       std::holds_alternative<RangeSensor>(device.kind) || std::holds_alternative<Light>(device.kind);
+                       std::holds_alternative<RangeSensor>(device.kind) || is_actuator(device);
   return !says_so || state[0] != 0.0;
 }
 

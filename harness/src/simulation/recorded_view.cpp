@@ -1,5 +1,7 @@
 #include "recorded_view.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -7,6 +9,7 @@
 #include <vector>
 
 #include "model/clock.h"
+#include "png/png.h"
 #include "viewpoint.h"
 
 namespace rehearse {
@@ -21,13 +24,15 @@ double value_at(const Trace& recording, const std::string& series, double time, 
   return recording.at(series, time);
 }
 
-Eigen::Isometry3d root_pose(const ScenarioBody& body, const Trace& recording, double time) {
-  const std::string root = body.name + "/" + body.model->links[0].name;
+/// The recorded pose of a link; `otherwise` if the recording has none.
+Eigen::Isometry3d recorded_pose(const ScenarioBody& body, const Link& link, const Trace& recording, double time,
+                                const Eigen::Isometry3d& otherwise) {
+  const std::string series = body.name + "/" + link.name;
   constexpr std::array axes{"x", "y", "z", "w"};
-  Eigen::Vector3d position = body.position;
-  Eigen::Vector4d rotation = Eigen::Quaterniond(body.rotation.toRotationMatrix()).coeffs();
-  for (int i = 0; i < 3; ++i) position[i] = value_at(recording, root + "/position/" + axes[i], time, position[i]);
-  for (int i = 0; i < 4; ++i) rotation[i] = value_at(recording, root + "/orientation/" + axes[i], time, rotation[i]);
+  Eigen::Vector3d position = otherwise.translation();
+  Eigen::Vector4d rotation = Eigen::Quaterniond(otherwise.linear()).coeffs();
+  for (int i = 0; i < 3; ++i) position[i] = value_at(recording, series + "/position/" + axes[i], time, position[i]);
+  for (int i = 0; i < 4; ++i) rotation[i] = value_at(recording, series + "/orientation/" + axes[i], time, rotation[i]);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
   pose.translation() = position;
@@ -41,7 +46,13 @@ PlacedModel place_at(const ScenarioBody& body, const Trace& recording, double ti
     if (link.joint.id >= 0 && id < q.size())
       q[id] = value_at(recording, body.name + "/" + link.joint.name + "/q", time, q[id]);
   }
-  return {body.model, forward_kinematics(*body.model, root_pose(body, recording, time), q), body.fixed};
+  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
+  root.translation() = body.position;
+  root.linear() = body.rotation.toRotationMatrix();
+  const auto free_pose = [&](std::size_t link, const Eigen::Isometry3d& otherwise) {
+    return recorded_pose(body, body.model->links[link], recording, time, otherwise);
+  };
+  return {body.model, forward_kinematics(*body.model, free_pose(0, root), q, free_pose), body.fixed};
 }
 
 }  // namespace
@@ -50,7 +61,7 @@ Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, st
                             int height) {
   const double time = time_of(tick, scenario.time_step);
   std::vector<PlacedModel> scene;
-  std::size_t lights = 0;
+  std::size_t lights = scenario.look.lights.size();
   for (const ScenarioBody& body : scenario.bodies) {
     scene.push_back(place_at(body, recording, time));
     for (const Device& device : body.model->devices) lights += std::holds_alternative<Light>(device.kind) ? 1 : 0;
@@ -68,6 +79,14 @@ Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, st
   if (!renderer) return renderer.errors();
   for (const PlacedModel& placed : scene) add_to(**renderer, placed);
   return (*renderer)->draw(camera, look_at(view.eye, view.target), Quality::fine).color;
+}
+
+std::vector<std::uint8_t> thumbnail_of(const Scenario& scenario, const Trace& recording, std::int64_t tick) {
+  static bool is_forked = false;
+  static const int watches = pthread_atfork(nullptr, nullptr, [] { is_forked = true; });
+  if (watches != 0 || is_forked) return {};
+  const auto picture = draw_recorded(scenario, recording, tick, 320, 240);
+  return picture ? encode_png(*picture) : std::vector<std::uint8_t>();
 }
 
 }  // namespace rehearse

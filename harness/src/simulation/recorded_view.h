@@ -7,11 +7,16 @@
 #include <rehearse/trace.h>
 
 #include <cstdint>
+#include <vector>
 
 namespace rehearse {
 
 /// Draws the bodies of the scenario as the recording has them at a tick, from the default viewpoint. A body that the
 /// recording lacks is drawn at its start. `width`, `height`: [pixels]. Fails if nothing can be drawn.
 Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, std::int64_t tick, int width, int height);
+
+/// Such a picture as PNG, for a list of reports; empty if it can't be drawn, or in a process that was forked after the
+/// first drawing, where the renderer's threads don't exist.
+std::vector<std::uint8_t> thumbnail_of(const Scenario& scenario, const Trace& recording, std::int64_t tick);
 
 }  // namespace rehearse

@@ -1,13 +1,5 @@
 #include "world_source.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <set>
-#include <utility>
-
-#include "model/clock.h"
-
 namespace rehearse {
 
 Result<bool> WorldSource::observe(Moment& now) {
@@ -17,7 +9,7 @@ Result<bool> WorldSource::observe(Moment& now) {
   now.read = &plant_.read();
   now.state_hash = plant_.world().state_hash();
   now.touching = &plant_.world().touching();
-  if (!plant_.world().solver_message().empty()) now.events.push_back(solver_failure(now.tick));
+  remarks_.observe(now.tick, plant_.world(), plant_.seen(), now.events);
   if (now.is_closing) return true;
   if (altered_) apply_alterations(now);
   if (checkpoint_interval_ == 0 || now.tick % checkpoint_interval_ != 0) return true;
@@ -46,24 +38,6 @@ Result<bool> WorldSource::advance(Moment& now, Commander& commands) {
   commands.act_late(now);
   plant_.obey(now.tick, now.command);
   return alive;
-}
-
-/// The event of a step before `tick` that the exact solver failed to solve. The first one is a warning, and so a remark
-/// of the run.
-msg::Event WorldSource::solver_failure(std::int64_t tick) {
-  std::set<std::string> touching;
-  for (const LinkPair& pair : plant_.world().touching())
-    for (const int body : {pair.body, pair.other_body}) touching.insert("'" + scenario_.bodies[body].name + "'");
-  msg::Event event;
-  event.stamp = msg::Time::from_ns(nanoseconds_of(tick, scenario_.time_step));
-  event.tick = tick;
-  event.severity = to_string(std::exchange(solver_failed_, true) ? Severity::note : Severity::warning);
-  event.source = "world";
-  event.text = fmt::format(
-      "the exact solver found no solution in the step after tick {}, when {} touched; the quick solver made the step "
-      "with 1000 iterations ({})",
-      tick - 1, fmt::join(touching, ", "), plant_.world().solver_message());
-  return event;
 }
 
 Result<bool> begin_at_checkpoint(std::int64_t tick, Plant& plant, RecordedCheckpoints& checkpoints,

@@ -13,13 +13,15 @@
 #include "recorded_commands.h"
 #include "replay/altered_inputs.h"
 #include "run/run.h"
+#include "world_remarks.h"
 
 namespace rehearse {
 
 class WorldSource : public ObservationSource {
  public:
-  /// Steps that the exact solver failed to solve become events. Both must outlive this.
-  WorldSource(const Scenario& scenario, Plant& plant) : scenario_(scenario), plant_(plant), trial_(scenario) {}
+  /// What the user should know of the steps becomes events (WorldRemarks). Both must outlive this.
+  WorldSource(const Scenario& scenario, Plant& plant)
+      : scenario_(scenario), plant_(plant), remarks_(scenario), trial_(scenario) {}
 
   /// Saves a checkpoint every `interval` ticks; some are tested. 0: none.
   void save_checkpoints(std::int64_t interval) { checkpoint_interval_ = interval; }
@@ -33,15 +35,14 @@ class WorldSource : public ObservationSource {
 
  private:
   void apply_alterations(Moment& now);
-  msg::Event solver_failure(std::int64_t tick);
 
   const Scenario& scenario_;
   Plant& plant_;
+  WorldRemarks remarks_;
   AlteredInputs* altered_ = nullptr;
   Observation altered_seen_, altered_read_;
   std::int64_t checkpoint_interval_ = 0;  // [ticks]
   CheckpointTrial trial_;
-  bool solver_failed_ = false;  // in any step
 };
 
 /// Sets the world to the recorded state at the beginning of that tick, and devices to their settings at that time.

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <rehearse/body.h>
 #include <rehearse/controller_bench.h>
 #include <rehearse/test_support.h>
-#include <rehearse/urdf.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +81,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   scenario.time_step = options.time_step;
   ScenarioBody& body = scenario.bodies.emplace_back();
   body.model_file = fixture_path(model_file);
-  body.model = std::make_shared<const Model>(value_or_throw(load_urdf(body.model_file)));
+  body.model = std::make_shared<const Model>(value_or_throw(load_model(body.model_file)));
   body.name = model().name;
   body.fixed = model().links[0].joint.type == JointType::fixed;
   body.position = options.position;

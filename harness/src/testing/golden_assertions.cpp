@@ -74,10 +74,7 @@ ToleranceRule rule_for(std::string channel, double atol, double rtol) {
 
 std::vector<ToleranceRule> rules_of(const Scenario& scenario, const MatchOptions& options) {
   std::vector<ToleranceRule> rules = scenario.tolerances;
-  if (options.exact) {
-    ToleranceRule& all = rules.emplace_back(rule_for("*", 0.0, 0.0));
-    all.pixel_share = all.pixel_delta = all.pixel_window = 0.0;
-  }
+  if (options.exact) rules.push_back(equal_bits());
   for (const Near& near : options.near) rules.push_back(rule_for(near.channel, near.atol, near.rtol));
   return rules;
 }
@@ -111,7 +108,9 @@ Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_b
     if (failed) return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
     return RunSummary();
   };
-  return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant});
+  const auto proving = proof_mode();
+  if (proving && proving->on && !levels.closed) levels.certificates = certificates_of(golden_store());
+  return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant, describe_plant});
 }
 
 /// The reason why a run of this program must not become a golden: it doesn't repeat itself. Empty if it does.
@@ -119,7 +118,7 @@ Result<std::string> doubt_about(const Trace& trace) {
   if (scenario_file_of(trace).empty()) return std::string();
   const auto scenario = Scenario::load(scenario_file_of(trace));
   if (!scenario) return scenario.errors();
-  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, {record, run_plant});
+  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, simulation());
   if (!found) return found.errors();
   return found->reproduced() ? std::string() : found->verdict;
 }
@@ -194,8 +193,12 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
     fmt::print("{}\n", result.message);
     return {result.passed, std::move(result.message)};
   }
-  return check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty(), store,
-                      compared.checked);
+  TestVerdict verdict = check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty(),
+                                     store, compared.checked);
+  if (verdict.passed)
+    if (const auto stored = certify(trace, scenario->tolerances); !stored)
+      fmt::print(stderr, "{}\n", to_string(stored.errors()));
+  return verdict;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/replay.h>
-#include <rehearse/session.h>
 #include <rehearse/test_support.h>
 
 #include <cstdlib>
@@ -39,11 +38,6 @@ void publish(const fs::path& trace) {
   if (!failed) fs::rename(draft, traces_folder() / trace.filename(), failed);
 }
 
-std::map<std::string, std::string>& recorded_scenarios() {
-  static std::map<std::string, std::string> scenario_by_trace;
-  return scenario_by_trace;
-}
-
 /// Prints repairs and warnings on stderr, each once in a process.
 void print_warnings(const Diagnostics& found) {
   static std::set<std::string> printed;
@@ -59,11 +53,6 @@ GoldenStore golden_store() {
   const TestFolders folders = test_folders();
   const bool stated = std::getenv("REHEARSE_PENDING") != nullptr;
   return GoldenStore(folders.golden, stated ? pending_folder() : fs::path(folders.output) / "goldens" / "pending");
-}
-
-std::string scenario_file_of(const Trace& trace) {
-  const auto found = recorded_scenarios().find(trace.file());
-  return found == recorded_scenarios().end() ? "" : found->second;
 }
 
 namespace {
@@ -85,7 +74,7 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
   if (!scenario) fail_to_run(test, to_string(scenario.errors()));
   print_warnings(scenario->warnings);
   const fs::path file = new_trace_file(test);
-  const auto run = rehearse::record(*scenario, file);
+  const auto run = make_recording(*scenario, test, file);
   if (!run) fail_to_run(test, to_string(run.errors()));
   publish(file);
   print_warnings(run->remarks);
@@ -94,7 +83,6 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
                                   (traces_folder() / file.filename()).string()));
   if (run->controller_refused) fail_to_run(test, to_string(run->remarks));
   drop_test_result(test, "run");
-  recorded_scenarios()[file.string()] = scenario->file;
   auto trace = Trace::load(file);
   if (!trace) throw std::runtime_error(to_string(trace.errors()));
   return std::move(*trace);
@@ -132,21 +120,39 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
 
 }  // namespace
 
+namespace {
+
+/// The report of a replay that differs, and its entry in the index: the replay becomes a recording beside the golden.
+std::string keep_replay_report(const fs::path& golden, const std::string& test, const TestVerdict& verdict) {
+  const fs::path file = traces_folder() / (test + ".replay.mcap");
+  std::error_code ignored;
+  fs::create_directories(traces_folder(), ignored);
+  if (const auto written = write_replay(golden, file, {}); !written) return "\n" + to_string(written.errors());
+  const auto replayed = Trace::load(file);
+  if (!replayed) return "\n" + to_string(replayed.errors());
+  ComparedTest compared;
+  compared.golden = golden;
+  compared.tolerances = {equal_bits()};
+  return keep_test_report(*replayed, test, "replay", verdict, compared);
+}
+
+}  // namespace
+
 TestVerdict replay_golden(const std::string& name, const std::string& test) {
   const GoldenStore store = golden_store();
   std::optional<Divergence> first;
   TestVerdict verdict = replay_and_compare(store, name, first);
+  if (first) {
+    verdict.message += keep_replay_report(store.trace_file(name), test, verdict);
+    return verdict;
+  }
   TestResult result;
   result.test = test;
   result.kind = "replay";
-  result.state = verdict.passed ? TestResult::State::passed
-                 : first        ? TestResult::State::differs
-                                : TestResult::State::failed;
+  result.state = verdict.passed ? TestResult::State::passed : TestResult::State::failed;
   result.verdict =
       verdict.passed ? "the golden's commands, bit for bit" : verdict.message.substr(0, verdict.message.find('\n'));
-  if (first) result.tick = first->tick;
-  const auto golden = first ? Trace::load(store.trace_file(name)) : Result<Trace>(error("not needed"));
-  const std::string told = keep_test_result(std::move(result), golden ? &*golden : nullptr, {});
+  const std::string told = keep_test_result(std::move(result), nullptr, {});
   if (!verdict.passed) verdict.message += told;
   return verdict;
 }

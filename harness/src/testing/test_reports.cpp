@@ -1,15 +1,14 @@
 #include "test_reports.h"
 
-#include <pthread.h>
 #include <rehearse/report.h>
 
 #include <cstdlib>
 #include <string_view>
 
 #include "golden/run_folder.h"
-#include "png/png.h"
 #include "scenario/trace_scenario.h"
 #include "simulation/recorded_view.h"
+#include "test_recordings.h"
 
 namespace rehearse::internal {
 namespace {
@@ -38,15 +37,9 @@ ReportOptions options_of(const TestVerdict& verdict, const ComparedTest& compare
   return options;
 }
 
-/// A PNG of the robot at that tick, for the index; empty if it can't be drawn.
 std::vector<std::uint8_t> thumbnail_of(const Trace& trace, const fs::path& scenario_file, std::int64_t tick) {
-  static bool is_forked = false;  // since the first drawing: the renderer's threads do not exist in this process
-  static const int watches = pthread_atfork(nullptr, nullptr, [] { is_forked = true; });
-  if (watches != 0 || is_forked) return {};
-  auto scenario = scenario_file.empty() ? recorded_scenario(trace) : Scenario::load(scenario_file);
-  if (!scenario) return {};
-  const auto picture = draw_recorded(*scenario, trace, tick, 320, 240);
-  return picture ? encode_png(*picture) : std::vector<std::uint8_t>();
+  const auto scenario = scenario_file.empty() ? recorded_scenario(trace) : Scenario::load(scenario_file);
+  return scenario ? rehearse::thumbnail_of(*scenario, trace, tick) : std::vector<std::uint8_t>();
 }
 
 /// The address for a message: a link, in CI a path.
@@ -86,7 +79,9 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   result.kind = kind;
   result.state = verdict.passed ? TestResult::State::passed : TestResult::State::differs;
   result.verdict = compared.checked ? compared.checked->verdict
-                   : verdict.passed ? (kind == "golden" ? "as its golden" : "as expected")
+                   : verdict.passed ? (kind != "golden"   ? "as expected"
+                                       : is_proved(trace) ? "as its golden, proved without simulating"
+                                                          : "as its golden")
                                     : first_line(verdict.message);
   const bool has_golden = fs::is_regular_file(compared.golden, ignored);
   if (!verdict.passed || wanted() == Wanted::always) {

@@ -142,6 +142,7 @@ Result<Filtered> filter(const std::filesystem::path& source, const std::filesyst
                         const FilterOptions& options) {
   const auto view = FileView::open(source);
   if (!view) return view.errors();
+  if (view->converted() && !view->converted()->damage.empty()) return view->converted()->damage;
   const auto reader = Reader::open_bytes(view->bytes(), view->name());
   if (!reader) return reader.errors();
   if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());

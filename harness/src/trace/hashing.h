@@ -1,8 +1,11 @@
 // hash_bytes: the hash function of all hashes of a run (XXH3, 64 bits). Equal bytes have equal hashes on every machine.
 #pragma once
 
+#include <rehearse/diagnostic.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -23,6 +26,9 @@ class RunningHash {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// hash_bytes() of a file. Fails if it can't be read.
+Result<std::uint64_t> hash_of_file(const std::filesystem::path& file);
 
 /// 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "ros2msg.h"
 
@@ -111,6 +112,10 @@ class Parser {
  private:
   void parse_line(std::string_view line);
   void begin_definition(std::string_view line);
+  void begin_service(std::string_view name);
+  void begin_response_of_root();
+  void end_repeated();
+  void add_definition(std::string name);
   void parse_declaration(std::string_view line);
   bool parse_type(std::string_view text, FieldType& type, std::string& message_name);
   void add_constant(const FieldType& type, std::string_view type_text, std::string_view name, std::string_view value);
@@ -131,6 +136,10 @@ class Parser {
   std::map<std::string, std::size_t, std::less<>> by_name_;  // indices into the definitions
   std::vector<OpenField> open_fields_;
   Diagnostics errors_;
+  std::vector<std::vector<std::string>> texts_{{}};  // the lines of each definition
+  std::optional<std::size_t> repeats_;               // the definition that the present lines repeat
+  std::vector<std::string> repeated_;                // these lines
+  std::optional<std::size_t> service_;               // its request, then its response
   int line_ = 0;
   bool expects_heading_ = false;
 };
@@ -143,6 +152,7 @@ Result<Schema> Parser::parse(std::string_view text) {
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
   if (expects_heading_) complain(line_, "the text ends where a line \"MSG: package/Name\" should stand");
+  end_repeated();
   resolve();
   if (errors_.empty()) check_cycles();
   if (!errors_.empty()) return errors_;
@@ -155,23 +165,87 @@ void Parser::parse_line(std::string_view line) {
     expects_heading_ = true;
   } else if (expects_heading_) {
     begin_definition(line);
+  } else if (repeats_) {
+    repeated_.emplace_back(line);
+  } else if (line == "---" && service_ && schema_.definitions[*service_].name.ends_with("_Request")) {
+    const std::string& request = schema_.definitions[*service_].name;
+    service_ = schema_.definitions.size();
+    add_definition(request.substr(0, request.rfind('_')) + "_Response");
+  } else if (line == "---" && !service_ && schema_.definitions.size() == 1 && current().name.ends_with("_Event")) {
+    begin_response_of_root();
   } else {
+    texts_.back().emplace_back(line);
     parse_declaration(line);
   }
 }
 
+void Parser::add_definition(std::string name) {
+  by_name_.emplace(name, schema_.definitions.size());
+  schema_.definitions.push_back({std::move(name), {}, {}});
+  texts_.emplace_back();
+}
+
+/// The text of a service without its line "SRV:" (seen in rosbag2 0.25): its fields so far are those of the request.
+void Parser::begin_response_of_root() {
+  constexpr std::size_t suffix = std::string_view("_Event").size();
+  Definition request = std::exchange(current(), {current().name, {}, {}});
+  std::vector<OpenField> open = std::exchange(open_fields_, {});
+  begin_service(current().name.substr(0, current().name.size() - suffix));
+  current().fields = std::move(request.fields);
+  current().constants = std::move(request.constants);
+  for (OpenField& field : open) {
+    field.definition = *service_;
+    open_fields_.push_back(std::move(field));
+  }
+  service_ = schema_.definitions.size();
+  add_definition(request.name.substr(0, request.name.size() - suffix) + "_Response");
+}
+
+/// A definition that a schema has twice must be the same both times. rosbag2 writes some so.
+void Parser::end_repeated() {
+  if (repeats_ && repeated_ != texts_[*repeats_])
+    complain(line_, fmt::format("type {} is defined twice, differently", schema_.definitions[*repeats_].name));
+  repeats_.reset();
+  repeated_.clear();
+}
+
+/// The text of a service (SRV: package/srv/Name, the fields of the request, ---, those of the response), which rosbag2
+/// writes for the events of a service (its version 0.26 has this form), of type package/srv/Name_Event. An event is an
+/// info, and a request or a response.
+void Parser::begin_service(std::string_view name) {
+  const std::string service = canonical_name(name);
+  if (schema_.definitions.size() > 1 || !current().fields.empty())
+    return complain(line_, "a service is defined after a message");
+  constexpr int max_parts = 1;
+  const auto add_part = [&](const char* field, std::string type, FieldType::Shape shape) {
+    FieldType part;
+    part.is_message = true;
+    part.shape = shape;
+    part.count = shape == FieldType::Shape::sequence ? max_parts : 0;
+    add_field(part, std::move(type), field, {});
+  };
+  add_part("info", "service_msgs/ServiceEventInfo", FieldType::Shape::single);
+  add_part("request", service + "_Request", FieldType::Shape::sequence);
+  add_part("response", service + "_Response", FieldType::Shape::sequence);
+  service_ = schema_.definitions.size();
+  add_definition(service + "_Request");
+}
+
 void Parser::begin_definition(std::string_view line) {
-  constexpr std::string_view heading = "MSG:";
+  constexpr std::string_view heading = "MSG:", service = "SRV:";
   expects_heading_ = false;
+  end_repeated();
+  if (line.starts_with(service)) return begin_service(trim(line.substr(service.size())));
   const std::string name = line.starts_with(heading) ? canonical_name(trim(line.substr(heading.size()))) : "";
   if (name.empty()) complain(line_, "after a line of = signs stands no line \"MSG: package/Name\"");
   if (schema_.definitions.size() == max_definitions) {
     return complain(line_, fmt::format("more than {} types in one schema", max_definitions));
   }
-  if (!by_name_.emplace(name, schema_.definitions.size()).second) {
-    complain(line_, fmt::format("type {} is defined twice", name));
+  if (const auto known = by_name_.find(name); known != by_name_.end()) {
+    repeats_ = known->second;
+  } else {
+    add_definition(name);
   }
-  schema_.definitions.push_back({name, {}, {}});
 }
 
 void Parser::parse_declaration(std::string_view line) {
@@ -271,6 +345,13 @@ void Parser::add_field(FieldType type, std::string message_name, std::string_vie
 }
 
 void Parser::resolve() {
+  // An empty request or response has one byte.
+  FieldType byte;
+  byte.primitive = Primitive::uint8;
+  for (Definition& definition : schema_.definitions)
+    if (service_ && definition.fields.empty() &&
+        (definition.name.ends_with("_Request") || definition.name.ends_with("_Response")))
+      definition.fields.push_back({"structure_needs_at_least_one_member", byte, {}});
   // The list grows during the loop: a well-known type may use further types.
   for (std::size_t i = 0; i < open_fields_.size(); ++i) {
     const OpenField open = open_fields_[i];
@@ -309,6 +390,19 @@ std::optional<std::size_t> Parser::add_known(std::string_view type) {
     by_name_.emplace(type, index);
     schema_.definitions.push_back(
         {std::string(type), {field("sec", Primitive::int32), field("nanosec", Primitive::uint32)}, {}});
+    return index;
+  }
+  if (type == "service_msgs/ServiceEventInfo") {
+    by_name_.emplace(type, index);
+    FieldDefinition stamp = field("stamp", Primitive::boolean), client = field("client_gid", Primitive::uint8);
+    stamp.type.is_message = true;
+    client.type.shape = FieldType::Shape::array;
+    client.type.count = 16;
+    schema_.definitions.push_back(
+        {std::string(type),
+         {field("event_type", Primitive::uint8), stamp, client, field("sequence_number", Primitive::int64)},
+         {}});
+    open_fields_.push_back({index, 1, "builtin_interfaces/Time", 0});
     return index;
   }
   if (type == "std_msgs/Header" || type == "Header") {

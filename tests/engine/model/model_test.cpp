@@ -147,5 +147,25 @@ TEST(Device, TypeNamesAreThoseOfTheControllerApi) {
   EXPECT_EQ(name(depth), "RangeCamera");
 }
 
+TEST(ForwardKinematics, PutsALinkBehindAFloatingJointWhereItIs) {
+  Model model;
+  model.links.resize(3);
+  model.links[1].parent = 0;
+  model.links[1].joint.origin = Eigen::Translation3d(1, 0, 0);
+  model.links[2].parent = 1;
+  model.links[2].joint.type = JointType::fixed;
+  model.links[2].joint.origin = Eigen::Translation3d(0, 0, 0.5);
+  const Eigen::Isometry3d root(Eigen::Translation3d(0, 2, 0));
+  EXPECT_EQ(forward_kinematics(model, root, {})[2].translation(), Eigen::Vector3d(1, 2, 0.5));
+  const auto poses = forward_kinematics(model, root, {}, [](std::size_t link, const Eigen::Isometry3d& by_default) {
+    EXPECT_EQ(link, 1u);
+    EXPECT_EQ(by_default.translation(), Eigen::Vector3d(1, 2, 0));
+    return Eigen::Isometry3d(Eigen::Translation3d(7, 8, 9));
+  });
+  EXPECT_EQ(poses[0].translation(), Eigen::Vector3d(0, 2, 0));
+  EXPECT_EQ(poses[1].translation(), Eigen::Vector3d(7, 8, 9));
+  EXPECT_EQ(poses[2].translation(), Eigen::Vector3d(7, 8, 9.5));
+}
+
 }  // namespace
 }  // namespace rehearse

@@ -21,6 +21,11 @@ struct Mistake {
 
 /// Refused, each with this one error.
 const std::vector<Mistake> errors = {
+    {"loop_axis_zero", 7, "the axis of a <loop_joint> is zero"},
+    {"loop_of_one_link", 7, "loop_joint 'loop' connects a link to itself"},
+    {"loop_of_unknown_type", 7, "unknown type 'screw' of a <loop_joint>"},
+    {"loop_on_unknown_link", 7, "loop_joint 'loop' names 'leg', which isn't a link"},
+    {"loop_without_end", 7, "a <loop_joint> without <link2>"},
     {"attribute_twice", 3, "an attribute of this tag isn't well-formed XML, or there are two of one name"},
     {"attribute_without_quotes", 3, "an attribute of this tag isn't well-formed XML"},
     {"axis_zero", 7, "the axis of joint 'hinge' is zero"},
@@ -70,7 +75,7 @@ const std::vector<Mistake> errors = {
     {"mesh_truncated_glb", 5, "it is truncated: 200 bytes, fewer than it says"},
     {"mesh_truncated_obj", 5, "line 5: a face has fewer than three corners; the file may be truncated"},
     {"mesh_truncated_stl", 5, "it is truncated: 2 triangles need 184 bytes, and it has 134"},
-    {"mesh_vrml", 5, "'meshes/triangle.wrl' can't be used: .wrl isn't a format that is read"},
+    {"mesh_vrml", 5, "'meshes/triangle.wrl' can't be used: it has no triangles"},
     {"mesh_without_file", 5, "<mesh> has no filename"},
     {"mesh_without_triangles", 5, "it has no triangles"},
     {"mimic_of_a_fixed", 12, "joint 'right' mimics 'left', which doesn't move"},
@@ -123,6 +128,7 @@ const std::vector<Mistake> mimic_circle = {
 
 /// Loaded with this one repair; refused when strict.
 const std::vector<Mistake> repairs = {
+    {"spring_negative", 7, "the spring of joint 'hinge' has a stiffness of -5; it is left out"},
     {"inertia_not_positive_definite", 9,
      "the inertia of moving link 'arm' isn't positive definite; it gets the nearest that is, with the principal "
      "moments "
@@ -225,6 +231,11 @@ const std::vector<Mistake> warnings = {
     {"gazebo_friction_on_a_joint", 15, "<gazebo> says of joint 'hinge' what can be said of links only"},
     {"gazebo_on_unknown_link", 4, "<gazebo> refers to 'leg', which is neither a link nor a joint"},
     {"gazebo_static_with_joints", 16, "<static> fixes the root link to the world; the joints move nevertheless"},
+    {"holder_condition_unknown", 7, "<condition> holds 'magnet', not distance, collision or name"},
+    {"holder_without_target", 7, "a holder that holds by name has no <target>"},
+    {"rotor_direction_zero", 7, "the <direction> of a rotor is zero"},
+    {"rotor_of_no_joint", 7, "a rotor of 'knee', which isn't a joint that moves"},
+    {"spring_of_no_joint", 7, "a spring of 'world', which isn't a joint that moves"},
     {"inertia_in_grams", 9, "link 'arm' has the inertia of a body many metres wide: its radius of gyration is 50 m"},
     {"inertia_of_no_body", 9, "no body has the inertia of link 'arm'"},
     {"inertia_tiny", 9, "the inertia of moving link 'arm' is that of 1 kg within 1e-06 m"},

@@ -1,5 +1,7 @@
 // <mesh> in a URDF.
+#include "mesh/convex_parts.h"
 #include "mesh/mesh_cache.h"
+#include "png/png.h"
 #include "test_folder.h"
 #include "urdf_texts.h"
 
@@ -29,7 +31,7 @@ std::string triangle(const std::string& attributes) {
 
 TEST(UrdfMesh, IsLoadedForVisualsAndCollisions) {
   const Model model = arm();
-  EXPECT_TRUE(model.report.empty()) << to_string(model.report);
+  for (const Diagnostic& finding : model.report) EXPECT_EQ(finding.severity, Severity::note) << to_string(model.report);
   const Link& upper_arm = model.links.at(static_cast<std::size_t>(model.find_link("upper_arm")));
   EXPECT_EQ(mesh_in(upper_arm.visuals.at(0)).data->triangle_count(), 44u + 2 * 192);
   EXPECT_EQ(mesh_in(upper_arm.visuals[0]).data, mesh_in(upper_arm.collisions.at(0)).data);
@@ -124,11 +126,102 @@ TEST(UrdfMesh, WithoutItsPictureIsWarnedOfForVisualsOnly) {
   const std::string text = still("<visual>" + shape + "</visual>\n<collision>" + shape + "</collision>");
   const Result<Model> model = parse_urdf(text, FIXTURES_DIR "/broken/meshes/any.urdf");
   ASSERT_TRUE(model) << to_string(model.errors());
-  ASSERT_EQ(model->report.size(), 2u) << to_string(model->report);
+  ASSERT_EQ(model->report.size(), 1u) << to_string(model->report);
   EXPECT_EQ(model->report[0].line, 1);
   EXPECT_NE(model->report[0].message.find("photo.png"), std::string::npos);
-  EXPECT_EQ(model->report[1].line, 2) << "contact takes the flat one to be a sheet";
-  EXPECT_EQ(model->report[1].message.find("photo.png"), std::string::npos);
+}
+
+/// A link with a bracket, an angle with rounded legs, for its collision.
+std::string bracket(const std::string& of_collision = "", const std::string& in_mesh = "") {
+  return some_inertial + ("<collision " + of_collision) +
+         "><geometry><mesh filename='" FIXTURES_DIR "/models/mesh_arm/meshes/bracket.stl'>" + in_mesh +
+         "</mesh></geometry></collision>";
+}
+
+/// The number of hulls for contact; 0: its triangles.
+std::size_t hulls(const std::string& text, const UrdfOptions& options = {}) {
+  const Model model = load(text, options);
+  const Mesh& mesh = mesh_in(model.links[0].collisions.at(0));
+  return mesh.hulls ? mesh.hulls->size() : 0;
+}
+
+TEST(UrdfMesh, ThatMovesIsTakenForItsConvexParts) {
+  const std::size_t parts = hulls(robot(link("a", bracket())));
+  EXPECT_GE(parts, 2u);
+  EXPECT_LE(parts, 8u);
+  EXPECT_EQ(hulls(robot(link("a", bracket())), {.contact = MeshContact::hull}), 1u);
+  EXPECT_EQ(hulls(robot(link("a", bracket("concave='yes'")))), parts);  // a mesh that moves has no triangles
+  EXPECT_EQ(hulls(robot(link("a", bracket("", "<drake:declare_convex/>")))), 1u);
+}
+
+TEST(UrdfMesh, ThatNeverMovesIsTakenForItsTrianglesUnlessItIsConvex) {
+  EXPECT_EQ(hulls(still(bracket())), 0u);
+  EXPECT_EQ(hulls(robot(link("a", bracket())), {.fixed_root = true}), 0u);
+  EXPECT_GE(hulls(still(bracket()), {.contact = MeshContact::parts}), 2u);
+  EXPECT_EQ(hulls(still(bracket("", "<drake:declare_convex/>"))), 1u);
+  EXPECT_EQ(hulls(still(bracket("", "<drake:declare_convex/>")), {.contact = MeshContact::triangles}), 0u);
+  const std::string cube = "<collision><geometry><mesh filename='" FIXTURES_DIR
+                           "/models/mesh_arm/meshes/finger.stl'/></geometry></collision>";
+  const Mesh finger = mesh_in(load(still(cube)).links[0].collisions.at(0));
+  EXPECT_EQ(finger.hulls != nullptr, is_convex(*finger.data, 1e-3));
+}
+
+TEST(UrdfMesh, IsReportedWithWhatItsHullFillsTooMuch) {
+  const Model parts = load(robot(link("a", bracket())));
+  ASSERT_EQ(parts.report.size(), 1u) << to_string(parts.report);
+  EXPECT_EQ(parts.report[0].severity, Severity::note);
+  EXPECT_THAT(parts.report[0].message, ::testing::ContainsRegex("has a convex hull that fills [0-9.]+ % more than its "
+                                                                "volume: contact takes [0-9]+ convex parts"));
+  const Model hull = load(robot(link("a", bracket())), {.contact = MeshContact::hull});
+  ASSERT_EQ(hull.report.size(), 1u);
+  EXPECT_THAT(hull.report[0].message, ::testing::ContainsRegex("has a convex hull that fills [0-9.]+ % more"));
+  EXPECT_TRUE(load(still(bracket())).report.empty());  // triangles fill nothing too much
+}
+
+/// A folder with a square of texture coordinates, and a picture: red to the left, green to the right.
+struct PaintedSquare : TestFolder {
+  PaintedSquare() {
+    std::ofstream(path() / "square.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                                            "f 1/1 2/2 3/3 4/4\n";
+    Image picture{2, 1, {255, 0, 0, 0, 255, 0}};
+    const std::vector<std::uint8_t> bytes = encode_png(picture);
+    std::ofstream(path() / "paint.png", std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  Model load(const std::string& content) const {
+    Result<Model> model = parse_urdf(still(content), (path() / "a.urdf").string());
+    if (!model) throw std::runtime_error(to_string(model.errors()));
+    return *std::move(model);
+  }
+};
+
+TEST(UrdfTexture, IsThatOfTheMaterialOnMeshesWithTextureCoordinates) {
+  const std::string material = "<material name='m'><color rgba='0 0 1 1'/><texture filename='paint.png'/></material>";
+  const Model model = PaintedSquare().load("<visual><geometry><mesh filename='square.obj'/></geometry>" + material +
+                                           "</visual><visual><geometry><mesh filename='square.obj'/></geometry>"
+                                           "<material name='m'/></visual>");
+  for (const Diagnostic& finding : model.report) EXPECT_EQ(finding.severity, Severity::note) << to_string(model.report);
+  ASSERT_EQ(model.links[0].visuals.size(), 2u);
+  for (const Shape& shape : model.links[0].visuals) {
+    ASSERT_NE(shape.texture, nullptr);
+    EXPECT_EQ(shape.texture->width, 2);
+    EXPECT_EQ(shape.texture->digest.size(), 16u);
+    const MeshPart& part = mesh_in(shape).data->parts.at(0);
+    EXPECT_EQ(texture_of(part, shape), shape.texture.get());
+    EXPECT_EQ(color_of(part, shape, Color::Zero()), Color(Color::Ones()));  // not the material's blue
+  }
+}
+
+TEST(UrdfTexture, ThatNoShapeShowsIsWarnedOf) {
+  const std::string material = "<material name='m'><texture filename='paint.png'/></material>";
+  const PaintedSquare folder;
+  const Model box = folder.load("<visual><geometry><box size='1 1 1'/></geometry>" + material + "</visual>");
+  EXPECT_THAT(to_string(box.report), HasSubstr("warning: the <texture> 'paint.png' isn't drawn on this shape"));
+  const Model gone = folder.load(
+      "<visual><geometry><mesh filename='square.obj'/></geometry><material name='m'>"
+      "<texture filename='gone.png'/></material></visual>");
+  EXPECT_THAT(to_string(gone.report),
+              HasSubstr("warning: the <texture> 'gone.png' of a material isn't drawn: it isn't there"));
 }
 
 }  // namespace

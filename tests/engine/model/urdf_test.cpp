@@ -339,7 +339,7 @@ TEST(UrdfReport, ListsTransmissionsInOneNote) {
                           transmission("knee", "<mechanicalReduction>50</mechanicalReduction>");
   EXPECT_EQ(to_string(load(robot(link("world", "") + two)).report),
             "test.urdf:2: note: 2 transmissions are passed over, commands go straight to the joints: 'hip' by "
-            "EffortJointInterface; 'knee' by EffortJointInterface, reduction 50\n");
+            "EffortJointInterface; 'knee' by EffortJointInterface, reduction 50 without effect\n");
   std::string many;
   for (int i = 0; i < 10; ++i) many += "<transmission/>";
   EXPECT_THAT(to_string(load(robot(link("world", "") + many)).report), HasSubstr("no joint; no joint; and 2 more\n"));

@@ -42,6 +42,13 @@ TEST(RendererFine, LeavesPlainPicturesWithoutShadows) {
   EXPECT_NEAR(floor_brightness(*renderer, -0.71, Quality::plain), lit, 3);
 }
 
+TEST(RendererFine, HasShadowsAndSmoothEdgesIndependently) {
+  const auto renderer = box_above_floor(red);
+  const int lit = floor_brightness(*renderer, 2.0, Quality{true, false});
+  EXPECT_LT(floor_brightness(*renderer, -0.71, Quality{true, false}), lit - 20);
+  EXPECT_NEAR(floor_brightness(*renderer, -0.71, Quality{false, true}), lit, 3);
+}
+
 TEST(RendererFine, CastsNoShadowOfWhatIsTranslucentOrLargerThanSixMetres) {
   const auto glass = box_above_floor({1.0f, 0.0f, 0.0f, 0.5f});
   EXPECT_NEAR(floor_brightness(*glass, -0.71, Quality::fine), floor_brightness(*glass, 2.0, Quality::fine), 3);

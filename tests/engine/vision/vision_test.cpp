@@ -1,7 +1,7 @@
 // The ticks at which cameras capture and at which their pictures arrive.
 
-#include "model/clock.h"
 #include "renderer/vision.h"
+#include "model/clock.h"
 
 #include <gtest/gtest.h>
 
@@ -33,10 +33,10 @@ class VisionTest : public ::testing::Test {
     model_.devices.push_back({name, -1, 0, Eigen::Isometry3d::Identity(), camera, 0});
   }
 
-  void create(double time_step = 0.001) {
+  void create(double time_step = 0.001, const Look& look = {}) {
     time_step_ = time_step;
     auto vision = Vision::create(time_step, {std::make_shared<const Model>(model_)},
-                                 {std::vector<bool>(model_.devices.size(), true)});
+                                 {std::vector<bool>(model_.devices.size(), true)}, look);
     ASSERT_TRUE(vision.ok()) << to_string(vision.errors());
     vision_ = std::move(*vision);
     observation_.bodies.resize(1);
@@ -79,6 +79,41 @@ class VisionTest : public ::testing::Test {
   double time_step_ = 0.0;
   std::int64_t tick_ = 0;
 };
+
+TEST_F(VisionTest, AntialiasingAndLightsOfTheLookApplyToAllCameras) {
+  add_camera("Camera", 50.0);
+  const auto picture = [&](const Look& look) {
+    tick_ = 0;
+    create(0.001, look);
+    arrivals(20);
+    return *reading().image;
+  };
+  const Image plain = picture({});
+  Look smooth, lit;
+  smooth.antialiasing = true;
+  lit.lights.push_back({});
+  EXPECT_NE(picture(smooth).pixels, plain.pixels);
+  EXPECT_NE(picture(lit).pixels, plain.pixels);
+  EXPECT_EQ(picture({}).pixels, plain.pixels);
+}
+
+TEST_F(VisionTest, ACameraMayHaveAntialiasingOfItsOwn) {
+  add_camera("Plain", 50.0);
+  add_camera("Smooth", 50.0);
+  std::get<Camera>(model_.devices[1].kind).antialiasing = true;
+  create();
+  arrivals(20);
+  EXPECT_NE(reading(1).image->pixels, reading(0).image->pixels);
+}
+
+TEST_F(VisionTest, APictureThatIsTooLargeForAntialiasingIsRefused) {
+  add_camera("Camera", 50.0);
+  std::get<Camera>(model_.devices[0].kind).width = 4096;
+  std::get<Camera>(model_.devices[0].kind).antialiasing = true;
+  const auto vision = Vision::create(0.001, {std::make_shared<const Model>(model_)}, {{true}});
+  ASSERT_FALSE(vision.ok());
+  EXPECT_EQ(vision.errors()[0].message, "camera 'Camera' has 4096 x 6 pixels and antialiasing");
+}
 
 TEST_F(VisionTest, APictureArrivesAPeriodAfterItsCapture) {
   add_camera("Camera", 30.0);

@@ -13,14 +13,14 @@ class Limits : public EachSolver {
  protected:
   WorldSettings still() const { return weightless(GetParam()); }
 
-  /// A wheel whose joint may turn from lower to upper, with an effort of at most 2 N·m.
-  static WorldBody wheel(double lower, double upper) {
+  /// A wheel whose joint may turn from lower to upper, with an effort of at most 2 N·m or another [N·m].
+  static WorldBody wheel(double lower, double upper, double most_effort = 2.0) {
     RobotBuilder robot(JointType::fixed);
     Joint& joint =
         robot.add("WHEEL", 0, JointType::revolute, Vector3d::UnitY(), inertial(1.0, Vector3d::Constant(wheel_inertia)));
     joint.lower = lower;
     joint.upper = upper;
-    joint.effort = 2.0;
+    joint.effort = most_effort;
     return body_of(robot.build());
   }
 };
@@ -83,6 +83,79 @@ TEST_P(Limits, StopASliderAndSurviveARestoredState) {
   ASSERT_TRUE(world->restore(state).ok());
   run(*world, 2000, effort(20.0));
   EXPECT_EQ(world->state_hash(), end);
+}
+
+TEST_P(Limits, StopADriveWithoutAJolt) {
+  WorldBody body = wheel(-0.2, 0.1, 1e4);
+  body.joint_limits = true;
+  const auto world = make_world(still(), {body});
+  for (const double target : {0.5, 0.1, -3.0}) {
+    run(*world, 1500, displacement(target));
+    EXPECT_NEAR(joint_of(*world).q, target < 0.0 ? -0.2 : 0.1, 1e-6);
+    EXPECT_NEAR(joint_of(*world).dq, 0.0, 1e-6);
+    EXPECT_NEAR(joint_of(*world).u, 0.0, 1e-6);
+  }
+  run(*world, 1500, velocity(0.1));
+  EXPECT_NEAR(joint_of(*world).q, -0.05, 1e-6);
+}
+
+TEST_P(Limits, HoldADrivenJointAgainstALoadThatIsStrongerThanTheDrive) {
+  WorldBody body = wheel(-0.2, 0.1);
+  body.joint_limits = true;
+  const auto world = make_world(still(), {body});
+  Command command = idle(*world);
+  command.bodies[0].joints[0] = displacement(0.0);  // with 2 N·m at most
+  for (int tick = 0; tick < 3000; ++tick) {
+    command.bodies[0].external[1].torque = {0.0, 5.0, 0.0};
+    world->actuate(command);
+    ASSERT_TRUE(world->step());
+  }
+  EXPECT_NEAR(joint_of(*world).q, 0.1, 5e-3);
+  EXPECT_LE(std::abs(joint_of(*world).u), 2.0 + 1e-9);
+}
+
+TEST_P(Limits, TakeAJointThatBeginsBeyondThemBackSlowly) {
+  WorldBody body = wheel(-0.2, 0.1);
+  body.joint_limits = true;
+  body.joints = {0.9};
+  const auto world = make_world(still(), {body});
+  double fastest = 0.0;
+  for (int tick = 0; tick < 1500; ++tick) {
+    run(*world, 1);
+    fastest = std::max(fastest, std::abs(joint_of(*world).dq));
+  }
+  EXPECT_NEAR(fastest, 1.0, 0.01);
+  EXPECT_LE(joint_of(*world).q, 0.1 + 1e-3);
+}
+
+TEST_P(Limits, OfAJointThatFollowsAreThoseOfItsLeader) {
+  RobotBuilder robot(JointType::fixed);
+  for (int i = 0; i < 2; ++i) {
+    Joint& sled = robot.add("SLED" + std::to_string(i), 0, JointType::prismatic, Vector3d::UnitX(),
+                            inertial(1.0, {0.1, 0.1, 0.1}));
+    sled.lower = 0.0;
+    sled.upper = 0.1;
+    if (i == 1) sled.mimic = Mimic{0, 1.0, 0.05};
+  }
+  WorldBody body = body_of(robot.build());
+  body.joints = {0.0, 0.05};
+  body.joint_limits = true;
+  const auto world = make_world(still(), {body});
+  run(*world, 500, velocity(1.0));
+  EXPECT_NEAR(joint_of(*world, 0).q, 0.1, 1e-6);
+  EXPECT_NEAR(joint_of(*world, 1).q, 0.15, 1e-4);
+}
+
+TEST_P(Limits, DryFrictionDoesntPushAJointOffItsStop) {
+  WorldBody body = wheel(-0.2, 0.1);
+  auto model = std::make_shared<Model>(*body.model);
+  model->links[1].joint.friction = 1.0;
+  body.model = model;
+  body.joint_limits = true;
+  body.joints = {0.1};
+  const auto world = make_world(still(), {body});
+  run(*world, 200, effort(0.0));
+  EXPECT_NEAR(joint_of(*world).q, 0.1, 1e-6);
 }
 
 }  // namespace

@@ -29,6 +29,23 @@ inline WorldBody fixed(WorldBody body) {
   return body;
 }
 
+struct Thing {
+  const char* what;
+  Geometry geometry;
+  Geometry like;  // determines the inertia
+  double height;  // of its centre on the ground [m]
+};
+
+/// A thing of each kind of shape, standing upright.
+inline std::vector<Thing> things() {
+  const Box box{{0.2, 0.2, 0.2}};
+  return {{"box", box, box, 0.1},
+          {"hull", box_mesh(box.size), box, 0.1},
+          {"sphere", Sphere{0.1}, Sphere{0.1}, 0.1},
+          {"capsule", Capsule{0.1, 0.3}, Capsule{0.1, 0.3}, 0.25},
+          {"cylinder", Cylinder{0.1, 0.3}, Cylinder{0.1, 0.3}, 0.15}};
+}
+
 /// The ground's height at x, y, as a mesh of square cells over 4 m by 4 m, each of two triangles.
 template <class Height>
 MeshData ground_mesh(int cells, Height height) {
@@ -50,9 +67,8 @@ MeshData ground_mesh(int cells, Height height) {
 /// A fixed body whose contacts use its triangles.
 inline WorldBody trimesh_body(const std::string& name, MeshData mesh,
                               const Eigen::Vector3d& position = Eigen::Vector3d::Zero()) {
-  WorldBody body = fixed(body_with(name, mesh_shape(std::move(mesh)), Box{{1, 1, 1}}, 0.0, position));
-  body.trimesh = true;
-  return body;
+  const Mesh shape{std::make_shared<const MeshData>(std::move(mesh)), nullptr};
+  return fixed(body_with(name, shape, Box{{1, 1, 1}}, 0.0, position));
 }
 
 }  // namespace rehearse

@@ -161,6 +161,46 @@ TEST_P(PassiveJoints, DampingOfAChainNeverAddsEnergy) {
   }
 }
 
+/// The step of a spring is a rotation by Omega with tan(Omega / 2) = w dt / 2 in the plane of displacement and
+/// velocity.
+TEST_P(PassiveJoints, ASpringSwingsAndKeepsItsEnergyWhateverItsStiffness) {
+  for (const double ratio : {0.01, 0.1, 1.0, 5.0})  // natural frequency w times time step
+    for (const OneJoint& robot : one_joint_robots([&](Joint&joint, double inertia) {
+           joint.spring_stiffness = ratio * ratio * inertia / (step * step);
+           joint.spring_reference = 0.001;
+         })) {
+      SCOPED_TRACE(std::string(robot.name) + ", " + std::to_string(ratio));
+      const auto world = make_world(settings(), {body_of(robot.model)});
+      const double turn = 2.0 * std::atan(0.5 * ratio);  // per step [rad]
+      double widest = 0.0;
+      for (int tick = 1; tick <= 400; ++tick) {
+        let_go(*world, 1);
+        const double aside = joint_of(*world).q - 0.001;
+        widest = std::max(widest, std::abs(aside));
+        if (tick <= 100) {
+          // q follows a cosine of that frequency, whose phase is half a step behind
+          const double paper = -0.001 * std::cos(turn * (tick + 0.5)) / std::cos(0.5 * turn);
+          ASSERT_NEAR(aside, paper, 2e-5) << tick;
+        }
+      }
+      EXPECT_LT(widest, 0.001 / std::cos(0.5 * turn) * 1.01);
+    }
+}
+
+TEST_P(PassiveJoints, ADampedSpringRestsWhereSpringAndWeightAreInBalance) {
+  RobotBuilder slider(JointType::fixed);
+  Joint& joint = slider.add("SLED", 0, JointType::prismatic, Vector3d::UnitZ(), inertial(3.0, {1, 1, 1}));
+  joint.spring_stiffness = 600.0;
+  joint.spring_reference = 0.1;
+  joint.damping = 60.0;
+  WorldSettings heavy = settings();
+  heavy.gravity.z() = -standard_gravity;
+  const auto world = make_world(heavy, {body_of(slider.build())});
+  let_go(*world, 3000);
+  EXPECT_NEAR(joint_of(*world).q, 0.1 - 3.0 * standard_gravity / 600.0, 1e-6);
+  EXPECT_NEAR(joint_of(*world).u, 0.0, 1e-9);
+}
+
 TEST_P(PassiveJoints, ARotorAddsToTheInertia) {
   for (const double share : {0.1, 1.0, 10.0})
     for (const OneJoint& robot :

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mesh/heightmap_file.h"
 #include "mesh_bodies.h"
 
 namespace rehearse {
@@ -94,6 +95,19 @@ TEST(RangeSensorsAtMeshes, MeasureBoxesOfTriangles) {
 TEST(RangeSensorsAtMeshes, MeasureTheTrianglesThemselves) {
   const MeshData hills = ground_mesh(40, [](double x, double y) { return 0.3 * std::sin(2 * x) * std::cos(3 * y); });
   expect_ranges(trimesh_body("Hills", hills, {0, 0, -0.8}), hills, 400);
+}
+
+TEST(RangeSensorsAtMeshes, MeasureAHeightmap) {
+  std::string grid;
+  for (int row = 0; row < 31; ++row, grid += "\n")
+    for (int column = 0; column < 37; ++column)
+      grid += std::to_string(0.3 * std::sin(0.25 * column) * std::cos(0.4 * row)) + " ";
+  const auto hills = read_heightmap(grid, "hills.txt", {{4.0, 3.0}});
+  ASSERT_TRUE(hills.ok());
+  WorldBody body = fixed(body_with("Hills", *hills, Box{{1, 1, 1}}, 0.0, {0.1, 0.2, -0.8}));
+  expect_ranges(body, *hills->data, 400);
+  body.position.z() = 0.5;  // seen from below
+  expect_ranges(body, *hills->data, 400);
 }
 
 TEST(RangeSensorsAtMeshes, SeeTheNearestTriangleOfMany) {

@@ -55,6 +55,8 @@ class RobotBuilder {
     model_.devices.push_back({name, -1, link, pose, kind, 0});
   }
 
+  void add_loop(const LoopJoint& loop) { model_.loops.push_back(loop); }
+
   Shape& add_collision(int link, const Geometry& geometry) {
     model_.links[link].collisions.push_back({"", geometry, Eigen::Isometry3d::Identity(), {}, {}});
     return model_.links[link].collisions.back();

@@ -14,22 +14,6 @@ WorldBody flat_ground() {
   return trimesh_body("Ground", ground_mesh(40, [](double, double) { return 0.0; }), {0.013, 0.007, 0});
 }
 
-struct Thing {
-  const char* what;
-  Geometry geometry;
-  Geometry like;  // determines the inertia
-  double height;
-};
-
-std::vector<Thing> things() {
-  const Box box{{0.2, 0.2, 0.2}};
-  return {{"box", box, box, 0.1},
-          {"hull", box_mesh(box.size), box, 0.1},
-          {"sphere", Sphere{0.1}, Sphere{0.1}, 0.1},
-          {"capsule", Capsule{0.1, 0.3}, Capsule{0.1, 0.3}, 0.25},
-          {"cylinder", Cylinder{0.1, 0.3}, Cylinder{0.1, 0.3}, 0.15}};
-}
-
 TEST(Trimesh, CarriesEveryKindOfShape) {
   for (const Thing& thing : things()) {
     SCOPED_TRACE(thing.what);
@@ -43,13 +27,12 @@ TEST(Trimesh, CarriesEveryKindOfShape) {
 
 TEST(Trimesh, HasDents) {  // which its hull would close
   const auto dented = ground_mesh(40, [](double x, double y) { return std::hypot(x, y) < 1.0 ? -0.5 : 0.0; });
-  WorldBody ground = trimesh_body("Ground", dented);
   const WorldBody ball = body_with("Ball", Sphere{0.1}, Sphere{0.1}, 1.0, {0, 0, 0.2});
-  const auto open = make_world({}, {ground, ball});
+  const auto open = make_world({}, {trimesh_body("Ground", dented), ball});
   run(*open, 1500);
   EXPECT_NEAR(link_of(*open, 0, 1).position.z(), -0.4, 1e-3);
-  ground.trimesh = false;
-  const auto closed = make_world({}, {ground, ball});
+  const WorldBody hull = fixed(body_with("Ground", mesh_shape(dented), Box{{1, 1, 1}}, 0.0, {0, 0, 0}));
+  const auto closed = make_world({}, {hull, ball});
   run(*closed, 1500);
   EXPECT_NEAR(link_of(*closed, 0, 1).position.z(), 0.1, 1e-3);
 }
@@ -89,16 +72,15 @@ TEST(Trimesh, IsForFixedBodiesOnly) {
   const auto world = World::create({}, {moving});
   ASSERT_FALSE(world.ok());
   EXPECT_THAT(to_string(world.errors()),
-              HasSubstr("body 'Ground': only a fixed body can be touched as a trimesh, and this one moves"));
+              HasSubstr("body 'Ground': link 'Ground' moves, and its mesh has triangles for its collision"));
 }
 
-TEST(Trimesh, IsOfLinksThatNeverMove) {  // links that move on a fixed root are touched as their hulls
+TEST(Trimesh, IsForLinksThatNeverMoveBesideHullsOfLinksThatMove) {
   RobotBuilder robot(JointType::fixed);
   robot.add("SLED", 0, JointType::prismatic, Vector3d::UnitZ(), inertial(1.0, {0.1, 0.1, 0.1}), at(0, 0, 1));
-  robot.add_collision(0, mesh_shape(mesh_of({box_part({1, 1, 0.2})})));
+  robot.add_collision(0, Mesh{std::make_shared<const MeshData>(mesh_of({box_part({1, 1, 0.2})})), nullptr});
   robot.add_collision(1, mesh_shape(mesh_of({box_part({0.2, 0.2, 0.2})})));
-  WorldBody body = body_of(robot.build());
-  body.trimesh = true;
+  const WorldBody body = body_of(robot.build());
   const auto world = make_world({}, {floor_body(), body});
   run(*world, 1000);
   EXPECT_NEAR(link_of(*world, 1, 1).position.z(), 0.1, 1e-3);  // on the floor, through its own root

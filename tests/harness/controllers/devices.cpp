@@ -4,10 +4,12 @@
 #include <cnoid/AccelerationSensor>
 #include <cnoid/DeviceList>
 #include <cnoid/ForceSensor>
+#include <cnoid/HolderDevice>
 #include <cnoid/Imu>
 #include <cnoid/RangeCamera>
 #include <cnoid/RangeSensor>
 #include <cnoid/RateGyroSensor>
+#include <cnoid/RotorDevice>
 #include <cnoid/SpotLight>
 #include <cstdint>
 #include <cstring>
@@ -312,6 +314,57 @@ class Exposer : public Pusher {
   double value_;
 };
 const Add<Exposer> exposer("expose");
+
+/// fly ROTOR THRUST TICK OTHER: commands that thrust [N] from the beginning on, and another from a tick on.
+class Flyer : public cnoid::SimpleController {
+ public:
+  explicit Flyer(const Words& words)
+      : name_(words.at(0)),
+        thrust_(std::stod(words.at(1))),
+        tick_(std::stoi(words.at(2))),
+        other_(std::stod(words.at(3))) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    rotor_ = io->body()->findDevice<Multicopter::RotorDevice>(name_);
+    return rotor_ != nullptr;
+  }
+  bool control() override {
+    rotor_->setValue(tick_-- > 0 ? thrust_ : other_);
+    rotor_->notifyStateChange();
+    return true;
+  }
+
+ private:
+  std::string name_;
+  double thrust_;
+  int tick_;
+  double other_;
+  Multicopter::RotorDevicePtr rotor_;
+};
+const Add<Flyer> flyer("fly");
+
+/// hold HOLDER ON OFF: turns it on and off in these ticks.
+class Gripper : public cnoid::SimpleController {
+ public:
+  explicit Gripper(const Words& words)
+      : name_(words.at(0)), on_(std::stoi(words.at(1))), off_(std::stoi(words.at(2))) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    holder_ = io->body()->findDevice<cnoid::HolderDevice>(name_);
+    return holder_ && holder_->holdCondition() == cnoid::HolderDevice::Distance && holder_->maxHoldDistance() == 0.5;
+  }
+  bool control() override {
+    if (tick_ == on_ || tick_ == off_) {
+      holder_->on(tick_ == on_);
+      holder_->notifyStateChange();
+    }
+    return ++tick_, true;
+  }
+
+ private:
+  std::string name_;
+  int on_, off_, tick_ = 0;
+  cnoid::HolderDevicePtr holder_;
+};
+const Add<Gripper> gripper("hold");
 
 }  // namespace
 }  // namespace behaviours

@@ -4,6 +4,7 @@
 #include <rehearse/cdr.h>
 #include <rehearse/messages.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -46,7 +47,7 @@ class FeedTest : public ::testing::Test {
     if (map_.root) feed_ = make_root_feed(*map_.root, schema(map_.root->topic));
     if (map_.joystick) feed_ = make_joy_feed(*map_.joystick, schema(map_.joystick->topic));
     if (!map_.devices.empty())
-      feed_ = make_device_feed(map_.devices[0], model_, {ticks_, map_.clock}, topic(map_.devices[0].topic),
+      feed_ = make_device_feed(map_.devices[0], model_, ticks_, topic(map_.devices[0].topic),
                                schema(map_.devices[0].topic));
   }
 
@@ -64,13 +65,12 @@ class FeedTest : public ::testing::Test {
 
   template <class T>
   bool take(std::int64_t time, const T& message) {
-    return feed_->take(time, cdr_of(message));
+    return feed_->take(time, cdr_of(message)).ok();
   }
 
   void look(std::int64_t time) {
     for (DeviceReading& device : seen_.bodies[0].devices) device.fresh = false;
-    const auto done = feed_->look({time, time / (10 * ms), static_cast<double>(time) * 1e-9}, seen_);
-    EXPECT_TRUE(done.ok()) << to_string(done.errors());
+    feed_->look({time, time / (10 * ms), static_cast<double>(time) * 1e-9}, seen_);
   }
 
   const JointReading& joint(int id) const { return seen_.bodies[0].joints[id]; }
@@ -137,10 +137,43 @@ TEST_F(FeedTest, LeavesBitsAsTheyAre) {
   EXPECT_TRUE(std::signbit(joint(1).q));
 }
 
+TEST_F(FeedTest, PassesNaNWithItsBits) {
+  map("joints: /joint_states\n");
+  const double nan = std::bit_cast<double>(std::uint64_t{0xfff8'0000'0000'1234});
+  take(0, state({"ELBOW", "SHOULDER"}, {nan, 1.0}, {2.0, 3.0}));
+  look(0);
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(joint(1).q), 0xfff8'0000'0000'1234u);
+  EXPECT_TRUE(feed_->has_position(1));
+  take(10 * ms, state({"ELBOW", "SHOULDER"}, {4.0, nan}, {nan, 3.0}));
+  look(10 * ms);
+  EXPECT_EQ(joint(1).q, 4.0);
+  EXPECT_TRUE(std::isnan(joint(1).dq)) << "not the value before";
+  EXPECT_TRUE(std::isnan(joint(0).q));
+}
+
+TEST_F(FeedTest, NamesAJointThatFallsSilentWhileOthersGoOn) {
+  map("joints: {topic: /joint_states, max_age: 0.05}\n");
+  for (int i = 0; i < 20; ++i) {
+    take(i * 10 * ms, i < 5 || i > 14 ? state({"ELBOW", "SHOULDER"}, {1, 2}) : state({"SHOULDER"}, {2}));
+    look(i * 10 * ms);
+    EXPECT_EQ(feed_->take_silences().size(), i == 10 ? 1u : 0u) << i;
+  }
+  const std::vector<SilentJoint> silent = feed_->silent_joints();
+  ASSERT_EQ(silent.size(), 1u);
+  EXPECT_EQ(silent[0].joint, "ELBOW");
+  EXPECT_EQ(silent[0].gaps, 1);
+  EXPECT_EQ(silent[0].ticks_in_gaps, 5);
+  EXPECT_DOUBLE_EQ(silent[0].worst_age, 0.1);
+  EXPECT_DOUBLE_EQ(silent[0].worst_age_at, 0.14);
+  look(400 * ms);
+  EXPECT_TRUE(feed_->take_silences().empty()) << "a gap of the whole topic";
+}
+
 TEST_F(FeedTest, RefusesArraysOfOtherLengths) {
   map("joints: /joint_states\n");
   EXPECT_FALSE(take(0, state({"ELBOW", "SHOULDER"}, {1})));
-  EXPECT_FALSE(feed_->take(0, std::vector<std::byte>(7)));
+  EXPECT_EQ(feed_->take(0, cdr_of(state({"ELBOW"}, {}, {1, 2}))).errors()[0].message, "2 velocities of 1 joints");
+  EXPECT_EQ(feed_->take(0, std::vector<std::byte>(7)).errors()[0].message, "7 bytes that aren't what its schema says");
 }
 
 TEST_F(FeedTest, InterpolatesAContinuousJointTheShorterWay) {
@@ -257,12 +290,11 @@ TEST_F(FeedTest, RefusesPicturesOfAnotherCamera) {
   image.encoding = "mono8";
   image.data.assign(36, 7);
   take(0, image);
-  const auto looked = feed_->look({0, 0, 0.0}, seen_);
-  ASSERT_FALSE(looked.ok());
-  EXPECT_THAT(
-      to_string(looked.errors()),
-      HasSubstr("map.yaml:3:18: error: '/camera/image_raw' has pictures of 6 x 6 pixels, and the model's camera "
-                "'Camera' has 8 x 6"));
+  look(0);
+  EXPECT_EQ(device("Camera").image, nullptr);
+  const auto unreadable = feed_->take_unreadable();
+  ASSERT_EQ(unreadable.size(), 1u);
+  EXPECT_EQ(unreadable[0].reason.message, "pictures of 6 x 6 pixels, and the model's camera 'Camera' has 8 x 6");
 }
 
 TEST_F(FeedTest, LeavesOutABrokenPictureAmongGoodOnes) {
@@ -280,7 +312,10 @@ TEST_F(FeedTest, LeavesOutABrokenPictureAmongGoodOnes) {
   look(10 * ms);
   EXPECT_EQ(device("Camera").image->pixels.size(), 144u);
   EXPECT_FALSE(device("Camera").fresh);
-  EXPECT_EQ(feed_->unreadable(), 1);
+  const auto unreadable = feed_->take_unreadable();
+  ASSERT_EQ(unreadable.size(), 1u);
+  EXPECT_EQ(unreadable[0].time, 10 * ms);
+  EXPECT_EQ(unreadable[0].reason.message, "a picture of 8 x 6 pixels in mono8 has 40 bytes, 8 a row");
 }
 
 TEST_F(FeedTest, TakesScansByBeam) {
@@ -290,11 +325,14 @@ TEST_F(FeedTest, TakesScansByBeam) {
   scan.angle_increment = 0.5f;
   scan.range_min = 0.1f;
   scan.range_max = 10.0f;
-  scan.ranges = {1.0f, 0.05f, 11.0f, std::numeric_limits<float>::quiet_NaN(), 2.0f};
+  scan.ranges = {-std::numeric_limits<float>::infinity(), 0.05f, 11.0f, std::numeric_limits<float>::quiet_NaN(), 2.0f};
   take(0, scan);
   look(0);
   const float none = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(*device("Laser").ranges, (std::vector<float>{1.0f, none, none, none, 2.0f}));
+  const std::vector<float>& ranges = *device("Laser").ranges;
+  EXPECT_EQ((std::vector<float>{ranges[0], ranges[1], ranges[2], ranges[4]}),
+            (std::vector<float>{-none, none, none, 2.0f}));
+  EXPECT_TRUE(std::isnan(ranges[3]));
   EXPECT_TRUE(feed_->take_remarks().empty());
 }
 
@@ -309,12 +347,12 @@ TEST_F(FeedTest, RemarksOnScansThatPointElsewhere) {
   look(0);
   EXPECT_THAT(to_string(feed_->take_remarks()), HasSubstr("go from -2 to 2 rad, and the model's 'Laser' from -1 to 1"));
   scan.ranges.resize(4);
-  std::unique_ptr<LogFeed> another =
-      make_device_feed(map_.devices[0], model_, {ticks_, map_.clock}, topic("/scan"), schema("/scan"));
-  another->take(0, cdr_of(scan));
-  const auto looked = another->look({0, 0, 0.0}, seen_);
-  ASSERT_FALSE(looked.ok());
-  EXPECT_THAT(to_string(looked.errors()), HasSubstr("a scan of 4, where the sensor has 5 beams"));
+  std::unique_ptr<LogFeed> another = make_device_feed(map_.devices[0], model_, ticks_, topic("/scan"), schema("/scan"));
+  ASSERT_TRUE(another->take(0, cdr_of(scan)));
+  another->look({0, 0, 0.0}, seen_);
+  const auto unreadable = another->take_unreadable();
+  ASSERT_EQ(unreadable.size(), 1u);
+  EXPECT_EQ(unreadable[0].reason.message, "a scan of 4, where the sensor has 5 beams");
 }
 
 TEST_F(FeedTest, MeasuresThePointsOfACloudOfAnyLayout) {

@@ -90,10 +90,12 @@ TEST(PictureCodecs, ReadDistances) {
   msg::Image big = picture("16UC1", 1, 1, 2, {0x03, 0xe8});
   big.is_bigendian = 1;
   EXPECT_EQ(depth_of(big)->meters, std::vector<float>{1.0f});
-  const float metres[] = {2.5f, std::numeric_limits<float>::quiet_NaN()};
+  const float metres[] = {2.5f, -none, 0.0f, std::numeric_limits<float>::quiet_NaN()};
   std::vector<std::uint8_t> bytes(sizeof metres);
   std::memcpy(bytes.data(), metres, sizeof metres);
-  EXPECT_EQ(depth_of(picture("32FC1", 2, 1, 8, bytes))->meters, (std::vector<float>{2.5f, none}));
+  const std::vector<float> read = depth_of(picture("32FC1", 4, 1, 16, bytes))->meters;
+  EXPECT_EQ((std::vector<float>{read[0], read[1], read[2]}), (std::vector<float>{2.5f, -none, none}));
+  EXPECT_TRUE(std::isnan(read[3])) << "not a measurement";
   EXPECT_THAT(to_string(depth_of(picture("rgb8", 1, 1, 3, {1, 2, 3})).errors()), HasSubstr("32FC1 [m] and 16UC1 [mm]"));
 }
 

@@ -1,6 +1,9 @@
 // The times of ticks that are the messages of a topic.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "log/log_ticks.h"
 
 namespace rehearse {
@@ -10,7 +13,7 @@ constexpr std::int64_t one_ms = 1'000'000;  // [ns]
 
 TEST(LogTicks, AreAGridWithoutATopic) {
   const LogTicks ticks(100, 0.001);
-  EXPECT_TRUE(ticks.is_grid());
+  EXPECT_TRUE(ticks.is_nominal());
   EXPECT_EQ(ticks.time(0), 100);
   EXPECT_EQ(ticks.time(7), 100 + 7 * one_ms);
   EXPECT_EQ(ticks.time(-2), 100 - 2 * one_ms);
@@ -57,7 +60,35 @@ TEST(LogTicks, BeginWithTheFirstMessageFromTheStartOn) {
   const LogTicks ticks = LogTicks::at_messages({0, 10 * one_ms, 20 * one_ms}, 5 * one_ms, 0.01);
   EXPECT_EQ(ticks.size(), 2);
   EXPECT_EQ(ticks.time(0), 10 * one_ms);
-  EXPECT_TRUE(LogTicks::at_messages({0, 10 * one_ms}, 11 * one_ms, 0.01).is_grid()) << "no message is left";
+  EXPECT_EQ(LogTicks::at_messages({0, 10 * one_ms}, 11 * one_ms, 0.01).size(), 0) << "no message is left";
+}
+
+TEST(LogTicks, BeginBeforeCommandsWhoseFirstOnesAreMissing) {
+  const LogTicks ticks = LogTicks::at_messages({24 * one_ms, 34 * one_ms}, 4 * one_ms, 0.01, -3 * one_ms);
+  ASSERT_EQ(ticks.size(), 3) << "the first one is 17 ms after the start";
+  EXPECT_FALSE(ticks.has_message(0));
+  EXPECT_EQ(ticks.time(0), 11 * one_ms);
+  EXPECT_EQ(ticks.time(1), 21 * one_ms);
+  EXPECT_TRUE(ticks.has_message(1));
+}
+
+TEST(LogTicks, AreAGridAtTheRegularTimesOfMessages) {
+  std::vector<std::int64_t> messages;
+  for (int i = 0; i < 100; ++i)
+    if (i % 10 != 7) messages.push_back(std::llround(i * 10.002e6) + (i % 3 - 1) * one_ms);
+  messages[50] += 9 * one_ms;
+  const RegularTimes times = regular_times(messages, 0.01);
+  EXPECT_NEAR(times.period, 10.002e6, 2e3);
+  EXPECT_NEAR(static_cast<double>(times.origin), 0.0, 0.1e6);
+  EXPECT_NEAR(static_cast<double>(times.jitter), 1e6, 0.2e6);
+  const LogTicks ticks =
+      LogTicks::at_regular_times({0, 10.002e6, one_ms}, 2 * one_ms, 19 * one_ms, messages.back(), 0.01);
+  EXPECT_EQ(ticks.size(), 98);
+  EXPECT_EQ(ticks.time(0), 22'004'000) << "of the message that is nearest to the start";
+  EXPECT_EQ(ticks.time(97), 2 * one_ms + 99 * 10'002'000);
+  EXPECT_FALSE(ticks.is_nominal());
+  EXPECT_TRUE(ticks.has_message(5));
+  EXPECT_EQ(ticks.nearest(33 * one_ms), 1);
 }
 
 TEST(DurationCounts, HaveAMedianWithinThreePercent) {

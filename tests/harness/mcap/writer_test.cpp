@@ -244,6 +244,13 @@ TEST(McapWriter, SaysWhichFileItCannotCreate) {
             "/nonexistent/a.mcap: error: can't create the trace: No such file or directory");
 }
 
+// The replay of a log with other ticks writes there, whatever other processes do.
+TEST(McapWriter, SharesADeviceThatKeepsNothing) {
+  auto one = mcap::Writer::create("/dev/null"), other = mcap::Writer::create("/dev/null");
+  EXPECT_TRUE(one.ok());
+  EXPECT_TRUE(other.ok()) << to_string(other.errors());
+}
+
 TEST(McapWriter, TellsOfAFullDiskAtTheLatestWhenItCloses) {
   auto writer = std::move(*mcap::Writer::create("/dev/full"));
   const auto channel = writer->add_channel(0, "/a", "text");

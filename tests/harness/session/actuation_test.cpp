@@ -124,8 +124,9 @@ TEST_F(Actuation, EffortsAreClampedOnlyIfTheScenarioSaysSo) {
   EXPECT_EQ(clamped.last("Rig/LEFT/u"), 3.0);           // the applied effort
 }
 
-TEST_F(Actuation, JointsStopAtTheirLimitsOnlyIfTheScenarioSaysSo) {
-  EXPECT_GT(record_run(gripper("drive effort 50 LEFT")).last("Rig/LEFT/q"), 0.008);
+TEST_F(Actuation, JointsStopAtTheirLimitsUnlessTheScenarioSaysNo) {
+  EXPECT_GT(record_run(gripper("drive effort 50 LEFT", ", joint_limits: false")).last("Rig/LEFT/q"), 0.008);
+  EXPECT_NEAR(record_run(gripper("drive effort 50 LEFT")).last("Rig/LEFT/q"), 0.002, 1e-4);
   EXPECT_NEAR(record_run(gripper("drive effort 50 LEFT", ", joint_limits: true")).last("Rig/LEFT/q"), 0.002, 1e-4);
 }
 

@@ -52,6 +52,30 @@ TEST_F(Recording, HoldsTheDigestsOfMeshesAndIsReplayedWithoutThem) {
   EXPECT_TRUE(replayed->equal());
 }
 
+TEST_F(Recording, HoldsTheDigestsOfTexturesWhichAreOfTheWorld) {
+  std::string urdf = rig_urdf;
+  const std::string box = "<box size=\"0.4 0.1 0.1\"/></geometry>";
+  ASSERT_NE(urdf.find(box), std::string::npos);
+  urdf.replace(
+      urdf.find(box), box.size(),
+      "<mesh filename=\"plate.obj\"/></geometry><material name='wood'><texture filename='wood.png'/></material>");
+  write("rig.urdf", urdf);
+  write("plate.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+  const auto facts = [this](std::uint8_t red) {
+    const auto png = encode_png(Image{1, 1, {red, 0, 0}});
+    write("wood.png", std::string(reinterpret_cast<const char*>(png.data()), png.size()));
+    const Trace trace = record_run(rig_with("push 1"));
+    const mcap::Attachment* attachment = trace.find_attachment("rig.urdf.meshes");
+    EXPECT_NE(attachment, nullptr);
+    return attachment ? std::string(reinterpret_cast<const char*>(attachment->data.data()), attachment->data.size())
+                      : std::string();
+  };
+  const std::string first = facts(200);
+  EXPECT_THAT(first, HasSubstr("  wood.png\n"));
+  EXPECT_EQ(facts(200), first);
+  EXPECT_NE(facts(201), first);
+}
+
 TEST_F(Recording, HoldsTheRepairsOfEveryBodyOfAModel) {
   write("stand.urdf",
         "<robot name='stand'><link name='base'><visual><geometry><sphere radius='1'/></geometry></visual>"

@@ -63,6 +63,35 @@ MSG: other/Deep
 bool yes
 )";
 
+TEST(Ros2msg, TakesADefinitionThatIsRepeatedAlike) {
+  EXPECT_EQ(complaint_about("A a\n===\nMSG: test/A\nbool x\n===\nMSG: test/A\nbool x # again\n"), "");
+}
+
+/// The fields of an event of a service, with their types' names.
+std::string fields_of_event(std::string_view text) {
+  const auto schema = ros2msg::Schema::parse("test/srv/Sum_Event", text, "schema");
+  if (!schema) return to_string(schema.errors());
+  std::string fields;
+  for (const ros2msg::Definition& definition : schema->definitions)
+    for (const ros2msg::FieldDefinition& field : definition.fields) fields += definition.name + "/" + field.name + " ";
+  return fields;
+}
+
+TEST(Ros2msg, TakesTheEventsOfAServiceInBothForms) {
+  const std::string fields =
+      "test/srv/Sum_Event/info test/srv/Sum_Event/request test/srv/Sum_Event/response test/srv/Sum_Request/a "
+      "test/srv/Sum_Request/b test/srv/Sum_Response/sum service_msgs/ServiceEventInfo/event_type "
+      "service_msgs/ServiceEventInfo/stamp service_msgs/ServiceEventInfo/client_gid "
+      "service_msgs/ServiceEventInfo/sequence_number builtin_interfaces/Time/sec builtin_interfaces/Time/nanosec ";
+  EXPECT_EQ(fields_of_event("int64 a\nint64 b\n---\nint64 sum\n"), fields);
+  EXPECT_EQ(fields_of_event("=====\nSRV: test/srv/Sum\nint64 a\nint64 b\n---\nint64 sum\n"), fields);
+}
+
+TEST(Ros2msg, GivesAnEmptyRequestItsByte) {
+  EXPECT_THAT(fields_of_event("---\nA a\n===\nMSG: test/A\nbool x\n"),
+              HasSubstr("test/srv/Sum_Request/structure_needs_at_least_one_member test/srv/Sum_Response/a"));
+}
+
 }  // namespace
 
 TEST(Ros2msg, ParsesShapesAndBounds) {
@@ -285,7 +314,8 @@ TEST(Ros2msg, RefusesWhatIsNoFieldAndNoConstant) {
 
 TEST(Ros2msg, RefusesNamesThatComeTwice) {
   EXPECT_THAT(complaint_about("bool a\nint8 a\n"), HasSubstr("schema:2: error: field a is declared twice"));
-  EXPECT_THAT(complaint_about("A a\n===\nMSG: test/A\nbool x\n===\nMSG: test/A\nbool x\n"), HasSubstr("defined twice"));
+  EXPECT_THAT(complaint_about("A a\n===\nMSG: test/A\nbool x\n===\nMSG: test/A\nint8 x\n"),
+              HasSubstr("type test/A is defined twice, differently"));
 }
 
 TEST(Ros2msg, RefusesConstantsThatAreNone) {

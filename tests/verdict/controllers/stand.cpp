@@ -12,7 +12,7 @@
 
 namespace {
 
-enum Fault { none, gain, sign, late, swapped, stale, uninitialised, no_delay, words };
+enum Fault { none, gain, sign, late, swapped, stale, uninitialised, no_delay, words, last_part };
 
 /// Allocates memory that was used before and is not cleared.
 double* used_memory() {
@@ -50,10 +50,11 @@ class Stand : public cnoid::SimpleController {
   bool control() override {
     if (FAULT == words && body_->joint(0)->dq() < 0.0) io_->os() << "leaning back" << std::endl;
     const std::vector<double> before = effort_;
+    const bool is_last_part = ++ticks_ > 500;
     for (int i = 0; i < body_->numJoints(); ++i) {
       const cnoid::Link* joint = body_->joint(i);
       const bool knee = joint->jointName() == "RLEG_KNEE";
-      const double p = knee && FAULT == gain ? 8000.0 * 1.001 : 8000.0;
+      const double p = knee && (FAULT == gain || (FAULT == last_part && is_last_part)) ? 8000.0 * 1.001 : 8000.0;
       const double d = knee && FAULT == sign ? -100.0 : 100.0;
       const double q = knee && FAULT == stale ? last_[i] : joint->q();
       last_[i] = joint->q();
@@ -75,8 +76,9 @@ class Stand : public cnoid::SimpleController {
   std::vector<double> wanted_;  // [rad]
   std::vector<double> last_;    // [rad]
   std::vector<double> effort_;  // [N·m]
-  double strength_ = 1.0;       // factor of all gains
-  double* offset_ = nullptr;    // [N·m]; never freed
+  int ticks_ = 0;
+  double strength_ = 1.0;     // factor of all gains
+  double* offset_ = nullptr;  // [N·m]; never freed
 };
 
 }  // namespace

@@ -164,7 +164,7 @@ export interface LinkEntry {
     q0?: number;
   } | null;
   offset: PoseEntry;
-  pose?: string[] | null; // of a root
+  pose?: string[] | null; // of a root, or behind a floating joint
   fixed?: PoseEntry;
   shapes: ShapeEntry[];
 }

@@ -61,7 +61,7 @@ export class Kinematics {
     return Number.isFinite(value) ? value : otherwise;
   }
 
-  private root_pose({ pose, fixed }: LinkEntry, tick: number): PoseEntry {
+  private free_pose({ pose, fixed }: LinkEntry, tick: number): PoseEntry {
     if (!pose) return fixed ?? [0, 0, 0, 0, 0, 0, 1];
     return pose.map((name, i) => this.value(name, tick, i === 6 ? 1 : 0)) as PoseEntry;
   }
@@ -81,7 +81,8 @@ export class Kinematics {
   update(tick: number) {
     this.robot.links.forEach((link, i) => {
       const matrix = this.links[i]!;
-      if (link.parent < 0) matrix_of(this.root_pose(link, tick), matrix).multiply(this.offsets[i]!);
+      if (link.parent < 0) matrix_of(this.free_pose(link, tick), matrix).multiply(this.offsets[i]!);
+      else if (link.pose) matrix_of(this.free_pose(link, tick), matrix); // behind a floating joint
       else matrix.multiplyMatrices(this.links[link.parent]!, this.offsets[i]!);
       const axis = this.axes[i];
       if (axis) matrix.multiply(this.joint_motion(link, axis, tick));

@@ -1,0 +1,213 @@
+#include "vrml_tree.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <optional>
+#include <utility>
+
+#include "model/text.h"
+
+namespace rehearse {
+namespace {
+
+constexpr int max_depth = 100;  // nodes within nodes
+
+class VrmlParser {
+ public:
+  explicit VrmlParser(std::string_view text) : text_(text) { advance(); }
+
+  Result<std::vector<VrmlNodePtr>> parse() {
+    std::vector<VrmlNodePtr> nodes;
+    while (!problem_ && !word_.empty()) {
+      if (skip_route()) continue;
+      nodes.push_back(read_node(0));
+    }
+    if (problem_) return *problem_;
+    return nodes;
+  }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ','; }
+  static bool is_bracket(char c) { return c == '{' || c == '}' || c == '[' || c == ']'; }
+
+  /// Reads the next word, bracket or text; an empty word at the end of the file.
+  void advance() {
+    while (at_ < text_.size() && (is_blank(text_[at_]) || text_[at_] == '#')) {
+      if (text_[at_] == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size());
+      } else {
+        line_ += text_[at_++] == '\n';
+      }
+    }
+    is_text_ = at_ < text_.size() && text_[at_] == '"';
+    word_line_ = line_;
+    if (is_text_) return read_text();
+    const std::size_t begin = at_;
+    if (at_ < text_.size() && is_bracket(text_[at_])) {
+      ++at_;
+    } else {
+      while (at_ < text_.size() && !is_blank(text_[at_]) && !is_bracket(text_[at_]) && text_[at_] != '"' &&
+             text_[at_] != '#')
+        ++at_;
+    }
+    word_ = std::string(text_.substr(begin, at_ - begin));
+  }
+
+  void read_text() {
+    word_.clear();
+    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+      if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+      line_ += text_[at_] == '\n';
+      word_ += text_[at_];
+    }
+    if (at_ >= text_.size()) return fail("a text in quotes doesn't end");
+    ++at_;
+  }
+
+  bool is(std::string_view word) const { return !is_text_ && word_ == word; }
+
+  bool skip_route() {
+    if (!is("ROUTE")) return false;
+    for (int i = 0; i < 4; ++i) advance();  // ROUTE a.b TO c.d
+    return true;
+  }
+
+  std::optional<double> number() const {
+    if (is_text_ || word_.empty()) return std::nullopt;
+    if (word_ == "TRUE" || word_ == "FALSE") return word_ == "TRUE" ? 1.0 : 0.0;
+    const char* begin = word_.data() + (word_[0] == '+' ? 1 : 0);
+    const char* end = word_.data() + word_.size();
+    double value = 0.0;
+    if (word_.starts_with("0x") || word_.starts_with("0X")) {
+      unsigned long whole = 0;
+      const auto [rest, bad] = std::from_chars(begin + 2, end, whole, 16);
+      return bad == std::errc() && rest == end ? std::optional(static_cast<double>(whole)) : std::nullopt;
+    }
+    const auto [rest, bad] = std::from_chars(begin, end, value);
+    return bad == std::errc() && rest == end ? std::optional(value) : std::nullopt;
+  }
+
+  void expect(std::string_view bracket) {
+    if (is(bracket))
+      advance();
+    else
+      fail(fmt::format("{} is expected, not {}", in_quotes(bracket), word_.empty() ? "the end" : in_quotes(word_)));
+  }
+
+  /// A node, with or without DEF; USE gives the known one. Null after a mistake, and for NULL.
+  VrmlNodePtr read_node(int depth) {
+    if (is("NULL")) return advance(), nullptr;
+    if (is("USE")) {
+      advance();
+      const auto known = known_.find(word_);
+      if (known == known_.end()) return fail(fmt::format("USE {}: there is no such DEF", in_quotes(word_))), nullptr;
+      advance();
+      return known->second;
+    }
+    auto node = std::make_shared<VrmlNode>();
+    if (is("DEF")) {
+      advance();
+      node->name = word_;
+      advance();
+    }
+    if (depth > max_depth) return fail("its nodes nest too deep"), nullptr;
+    if (is("{") && !node->name.empty()) {  // "DEF Transform {": a type without a name
+      node->type = std::exchange(node->name, {});
+    } else {
+      read_type(*node);
+    }
+    if (problem_) return nullptr;
+    node->line = word_line_;
+    expect("{");
+    while (!problem_ && !is("}")) {
+      if (word_.empty()) fail(fmt::format("the node {} of line {} doesn't end", in_quotes(node->type), node->line));
+      if (problem_ || skip_route()) continue;
+      const std::string field = word_;
+      advance();
+      read_value(depth, node->fields[field]);
+    }
+    advance();
+    if (!node->name.empty()) known_[node->name] = node;
+    return node;
+  }
+
+  void read_type(VrmlNode& node) {
+    node.type = word_;
+    if (word_.empty() || is_text_ || is_bracket(word_[0]) || number())
+      return fail(fmt::format("a node is expected, not {}", word_.empty() ? "the end" : in_quotes(word_)));
+    if (node.type == "PROTO" || node.type == "EXTERNPROTO") return fail("PROTO isn't read");
+    advance();
+  }
+
+  void read_value(int depth, VrmlValue& value) {
+    if (is("[")) {
+      advance();
+      while (!problem_ && !is("]")) {
+        if (word_.empty()) return fail("a list doesn't end");
+        read_item(depth, value);
+      }
+      return advance();
+    }
+    if (!is_text_ && !number()) return read_item(depth, value);
+    if (is_text_) return value.texts.push_back(word_), advance();
+    for (auto read = number(); read; read = number()) {
+      value.numbers.push_back(*read);
+      advance();
+    }
+  }
+
+  void read_item(int depth, VrmlValue& value) {
+    if (is_text_) {
+      value.texts.push_back(word_);
+      advance();
+    } else if (const auto read = number()) {
+      value.numbers.push_back(*read);
+      advance();
+    } else if (VrmlNodePtr node = read_node(depth + 1)) {
+      value.nodes.push_back(std::move(node));
+    }
+  }
+
+  void fail(std::string message) {
+    if (problem_) return;
+    problem_ = error(std::move(message));
+    problem_->line = word_line_;
+    at_ = text_.size();
+    word_.clear();
+    is_text_ = false;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+  std::string word_;
+  bool is_text_ = false;
+  int word_line_ = 1;
+  std::map<std::string, VrmlNodePtr> known_;
+  std::optional<Diagnostic> problem_;
+};
+
+}  // namespace
+
+const VrmlValue* VrmlNode::find(const std::string& field) const {
+  const auto found = fields.find(field);
+  return found == fields.end() ? nullptr : &found->second;
+}
+
+const VrmlNode* VrmlNode::node(const std::string& field) const {
+  const VrmlValue* value = find(field);
+  return value == nullptr || value->nodes.empty() ? nullptr : value->nodes.front().get();
+}
+
+std::vector<double> VrmlNode::numbers(const std::string& field, std::vector<double> otherwise) const {
+  const VrmlValue* value = find(field);
+  return value != nullptr && value->numbers.size() == otherwise.size() ? value->numbers : otherwise;
+}
+
+Result<std::vector<VrmlNodePtr>> parse_vrml(std::string_view text) {
+  if (text.starts_with("#VRML V1.0")) return error("it is VRML 1.0", "VRML97 (#VRML V2.0) is read");
+  return VrmlParser(text).parse();
+}
+
+}  // namespace rehearse

@@ -1,0 +1,231 @@
+#include "yaml_tree.h"
+
+#include <yaml-cpp/depthguard.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+namespace rehearse {
+namespace {
+
+// Such files are written by hand. The limit prevents reading a wrong file (a recording, a device) to its end.
+constexpr std::size_t max_file_size = 1 << 20;
+
+// Far more than any scenario needs; it stops small files whose aliases unfold to gigabytes.
+constexpr std::size_t max_nodes = 1'000'000;
+
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  /// `lines_before`: lines of the text that aren't the file's.
+  explicit TreeBuilder(const YamlAnchors& outer = {}, int lines_before = 0)
+      : outer_(outer), lines_before_(lines_before) {}
+
+  YamlNodePtr root() const { return root_; }
+  const YamlAnchors& anchors() const { return named_; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (root_) throw YAML::ParserException(mark, "a second document in the file");
+  }
+  void OnDocumentEnd() override {}
+
+  void OnAnchor(const YAML::Mark&, const std::string& name) override { name_ = name; }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    finish(make(YamlNode::Kind::empty, mark), anchor, mark);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto found = anchors_.find(anchor);
+    if (found == anchors_.end()) throw YAML::ParserException(mark, "an alias within the node that it stands for");
+    attach(found->second, mark);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    auto node = make(YamlNode::Kind::scalar, mark);
+    node->text = value;
+    node->quoted = !tag.empty() && tag != "?";  // yaml-cpp tags plain scalars "?" and quoted ones "!"
+    finish(node, anchor, mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open(YamlNode::Kind::list, mark, anchor);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open(YamlNode::Kind::map, mark, anchor);
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Open {
+    std::shared_ptr<YamlNode> node;
+    YAML::anchor_t anchor;
+    std::string name;  // of the anchor
+    YAML::Mark mark;
+  };
+
+  std::shared_ptr<YamlNode> make(YamlNode::Kind kind, const YAML::Mark& mark) const {
+    auto node = std::make_shared<YamlNode>();
+    node->kind = kind;
+    node->line = mark.line + 1 - lines_before_;
+    node->column = mark.column + 1;
+    return node;
+  }
+
+  void open(YamlNode::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
+    open_.push_back({make(kind, mark), anchor, std::exchange(name_, {}), mark});
+  }
+
+  void close() {
+    Open done = open_.back();
+    open_.pop_back();
+    name_ = std::move(done.name);
+    finish(done.node, done.anchor, done.mark);
+  }
+
+  void finish(const std::shared_ptr<YamlNode>& node, YAML::anchor_t anchor, const YAML::Mark& mark) {
+    // yaml-cpp places an empty value at the next token, often in a different line.
+    if (node->kind == YamlNode::Kind::empty && value_follows()) {
+      node->line = open_.back().node->keys.back()->line;
+      node->column = open_.back().node->keys.back()->column;
+    }
+    YamlNodePtr known = node;
+    if (anchor != 0) {
+      const std::string name = std::exchange(name_, {});
+      if (const auto outer = outer_.find(name); stands_for_outer() && outer != outer_.end()) known = outer->second;
+      named_[name] = anchors_[anchor] = known;
+    }
+    attach(known, mark);
+  }
+
+  /// True within the list that declares the anchors of another file.
+  bool stands_for_outer() const { return !outer_.empty() && open_.size() == 2 && open_[0].node->items.empty(); }
+
+  bool value_follows() const {
+    return !open_.empty() && open_.back().node->keys.size() > open_.back().node->items.size();
+  }
+
+  void attach(const YamlNodePtr& node, const YAML::Mark& mark) {
+    if (open_.empty()) {
+      root_ = node;
+      return;
+    }
+    YamlNode& parent = *open_.back().node;
+    parent.weight += node->weight;
+    if (parent.weight > max_nodes) throw YAML::ParserException(mark, "more than a million nodes");
+    const bool is_key = parent.kind == YamlNode::Kind::map && !value_follows();
+    (is_key ? parent.keys : parent.items).push_back(node);
+  }
+
+  const YamlAnchors outer_;
+  const int lines_before_;
+  YamlNodePtr root_;
+  std::string name_;  // of the anchor of the node that follows
+  YamlAnchors named_;
+  std::vector<Open> open_;
+  std::map<YAML::anchor_t, YamlNodePtr> anchors_;
+};
+
+// yaml-cpp doesn't mention a tab in the indentation in its messages; the advice does.
+std::string_view advice(const std::string& text, int line) {
+  std::size_t begin = 0;
+  for (int i = 1; i < line && begin != std::string::npos; ++i) {
+    begin = text.find('\n', begin);
+    if (begin != std::string::npos) ++begin;
+  }
+  const std::size_t first_ink = begin == std::string::npos ? begin : text.find_first_not_of(" \t", begin);
+  if (first_ink != std::string::npos && text.substr(begin, first_ink - begin).find('\t') != std::string::npos)
+    return "there is a tab in the indentation of this line; indent with spaces";
+  return "expected one YAML document; check indentation, brackets and quotes around here";
+}
+
+}  // namespace
+
+Result<std::string> read_yaml_file(const std::filesystem::path& path, const std::string& what) {
+  const auto failed = [&path](std::string message, std::string hint) {
+    Diagnostic diagnostic = error(std::move(message), std::move(hint));
+    diagnostic.file = path.string();
+    return diagnostic;
+  };
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return failed("there is no such file", "expected " + what + ", a YAML file");
+  if (std::filesystem::is_directory(path, ignored))
+    return failed("it is a directory", "expected " + what + ", a YAML file");
+  std::ifstream stream(path, std::ios::binary);
+  std::string text(max_file_size + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad() || !stream.eof()) {
+    if (stream.good()) return failed("it is larger than 1 MiB", what + " is a short YAML file");
+    return failed("it can't be read", "look at its permissions");
+  }
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+namespace {
+
+/// Feeds the text's documents to the builder, or only the first.
+std::optional<Diagnostic> build(const std::string& text, const std::string& file, bool first_only, int lines_before,
+                                TreeBuilder& builder) {
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder) && !first_only) {
+    }
+    return std::nullopt;
+  } catch (const YAML::DeepRecursion& exception) {
+    return Diagnostic{Severity::error,
+                      file,
+                      exception.mark.line + 1 - lines_before,
+                      exception.mark.column + 1,
+                      "it nests too deep",
+                      "such a file needs fewer than ten levels"};
+  } catch (const YAML::Exception& exception) {
+    Diagnostic diagnostic{Severity::error, file, 0, 0, "it can't be read as YAML: " + exception.msg, ""};
+    if (!exception.mark.is_null()) {
+      diagnostic.line = exception.mark.line + 1 - lines_before;
+      diagnostic.column = exception.mark.column + 1;
+    }
+    diagnostic.hint = advice(text, diagnostic.line + lines_before);
+    return diagnostic;
+  }
+}
+
+/// A line that declares the anchors of another file that the text uses: yaml-cpp refuses an alias of an unknown anchor.
+std::string declaration_of(const YamlAnchors& outer, const std::string& text) {
+  std::string names;
+  for (const auto& [name, node] : outer)
+    if (text.find("*" + name) != std::string::npos) names += (names.empty() ? "&" : " 0, &") + name;
+  return names.empty() ? names : "? [" + names + " 0]\n: 0\n";
+}
+
+}  // namespace
+
+Result<YamlDocument> parse_yaml_document(const std::string& text, const std::string& file, const YamlAnchors& outer) {
+  const std::string declaration = declaration_of(outer, text);
+  const int lines_before = declaration.empty() ? 0 : 2;
+  TreeBuilder builder(declaration.empty() ? YamlAnchors() : outer, lines_before);
+  if (auto problem = build(declaration + text, file, true, lines_before, builder)) return *problem;
+  YamlDocument document{builder.root() ? builder.root() : std::make_shared<YamlNode>(), builder.anchors()};
+  if (declaration.empty()) return document;
+  auto root = std::make_shared<YamlNode>(*document.root);
+  root->keys.erase(root->keys.begin());
+  root->items.erase(root->items.begin());
+  document.root = root;
+  return document;
+}
+
+Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file) {
+  TreeBuilder builder;
+  if (auto problem = build(text, file, false, 0, builder)) return *problem;
+  return builder.root() ? builder.root() : std::make_shared<YamlNode>();
+}
+
+}  // namespace rehearse

@@ -1,0 +1,176 @@
+#include "bag_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "model/text.h"
+#include "yaml/yaml_tree.h"
+
+namespace rehearse::bag {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* file_name = "metadata.yaml";
+constexpr std::string_view top_key = "rosbag2_bagfile_information";
+constexpr std::size_t most_files = 0x3000;
+
+/// The entries of a map; the first entry of each name counts.
+const YamlNode* find(const YamlNode* node, std::string_view key) {
+  if (node == nullptr || node->kind != YamlNode::Kind::map) return nullptr;
+  for (std::size_t i = 0; i < node->keys.size(); ++i)
+    if (node->keys[i]->text == key) return node->items[i].get();
+  return nullptr;
+}
+
+std::string text_of(const YamlNode* node) {
+  return node != nullptr && node->kind == YamlNode::Kind::scalar ? node->text : "";
+}
+
+class FolderReader {
+ public:
+  explicit FolderReader(fs::path folder) : path_(std::move(folder)) { folder_.metadata = path_ / file_name; }
+
+  Result<Folder> read();
+  Result<Folder> parse(const std::string& text);
+
+ private:
+  Diagnostic wrong(const YamlNode& at, std::string message, std::string hint = {}) const {
+    Diagnostic diagnostic = error_in(folder_.metadata.string(), std::move(message), std::move(hint));
+    diagnostic.line = at.line;
+    diagnostic.column = at.column;
+    return diagnostic;
+  }
+  void report(const YamlNode& at, std::string message, std::string hint = {}) {
+    problems_.push_back(wrong(at, std::move(message), std::move(hint)));
+  }
+  std::optional<StatedNumber> number(const YamlNode* node, std::string_view what);
+  void read_storage(const YamlNode& bag);
+  void read_compression(const YamlNode& bag);
+  void read_files(const YamlNode& bag);
+  void read_topics(const YamlNode& bag);
+
+  const fs::path path_;
+  Folder folder_;
+  Diagnostics problems_;
+};
+
+/// A whole number of at least 0; nullopt without a node.
+std::optional<StatedNumber> FolderReader::number(const YamlNode* node, std::string_view what) {
+  if (node == nullptr) return std::nullopt;
+  StatedNumber number;
+  number.line = node->line;
+  const std::string text = text_of(node);
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number.value);
+  if (problem == std::errc() && end == text.data() + text.size() && number.value >= 0) return number;
+  report(*node, fmt::format("{} is {}", what, text.empty() ? "no number" : in_quotes(text)),
+         "expected a whole number of at least 0");
+  return std::nullopt;
+}
+
+void FolderReader::read_storage(const YamlNode& bag) {
+  const YamlNode* storage = find(&bag, "storage_identifier");
+  folder_.storage = text_of(storage);
+  if (storage == nullptr)
+    report(bag, "it has no 'storage_identifier'", "expected mcap or sqlite3");
+  else if (folder_.storage != "mcap" && folder_.storage != "sqlite3")
+    report(*storage, fmt::format("the storage {} can't be read", in_quotes(folder_.storage)),
+           "expected mcap or sqlite3; ros2 bag convert writes one of these");
+}
+
+void FolderReader::read_compression(const YamlNode& bag) {
+  const YamlNode* mode = find(&bag, "compression_mode");
+  const YamlNode* format = find(&bag, "compression_format");
+  std::string stated = text_of(mode);
+  std::transform(stated.begin(), stated.end(), stated.begin(), [](char c) { return c >= 'a' ? c - 'a' + 'A' : c; });
+  if (stated.empty() || stated == "NONE") return;
+  if (stated != "FILE" && stated != "MESSAGE") {
+    report(*mode, fmt::format("the compression_mode {} is unknown", in_quotes(mode->text)),
+           "expected NONE, FILE or MESSAGE");
+  } else if (text_of(format) != "zstd") {
+    report(format ? *format : *mode, fmt::format("the compression_format {} is unknown", in_quotes(text_of(format))),
+           "expected zstd");
+  }
+  folder_.compressed_messages = stated == "MESSAGE";
+}
+
+void FolderReader::read_files(const YamlNode& bag) {
+  const YamlNode* files = find(&bag, "relative_file_paths");
+  if (files == nullptr || files->kind != YamlNode::Kind::list || files->items.empty())
+    return report(files ? *files : bag, "it names no file in 'relative_file_paths'", "expected a list of files");
+  if (files->items.size() > most_files)
+    return report(*files, fmt::format("it names {} files", files->items.size()),
+                  fmt::format("expected at most {}", most_files));
+  for (const YamlNodePtr& item : files->items) {
+    const fs::path file = text_of(item.get());
+    // Early versions name the files with the folder's own name before them.
+    fs::path found = path_ / file;
+    std::error_code ignored;
+    if (!fs::exists(found, ignored)) found = path_ / file.filename();
+    if (file.empty() || !fs::exists(found, ignored)) {
+      report(*item, fmt::format("it names the file {}, which isn't in the folder", in_quotes(file.string())),
+             "copy it there; or ros2 bag reindex makes a new metadata.yaml of the files that are there");
+    } else if (fs::is_directory(found, ignored)) {
+      report(*item, fmt::format("it names {}, which is a folder", in_quotes(file.string())), "expected a file");
+    } else {
+      folder_.files.push_back(std::move(found));
+    }
+  }
+}
+
+void FolderReader::read_topics(const YamlNode& bag) {
+  const YamlNode* topics = find(&bag, "topics_with_message_count");
+  if (topics == nullptr || topics->kind != YamlNode::Kind::list) return;
+  for (const YamlNodePtr& item : topics->items) {
+    const YamlNode* about = find(item.get(), "topic_metadata");
+    FolderTopic topic{text_of(find(about, "name")), text_of(find(about, "type")), 0, item->line};
+    if (const auto count = number(find(item.get(), "message_count"), "the message_count of a topic"))
+      topic.messages = static_cast<std::uint64_t>(count->value);
+    if (topic.name.empty()) report(*item, "a topic has no name", "expected topic_metadata: {name: ..., type: ...}");
+    folder_.topics.push_back(std::move(topic));
+  }
+}
+
+Result<Folder> FolderReader::read() {
+  std::error_code ignored;
+  if (!fs::exists(folder_.metadata, ignored))
+    return error_in(
+        path_.string(),
+        fmt::format("can't read the trace: it is a directory without {}, which one of rosbag2 has", file_name),
+        "name a file in it; or ros2 bag reindex makes one of the files in the folder");
+  const auto text = read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder");
+  if (!text) return text.errors();
+  return parse(*text);
+}
+
+Result<Folder> FolderReader::parse(const std::string& text) {
+  const auto root = parse_yaml(text, folder_.metadata.string());
+  if (!root) return root.errors();
+  const YamlNode* bag = find(root->get(), top_key);
+  if (bag == nullptr || bag->kind != YamlNode::Kind::map)
+    return wrong(**root, fmt::format("it has no map '{}'", top_key), "expected the metadata of a rosbag2 folder");
+  if (const auto version = number(find(bag, "version"), "version")) folder_.version = static_cast<int>(version->value);
+  read_storage(*bag);
+  read_compression(*bag);
+  read_files(*bag);
+  read_topics(*bag);
+  folder_.messages = number(find(bag, "message_count"), "message_count");
+  folder_.start = number(find(find(bag, "starting_time"), "nanoseconds_since_epoch"), "starting_time");
+  folder_.duration = number(find(find(bag, "duration"), "nanoseconds"), "duration");
+  folder_.distribution = text_of(find(bag, "ros_distro"));
+  if (!problems_.empty()) return problems_;
+  return folder_;
+}
+
+}  // namespace
+
+Result<Folder> read_folder(const fs::path& folder) { return FolderReader(folder).read(); }
+
+Result<Folder> parse_folder(const std::string& text, const fs::path& folder) {
+  return FolderReader(folder).parse(text);
+}
+
+}  // namespace rehearse::bag

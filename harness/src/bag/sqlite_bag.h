@@ -1,0 +1,69 @@
+// SqliteBag: a file of rosbag2's storage sqlite3 (.db3), read only.
+//
+// The tables that are read: topics (id, name, type, serialization_format, and from schema version 2 on
+// offered_qos_profiles), messages (topic_id, timestamp, data), and from version 4 on message_definitions.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rehearse::bag {
+
+struct Topic {
+  std::int64_t id = 0;
+  std::string name;
+  std::string type;                  // as sensor_msgs/msg/JointState
+  std::string serialization_format;  // as cdr
+  std::string qos_profiles;          // YAML; empty: not stated
+};
+
+struct Definition {
+  std::string encoding;  // "ros2msg" or "ros2idl"
+  std::string text;
+};
+
+/// One message. The data is valid during the callback only.
+struct Message {
+  std::int64_t id = 0;     // of its row
+  std::size_t topic = 0;   // index into topics()
+  std::uint64_t time = 0;  // [ns], of its arrival at the recorder
+  std::span<const std::byte> data;
+};
+
+class SqliteBag {
+ public:
+  /// Opens a database. Fails if it isn't one, or lacks one of the tables or columns.
+  static Result<std::unique_ptr<SqliteBag>> open(const std::filesystem::path& file, const std::string& name);
+  ~SqliteBag();
+  SqliteBag(const SqliteBag&) = delete;
+  SqliteBag& operator=(const SqliteBag&) = delete;
+
+  int schema_version() const;                                    // 1 to 4
+  const std::vector<Topic>& topics() const;                      // in the order of their rows
+  const std::map<std::string, Definition>& definitions() const;  // by type; empty below version 4
+
+  using OnMessage = std::function<Result<void>(const Message&)>;
+  /// Delivers all messages in the order of their rows, which is that of recording. Rows that are no messages (of an
+  /// unknown topic, without a time or bytes) and a damaged part are reported at the end; all readable messages are
+  /// delivered before. An error of the callback ends the pass.
+  Result<void> for_each_message(const OnMessage& callback);
+
+  /// The findings of SQLite's own check of the whole file; empty: it is whole.
+  std::vector<std::string> examine();
+
+ private:
+  struct Impl;
+  explicit SqliteBag(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rehearse::bag

@@ -1,0 +1,149 @@
+#include "proof.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "replay/plant_level.h"
+#include "scenario/plant_text.h"
+#include "trace/hashing.h"
+#include "trace/run_facts.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const mcap::StringMap& plant) {
+  std::string text;
+  for (const auto& [name, value] : plant) text += fmt::format("{}: {}\n", name, value);
+  return text;
+}
+
+std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
+
+std::string certificate_in(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::set<std::string> lines_of(const std::string& text) {
+  std::set<std::string> lines;
+  for (std::size_t begin = 0, end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1)
+    lines.insert(text.substr(begin, end - begin));
+  return lines;
+}
+
+/// The names of the facts that only one of the plants has, or that have another value.
+std::vector<std::string> changed_facts(const std::string& before, const std::string& now) {
+  const std::set<std::string> left = lines_of(before), right = lines_of(now);
+  std::vector<std::string> lines;
+  std::set_symmetric_difference(left.begin(), left.end(), right.begin(), right.end(), std::back_inserter(lines));
+  std::vector<std::string> names;
+  for (const std::string& line : lines) names.push_back(line.substr(0, line.find(": ")));
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+/// Why the golden's facts leave its run open; empty: they don't.
+std::string objection_to_golden(const Trace& golden) {
+  const RunFacts run = RunFacts::of(golden);
+  if (!run.time_step || run.provenances != 1 || run.is_of_log || run.branch)
+    return "the golden is no recording of one whole simulation";
+  if (!run.outcome || !run.outcome->complete || run.outcome->failure) return "the golden isn't complete";
+  if (!run.stated(facts::virtualised).empty()) return "the golden's controllers had simulated time";
+  return "";
+}
+
+}  // namespace
+
+Proof::Proof(const Scenario& scenario, const Trace& golden, const CheckOptions& options, const Simulation& simulation) {
+  const bool is_wanted = options.certificates && simulation.describe_plant && !options.run.nudge;
+  if (!is_wanted || (!options.plant && !options.closed)) return;
+  folder_ = *options.certificates;
+  objection_ = objection_to(scenario, golden, options, simulation);
+  holds_ = objection_.empty();
+}
+
+std::string Proof::objection_to(const Scenario& scenario, const Trace& golden, const CheckOptions& options,
+                                const Simulation& simulation) {
+  if (std::string objection = objection_to_golden(golden); !objection.empty()) return objection;
+  if (always_simulates(scenario)) return "the scenario asks for it";
+  if (options.run.watch) return "the controllers are watched";
+  const auto plant = simulation.describe_plant(scenario);
+  if (!plant) return plant.errors()[0].message;
+  const auto hash = hash_of_file(golden_file_ = golden.file());
+  if (!hash) return hash.errors()[0].message;
+  golden_ = hash_text(*hash);
+  plant_ = text_of(*plant);
+  if (certificate_in(folder_ / (golden_ + "-" + hash_of(plant_))) == plant_) return "";
+  return changes();
+}
+
+/// The certified plant with the fewest changes is the one that was changed.
+std::string Proof::changes() const {
+  std::optional<std::vector<std::string>> fewest;
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, failed)) {
+    if (!entry.path().filename().string().starts_with(golden_ + "-")) continue;
+    std::vector<std::string> names = changed_facts(certificate_in(entry.path()), plant_);
+    if (!fewest || names.size() < fewest->size() || (names.size() == fewest->size() && names < *fewest))
+      fewest = std::move(names);
+  }
+  if (!fewest) return "no check has simulated this golden here before";
+  constexpr std::size_t most = 4;
+  const std::size_t others = fewest->size() > most ? fewest->size() - most : 0;
+  fewest->resize(fewest->size() - others);
+  return fmt::format("changed since the golden was simulated: {}{}", fmt::join(*fewest, ", "),
+                     others > 0 ? fmt::format(" and {} more", others) : "");
+}
+
+Result<void> Proof::certify() const {
+  if (plant_.empty() || holds_) return {};
+  const auto hash = hash_of_file(golden_file_);
+  if (!hash || hash_text(*hash) != golden_) return {};  // accepted anew during the simulation
+  const fs::path file = folder_ / (golden_ + "-" + hash_of(plant_));
+  if (auto made = make_folder_of(file); !made) return made;
+  const fs::path whole = fs::path(file).concat(fmt::format(".{}", getpid()));
+  std::ofstream stream(whole, std::ios::binary);
+  stream << plant_;
+  stream.close();
+  std::error_code failed;
+  fs::rename(whole, file, failed);
+  if (stream && !failed) return {};
+  return error(fmt::format("{} can't be written", file.string()));
+}
+
+Result<ProofMode> proof_mode() {
+  const char* set = std::getenv("REHEARSE_PROOF");
+  const std::string_view word = set ? set : "";
+  ProofMode mode;
+  if (word.empty() || word == "on") return mode;
+  if (word == "off") return mode.on = false, mode;
+  constexpr std::string_view sample = "sample:";
+  if (word.starts_with(sample)) {
+    const char* const end = word.data() + word.size();
+    const auto [at, problem] = std::from_chars(word.data() + sample.size(), end, mode.sampled);
+    if (problem == std::errc() && at == end && mode.sampled >= 0 && mode.sampled <= 100) return mode;
+  }
+  return error(fmt::format("REHEARSE_PROOF is '{}'", word),
+               "expected on, off, or sample:20, which simulates 20 % of the checks although they are proved");
+}
+
+Result<bool> is_sampled(const std::string& name, int percent) {
+  const auto day = date_of_today();
+  if (!day) return day.errors();
+  const std::string text = *day + " " + name;
+  return static_cast<int>(hash_bytes(text.data(), text.size()) % 100) < percent;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,43 @@
+// Proof: whether the physics of a golden need not be simulated again.
+//
+// A check that simulates the closed loop and gets the golden, bit for bit, shows that this world, under the golden's
+// commands, makes the golden. It stores this as a file: a certificate for the golden's bytes and for all on which the
+// world's bits depend (session.h: describe_plant). With a certificate, the plant level needs no simulation. If the
+// controllers also repeat the golden's commands on its inputs, the closed loop is the golden by induction over the
+// ticks: equal commands make equal inputs, and equal inputs make equal commands.
+#pragma once
+
+#include <rehearse/check.h>
+
+#include <filesystem>
+#include <string>
+
+namespace rehearse {
+
+class Proof {
+ public:
+  /// Searches the certificate. `golden`: without messages.
+  Proof(const Scenario& scenario, const Trace& golden, const CheckOptions& options, const Simulation& simulation);
+
+  /// The world is known to make the golden under the golden's commands.
+  bool holds() const { return holds_; }
+  /// A sentence: why it isn't known. Empty if it holds, or if no proof was wanted.
+  const std::string& objection() const { return objection_; }
+  /// Stores the certificate, unless the golden's file has changed. The caller has simulated the whole closed loop, and
+  /// every bit was the golden's.
+  Result<void> certify() const;
+
+ private:
+  std::string objection_to(const Scenario& scenario, const Trace& golden, const CheckOptions& options,
+                           const Simulation& simulation);
+  std::string changes() const;
+
+  std::filesystem::path folder_;  // of certificates
+  std::filesystem::path golden_file_;
+  std::string golden_;  // hash of its bytes
+  std::string plant_;   // facts, a line each; empty: they aren't known
+  bool holds_ = false;
+  std::string objection_;
+};
+
+}  // namespace rehearse

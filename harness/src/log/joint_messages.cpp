@@ -1,0 +1,188 @@
+#include "joint_messages.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "message_reader.h"
+
+namespace rehearse {
+namespace {
+
+struct TrajectoryPoint {
+  static constexpr std::string_view type_name = "trajectory_msgs/msg/JointTrajectoryPoint";
+  std::vector<double> positions, velocities, effort;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("positions", self.positions);
+    visit("velocities", self.velocities);
+    visit("effort", self.effort);
+  }
+  bool empty() const { return positions.empty() && velocities.empty() && effort.empty(); }
+};
+
+struct Trajectory {
+  static constexpr std::string_view type_name = "trajectory_msgs/msg/JointTrajectory";
+  std::vector<std::string> joint_names;
+  std::vector<TrajectoryPoint> points;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("joint_names", self.joint_names);
+    visit("points", self.points);
+  }
+};
+
+/// With the fields of all versions: desired and actual are called reference and feedback since 2022.
+struct ControllerState {
+  static constexpr std::string_view type_name = "control_msgs/msg/JointTrajectoryControllerState";
+  std::vector<std::string> joint_names;
+  TrajectoryPoint desired, actual, reference, feedback, output;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("joint_names", self.joint_names);
+    visit("desired", self.desired);
+    visit("actual", self.actual);
+    visit("reference", self.reference);
+    visit("feedback", self.feedback);
+    visit("output", self.output);
+  }
+};
+
+struct InterfaceValue {
+  static constexpr std::string_view type_name = "control_msgs/msg/InterfaceValue";
+  std::vector<std::string> interface_names;
+  std::vector<double> values;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("interface_names", self.interface_names);
+    visit("values", self.values);
+  }
+};
+
+struct DynamicState {
+  static constexpr std::string_view type_name = "control_msgs/msg/DynamicJointState";
+  std::vector<std::string> joint_names;
+  std::vector<InterfaceValue> interface_values;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("joint_names", self.joint_names);
+    visit("interface_values", self.interface_values);
+  }
+};
+
+void convert(const std::vector<std::string>& names, const TrajectoryPoint& point, msg::JointState& state) {
+  state.name = names;
+  state.position = point.positions;
+  state.velocity = point.velocities;
+  state.effort = point.effort;
+}
+
+Result<void> convert(const Trajectory& message, JointRole, msg::JointState& state) {
+  if (message.points.size() != 1)
+    return error(fmt::format("a trajectory of {} points, which states no single set of values", message.points.size()));
+  convert(message.joint_names, message.points[0], state);
+  return {};
+}
+
+Result<void> convert(const ControllerState& message, JointRole role, msg::JointState& state) {
+  const auto first = [](std::initializer_list<const TrajectoryPoint*> points) {
+    return **std::find_if(points.begin(), points.end() - 1,
+                          [](const TrajectoryPoint* point) { return !point->empty(); });
+  };
+  convert(message.joint_names,
+          role == JointRole::measured ? first({&message.feedback, &message.actual})
+                                      : first({&message.output, &message.reference, &message.desired}),
+          state);
+  return {};
+}
+
+/// The values of one interface, by joint; empty if no joint has it.
+std::vector<double> values_of(const DynamicState& message, std::string_view interface) {
+  std::vector<double> values(message.joint_names.size(), std::numeric_limits<double>::quiet_NaN());
+  bool any = false;
+  for (std::size_t joint = 0; joint < values.size(); ++joint) {
+    const InterfaceValue& has = message.interface_values[joint];
+    for (std::size_t i = 0; i < has.interface_names.size(); ++i) {
+      if (has.interface_names[i] != interface) continue;
+      values[joint] = has.values[i];
+      any = true;
+    }
+  }
+  return any ? values : std::vector<double>();
+}
+
+Result<void> convert(const DynamicState& message, JointRole, msg::JointState& state) {
+  if (message.interface_values.size() != message.joint_names.size())
+    return error(fmt::format("interface values of {} joints, but names of {}", message.interface_values.size(),
+                             message.joint_names.size()));
+  for (std::size_t joint = 0; joint < message.joint_names.size(); ++joint) {
+    const InterfaceValue& has = message.interface_values[joint];
+    if (has.values.size() != has.interface_names.size())
+      return error(fmt::format("{} values of {} interfaces of joint '{}'", has.values.size(),
+                               has.interface_names.size(), message.joint_names[joint]));
+  }
+  state.name = message.joint_names;
+  state.position = values_of(message, "position");
+  state.velocity = values_of(message, "velocity");
+  state.effort = values_of(message, "effort");
+  return {};
+}
+
+}  // namespace
+
+class JointMessages::Form {
+ public:
+  virtual ~Form() = default;
+  virtual Result<const msg::JointState*> read(mcap::Bytes payload) = 0;
+};
+
+template <class Message>
+class JointMessages::FormOf final : public Form {
+ public:
+  FormOf(const ros2msg::Schema& schema, JointRole role) : reader_(schema), role_(role) {}
+
+  Result<const msg::JointState*> read(mcap::Bytes payload) override {
+    const Message* message = reader_.read(payload);
+    if (!message) return misfit(payload);
+    if constexpr (std::is_same_v<Message, msg::JointState>) {
+      return message;
+    } else {
+      if (const auto done = convert(*message, role_, state_); !done) return done.errors();
+      return &state_;
+    }
+  }
+
+ private:
+  MessageReader<Message> reader_;
+  JointRole role_;
+  msg::JointState state_;
+};
+
+JointMessages::JointMessages(const ros2msg::Schema& schema, JointRole role) {
+  const auto has = [&schema](std::string_view name) {
+    const auto& fields = schema.definitions[0].fields;
+    return std::any_of(fields.begin(), fields.end(), [name](const auto& field) { return field.name == name; });
+  };
+  if (has("joint_names") && has("points")) {
+    form_ = std::make_unique<FormOf<Trajectory>>(schema, role);
+  } else if (has("joint_names") && has("interface_values")) {
+    form_ = std::make_unique<FormOf<DynamicState>>(schema, role);
+  } else if (has("joint_names")) {
+    form_ = std::make_unique<FormOf<ControllerState>>(schema, role);
+  } else {
+    form_ = std::make_unique<FormOf<msg::JointState>>(schema, role);
+  }
+}
+
+JointMessages::~JointMessages() = default;
+
+Result<const msg::JointState*> JointMessages::read(mcap::Bytes payload) { return form_->read(payload); }
+
+}  // namespace rehearse

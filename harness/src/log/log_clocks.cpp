@@ -1,0 +1,190 @@
+#include "log_clocks.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/messages.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "message_reader.h"
+
+namespace rehearse {
+namespace {
+
+/// Nanoseconds up to the year 2116; a later time is invalid.
+constexpr std::uint64_t end_of_time = std::uint64_t{1} << 62;
+
+struct HeaderOnly {
+  static constexpr std::string_view type_name = "std_msgs/msg/Header";
+  msg::Header header;
+
+  template <class Self, class Visit>
+  static void for_each_field(Self& self, Visit&& visit) {
+    visit("header", self.header);
+  }
+};
+
+/// A log time after which a stamp of 0 means that it isn't set [ns]: 11 days, longer than any log that begins at 0.
+constexpr std::uint64_t first_wall_time = 1'000'000'000'000'000;
+
+const char* suffix_of(DeviceSource::Kind kind) {
+  switch (kind) {
+    case DeviceSource::Kind::depth: return " (depth)";
+    case DeviceSource::Kind::camera_info: return " (info)";
+    default: return "";
+  }
+}
+
+}  // namespace
+
+struct LogTimes::Stamps {
+  explicit Stamps(const ros2msg::Schema& schema) : reader(schema) {}
+  MessageReader<HeaderOnly> reader;
+};
+
+LogTimes::LogTimes(mcap::Reader& log, const std::vector<MappedSource>& sources) : log_(log) {
+  bool any_log_time = false, any_offset = false;
+  for (const MappedSource& mapped : sources) {
+    Topic& topic = topics_[mapped.source->topic];
+    topic.clock = mapped.source->clock;
+    any_log_time |= topic.clock == LogClock::log_time;
+    if (!mapped.source->clock_offset) continue;
+    any_offset = true;
+    LogClockReport& stated = topic.offset.emplace();
+    stated.offset = static_cast<std::int64_t>(std::llround(*mapped.source->clock_offset * 1e9));
+    stated.is_stated = true;
+  }
+  for (const auto& [id, channel] : log.channels())
+    if (const auto topic = topics_.find(channel.topic); topic != topics_.end()) by_channel_[id] = &topic->second;
+  if (any_log_time || any_offset) estimate(log, sources);
+}
+LogTimes::~LogTimes() = default;
+
+void LogTimes::estimate(mcap::Reader& log, const std::vector<MappedSource>& sources) {
+  std::vector<MappedSource> stamped;
+  for (const MappedSource& mapped : sources) {
+    const Topic& topic = topics_.at(mapped.source->topic);
+    if (topic.clock == LogClock::header_stamp && !topic.offset) stamped.push_back(mapped);
+  }
+  std::map<std::string, ClockEstimate> estimates;
+  read_in_order(log, channels_of(log, stamped), [&](const mcap::Message& message) {
+    const auto stamp = stamp_of(message);
+    if (stamp && message.log_time < end_of_time)
+      estimates[message.channel->topic].add(*stamp, static_cast<std::int64_t>(message.log_time));
+    return true;
+  });
+  for (const auto& [topic, estimate] : estimates) topics_.at(topic).offset = estimate.report();
+}
+
+std::optional<std::int64_t> LogTimes::stamp_of(const mcap::Message& message) {
+  std::unique_ptr<Stamps>& stamps = stamps_[message.channel->id];
+  if (!stamps) {
+    const mcap::Schema* schema = log_.schema_of(*message.channel);
+    auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
+    if (!parsed) return std::nullopt;  // topics_of() has reported it
+    stamps = std::make_unique<Stamps>(*parsed);
+  }
+  const HeaderOnly* read = stamps->reader.read(message.data);
+  if (!read || read->header.stamp.sec < 0 || read->header.stamp.nanosec >= 1'000'000'000) return std::nullopt;
+  const std::uint64_t stamp = read->header.stamp.to_ns();
+  if (stamp == 0 && message.log_time >= first_wall_time) return std::nullopt;
+  return static_cast<std::int64_t>(stamp);
+}
+
+std::optional<std::int64_t> LogTimes::of(const mcap::Message& message) {
+  if (message.log_time >= end_of_time) return std::nullopt;
+  const Topic& topic = *by_channel_.at(message.channel->id);
+  if (topic.clock == LogClock::log_time) return static_cast<std::int64_t>(message.log_time);
+  const auto stamp = stamp_of(message);
+  if (!stamp || !topic.offset) return stamp;
+  const LogClockReport& clock = *topic.offset;
+  return *stamp + clock.offset + std::llround(clock.drift * static_cast<double>(*stamp - clock.reference));
+}
+
+const std::optional<LogClockReport>& LogTimes::clock_of(const std::string& topic) const {
+  return topics_.at(topic).offset;
+}
+
+void ClockEstimate::add(std::int64_t stamp, std::int64_t log_time) {
+  const std::int64_t delay = log_time - stamp;
+  if (count_ == 0) {
+    first_stamp_ = stamp;
+    first_delay_ = least_ = most_ = delay;
+  }
+  least_ = std::min(least_, delay);
+  most_ = std::max(most_, delay);
+  const Point point{static_cast<double>(stamp - first_stamp_), static_cast<double>(delay - first_delay_)};
+  if (!hull_.empty() && point.x <= hull_.back().x) return;  // stamps go on, but for a few late messages
+  ++count_;
+  sum_x_ += point.x;
+  const auto is_above = [&] {  // the last point is above the line from the one before it to the new one
+    const Point &a = hull_[hull_.size() - 2], &b = hull_.back();
+    return (b.y - a.y) * (point.x - a.x) >= (point.y - a.y) * (b.x - a.x);
+  };
+  while (hull_.size() > 1 && is_above()) hull_.pop_back();
+  hull_.push_back(point);
+}
+
+std::pair<double, double> ClockEstimate::line() const {
+  constexpr double largest_drift = 1e-3;
+  const double middle = sum_x_ / static_cast<double>(count_);
+  const auto after = std::find_if(hull_.begin(), hull_.end(), [&](const Point& point) { return point.x > middle; });
+  if (after == hull_.begin() || after == hull_.end()) return {0.0, static_cast<double>(least_ - first_delay_)};
+  const Point &a = *(after - 1), &b = *after;
+  const double slope = (b.y - a.y) / (b.x - a.x);
+  if (std::abs(slope) > largest_drift) return {0.0, static_cast<double>(least_ - first_delay_)};
+  return {slope, a.y - slope * a.x};
+}
+
+LogClockReport ClockEstimate::report() const {
+  constexpr std::int64_t longest_delay = 1'000'000'000;  // [ns]
+  LogClockReport report;
+  report.least_delay = static_cast<double>(least_) * 1e-9;
+  report.reference = first_stamp_;
+  if (least_ >= 0 && most_ <= longest_delay) return report;
+  const auto [slope, value] = line();
+  report.drift = slope;
+  report.offset = first_delay_ + std::llround(value);
+  return report;
+}
+
+std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
+  std::vector<MappedSource> sources;
+  const auto add = [&sources](const LogSource& source, std::string use) -> MappedSource& {
+    MappedSource& added = sources.emplace_back();
+    added.source = &source;
+    added.use = std::move(use);
+    return added;
+  };
+  for (const JointSource& joints : map.joints) add(joints, "joints").joints = &joints;
+  for (const DeviceSource& devices : map.devices) {
+    std::vector<std::string> names;
+    for (const int device : devices.devices) names.push_back(model.devices[device].name);
+    add(devices, fmt::format("{}{}", fmt::join(names, ", "), suffix_of(devices.kind))).devices = &devices;
+  }
+  if (map.joystick) add(*map.joystick, "joystick").joystick = &*map.joystick;
+  if (map.root) add(*map.root, "root").root = &*map.root;
+  if (map.commands) add(*map.commands, "commands").commands = &*map.commands;
+  const auto ticks_too = [&map](const MappedSource& mapped) { return mapped.source->topic == map.tick->topic; };
+  if (map.tick && std::none_of(sources.begin(), sources.end(), ticks_too)) add(*map.tick, "ticks");
+  return sources;
+}
+
+std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vector<MappedSource>& sources) {
+  std::vector<std::uint16_t> channels;
+  for (const auto& [id, channel] : log.channels()) {
+    const auto maps_it = [topic = channel.topic](const MappedSource& mapped) { return mapped.source->topic == topic; };
+    if (std::any_of(sources.begin(), sources.end(), maps_it)) channels.push_back(id);
+  }
+  return channels;
+}
+
+Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
+                          const std::function<bool(const mcap::Message&)>& callback) {
+  if (channels.empty()) return {};  // without a channel the reader would deliver all
+  const auto read = log.for_each_message_in_order(callback, channels);
+  return read ? Diagnostics() : read.errors();
+}
+
+}  // namespace rehearse

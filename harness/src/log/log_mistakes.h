@@ -1,0 +1,22 @@
+// The mistakes of a map that only the messages of the log, or the controller, show.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/model.h>
+
+#include <vector>
+
+#include "host/controller_host.h"
+#include "log_map/log_map.h"
+#include "log_survey.h"
+
+namespace rehearse {
+
+/// Names that never occur, several names or sources of one joint, commands of which no message can be read.
+Diagnostics mistakes_in_names(const std::vector<MappedSource>& sources, const LogSurvey& survey, const Model& model);
+
+/// Fails if the log has none of the numbers that the controllers command; a remark names those that it lacks.
+Result<void> check_commands(const ControllerHost& host, const Model& model, const CommandSource& source,
+                            const SourceSurvey& survey, Diagnostics& remarks);
+
+}  // namespace rehearse

@@ -1,0 +1,50 @@
+// LogContents: the facts of a log's topics that a first map is made of, from the beginning of the log.
+#pragma once
+
+#include <rehearse/mcap.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "log_topics.h"
+
+namespace rehearse {
+
+/// The use of a topic's messages, by their fields.
+enum class TopicUse {
+  joint_states,
+  imu,
+  wrench,
+  picture,
+  camera_info,
+  ranges,
+  joystick,
+  pose,
+  odometry,
+  numbers,
+  other
+};
+
+struct TopicContents {
+  LogTopic topic;
+  TopicUse use = TopicUse::other;
+  std::uint64_t messages = 0;       // that were read
+  std::optional<double> interval;   // median distance of two messages [s]
+  double unevenness = 0.0;          // largest relative difference of a distance from the median
+  std::optional<double> stamp_lag;  // median of log time less header.stamp [s]
+  std::string frame;                // header.frame_id of the first message
+  std::vector<std::string> names;   // of joints, in order of first use
+  bool has_position = false, has_velocity = false, has_effort = false;  // any message has some
+  std::string encoding;                                                 // of pictures
+  std::uint32_t width = 0, height = 0;                                  // of pictures [pixels]
+  std::size_t numbers = 0;  // of a message: the beams of a scan, the numbers of an array
+};
+
+/// Reads the first minute of the log, of each topic at most 500 messages. Sorted by topic. Damage is ignored.
+std::vector<TopicContents> contents_of(mcap::Reader& log);
+
+}  // namespace rehearse

@@ -1,0 +1,18 @@
+// The part of a scenario on which its world depends.
+#pragma once
+
+#include <rehearse/scenario.h>
+
+#include <string>
+
+namespace rehearse {
+
+/// The text of the scenario file without the parts that only judge runs, and without libraries and options of
+/// controllers. It has a line for each value. Two scenarios with equal texts and equal models have equal worlds, which
+/// behave equally under equal commands.
+Result<std::string> plant_text(const Scenario& scenario);
+
+/// True if the scenario has `simulate: always`: a check simulates what it could prove.
+bool always_simulates(const Scenario& scenario);
+
+}  // namespace rehearse

@@ -1,0 +1,117 @@
+#include <cpuid.h>
+#include <fmt/format.h>
+#include <rehearse/pin.h>
+#include <rehearse/session.h>
+#include <rehearse/world.h>
+
+#include <cstring>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "host/virtualised.h"
+#include "plant_code.h"
+#include "recording/loaded_libraries.h"
+#include "recording/provenance.h"
+#include "recording/recorder.h"
+#include "scenario/plant_text.h"
+#include "trace/hashing.h"
+#include "trace/run_facts.h"
+
+extern char** environ;
+
+namespace rehearse {
+namespace {
+
+/// The libraries with which the program began: before a controller was loaded, which has its symbols for itself.
+const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries();
+
+std::string hexadecimal(std::string_view bytes) {
+  std::string text;
+  for (const char byte : bytes) text += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+  return text;
+}
+
+std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
+
+/// The code of Rehearse's own libraries is identified by plant_code(): their build identifiers change with each build.
+/// The interposer is none of them.
+bool is_own(const std::string& name) {
+  return name.starts_with("librehearse_") && !name.starts_with("librehearse_interposer");
+}
+
+/// Adds the libraries outside of Rehearse, the program included: it may replace functions of libraries. Fails for a
+/// library without build identifier.
+Result<void> add_libraries(mcap::StringMap& plant) {
+  for (const auto& [name, library] : libraries_at_start) {
+    const bool is_program = name.empty();
+    const std::string file = is_program ? own_program().filename().string() : name;
+    if (is_own(name) || name.starts_with("linux-vdso.") || (is_program && file == "rehearse-simulate")) continue;
+    if (library.build_id.empty())
+      return error(fmt::format("{} has no build identifier, by which its code could be recognised", file));
+    plant[fmt::format("{} {}", is_program ? "the program" : "the library", file)] = hexadecimal(library.build_id);
+  }
+  return {};
+}
+
+/// The vendor of the processor, and whether a program emulates it. By CPUID, which an emulator answers itself.
+std::string processor() {
+  unsigned a = 0, registers[3] = {};
+  char vendor[13] = {}, hypervisor[13] = {}, brand[49] = {};
+  __cpuid(0, a, registers[0], registers[2], registers[1]);  // the order of the name's letters
+  std::memcpy(vendor, registers, 12);
+  unsigned b = 0, c = 0, d = 0;
+  __cpuid(1, a, b, c, d);
+  if (c & (1U << 31)) {  // there is a hypervisor
+    __cpuid(0x40000000, a, registers[0], registers[1], registers[2]);
+    std::memcpy(hypervisor, registers, 12);
+  }
+  __cpuid(0x80000000, a, b, c, d);
+  for (unsigned leaf = 0; a >= 0x80000004 && leaf < 3; ++leaf) {
+    unsigned words[4] = {};
+    __cpuid(0x80000002 + leaf, words[0], words[1], words[2], words[3]);
+    std::memcpy(brand + 16 * leaf, words, 16);
+  }
+  const bool emulated = std::strcmp(hypervisor, "TCGTCGTCGTCG") == 0 || std::strstr(brand, "QEMU") != nullptr ||
+                        std::strstr(brand, "Virtual") != nullptr;
+  return emulated ? fmt::format("{}, emulated: {} {}", vendor, brand, hypervisor) : vendor;
+}
+
+/// The variables of the environment that Mesa and its compiler read.
+std::string environment_of_renderer() {
+  std::set<std::string> found;
+  for (char** entry = environ; *entry; ++entry)
+    for (const std::string_view prefix : {"MESA", "GALLIUM", "LP_", "LIBGL", "DRAW_", "ST_", "TGSI_", "NIR_", "LLVM",
+                                          "OSMESA", "SOFTPIPE", "GALLIVM", "LVP_", "UTIL_"})
+      if (std::string_view(*entry).starts_with(prefix)) found.insert(*entry);
+  return fmt::format("{}", fmt::join(found, " "));
+}
+
+Result<void> add_scenario(const Scenario& scenario, mcap::StringMap& plant) {
+  const auto text = plant_text(scenario);
+  if (!text) return text.errors();
+  plant["the scenario"] = hash_of(fmt::format("{}{} {} {} {}", *text, scenario.duration, scenario.time_step,
+                                              scenario.seed, scenario.record_frames));
+  for (const SourceFile& source : sources_of(scenario))
+    if (source.name != "scenario.yaml") plant[source.name] = hash_of(source.text);
+  return {};
+}
+
+}  // namespace
+
+Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
+  mcap::StringMap plant;
+  const mcap::StringMap here = provenance(scenario, nullptr, World::engine_description(), "");
+  if (!is_pinned()) return error(fmt::format("the process isn't pinned: {}", pinned_fact()));
+  if (!virtualisation().empty()) return error("the controllers have simulated time and seeded random numbers");
+  for (const char* fact : {facts::compiler, facts::build, facts::physics, facts::pinned_mathematics, facts::solver})
+    if (const std::string value = stated(here, fact); !value.empty()) plant[fact] = value;
+  plant["the processor"] = processor();
+  plant["the renderer's environment"] = environment_of_renderer();
+  plant["the code of Rehearse"] = plant_code();
+  if (auto added = add_libraries(plant); !added) return added.errors();
+  if (auto added = add_scenario(scenario, plant); !added) return added.errors();
+  return plant;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,89 @@
+// record_from(): a closed loop whose first part is known.
+#include <rehearse/mcap.h>
+#include <rehearse/session.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "closed_loop.h"
+#include "host/float_mode.h"
+#include "led_world.h"
+#include "recorded_checkpoints.h"
+#include "replay/copying_sink.h"
+#include "replay/recording_source.h"
+
+namespace rehearse {
+namespace {
+
+/// The latest checkpoint from which the world can be led to the moment; 0: the start.
+Result<std::int64_t> checkpoint_before(std::int64_t moment, const Trace& golden, const Scenario& scenario) {
+  const RecordedCheckpoints checkpoints(golden, scenario);
+  const auto objection = checkpoints.objection();
+  if (!objection) return objection.errors();
+  std::int64_t latest = 0;
+  if (!objection->empty()) return latest;
+  for (const std::int64_t tick : checkpoints.ticks())
+    if (tick <= moment - lead_of(scenario)) latest = std::max(latest, tick);
+  return latest;
+}
+
+/// None: the part before the moment can't be taken from the golden as it is.
+Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& golden, std::int64_t checkpoint,
+                                         std::int64_t moment, const std::filesystem::path& trace,
+                                         const RecordOptions& options) {
+  auto reader = mcap::Reader::open(golden.file());
+  if (!reader) return reader.errors();
+  ClosedLoop loop(scenario);
+  if (auto created = loop.create(trace, options); !created) return created.errors();
+  loop.initialize();
+  loop.start();
+  if (auto done = loop.sink->record_events(loop.host->take_events()); !done) return done.errors();
+  auto led = lead_world(scenario, golden, checkpoint, moment, *loop.plant, *loop.world, *loop.recorder);
+  if (!led) return led.errors();
+  RecordingSource inputs(scenario, **reader, *loop.host, loop.altered);
+  CopyingSink copy(scenario, **reader, *loop.host, *loop.recorder, loop.altered, &loop.summary.remarks);
+  loop.run->change(inputs, copy, moment);
+  if (auto done = copy.copy(inputs, *loop.run, moment); !done) return done.errors();
+  if (loop.host->failure() || !copy.same_outputs() || inputs.recorded().state_hash != led->hash_before)
+    return std::optional<RunSummary>();
+
+  take_drives(loop.run->command, led->command);
+  loop.run->command = std::move(led->command);
+  loop.world->save_checkpoints(std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step)));
+  loop.run->change(*loop.world, *loop.sink, scenario.ticks());
+  loop.run->report_progress(options.progress, scenario.ticks() - moment);
+  for (;;) {
+    const Result<bool> going_on = loop.step();
+    if (!going_on) return going_on.errors();
+    if (!*going_on) break;
+  }
+  auto summary = loop.finish();
+  if (!summary) return summary.errors();
+  return std::optional<RunSummary>(*std::move(summary));
+}
+
+/// Events of the world are in their order among those of the controllers only in a run that is made.
+bool has_events_of_world(const Trace& golden) {
+  return std::any_of(golden.events().begin(), golden.events().end(),
+                     [](const msg::Event& event) { return event.source == "world"; });
+}
+
+}  // namespace
+
+Result<ResumedRun> record_from(const Scenario& scenario, const Trace& golden, std::int64_t moment,
+                               const std::filesystem::path& trace, const RecordOptions& options) {
+  const StandardFloatMode float_mode;
+  const auto checkpoint = checkpoint_before(moment, golden, scenario);
+  if (!checkpoint) return checkpoint.errors();
+  if (*checkpoint > 0 && options.checkpoint_period > 0.0 && !has_events_of_world(golden)) {
+    auto resumed = resume(scenario, golden, *checkpoint, moment, trace, options);
+    if (!resumed) return resumed.errors();
+    if (*resumed) return ResumedRun{**std::move(resumed), *checkpoint};
+  }
+  auto whole = record(scenario, trace, options);
+  if (!whole) return whole.errors();
+  return ResumedRun{*std::move(whole), 0};
+}
+
+}  // namespace rehearse

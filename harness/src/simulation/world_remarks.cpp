@@ -1,0 +1,91 @@
+#include "world_remarks.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "model/clock.h"
+
+namespace rehearse {
+
+WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
+  for (const ScenarioBody& body : scenario.bodies) excesses_.emplace_back(body.model->joints.size());
+}
+
+void WorldRemarks::observe(std::int64_t tick, const World& world, const Observation& seen,
+                           std::vector<msg::Event>& events) {
+  check_limits(tick, seen, events);
+  if (tick == 0) return;
+  check_solver(tick, world, events);
+  check_residual(tick, world.residual(), events);
+  for (const std::string& event : world.events())
+    add(tick, Severity::note, fmt::format("{} in the step after tick {}", event, tick - 1), events);
+}
+
+void WorldRemarks::add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const {
+  msg::Event& event = events.emplace_back();
+  event.stamp = msg::Time::from_ns(nanoseconds_of(tick, scenario_.time_step));
+  event.tick = tick;
+  event.severity = to_string(severity);
+  event.source = "world";
+  event.text = std::move(text);
+}
+
+void WorldRemarks::check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events) {
+  if (world.solver_message().empty()) return;
+  std::set<std::string> touching;
+  for (const LinkPair& pair : world.touching())
+    for (const int body : {pair.body, pair.other_body}) touching.insert("'" + scenario_.bodies[body].name + "'");
+  add(tick, std::exchange(solver_failed_, true) ? Severity::note : Severity::warning,
+      fmt::format(
+          "the exact solver found no solution in the step after tick {}, when {} touched; the quick solver made "
+          "the step with 1000 iterations ({})",
+          tick - 1, fmt::join(touching, ", "), world.solver_message()),
+      events);
+}
+
+void WorldRemarks::check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events) {
+  constexpr double most = 0.15;  // of the body's weight
+  if (residual.body < 0 || residual.share < std::max(most, 2.0 * residual_)) return;
+  const Severity severity = residual_ == 0.0 ? Severity::warning : Severity::note;
+  residual_ = residual.share;
+  const ScenarioBody& body = scenario_.bodies[static_cast<std::size_t>(residual.body)];
+  add(tick, severity,
+      fmt::format("the solver's {} iterations leave the forces at joint '{}' of '{}' wrong by {:.0f} % of the body's "
+                  "weight in the step after tick {}; 'iterations: auto' of the solver iterates until it converges",
+                  residual.iterations, body.model->links[static_cast<std::size_t>(residual.link)].joint.name, body.name,
+                  100.0 * residual.share, tick - 1),
+      events);
+}
+
+/// An excess is reported when it no longer grows, so that the event states how far the joint went, or when it is large.
+void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
+  for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+    const ScenarioBody& body = scenario_.bodies[i];
+    for (std::size_t id = 0; id < excesses_[i].size(); ++id) {
+      const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
+      if (joint.type == JointType::track) continue;
+      const bool slides = joint.type == JointType::prismatic;
+      const double least = slides ? 0.005 : 0.05;  // [m], [rad]; a stop gives way for some steps
+      const double q = seen.bodies[i].joints[id].q;
+      const double excess = std::abs(q - std::clamp(q, joint.lower, joint.upper));
+      Excess& known = excesses_[i][id];
+      const double last = std::exchange(known.last, excess);
+      const double far = std::max(excess, last);
+      const bool grows = tick > 0 && excess >= last;
+      if (far < std::max((grows ? 10.0 : 1.0) * least, 2.0 * known.reported)) continue;
+      const Severity severity = known.reported == 0.0 ? Severity::warning : Severity::note;
+      known.reported = far;
+      add(tick, severity,
+          fmt::format("joint '{}' of '{}' {} {:.3g} {} beyond its limits, {:.4g} to {:.4g}", joint.name, body.name,
+                      tick == 0 ? "begins" : "went", far, slides ? "m" : "rad", joint.lower, joint.upper),
+          events);
+    }
+  }
+}
+
+}  // namespace rehearse

@@ -1,0 +1,42 @@
+// WorldRemarks: what a user should know of the steps of a world, as events of the run.
+#pragma once
+
+#include <rehearse/io.h>
+#include <rehearse/messages.h>
+#include <rehearse/scenario.h>
+#include <rehearse/world.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+class WorldRemarks {
+ public:
+  /// The scenario must outlive this.
+  explicit WorldRemarks(const Scenario& scenario);
+
+  /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits, and what
+  /// connected or separated. Of the first two kinds the first event is a warning, and so a remark of the run; the next
+  /// is a note that follows when it is twice as bad.
+  void observe(std::int64_t tick, const World& world, const Observation& seen, std::vector<msg::Event>& events);
+
+ private:
+  /// How far a joint is beyond its limits, and what of it was reported [rad] or [m].
+  struct Excess {
+    double last = 0.0;
+    double reported = 0.0;
+  };
+  void add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const;
+  void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
+  void check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
+  void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
+
+  const Scenario& scenario_;
+  bool solver_failed_ = false;                 // in any step
+  double residual_ = 0.0;                      // the last that was reported
+  std::vector<std::vector<Excess>> excesses_;  // by body and joint id
+};
+
+}  // namespace rehearse

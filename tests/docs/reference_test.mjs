@@ -1,0 +1,113 @@
+// reference_test.mjs SOURCE BUILD: each key, exit status, variable, message type, field of JSON, verb and option has a
+// text in the pages of the reference. It also adds one of each, which must be found to have none.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { environmentVariables, exitStatuses, messageTypes, parserKeys, verbs } from '../../tools/site/facts.mjs';
+import { publicHeaders } from '../../tools/site/reference.mjs';
+import { sectionOf } from '../../tools/site/markdown.mjs';
+
+const [source, build] = process.argv.slice(2);
+const read = (file) => readFileSync(join(source, file), 'utf8');
+const section = (file, anchor) => sectionOf(read(file), anchor).lines.join('\n');
+
+/** The words in code of a text: `a b` gives a and b; of a block of YAML the keys with a comment behind them. */
+const wordsIn = (text) =>
+  new Set([
+    ...[...text.matchAll(/^(\w+):.*# /gm)].map(([, key]) => key),
+    ...[...text.replace(/^```[^]*?^```/gm, '').matchAll(/`([^`]+)`/g)].flatMap(([, code]) => code.match(/\w[\w.]*/g) ?? []),
+  ]);
+const without = (names, text) => names.filter((name) => !wordsIn(text).has(name));
+
+let failures = 0;
+/** Each of `names` must be in the text; a name that nobody has written must not. */
+function covers(what, names, text, place) {
+  assert(names.length > 0, `no ${what} was found: the sources have changed`);
+  const missing = without(names, text);
+  if (missing.length) ++failures;
+  missing.forEach((name) => console.log(`${what} '${name}' has no text in ${place}`));
+  assert.deepEqual(without([...names, 'a_new_one'], text).slice(missing.length), ['a_new_one']);
+}
+
+const forms = {
+  scenario: ['fixtures/README.md', 'the-form-of-a-scenario'],
+  map: ['fixtures/README.md', 'the-form-of-a-map'],
+};
+for (const [form, [file, anchor]] of Object.entries(forms))
+  for (const { owner, keys } of parserKeys(source).filter((table) => table.form === form))
+    covers(`key of ${owner}`, keys, section(file, anchor), `${file}#${anchor}`);
+
+const variables = 'tools/site/pages/reference/environment.md';
+covers('variable', environmentVariables(source), read(variables), variables);
+
+const statuses = exitStatuses(source).map(({ status }) => status);
+for (const status of statuses)
+  assert(new RegExp(`^\\| ${status}[ ,|]`, 'm').test(section('tools/README.md', 'how-it-ends')), `exit status ${status} has no text`);
+
+// Types that are only parts of others are described by their fields.
+const types = messageTypes(source);
+const parts = new Set(types.flatMap(({ fields }) => fields.map(({ type }) => type.replace(/\[\d*\]$/, ''))));
+const whole = types.filter(({ type }) => !parts.has(type)).map(({ type }) => type.split('/').at(-1));
+covers('message type', whole, section('harness/TRACE_FORMAT.md', 'payloads'), 'harness/TRACE_FORMAT.md#payloads');
+
+/** The names of all members of an object, of the objects in it, and so on. */
+const membersOf = (value) =>
+  value && typeof value === 'object'
+    ? Object.entries(value).flatMap(([name, inner]) => [...(Array.isArray(value) ? [] : [name]), ...membersOf(inner)])
+    : [];
+
+const program = join(build, 'bin/rehearse');
+const scratch = mkdtempSync(join(tmpdir(), 'rehearse_reference_'));
+const golden = join(source, 'golden/Spring.SwingsWithItsNaturalFrequency.mcap');
+const jsonOf = (...words) => {
+  const outcome = spawnSync(program, words, { cwd: scratch, encoding: 'utf8' });
+  assert(outcome.stdout.startsWith('{'), `rehearse ${words.join(' ')} prints no object: ${outcome.stdout}${outcome.stderr}`);
+  return JSON.parse(outcome.stdout);
+};
+const spring = join(source, 'fixtures/scenarios/spring.yaml');
+const objects = [
+  ['record', spring, '-o', 'spring.mcap'],
+  ['replay', golden],
+  ['replay', golden, '--tick', '10'],
+  ['diff', golden, golden],
+  ['doctor', golden],
+  ['inspect', join(source, 'fixtures/models/pendulum.urdf')],
+  ['golden', 'list'],
+  ['filter', golden, '-o', 'part.mcap', '--until', '1'],
+  ['export', golden, '-o', 'tables'],
+  ['recover', golden, '-o', 'whole.mcap'],
+  ['merge', golden, golden, '-o', 'both.mcap', '--keep-apart'],
+];
+const json = section('tools/README.md', 'json');
+for (const words of objects) {
+  const fields = Object.keys(jsonOf(...words, '--json'));
+  covers(`field of ${words.slice(0, words[0] === 'golden' ? 2 : 1).join(' ')} --json`, fields, json, 'tools/README.md#json');
+}
+rmSync(scratch, { recursive: true });
+
+for (const verb of verbs(program).flatMap((one) => [one, ...one.parts])) {
+  const silent = [...verb.options, ...verb.positionals].filter(({ text }) => !text).map(({ words }) => words);
+  if (silent.length) ++failures;
+  silent.forEach((words) => console.log(`rehearse ${verb.name} has no text for ${words}`));
+}
+
+// Headers whose public members must all have a comment. The rest of the public headers is to follow.
+const documented = ['gtest.h', 'test_support.h', 'controller_bench.h', 'session.h', 'replay.h', 'host_options.h'];
+if (existsSync('/usr/bin/doxygen')) {
+  const config =
+    read('tools/site/Doxyfile').replace('EXTRACT_ALL            = YES', 'EXTRACT_ALL = NO').replace('WARN_IF_UNDOCUMENTED   = NO', '') +
+    `INPUT = ${publicHeaders(source).map(({ file }) => file).join(' ')}\nWARN_IF_UNDOCUMENTED = YES\nGENERATE_XML = NO\n` +
+    `INPUT_FILTER = ${source}/tools/site/doxygen_filter\nEXCLUDE_SYMBOLS = rehearse::internal* *::Impl\n`;
+  const outcome = spawnSync('doxygen', ['-'], { input: config, encoding: 'utf8' });
+  const warnings = outcome.stderr.split('\n').filter((line) => line.includes('is not documented'));
+  assert(outcome.status === 0, outcome.stderr);
+  const wrong = warnings.filter((line) => documented.some((name) => line.includes(`/${name}:`)));
+  if (wrong.length) ++failures;
+  wrong.forEach((line) => console.log(line));
+  console.log(`${warnings.length} members of other public headers have no comment`);
+} else {
+  console.log('comments of public headers are not examined: doxygen is not installed (tools/setup docs)');
+}
+process.exit(failures ? 1 : 0);

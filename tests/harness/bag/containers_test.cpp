@@ -1,0 +1,264 @@
+// Logs in other containers than an MCAP file, opened as every verb opens them.
+#include <rehearse/trace.h>
+
+#include <gmock/gmock.h>
+
+#include "bag_files.h"
+
+namespace rehearse::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// The positions of KNEE in a log, in the order of time.
+std::vector<double> knee_in(const fs::path& log) {
+  const auto trace = Trace::load(log);
+  EXPECT_TRUE(trace) << to_string(trace.errors());
+  return trace && trace->find_series("joint_states/KNEE/q") ? trace->values("joint_states/KNEE/q")
+         : trace && trace->find_series("KNEE/q")            ? trace->values("KNEE/q")
+                                                            : std::vector<double>();
+}
+
+std::vector<double> upto(int end) {
+  std::vector<double> numbers;
+  for (int i = 0; i < end; ++i) numbers.push_back(i);
+  return numbers;
+}
+
+std::string form_of(const fs::path& log) {
+  const auto reader = mcap::Reader::open(log);
+  return reader ? (*reader)->form() : to_string(reader.errors());
+}
+
+class Databases : public testing::TestWithParam<int> {};
+
+TEST_P(Databases, OfEachVersionAreRead) {
+  const TempFolder folder;
+  {
+    Database bag(folder / "joints_0.db3", GetParam());
+    bag.topic(3, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 10; ++i) bag.message(3, i * 1'000'000, joint_state(i));
+  }
+  EXPECT_EQ(knee_in(folder / "joints_0.db3"), upto(10));
+  EXPECT_EQ(form_of(folder / "joints_0.db3"),
+            "rosbag2 database (SQLite, schema version " + std::to_string(GetParam()) + ")");
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, Databases, testing::Values(1, 2, 3, 4));
+
+TEST(Database, KeepsTopicTypeTimesProfilesAndBytes) {
+  const TempFolder folder;
+  const Buffer payload = joint_state(0.25);
+  {
+    Database bag(folder / "a.db3");
+    bag.topic(7, "/joint_states", "sensor_msgs/msg/JointState");
+    bag.message(7, 1'700'000'000'123'456'789, payload);
+  }
+  const auto reader = mcap::Reader::open(folder / "a.db3");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  EXPECT_EQ((*reader)->size(), fs::file_size(folder / "a.db3"));
+  int messages = 0;
+  EXPECT_TRUE((*reader)->for_each_message([&](const mcap::Message& message) {
+    ++messages;
+    EXPECT_EQ(message.channel->topic, "/joint_states");
+    EXPECT_EQ(message.channel->message_encoding, "cdr");
+    EXPECT_EQ(message.channel->metadata.at("offered_qos_profiles"), "- history: 3");
+    EXPECT_EQ((*reader)->schema_of(*message.channel)->name, "sensor_msgs/msg/JointState");
+    EXPECT_EQ(message.log_time, 1'700'000'000'123'456'789u);
+    EXPECT_EQ(Buffer(message.data.begin(), message.data.end()), payload);
+    return true;
+  }));
+  EXPECT_EQ(messages, 1);
+}
+
+TEST(Database, UsesItsOwnDefinitionBeforeAStandardOne) {
+  const TempFolder folder;
+  {
+    Database bag(folder / "a.db3");
+    bag.topic(1, "/a", "sensor_msgs/msg/JointState");
+    bag.topic(2, "/b", "my_msgs/msg/Load");
+    bag.topic(3, "/c", "my_msgs/msg/Unknown");
+    bag.topic(4, "/d", "sensor_msgs/msg/Joy");
+    bag.definition("sensor_msgs/msg/JointState", "float64 only");
+    bag.definition("my_msgs/msg/Load", "float64 newton");
+  }
+  const auto reader = mcap::Reader::open(folder / "a.db3");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  std::map<std::string, mcap::Schema> schemas;
+  for (const auto& [id, schema] : (*reader)->schemas()) schemas[schema.name] = schema;
+  EXPECT_EQ(schemas["sensor_msgs/msg/JointState"].data, "float64 only");
+  EXPECT_EQ(schemas["my_msgs/msg/Load"].data, "float64 newton");
+  EXPECT_EQ(schemas["my_msgs/msg/Unknown"].encoding, "");
+  EXPECT_EQ(schemas["my_msgs/msg/Unknown"].data, "");
+  EXPECT_THAT(schemas["sensor_msgs/msg/Joy"].data, HasSubstr("float32[] axes"));
+}
+
+TEST(Database, ReportsRowsThatAreNoMessagesAndDeliversTheOthers) {
+  const TempFolder folder;
+  {
+    Database bag(folder / "a.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    bag.message(1, 0, joint_state(0));
+    bag.message(9, 1, joint_state(5));
+    bag.run("INSERT INTO messages(topic_id, timestamp, data) VALUES(1, -5, x'00')");
+    bag.run("INSERT INTO messages(topic_id, timestamp, data) VALUES(1, 7, 'text')");
+    bag.message(1, 1'000'000, joint_state(1));
+  }
+  const auto reader = mcap::Reader::open(folder / "a.db3");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  int messages = 0;
+  const auto read = (*reader)->for_each_message([&](const mcap::Message&) { return ++messages > 0; });
+  EXPECT_EQ(messages, 2);
+  ASSERT_FALSE(read);
+  const std::string text = to_string(read.errors());
+  EXPECT_THAT(text, HasSubstr("a.db3: error: it has 1 message of the topic 9, which the table 'topics' hasn't, the "
+                              "first in row 2: left out"));
+  EXPECT_THAT(text, HasSubstr("whose timestamp is no number of nanoseconds, the first in row 3"));
+  EXPECT_THAT(text, HasSubstr("whose data isn't a BLOB, the first in row 4"));
+}
+
+TEST(Database, OfCompressedMessagesIsDecompressed) {
+  const TempFolder folder;
+  {
+    Database bag(folder / "a.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 5; ++i) bag.message(1, i * 1'000'000, compressed(joint_state(i)));
+  }
+  EXPECT_EQ(knee_in(folder / "a.db3"), upto(5));
+}
+
+TEST(Database, ThatWasCutIsReportedAfterItsReadableMessages) {
+  const TempFolder folder;
+  {
+    Database bag(folder / "a.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 2000; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+  }
+  fs::resize_file(folder / "a.db3", fs::file_size(folder / "a.db3") * 3 / 4);
+  const auto reader = mcap::Reader::open(folder / "a.db3");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  int messages = 0;
+  const auto read = (*reader)->for_each_message([&](const mcap::Message&) { return ++messages > 0; });
+  ASSERT_FALSE(read);
+  EXPECT_GT(messages, 100);
+  EXPECT_THAT(to_string(read.errors()), HasSubstr("damaged: not all of its messages can be read: SQLite reports: "));
+}
+
+TEST(Folder, OfSplitFilesIsOneLog) {
+  const TempFolder folder;
+  write_joints(folder / "bag_0.mcap", 0, 4);
+  write_joints(folder / "bag_1.mcap", 4, 3);
+  write_joints(folder / "bag_2.mcap", 7, 3);
+  write_metadata(folder.path(), {.files = {"bag_0.mcap", "bag_1.mcap", "bag_2.mcap"}, .messages = 10});
+  EXPECT_EQ(knee_in(folder.path()), upto(10));
+  EXPECT_EQ(form_of(folder.path()), "rosbag2 folder (3 files of mcap)");
+  const auto reader = mcap::Reader::open(folder.path());
+  ASSERT_TRUE(reader);
+  EXPECT_EQ((*reader)->channels().size(), 1u);
+}
+
+TEST(Folder, OfOneFileIsThatFile) {
+  const TempFolder folder;
+  write_joints(folder / "bag_0.mcap", 0, 4);
+  write_metadata(folder.path(), {.files = {"bag_0.mcap"}, .messages = 4});
+  EXPECT_EQ(knee_in(folder.path()), upto(4));
+  EXPECT_EQ(form_of(folder.path()), "MCAP");
+}
+
+TEST(Folder, OfSplitDatabasesIsOneLog) {
+  const TempFolder folder;
+  for (int part = 0; part < 2; ++part) {
+    Database bag(folder / ("bag_" + std::to_string(part) + ".db3"));
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 5 * part; i < 5 * part + 5; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+  }
+  write_metadata(folder.path(), {.storage = "sqlite3", .files = {"bag_0.db3", "bag_1.db3"}, .messages = 10});
+  EXPECT_EQ(knee_in(folder.path()), upto(10));
+  EXPECT_EQ(form_of(folder.path()), "rosbag2 folder (2 files of sqlite3)");
+}
+
+TEST(Folder, OfCompressedFilesIsRead) {
+  const TempFolder folder;
+  write_joints(folder / "a.mcap", 0, 4);
+  write_file(folder / "a.mcap.zstd", compressed(read_file(folder / "a.mcap")));
+  {
+    Database bag(folder / "b.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 3; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+  }
+  write_file(folder / "b.db3.zstd", compressed(read_file(folder / "b.db3")));
+  write_metadata(folder.path(), {.files = {"a.mcap.zstd"}, .messages = 4, .mode = "FILE", .format = "zstd"});
+  EXPECT_EQ(knee_in(folder.path()), upto(4));
+  EXPECT_EQ(form_of(folder.path()), "MCAP, compressed by zstd");
+  write_metadata(folder.path(),
+                 {.storage = "sqlite3", .files = {"b.db3.zstd"}, .messages = 3, .mode = "FILE", .format = "zstd"});
+  EXPECT_EQ(knee_in(folder.path()), upto(3));
+}
+
+TEST(Folder, OfCompressedMessagesIsRead) {
+  const TempFolder folder;
+  auto writer = mcap::Writer::create(folder / "a.mcap");
+  const auto schema = (*writer)->add_schema(msg::JointState::type_name, "ros2msg", msg::schema_text<msg::JointState>());
+  const auto channel = (*writer)->add_channel(schema, "/joint_states", "cdr");
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE((*writer)->write(channel, i, i, compressed(joint_state(i))));
+  ASSERT_TRUE((*writer)->close());
+  write_metadata(folder.path(), {.files = {"a.mcap"}, .messages = 3, .mode = "MESSAGE", .format = "zstd"});
+  EXPECT_EQ(knee_in(folder.path()), upto(3));
+}
+
+TEST(Folder, DeliversAllPartsAndReportsTheCutOne) {
+  const TempFolder folder;
+  write_joints(folder / "bag_0.mcap", 0, 4);
+  write_joints(folder / "bag_1.mcap", 4, 3);
+  fs::resize_file(folder / "bag_0.mcap", fs::file_size(folder / "bag_0.mcap") - 30);
+  write_metadata(folder.path(), {.files = {"bag_0.mcap", "bag_1.mcap"}, .messages = 7});
+  const auto reader = mcap::Reader::open(folder.path());
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  int messages = 0;
+  const auto read = (*reader)->for_each_message([&](const mcap::Message&) { return ++messages > 0; });
+  EXPECT_EQ(messages, 7);
+  ASSERT_FALSE(read);
+  EXPECT_THAT(to_string(read.errors()), HasSubstr("bag_0.mcap: error: truncated at byte"));
+}
+
+TEST(Zstd, ThatIsCutDeliversWhatItHas) {
+  const TempFolder folder;
+  write_joints(folder / "a.mcap", 0, 40'000);
+  Buffer bytes = compressed(read_file(folder / "a.mcap"));
+  bytes.resize(bytes.size() / 2);
+  write_file(folder / "a.mcap.zst", bytes);
+  const auto reader = mcap::Reader::open(folder / "a.mcap.zst");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  EXPECT_THAT(to_string((*reader)->damage()), HasSubstr("its zstd frame isn't whole"));
+}
+
+TEST(Zstd, BombIsRefused) {
+  const TempFolder folder;
+  write_file(folder / "bomb.zst", compressed(Buffer(std::size_t{200} << 20)));
+  const auto reader = mcap::Reader::open(folder / "bomb.zst");
+  ASSERT_FALSE(reader);
+  EXPECT_THAT(to_string(reader.errors()), HasSubstr("it decompresses to more than 1000 times its size"));
+}
+
+TEST(Container, ThatChangesIsConvertedAgain) {
+  const TempFolder folder;
+  const auto add = [&](int time) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open((folder / "a.db3").c_str(), &database), SQLITE_OK);
+    const std::string insert = "INSERT INTO messages(topic_id, timestamp, data) SELECT topic_id, " +
+                               std::to_string(time) + ", data FROM messages LIMIT 1";
+    EXPECT_EQ(sqlite3_exec(database, insert.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(database);
+  };
+  {
+    Database bag(folder / "a.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    bag.message(1, 0, joint_state(0));
+  }
+  EXPECT_EQ(knee_in(folder / "a.db3").size(), 1u);
+  add(5'000'000);
+  EXPECT_EQ(knee_in(folder / "a.db3").size(), 2u);
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,71 @@
+// What a run says of its world: joints beyond their limits, welds, and a solver that doesn't converge.
+
+#include "runs.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class WorldRemarks : public RunTest {
+ protected:
+  WorldRemarks() {
+    std::string urdf = rig_urdf;
+    urdf.replace(urdf.find("lower=\"-100\" upper=\"100\""), 26, "lower=\"-0.1\" upper=\"0.3\"");
+    write("rig.urdf", urdf);
+  }
+};
+
+TEST_F(WorldRemarks, AJointThatGoesBeyondItsLimitsIsAWarning) {
+  std::string text = rig(behaviour("C", "drive effort 100 RAIL"), "cameras: none\n", "0.2");
+  record_run(text);
+  EXPECT_TRUE(summary_.remarks.empty());
+  text.replace(text.find("    model: rig.urdf"), 19, "    joint_limits: false\n    model: rig.urdf");
+  const Trace trace = record_run(text);
+  EXPECT_GT(trace.last("Rig/RAIL/q"), 0.5);
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);
+  EXPECT_THAT(summary_.remarks[0].message, HasSubstr("joint 'RAIL' of 'Rig' went 0.05"));
+  EXPECT_THAT(summary_.remarks[0].message, HasSubstr("m beyond its limits, -0.1 to 0.3"));
+}
+
+TEST_F(WorldRemarks, AJointThatBeginsBeyondItsLimitsIsAWarning) {
+  std::string text = rig("");
+  text.replace(text.find("RAIL: 0.25"), 10, "RAIL: 0.75");
+  const Trace trace = record_run(text);
+  EXPECT_THAT(said(trace), Contains("world: joint 'RAIL' of 'Rig' begins 0.45 m beyond its limits, -0.1 to 0.3"));
+}
+
+TEST_F(WorldRemarks, WeldsAreEvents) {
+  const Trace trace = record_run(R"(rehearse: 1
+duration: 0.05
+bodies:
+  - {name: Wall, box: {size: [0.1, 0.1, 0.1]}, fixed: true, position: [0, 0, 1]}
+  - {name: Box, box: {size: [0.1, 0.1, 0.1]}, mass: 1, position: [0.5, 0, 1]}
+welds: [{name: grip, between: [Wall, Box], from: 0.01, until: 0.03}]
+)");
+  EXPECT_THAT(said(trace), Contains("world: 'grip' connects 'Wall/Wall' and 'Box/Box' in the step after tick 10"));
+  EXPECT_THAT(said(trace), Contains("world: 'grip' separates 'Wall/Wall' and 'Box/Box' in the step after tick 30"));
+}
+
+TEST_F(WorldRemarks, ASolverThatStopsFarFromItsSolutionIsAWarningThatAutoAvoids) {
+  const std::string arm = R"(bodies:
+  - name: Rig
+    model: rig.urdf
+  - {name: Load, box: {size: [0.1, 0.1, 0.1]}, mass: 50, position: [0.2, 0, 1]}
+  - {name: End, box: {size: [0.1, 0.1, 0.1]}, mass: 50, position: [0.5, 0, 1]}
+joints:
+  - {type: fixed, between: [Rig/ARM, Load]}
+  - {type: fixed, between: [Load, End]}
+)";
+  record_run("rehearse: 1\nduration: 0.05\ncameras: none\nsolver: {iterations: 2}\n" + arm);
+  ASSERT_FALSE(summary_.remarks.empty());
+  EXPECT_THAT(summary_.remarks[0].message,
+              HasSubstr("world: the solver's 2 iterations leave the forces at joint 'SHOULDER' of 'Rig' wrong"));
+  record_run("rehearse: 1\nduration: 0.05\ncameras: none\nsolver: {iterations: auto}\n" + arm);
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
+}  // namespace
+}  // namespace rehearse

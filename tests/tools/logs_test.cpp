@@ -1,0 +1,190 @@
+// The verbs on robots' logs: map, doctor on bags, diff --align, export for viewers.
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/trace.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "command.h"
+#include "mixed_file.h"
+
+namespace rehearse::test {
+namespace {
+
+using testing::HasSubstr;
+
+class Logs : public Command {
+ protected:
+  /// A second of a joint state at 100 Hz whose clock is `offset` ns ahead, with `jitter` ns between neighbours. The
+  /// stamps are the log times.
+  void joints(const std::string& name, std::uint64_t offset, std::uint64_t jitter, double amplitude = 1.0) const {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    TopicWriter topic(*writer, "/joint_states", "cdr", add_schema<msg::JointState>(*writer));
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      const std::uint64_t time = 1'000'000'000 + i * 10'000'000;
+      const double seconds = static_cast<double>(i) * 0.01;
+      const double q = amplitude * std::sin(9.0 * seconds * seconds);
+      const std::uint64_t logged = time + offset + (i % 2) * jitter;
+      topic.put(logged, msg::JointState{{msg::Time::from_ns(logged), "base"}, {"KNEE"}, {q}, {}, {}});
+    }
+    ASSERT_TRUE(writer->close());
+  }
+  fs::path golden(const std::string& name) const { return fixtures.parent_path() / "golden" / name; }
+};
+
+TEST_F(Logs, AlignedByTheirStartAreEqual) {
+  joints("a.mcap", 0, 0);
+  joints("b.mcap", 5'000'000'000, 0);
+  EXPECT_EQ(rehearse({"diff", "a.mcap", "b.mcap"}).status, 1);
+  const Outcome outcome = done({"diff", "a.mcap", "b.mcap", "--align", "start"});
+  EXPECT_THAT(outcome.out,
+              HasSubstr("aligned by start: the times of b.mcap + -5.000000000 s; 100 messages matched, 0 s "
+                        "apart (median; at most 0 s)\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("equal"));
+}
+
+TEST_F(Logs, AlignedByASeriesMatchMessagesInSpiteOfJitter) {
+  joints("a.mcap", 0, 0);
+  joints("b.mcap", 7'123'456'789, 300'000);
+  const auto json = done({"diff", "a.mcap", "b.mcap", "--align", "KNEE/q", "--json"}).json();
+  EXPECT_NEAR(json["alignment"]["offset"].get<double>(), -7.123456789, 2e-4);
+  EXPECT_GT(json["alignment"]["correlation"].get<double>(), 0.99);
+  EXPECT_EQ(json["alignment"]["matched"], 100);
+  EXPECT_EQ(json["alignment"]["lone"], nlohmann::json::array({0, 0}));
+  EXPECT_LT(json["alignment"]["largest_distance"].get<double>(), 5e-4);
+  EXPECT_TRUE(json["equal"].get<bool>());
+}
+
+TEST_F(Logs, AlignedOnesThatDifferDiffer) {
+  joints("a.mcap", 0, 0);
+  joints("b.mcap", 5'000'000'000, 0, 1.001);
+  const Outcome outcome = rehearse({"diff", "a.mcap", "b.mcap", "--align", "start"});
+  EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("KNEE"));
+}
+
+TEST_F(Logs, AlignmentByASeriesThatOneLacksIsRefused) {
+  joints("a.mcap", 0, 0);
+  joints("b.mcap", 0, 0);
+  const Outcome outcome = rehearse({"diff", "a.mcap", "b.mcap", "--align", "KNE/q"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("a.mcap: error: it has no series 'KNE/q' ("));
+}
+
+TEST_F(Logs, DoctorComparesMetadataWithTheFiles) {
+  const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_wrong_counts").string()});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("metadata.yaml:8: error: it states 2 messages, and the files have 1\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("metadata.yaml:10: error: it states 2 messages on '/chatter', and the files have 1"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("metadata.yaml:5: warning: it states a duration of 1000 ns, and the messages span 0 ns"));
+}
+
+TEST_F(Logs, DoctorEndsWithAnotherStatusForWarnings) {
+  const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_unknown_serialization.db3").string()});
+  EXPECT_EQ(outcome.status, 4) << outcome.out << outcome.err;
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("bag_unknown_serialization.db3: warning: the messages on '/chatter' are serialized as 'protobuf'"));
+}
+
+TEST_F(Logs, DoctorRefusesAFolderWithoutItsFiles) {
+  const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_missing_file").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("metadata.yaml:17:7: error: it names the file 'bag_missing_file_0.mcap'"));
+}
+
+TEST_F(Logs, ADraftedMapReplaysARecordingBitForBit) {
+  const std::string model = (fixtures / "models/tank.urdf").string(), log = golden("Tank.IsDrivenByJoystick.mcap");
+  done({"map", log, "--model", model, "-o", "tank.map.yaml"});
+  const std::string map = read_file(folder() / "tank.map.yaml");
+  EXPECT_THAT(map, HasSubstr("time_step: 0.005"));
+  EXPECT_THAT(map, HasSubstr("  - topic: /Tank/joints    # 4 of the model's 4 joints\n"));
+  EXPECT_THAT(map, HasSubstr("  topic: /Tank/Driver/output/joints\n"));
+  EXPECT_THAT(map, HasSubstr("info: /Tank/Eye/camera_info, device: Eye}    # by its name"));
+  const Outcome replayed = rehearse(
+      {"replay", log, "--controller", "TankController", "--model", model, "--map", "tank.map.yaml", "-o", "out.mcap"});
+  EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr("the log's commands, bit for bit"));
+}
+
+TEST_F(Logs, AMapOfAForeignLogSaysWhatItIsUnsureOf) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+    TopicWriter states(*writer, "/joint_states", "cdr", add_schema<msg::JointState>(*writer));
+    TopicWriter imu(*writer, "/imu/data", "cdr", add_schema<msg::Imu>(*writer));
+    for (std::uint64_t i = 0; i < 20; ++i) {
+      states.put(i * 2'000'000,
+                 msg::JointState{{msg::Time::from_ns(i * 2'000'000), ""}, {"left_wheel_joint", "arm"}, {0, 0}, {}, {}});
+      msg::Imu reading;
+      reading.header.frame_id = "imu_link";
+      imu.put(i * 2'000'000, reading);
+    }
+    ASSERT_TRUE(writer->close());
+  }
+  const std::string map = done({"map", "log.mcap", "--model", (fixtures / "models/scout.urdf").string()}).out;
+  EXPECT_THAT(map, HasSubstr("time_step: 0.002    # [s]: the distance of the messages on /joint_states\n"));
+  EXPECT_THAT(map, HasSubstr("left_wheel_joint: LEFT_WHEEL    # unsure"));
+  EXPECT_THAT(map, HasSubstr("velocity: differentiate"));
+  EXPECT_THAT(map, HasSubstr("# names without a joint of the model: arm\n"));
+  EXPECT_THAT(map, HasSubstr("# joints without a source: RIGHT_WHEEL\n"));
+}
+
+TEST_F(Logs, AMapOfALogThatDoesNotFitIsRefused) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+    TopicWriter topic(*writer, "/wrench", "cdr", add_schema<msg::WrenchStamped>(*writer));
+    topic.put(0, msg::WrenchStamped());
+    ASSERT_TRUE(writer->close());
+  }
+  const Outcome outcome = rehearse({"map", "log.mcap", "--model", (fixtures / "models/tank.urdf").string()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("no topic of the log fits the model Tank (the log has /wrench)"));
+}
+
+TEST_F(Logs, AViewersFileHasTheRobotAndItsFrames) {
+  const std::string run = golden("Tank.IsDrivenByJoystick.mcap");
+  done({"export", run, "--viewer", "tank.mcap", "--layout", "tank.json", "--robot", "files"});
+  const Outcome described = done({"cat", "tank.mcap", "--topics", "/robot_description", "--json"});
+  EXPECT_THAT(described.json()["message"]["data"].get<std::string>(), HasSubstr("<link name=\"Tank/CHASSIS\""));
+  EXPECT_EQ(described.json()["log_time"], 0);
+  const Outcome frames = done({"cat", "tank.mcap", "--topics", "/tf_static"});
+  EXPECT_THAT(frames.out, HasSubstr("child_frame_id=\"Tank/Eye\""));
+  EXPECT_THAT(read_file(folder() / "files/scenario.yaml"), HasSubstr("\nrehearse: 1\n"));
+  EXPECT_TRUE(exists("files/tank.urdf"));
+  const auto layout = nlohmann::json::parse(read_file(folder() / "tank.json"));
+  EXPECT_EQ(layout["configById"]["Image!camera1"]["imageMode"]["imageTopic"], "/Tank/Eye/image");
+  EXPECT_EQ(layout["configById"]["3D!robot"]["followTf"], "Tank/CHASSIS");
+  done({"doctor", "tank.mcap"});
+}
+
+TEST_F(Logs, ALayoutForPlotJugglerIsXml) {
+  done({"export", golden("Tank.IsDrivenByJoystick.mcap"), "--layout", "tank.xml"});
+  EXPECT_THAT(read_file(folder() / "tank.xml"), HasSubstr("<curve name=\"/Tank/joints/"));
+  const Outcome other = rehearse({"export", golden("Tank.IsDrivenByJoystick.mcap"), "--layout", "tank.txt"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("expected .json for Foxglove and Lichtblick, .xml for PlotJuggler"));
+}
+
+TEST_F(Logs, AnExportWithBytesHasThemInBase64) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+    TopicWriter topic(*writer, "/camera/image", "cdr", add_schema<msg::CompressedImage>(*writer));
+    topic.put(0, msg::CompressedImage{{{}, "eye"}, "png", {1, 2, 3}});
+    ASSERT_TRUE(writer->close());
+  }
+  const Outcome without = done({"export", "log.mcap", "-o", "tables"});
+  EXPECT_THAT(without.out, HasSubstr("left out of /camera/image: data\n"));
+  EXPECT_EQ(read_file(folder() / "tables/camera_image.csv"),
+            "time [s],header/stamp/sec,header/stamp/nanosec,header/frame_id,format\n0.000000000,0,0,eye,png\n");
+  done({"export", "log.mcap", "-o", "tables", "--bytes"});
+  EXPECT_EQ(
+      read_file(folder() / "tables/camera_image.csv"),
+      "time [s],header/stamp/sec,header/stamp/nanosec,header/frame_id,format,data\n0.000000000,0,0,eye,png,AQID\n");
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,265 @@
+// What is proved is what a simulation gives, and nothing is proved if the world may be another one.
+#include <gmock/gmock.h>
+#include <rehearse/compare.h>
+#include <rehearse/session.h>
+
+#include <link.h>
+#include <algorithm>
+
+#include "command.h"
+#include "standing_robot.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const Simulation simulation{record, run_plant, describe_plant, record_from};
+
+/// A fixture's scenario beside its golden.
+class FixtureProof : public ::testing::TestWithParam<std::string> {
+ protected:
+  FixtureProof() { setenv("REHEARSE_CONTROLLER_PATH", SAMPLE_CONTROLLERS, 1); }
+  testing::TemporaryFolder folder_;
+};
+
+std::vector<std::string> scenarios_with_golden() {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(FIXTURES_DIR "/scenarios"))
+    if (StandingRobot::read(entry.path()).find("\ngolden: ") != std::string::npos)
+      names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, FixtureProof, ::testing::ValuesIn(scenarios_with_golden()),
+                         [](const auto& of) { return of.param; });
+
+TEST_P(FixtureProof, IsWhatTheSimulationGives) {
+  const auto scenario = Scenario::load(fs::path(FIXTURES_DIR "/scenarios") / (GetParam() + ".yaml"));
+  ASSERT_TRUE(scenario.ok()) << to_string(scenario.errors());
+  const fs::path golden = fs::path(GOLDENS) / (scenario->golden + ".mcap"), actual = folder_ / "actual.mcap";
+  CheckOptions options;
+  options.certificates = folder_ / "proofs";
+  const auto simulated = check_scenario(*scenario, golden, actual, options, simulation);
+  ASSERT_TRUE(simulated.ok()) << to_string(simulated.errors());
+  EXPECT_FALSE(simulated->proved);
+  EXPECT_EQ(simulated->simulated_from, 0);
+  EXPECT_EQ(simulated->not_proved, "no check has simulated this golden here before");
+  ASSERT_EQ(simulated->closed, LevelState::equal) << simulated->verdict;
+
+  const auto proved = check_scenario(*scenario, golden, actual, options, simulation);
+  ASSERT_TRUE(proved.ok()) << to_string(proved.errors());
+  EXPECT_TRUE(proved->proved) << proved->not_proved;
+  EXPECT_TRUE(proved->equal());
+  EXPECT_EQ(proved->controller, LevelState::equal);
+  EXPECT_EQ(proved->plant, LevelState::proved);
+  EXPECT_EQ(proved->closed, LevelState::proved);
+  EXPECT_THAT(proved->verdict, StartsWith("proved without simulating: the world is the one that made the golden, and "
+                                          "the controllers command what they commanded"));
+  EXPECT_EQ(proved->simulated_from, std::nullopt);
+  ASSERT_EQ(proved->expectations.size(), simulated->expectations.size());
+  for (std::size_t i = 0; i < proved->expectations.size(); ++i) {
+    EXPECT_EQ(proved->expectations[i].text, simulated->expectations[i].text);
+    EXPECT_TRUE(proved->expectations[i].holds);
+  }
+  EXPECT_FALSE(fs::exists(actual));
+}
+
+/// The second half is simulated from a checkpoint; before it the golden is copied.
+TEST_P(FixtureProof, ARunThatIsSimulatedInPartIsTheWholeRun) {
+  const auto scenario = Scenario::load(fs::path(FIXTURES_DIR "/scenarios") / (GetParam() + ".yaml"));
+  ASSERT_TRUE(scenario.ok()) << to_string(scenario.errors());
+  const auto golden = Trace::load_in_pieces(fs::path(GOLDENS) / (scenario->golden + ".mcap"), [](const Trace&) {});
+  ASSERT_TRUE(golden.ok());
+  const auto run = record_from(*scenario, *golden, scenario->ticks() * 3 / 4 + 7, folder_ / "actual.mcap");
+  ASSERT_TRUE(run.ok()) << to_string(run.errors());
+  EXPECT_EQ(run->summary.ticks, scenario->ticks());
+  const auto compared = compare(golden->file(), folder_ / "actual.mcap", scenario->tolerances, {});
+  ASSERT_TRUE(compared.ok()) << to_string(compared.errors());
+  EXPECT_TRUE(compared->equal) << table(*compared);
+}
+
+/// SR1 that stands, and its golden, which a check has simulated.
+class Proof : public ::testing::Test {
+ protected:
+  Proof() {
+    robot_.record_golden();
+    options_.certificates = robot_.file("proofs");
+    EXPECT_EQ(check().closed, LevelState::equal);
+  }
+  CheckReport check() const {
+    auto report = robot_.check(options_, simulation);
+    EXPECT_TRUE(report.ok()) << to_string(report.errors());
+    return report.ok() ? *std::move(report) : CheckReport();
+  }
+
+  StandingRobot robot_;
+  CheckOptions options_;
+};
+
+TEST_F(Proof, IsThereOnceACheckHasSimulatedTheGolden) {
+  EXPECT_TRUE(check().proved);
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nname: standing\ntolerances: [{channel: \"*\", atol: 1}]"});
+  EXPECT_TRUE(check().proved) << "names and tolerances don't change the world";
+}
+
+TEST_F(Proof, OfThePlantAloneNeedsNoReplay) {
+  options_.controller = options_.closed = false;
+  const CheckReport report = check();
+  EXPECT_TRUE(report.proved);
+  EXPECT_EQ(report.plant, LevelState::proved);
+  EXPECT_EQ(report.controller, LevelState::skipped);
+  EXPECT_EQ(report.verdict, "proved without simulating: the world is the one that made the golden");
+}
+
+TEST_F(Proof, IsNoneForAnotherGoldenOfTheSameWorld) {
+  RecordOptions original;
+  original.libraries["Stand"] = "StandWith_gain";
+  robot_.record_golden(original);
+  const CheckReport report = check();
+  EXPECT_EQ(report.not_proved, "no check has simulated this golden here before");
+  EXPECT_EQ(report.closed, LevelState::differs);
+}
+
+TEST_F(Proof, NamesWhatHasChanged) {
+  robot_.apply({"sr1.urdf", R"(<mass value="5.1"/>)", R"(<mass value="5.1000"/>)"});
+  EXPECT_EQ(check().not_proved, "changed since the golden was simulated: sr1.urdf");
+  robot_.apply({"scenario.yaml", "friction: 1}", "friction: 1, erp: 0.2}"});
+  EXPECT_THAT(check().not_proved, HasSubstr("the scenario"));
+}
+
+TEST_F(Proof, IsNotWantedByAScenario) {
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nsimulate: always"});
+  const CheckReport report = check();
+  EXPECT_FALSE(report.proved);
+  EXPECT_EQ(report.closed, LevelState::equal);
+  EXPECT_EQ(report.not_proved, "the scenario asks for it");
+}
+
+TEST_F(Proof, ExpectationsAreJudgedOnTheGolden) {
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nexpect: [{channel: SR1/WAIST/position/z, above: 0.5}]"});
+  const CheckReport held = check();
+  EXPECT_TRUE(held.proved);
+  EXPECT_THAT(held.verdict, HasSubstr("; the expectation holds: SR1/WAIST/position/z above 0.5 m"));
+  robot_.apply({"scenario.yaml", "above: 0.5", "above: 0.9"});
+  const CheckReport violated = check();
+  EXPECT_FALSE(violated.within());
+  EXPECT_THAT(violated.verdict, StartsWith("expected SR1/WAIST/position/z above 0.9 m"));
+}
+
+TEST_F(Proof, LinesThatTheControllersWriteCount) {
+  options_.run.libraries["Stand"] = "StandWith_words";
+  const CheckReport report = check();
+  EXPECT_FALSE(report.proved);
+  EXPECT_TRUE(report.within());
+}
+
+TEST_F(Proof, ALateDifferenceIsSimulatedFromACheckpointBefore) {
+  options_.run.libraries["Stand"] = "StandWith_last_part";
+  const CheckReport report = check();
+  EXPECT_EQ(report.plant, LevelState::proved);
+  EXPECT_EQ(report.closed, LevelState::differs);
+  EXPECT_EQ(report.simulated_from, 300);  // a picture and a half before tick 500
+  EXPECT_EQ(report.first->tick, 500);
+}
+
+TEST_F(Proof, ThatWasWrongFailsLoudlyIfTheCheckIsInTheSample) {
+  const auto broken_record = [](const Scenario& of, const fs::path& trace, const RecordOptions& with) {
+    Scenario other = of;
+    other.gravity.z() -= 0.01;
+    return record(other, trace, with);
+  };
+  options_.sampled = 100;
+  EXPECT_TRUE(check().proved);
+  const auto report = robot_.check(options_, {broken_record, run_plant, describe_plant, record_from});
+  ASSERT_TRUE(report.ok());
+  EXPECT_FALSE(report->within());
+  EXPECT_THAT(report->verdict,
+              StartsWith("the proof was wrong: by it nothing has changed since the golden, but simulated"));
+}
+
+/// `rehearse check` of one scenario, which an earlier check has simulated.
+class ProvedByCommand : public test::Command {
+ protected:
+  ProvedByCommand() {
+    done({"record", scenario().string(), "-o", "golden.mcap"});
+    EXPECT_EQ(check()["proved"], false);
+    EXPECT_EQ(check()["proved"], true);
+  }
+  fs::path scenario() const { return sr1_without_cameras(); }
+  nlohmann::json check(const std::string& environment = "", const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"check", scenario().string(), "--golden", "golden.mcap", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const test::Outcome outcome = rehearse(words, environment);
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    return outcome.json();
+  }
+  void expect_simulated(const nlohmann::json& report, const std::string& reason) const {
+    EXPECT_EQ(report["proved"], false);
+    EXPECT_EQ(report["levels"]["plant"], "equal");
+    EXPECT_THAT(report["not_proved"].get<std::string>(), HasSubstr(reason));
+  }
+};
+
+/// This process passes its own pinned environment on.
+TEST_F(ProvedByCommand, IsNoneUnlessTheProcessIsPinned) {
+  const test::Outcome outcome = rehearse({"check", scenario().string(), "--golden", "golden.mcap", "--json"},
+                                         "GLIBC_TUNABLES= GALLIUM_OVERRIDE_CPU_CAPS= LP_NUM_THREADS= REHEARSE_PIN=off");
+  const nlohmann::json report = outcome.json();
+  EXPECT_EQ(report["proved"], false);
+  EXPECT_THAT(report["not_proved"].get<std::string>(), HasSubstr("the process isn't pinned"));
+}
+
+TEST_F(ProvedByCommand, IsNoneIfAFunctionOfTheMathematicsIsReplaced) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer's library has to be the first one";
+#endif
+  expect_simulated(check("LD_PRELOAD=" OTHER_SINE), "the library libother_sine.so");
+}
+
+/// The path of a library of this process.
+std::string loaded(const std::string& name) {
+  std::pair<std::string, std::string> found{name, ""};
+  const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
+    auto& wanted = *static_cast<std::pair<std::string, std::string>*>(into);
+    if (std::string(library->dlpi_name).find("/" + wanted.first) != std::string::npos)
+      wanted.second = library->dlpi_name;
+    return 0;
+  };
+  dl_iterate_phdr(take, &found);
+  return found.second;
+}
+
+TEST_F(ProvedByCommand, IsNoneWithAnotherBuildOfTheEngine) {
+  const fs::path engine = loaded("libode.so");
+  std::string bytes = test::read_file(engine);
+  const std::string note("\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0", 16);  // a build identifier of 20 bytes follows
+  const std::size_t at = bytes.find(note);
+  ASSERT_NE(at, std::string::npos) << engine;
+  bytes[at + note.size()] ^= 1;
+  write(engine.filename().string(), bytes);
+  expect_simulated(check("LD_LIBRARY_PATH=" + folder().string()), "the library " + engine.filename().string());
+}
+
+TEST_F(ProvedByCommand, IsNoneWithOtherSettingsOfTheRenderer) {
+  expect_simulated(check("MESA_NO_DITHER=1"), "the renderer's environment");
+}
+
+TEST_F(ProvedByCommand, IsNotSoughtIfTheUserSaysSo) {
+  for (const nlohmann::json& report : {check("REHEARSE_PROOF=off"), check("", {"--simulate"})}) {
+    EXPECT_EQ(report["proved"], false);
+    EXPECT_EQ(report["not_proved"], nullptr);
+    EXPECT_EQ(report["simulated_from"], 0);
+  }
+  EXPECT_EQ(check("REHEARSE_PROOF=sample:100")["proved"], true);
+  const test::Outcome outcome =
+      rehearse({"check", scenario().string(), "--golden", "golden.mcap"}, "REHEARSE_PROOF=no");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("REHEARSE_PROOF is 'no'"));
+}
+
+}  // namespace
+}  // namespace rehearse

@@ -1,0 +1,18 @@
+# cmake -D OBJCOPY=... -D OBJECTS=... -D OUTPUT=... -P plant_code.cmake: writes the source of plant_code(), the hash of
+# object files. Debug information doesn't count: it has line numbers, which change with each comment.
+set(digests "")
+foreach(object IN LISTS OBJECTS)
+  execute_process(COMMAND ${OBJCOPY} --strip-debug ${object} ${OUTPUT}.o COMMAND_ERROR_IS_FATAL ANY)
+  file(SHA256 ${OUTPUT}.o digest)
+  list(APPEND digests ${digest})
+endforeach()
+file(REMOVE ${OUTPUT}.o)
+string(SHA256 digest "${digests}")
+set(source "#include \"simulation/plant_code.h\"\n\nnamespace rehearse {\nstd::string plant_code() { return \"${digest}\"; }\n}  // namespace rehearse\n")
+set(before "")
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} before)
+endif()
+if(NOT before STREQUAL source)
+  file(WRITE ${OUTPUT} "${source}")
+endif()

@@ -1,0 +1,164 @@
+#include "check_outcome.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <string_view>
+
+#include "check/compared.h"
+#include "golden/run_folder.h"
+#include "report/report_index.h"
+#include "simulation/recorded_view.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool failed(const CheckReport& report) {
+  const bool run_failed = report.run && (report.run->failure || report.run->controller_refused);
+  return run_failed || (report.replay && (report.replay->failure || report.replay->controller_refused));
+}
+
+Json json_of_check(const Checked& checked) {
+  Json object = Json::parse(to_json(checked.report));
+  if (!compared_anything(checked.report)) object["equal"] = object["within"] = false;
+  object["scenario"] = checked.scenario;
+  object["file"] = checked.file;
+  object["message"] = checked.report.message;
+  object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
+  return object;
+}
+
+/// A State of TestResult or CiCase.
+template <class State>
+State state_of(const Json& outcome) {
+  const auto exit = static_cast<Exit>(outcome["exit"].get<int>());
+  return exit == Exit::done ? State::passed : exit == Exit::differs ? State::differs : State::failed;
+}
+
+TestResult result_of(const Scenario& scenario, const Json& outcome) {
+  TestResult result;
+  result.test = scenario.name;
+  result.kind = outcome["kind"];
+  result.state = state_of<TestResult::State>(outcome);
+  result.verdict = outcome["check"]["verdict"];
+  result.report = outcome["report"].get<std::string>();
+  if (result.report.empty()) return result;
+  if (!outcome["tick"].is_null()) result.tick = outcome["tick"].get<std::int64_t>();
+  if (const auto trace = Trace::load(fs::path(result.report).replace_extension(".mcap")))
+    result.picture = thumbnail_of(scenario, *trace, result.tick.value_or(0));
+  return result;
+}
+
+bool is_within(const Json& outcome) { return outcome["check"]["within"]; }
+
+/// The summary of all scenarios: differs if any differs, else within if any is, else equal, else proved; skipped if all
+/// are skipped.
+std::string_view together(const std::vector<Json>& all, const char* level) {
+  for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal, LevelState::proved})
+    for (const Json& outcome : all)
+      if (outcome["check"]["levels"][level] == to_string(state)) return to_string(state);
+  return to_string(LevelState::skipped);
+}
+
+}  // namespace
+
+Exit exit_of(const CheckReport& report) {
+  if (failed(report)) return Exit::controller_failed;
+  if (!compared_anything(report)) return Exit::bad_input;
+  return report.within() ? Exit::done : Exit::differs;
+}
+
+void tell(const Checked& checked) {
+  const CheckReport& report = checked.report;
+  const std::string sentence = fmt::format("{}: {}", checked.scenario, report.verdict);
+  const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
+  fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
+  fmt::print("  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}; {:.1f} s\n",
+             to_string(report.controller), to_string(report.plant), to_string(report.closed), checked.seconds);
+  // beside a difference, only a change may explain it
+  if (!report.not_proved.empty() && (report.within() || report.not_proved.starts_with("changed")))
+    fmt::print("  simulated: {}\n", report.not_proved);
+  if (report.plant_run && !report.plant_run->from_the_start.empty())
+    fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
+  if (report.plant == LevelState::differs && report.plant_comparison)
+    fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
+  if (report.comparison)
+    fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
+  for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
+  if (!report.message.empty()) fmt::print("{}\n", report.message);
+  if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
+  if (checked.page && !is_ci())
+    fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
+  if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
+  std::fflush(stdout);  // before related output on stderr
+  if (report.run) tell_remarks(*report.run);
+}
+
+Json outcome_of(const Scenario& scenario, const Checked& checked) {
+  const CheckReport& report = checked.report;
+  std::string details = report.verdict + '\n';
+  if (report.comparison) details += table(*report.comparison);
+  details += report.message;
+  int line = 1;
+  if (const ExpectationResult* violation = first_violation(report.expectations))
+    line = violation->expectation.place.line;
+  return {{"check", json_of_check(checked)},
+          {"exit", static_cast<int>(exit_of(report))},
+          {"kind", scenario.golden.empty() ? "expectations" : "golden"},
+          {"report", checked.page ? checked.page->file.string() : ""},
+          {"tick", checked.page && checked.page->summary.first_tick ? Json(*checked.page->summary.first_tick) : Json()},
+          {"details", details},
+          {"line", line},
+          {"seconds", checked.seconds}};
+}
+
+Json json_of_checks(const std::vector<Json>& all) {
+  const auto bad = std::find_if_not(all.begin(), all.end(), is_within);
+  const auto all_are = [&](const char* member) {
+    return std::all_of(all.begin(), all.end(), [&](const Json& outcome) { return outcome["check"][member] == true; });
+  };
+  Json scenarios = Json::array();
+  for (const Json& outcome : all) scenarios.push_back(outcome["check"]);
+  return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
+                                       : (*bad)["check"]["scenario"].get<std::string>() + ": " +
+                                             (*bad)["check"]["verdict"].get<std::string>()},
+          {"equal", all_are("equal")},
+          {"within", bad == all.end()},
+          {"proved", all_are("proved")},
+          {"levels",
+           {{"controller", together(all, "controller")},
+            {"plant", together(all, "plant")},
+            {"closed", together(all, "closed")}}},
+          {"first", bad == all.end() ? Json(nullptr) : (*bad)["check"]["first"]},
+          {"scenarios", scenarios}};
+}
+
+CiCase ci_case(const Json& outcome) {
+  CiCase one;
+  one.name = outcome["check"]["scenario"];
+  one.file = outcome["check"]["file"];
+  one.verdict = headline(outcome["check"]["verdict"].get<std::string>());
+  one.seconds = outcome["seconds"];
+  one.state = state_of<CiCase::State>(outcome);
+  one.line = outcome["line"];
+  one.details = outcome["details"];
+  one.report = outcome["report"];
+  return one;
+}
+
+void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>& all, bool tells) {
+  std::error_code ignored;
+  const bool all_passed = std::all_of(all.begin(), all.end(), is_within);
+  if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
+  const FolderLock alone(pending_folder());
+  for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
+  const auto index = refresh_index(pending_folder());
+  if (!index || all_passed || !tells) return;
+  fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
+}
+
+}  // namespace rehearse::tool

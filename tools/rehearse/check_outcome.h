@@ -1,0 +1,46 @@
+// The outcome of a check: as text for a person, as JSON for the user and between processes, and in formats for
+// continuous integration.
+#pragma once
+
+#include <rehearse/check.h>
+#include <rehearse/report.h>
+#include <rehearse/scenario.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ci_output.h"
+#include "command.h"
+#include "output.h"
+
+namespace rehearse::tool {
+
+/// The result of one scenario.
+struct Checked {
+  std::string scenario;  // name
+  std::string file;
+  CheckReport report;
+  std::optional<FailureReport> page;  // the report for a browser
+  std::string no_page;                // the reason why there is no report although one was requested
+  double seconds = 0.0;               // wall time [s]
+};
+
+Exit exit_of(const CheckReport& report);
+
+/// Prints the verdict, the levels, tables of differences and the address of the report.
+void tell(const Checked& checked);
+
+/// A check as JSON, so that a process can pass it to another: `check` is the object for the user.
+Json outcome_of(const Scenario& scenario, const Checked& checked);
+
+/// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
+Json json_of_checks(const std::vector<Json>& all);
+
+CiCase ci_case(const Json& outcome);
+
+/// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
+/// renewed, and no new one is made.
+void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>& all, bool tells);
+
+}  // namespace rehearse::tool

@@ -1,0 +1,113 @@
+// What the reference of the site is made of, read from the sources and from the command: keys, variables, verbs, types.
+import { execFileSync } from 'node:child_process';
+import { readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+const filesBelow = (folder, ending) =>
+  readdirSync(folder, { recursive: true })
+    .map(String)
+    .filter((name) => ending.test(name) && !name.includes('node_modules'))
+    .sort()
+    .map((name) => join(folder, name));
+
+/**
+ * The keys that the parsers of scenarios and maps accept: [{form: 'scenario', 'map' or 'noise file', owner: 'a body', keys}]. A parser
+ * states them where it makes a `Keys`; one that this doesn't understand is an error.
+ */
+export function parserKeys(source) {
+  const tables = [];
+  for (const file of filesBelow(join(source, 'harness/src'), /\.cpp$/)) {
+    const text = readFileSync(file, 'utf8');
+    const found = [...text.matchAll(/\bKeys(?: keys)?\(\w+, [^,;{]+, "([^"]+)",\s*\{([^{}]*)\}\)/g)];
+    const made = [...text.matchAll(/\bKeys(?: keys)?\(\w+, [^,;{)]+, /g)].length;
+    if (made !== found.length)
+      throw new Error(`${file}: ${made} parsers of keys are made, but the keys of only ${found.length} can be read`);
+    const form = file.includes('/log_map/') ? 'map' : file.includes('/check/') ? 'noise file' : 'scenario';
+    for (const [, owner, list] of found)
+      tables.push({ form, owner, keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]) });
+  }
+  return tables;
+}
+
+/** The variables of the environment that the libraries and the command read, by name. */
+export function environmentVariables(source) {
+  const names = new Set();
+  for (const folder of ['engine', 'harness', 'controllers/src', 'tools/rehearse', 'tools/cmake'])
+    for (const file of filesBelow(join(source, folder), /\.(cpp|h|inl|cmake|in)$/))
+      for (const [, inCall, inText, inCMake] of readFileSync(file, 'utf8').matchAll(
+        /(?:getenv|environment|environment_or)\("([A-Z_]+)"|"(REHEARSE_[A-Z_]+)"|\$ENV\{([A-Z_]+)\}/g,
+      ))
+        names.add(inCall ?? inText ?? inCMake);
+  return [...names].sort();
+}
+
+/** Exit statuses of the command: [{status, name}]. */
+export function exitStatuses(source) {
+  const text = readFileSync(join(source, 'tools/rehearse/command.h'), 'utf8').match(/enum class Exit \{([^}]*)\}/)[1];
+  return [...text.matchAll(/(\w+) = (\d+)/g)].map(([, name, status]) => ({ name, status }));
+}
+
+/** The message types that a recording can have: [{type, text, fields: [{type, name, text}]}], in the header's order. */
+export function messageTypes(source) {
+  const lines = readFileSync(join(source, 'harness/include/rehearse/messages.h'), 'utf8').split('\n');
+  const types = [];
+  let comment = [];
+  let open = null;
+  for (const line of lines) {
+    const said = line.match(/^\s*\/\/\/? ?(.*)/);
+    const begin = line.match(/^struct (\w+) \{/);
+    const field = line.match(/^ {2}([\w:<>, ]+) (\w+)(?: = [^;]+|\{[^;]*\})?;(?:\s*\/\/ (.*))?$/);
+    if (begin) open = { name: begin[1], type: '', text: comment.join(' '), fields: [] };
+    else if (open && line.includes('type_name = "')) open.type = line.match(/"([^"]+)"/)[1];
+    else if (open && field && !/static|return|const /.test(line))
+      open.fields.push({ type: field[1], name: field[2], text: [...comment, field[3] ?? ''].join(' ').trim() });
+    else if (open && line === '};') {
+      if (open.type) types.push(open);
+      open = null;
+    }
+    comment = said ? [...comment, said[1]] : [];
+  }
+  const named = new Map(types.map((type) => [type.name, type.type]));
+  const ros = { double: 'float64', float: 'float32', bool: 'bool', 'std::string': 'string', 'std::byte': 'uint8' };
+  const rosType = (text) => {
+    const inner = text.match(/^std::(?:vector<(.+)>|array<(.+), (\d+)>)$/);
+    if (inner) return `${rosType(inner[1] ?? inner[2])}[${inner[3] ?? ''}]`;
+    return ros[text] ?? named.get(text) ?? text.replace(/^std::/, '').replace(/_t$/, '');
+  };
+  for (const type of types) for (const field of type.fields) field.type = rosType(field.type);
+  return types;
+}
+
+const helpOf = (program, words) => execFileSync(program, [...words, '--help'], { encoding: 'utf8' });
+
+/** The lines below a title of --help: [{words, text}]; a description may continue in the lines below its words. */
+function entriesOf(help, title) {
+  const section = help.match(new RegExp(`^${title}:\\n((?:.+\\n)*)`, 'm'));
+  const entries = [];
+  for (const line of (section?.[1] ?? '').split('\n').filter(Boolean)) {
+    const begin = line.match(/^ {2}(\S.*?)(?: {2,}(.*))?$/);
+    if (begin) entries.push({ words: begin[1], text: begin[2] ?? '' });
+    else entries.at(-1).text = `${entries.at(-1).text} ${line.trim()}`.trim();
+  }
+  return entries;
+}
+
+/** A verb, or a part of one: {name, summary, usage, positionals, options, example, parts}. */
+function verbOf(program, words, summary) {
+  const help = helpOf(program, words);
+  return {
+    name: words.join(' '),
+    summary,
+    usage: help.match(/^Usage: (.*)$/m)[1],
+    positionals: entriesOf(help, 'Positionals'),
+    options: entriesOf(help, 'Options').filter(({ words: option }) => !option.startsWith('-h')),
+    example: (help.match(/^Example:\n([^]*)/m)?.[1] ?? '').replace(/^ {2}/gm, '').trim(),
+    parts: entriesOf(help, 'Subcommands').map((part) => verbOf(program, [...words, part.words], part.text)),
+  };
+}
+
+/** All verbs of the command, from its --help. */
+export const verbs = (program) =>
+  entriesOf(execFileSync(program, ['--help'], { encoding: 'utf8' }), 'Verbs').map(({ words, text }) =>
+    verbOf(program, [words], text),
+  );
