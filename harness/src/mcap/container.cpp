@@ -274,7 +274,7 @@ Result<void> convert_compressed(Converted& converted, const std::string& name, B
     return {};
   }
   if (inner != Container::sqlite) {
-    Diagnostics problems{error_in(name, "what zstd decompresses is neither MCAP nor a database of rosbag2")};
+    Diagnostics problems{error_in(name, "the content decompressed by zstd is neither MCAP nor a database of rosbag2")};
     problems.insert(problems.end(), converted.damage.begin(), converted.damage.end());
     return problems;
   }

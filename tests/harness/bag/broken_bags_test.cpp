@@ -29,7 +29,7 @@ const std::vector<BrokenBag>& broken_bags() {
        "bag_without_tables.db3: error: the database has no table 'topics' (expected a .db3 file of rosbag2)"},
       {"bag_without_data.db3", "bag_without_data.db3: error: the table 'messages' has no column 'data'"},
       {"bag_of_ros1.bag", "bag_of_ros1.bag: error: a bag of ROS 1, which isn't read: rosbags-convert --src FILE"},
-      {"bag_of_text.zst", "bag_of_text.zst: error: what zstd decompresses is neither MCAP nor a database of rosbag2"},
+      {"bag_of_text.zst", "bag_of_text.zst: error: the content decompressed by zstd is neither MCAP nor a database of rosbag2"},
       {"bag_missing_file",
        "bag_missing_file/metadata.yaml:17:7: error: it names the file 'bag_missing_file_0.mcap', which isn't in the "
        "folder"},
