@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -222,26 +223,35 @@ std::string parts_text(const Judgement& judgement, std::size_t count, double hul
   return fmt::format("contact takes {} convex parts, which fill {}", count, filled);
 }
 
-/// Adds the hulls of the convex parts of an object, and a note. Adds nothing if one of them has no hull.
-void add_parts(TriangleSoup solid, const std::string& object, const Judgement& judgement, ConvexHulls& result) {
-  const std::size_t first = result.hulls.size();
+/// The hulls of the convex parts of an object; none if one of them has no hull.
+std::vector<ConvexHull> parts_of(const TriangleSoup& solid, const std::string& object, const Judgement& judgement) {
+  std::vector<ConvexHull> hulls;
   const double flat = 1e-6 * judgement.hull;  // slivers beside a cut
-  Diagnostics remarks;                        // about the thinning of parts; the note has the figure
-  double hulls = 0.0;
-  for (const Piece& piece : Decomposer(std::move(solid), judgement).pieces()) {
+  Diagnostics remarks;                        // about the thinning of parts; the note of all parts has the figure
+  for (const Piece& piece : Decomposer(solid, judgement).pieces()) {
     if (piece.hull <= flat) continue;
     auto hull = convex_hull(piece.solid.vertices, object, remarks);
-    if (!hull) {
-      result.hulls.resize(first);
-      return;
-    }
-    hulls += volume(*hull);
-    result.hulls.push_back(*std::move(hull));
+    if (!hull) return {};
+    hulls.push_back(*std::move(hull));
   }
-  const std::size_t count = result.hulls.size() - first;
-  if (count > 1)
-    result.remarks.push_back(
-        note(excess_text(object, judgement) + ": " + parts_text(judgement, count, hulls), simpler));
+  return hulls;
+}
+
+/// Adds the convex parts of an object, and a note. False: it has no more than one.
+bool add_parts(const TriangleSoup& solid, const std::string& object, const Judgement& judgement, const HullStore& store,
+               ConvexHulls& result) {
+  auto hulls = store.find(solid);
+  if (!hulls) {
+    hulls = parts_of(solid, object, judgement);
+    store.keep(solid, *hulls);
+  }
+  if (hulls->size() < 2) return false;
+  double filled = 0.0;
+  for (const ConvexHull& hull : *hulls) filled += volume(hull);
+  result.remarks.push_back(
+      note(excess_text(object, judgement) + ": " + parts_text(judgement, hulls->size(), filled), simpler));
+  std::move(hulls->begin(), hulls->end(), std::back_inserter(result.hulls));
+  return true;
 }
 
 }  // namespace
@@ -265,18 +275,13 @@ Result<ConvexHulls> judged_hulls(const MeshData& mesh) {
   return hulls;
 }
 
-Result<ConvexHulls> convex_parts(const MeshData& mesh) {
+Result<ConvexHulls> convex_parts(const MeshData& mesh, const HullStore& store) {
   ConvexHulls result;
   for (const auto& [number, name] : objects_of(mesh)) {
     TriangleSoup solid = object_of(mesh, number);
     const Judgement judgement = judge(solid);
-    const std::size_t before = result.hulls.size();
     const bool is_hull = judgement.hull <= 0.0 || (judgement.volume && *judgement.excess() <= tolerated_excess);
-    if (!is_hull) {
-      add_parts(solid, name, judgement, result);
-      if (result.hulls.size() > before + 1) continue;
-      result.hulls.resize(before);
-    }
+    if (!is_hull && add_parts(solid, name, judgement, store, result)) continue;
     auto hull = convex_hull(std::move(solid.vertices), name, result.remarks);
     if (!hull) return hull.errors();
     result.hulls.push_back(*std::move(hull));

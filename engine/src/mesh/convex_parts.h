@@ -5,6 +5,7 @@
 #include <rehearse/model.h>
 
 #include "convex_hull.h"
+#include "hull_store.h"
 
 namespace rehearse {
 
@@ -22,8 +23,8 @@ Result<ConvexHulls> judged_hulls(const MeshData& mesh);
 /// edges, and planes across the axes. It ends when all hulls together fill at most `tolerated_excess` more than the
 /// object, or no cut brings anything, or there are max_convex_parts. An object that isn't closed has no volume: each
 /// cut then has to empty a hundredth of its hull. Notes state the parts and what they fill too much. The result's bits
-/// depend on the mesh alone.
-Result<ConvexHulls> convex_parts(const MeshData& mesh);
+/// depend on the mesh alone; parts that `store` has are not computed again.
+Result<ConvexHulls> convex_parts(const MeshData& mesh, const HullStore& store = {});
 
 /// True if the hulls of all objects fill at most `excess` more than the objects, all of which are closed.
 bool is_convex(const MeshData& mesh, double excess);

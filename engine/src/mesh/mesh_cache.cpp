@@ -43,7 +43,7 @@ class MeshCache {
     const bool in_parts = contact == MeshContact::parts;
     auto& hulls = in_parts ? (*found)->parts : (*found)->hulls;
     const MeshData& data = (*found)->reading.data;
-    if (!hulls) hulls = in_parts ? convex_parts(data) : judged_hulls(data);
+    if (!hulls) hulls = in_parts ? convex_parts(data, HullStore::of_user()) : judged_hulls(data);
     if (!*hulls) return hulls->errors();
     return std::shared_ptr<const ConvexHulls>(*found, &**hulls);
   }

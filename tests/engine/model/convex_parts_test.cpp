@@ -1,13 +1,21 @@
 // Convex parts of concave meshes, against volumes on paper.
 
+#define XXH_INLINE_ALL
 #include "mesh/convex_parts.h"
 
 #include <gmock/gmock.h>
+#include <xxhash.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
 
 #include "../meshes.h"
 #include "mesh/triangle_soup.h"
+#include "test_folder.h"
 
 namespace rehearse {
 namespace {
@@ -156,13 +164,114 @@ TEST(ConvexParts, OfAnOpenMeshEmptyItsHull) {
   EXPECT_THAT(parts.remarks[0].message, HasSubstr("it isn't closed, so that its volume is unknown"));
 }
 
-TEST(ConvexParts, AreTheSameInEveryRun) {
-  const ConvexHulls one = parts_of(torus(0.5, 0.1, 48, 16)), two = parts_of(torus(0.5, 0.1, 48, 16));
+void expect_same(const ConvexHulls& one, const ConvexHulls& two) {
   ASSERT_EQ(one.hulls.size(), two.hulls.size());
   for (std::size_t i = 0; i < one.hulls.size(); ++i) {
     EXPECT_EQ(one.hulls[i].vertices, two.hulls[i].vertices);
     EXPECT_EQ(one.hulls[i].faces, two.hulls[i].faces);
   }
+  EXPECT_EQ(to_string(one.remarks), to_string(two.remarks));
+}
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+  return {std::filesystem::directory_iterator(folder), {}};
+}
+
+TEST(ConvexParts, AreTheSameInEveryRun) {
+  expect_same(parts_of(torus(0.5, 0.1, 48, 16)), parts_of(torus(0.5, 0.1, 48, 16)));
+}
+
+/// If the hash changes, convex_parts() has changed: then convex_parts_version has to, or stores of users keep old
+/// parts.
+TEST(ConvexParts, OfThisVersionHaveThisHash) {
+  const ConvexHulls parts = parts_of(torus(0.5, 0.1, 48, 16));
+  std::uint64_t hash = convex_parts_version;
+  for (const ConvexHull& hull : parts.hulls) {
+    for (const Vector3d& vertex : hull.vertices) hash = XXH3_64bits_withSeed(vertex.data(), sizeof vertex, hash);
+    for (const std::vector<int>& face : hull.faces)
+      hash = XXH3_64bits_withSeed(face.data(), face.size() * sizeof face[0], hash);
+  }
+  EXPECT_EQ(hash, 0xf434506677de7223u) << std::hex << hash;
+}
+
+TEST(HullStore, GivesThePartsThatWereComputed) {
+  const TestFolder folder;
+  const HullStore store(folder.path() / "parts");
+  const auto first = convex_parts(channel(), store);
+  ASSERT_EQ(files_in(folder.path() / "parts").size(), 1u);
+  const auto second = convex_parts(channel(), store);
+  expect_same(*first, parts_of(channel()));
+  expect_same(*second, *first);
+}
+
+TEST(HullStore, IsAskedBeforePartsAreComputed) {
+  const TestFolder folder;
+  const HullStore store(folder.path());
+  store.keep(object_of(channel(), 0), parts_of(angle()).hulls);
+  EXPECT_EQ(convex_parts(channel(), store)->hulls.size(), 2u);
+  EXPECT_EQ(convex_parts(angle(), store)->hulls.size(), 2u);
+  EXPECT_EQ(convex_parts(torus(0.5, 0.1, 24, 12), store)->hulls.size(), parts_of(torus(0.5, 0.1, 24, 12)).hulls.size());
+  EXPECT_EQ(files_in(folder.path()).size(), 3u);
+}
+
+TEST(HullStore, OfDamagedFilesIsEmpty) {
+  const TestFolder folder;
+  const HullStore store(folder.path());
+  const auto parts = convex_parts(channel(), store);
+  const std::filesystem::path file = files_in(folder.path()).at(0);
+  std::stringstream content;
+  content << std::ifstream(file, std::ios::binary).rdbuf();
+  const std::string whole = content.str();
+  std::string changed = whole;
+  changed[9] ^= 1;
+  for (const std::string& bytes : {changed, whole.substr(0, 100), whole.substr(8), std::string(), whole + "01234567"}) {
+    std::ofstream(file, std::ios::binary) << bytes;
+    EXPECT_FALSE(store.find(object_of(channel(), 0))) << bytes.size();
+    expect_same(*convex_parts(channel(), store), *parts);
+    EXPECT_TRUE(store.find(object_of(channel(), 0))) << "it is written anew";
+  }
+}
+
+TEST(HullStore, ThatCannotBeWrittenIsDoneWithout) {
+  const TestFolder folder;
+  const HullStore store(folder.write("a_file", "") / "parts");
+  expect_same(*convex_parts(channel(), store), parts_of(channel()));
+}
+
+class PlaceOfHullStore : public ::testing::Test {
+ protected:
+  ~PlaceOfHullStore() override {
+    for (const auto& [name, value] : before_) value ? ::setenv(name, value->c_str(), 1) : ::unsetenv(name);
+  }
+  void set(const char* name, const std::string& value) {
+    if (!before_.contains(name)) {
+      const char* old = std::getenv(name);
+      before_[name] = old ? std::optional<std::string>(old) : std::nullopt;
+    }
+    ::setenv(name, value.c_str(), 1);
+  }
+  bool has_parts(const std::filesystem::path& folder) const {
+    (void)convex_parts(channel(), HullStore::of_user());
+    return std::filesystem::is_directory(folder / "convex-parts");
+  }
+  const TestFolder folder_;
+
+ private:
+  std::map<const char*, std::optional<std::string>> before_;
+};
+
+TEST_F(PlaceOfHullStore, IsStatedByTheEnvironment) {
+  const auto& at = folder_.path();
+  set("HOME", at / "home");
+  set("XDG_CACHE_HOME", "");
+  set("REHEARSE_CACHE", "off");
+  EXPECT_FALSE(has_parts(at / "home/.cache/rehearse"));
+  set("REHEARSE_CACHE", "");
+  EXPECT_TRUE(has_parts(at / "home/.cache/rehearse"));
+  set("XDG_CACHE_HOME", at / "caches");
+  EXPECT_TRUE(has_parts(at / "caches/rehearse"));
+  set("REHEARSE_CACHE", at / "stated");
+  EXPECT_TRUE(has_parts(at / "stated"));
 }
 
 TEST(ConvexHulls, OfAConcaveObjectAreRemarkedWithTheirExcess) {
