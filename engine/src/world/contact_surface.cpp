@@ -50,6 +50,7 @@ void ContactLaw::apply(const TouchedSurface& a, const TouchedSurface& b, dContac
 }
 
 const MaterialPair* ContactLaw::pair_of(const TouchedSurface& a, const TouchedSurface& b) const {
+  if (pairs_.empty()) return nullptr;
   const auto materials = std::minmax(a.material, b.material);  // clang 14 captures no structured bindings
   const auto found = std::find_if(pairs_.begin(), pairs_.end(), [&](const MaterialPair& pair) {
     return pair.materials[0] == materials.first && pair.materials[1] == materials.second;

@@ -96,13 +96,19 @@ bool collide(const LinkPair& pair, const Touches::Party& a, const Touches::Party
   };
   if (!yields(a) && !yields(b)) return false;
   const int count = collide_shapes(a.shape, b.shape, found);
+  if (count == 0) return false;
+  FrictionPatch& patch = *friction.patch_of(pair);
   for (int i = 0; i < count; ++i) {
     Contact& contact = touches.add(found[i], a, b);
+    if (i == 0) {
+      patch.spin = contact.spin();
+      patch.mass = mass_between(contact);
+    }
     const Eigen::Vector3d position = vector(found[i].pos);
-    contact.friction = {friction.add(pair, position), position,       vector(found[i].normal),
-                        contact.velocity(),           contact.spin(), mass_between(contact)};
+    Friction::add(position, patch);
+    contact.friction = {&patch, position, vector(found[i].normal), contact.velocity()};
   }
-  return count > 0;
+  return true;
 }
 
 void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction, Contact& touch) {
@@ -148,7 +154,7 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  for (const Contact& contact : touches.contacts()) friction.add_spread(contact.friction);
+  for (const Contact& contact : touches.contacts()) Friction::add_spread(contact.friction);
   for (Contact& contact : touches.contacts()) add_joint(world, group, law, friction, contact);
 }
 

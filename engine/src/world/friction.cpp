@@ -32,11 +32,9 @@ void Friction::begin() {
   }
 }
 
-FrictionPatch* Friction::add(const LinkPair& pair, const Vector3d& position) {
-  FrictionPatch& patch = patches_[pair];
+void Friction::add(const Vector3d& position, FrictionPatch& patch) {
   ++patch.points;
   patch.center += (position - patch.center) / patch.points;
-  return &patch;
 }
 
 void Friction::add_spread(const FrictionPoint& point) {
@@ -49,7 +47,7 @@ void Friction::add_spread(const FrictionPoint& point) {
 void Friction::direct(const FrictionPoint& point, dContact& contact) const {
   const FrictionPatch& patch = *point.patch;
   const double available = contact.surface.mu * patch.load / patch.points;  // friction at this point [N]
-  const double impulse_mass = point.mass / patch.points;
+  const double impulse_mass = patch.mass / patch.points;
   const Vector3d slip = tangential(point.velocity, point.normal);
   Vector3d friction = patch.force / patch.points;
   if (patch.spread > 0.0) friction += patch.torque.cross(point.position - patch.center) / patch.spread;
@@ -65,7 +63,7 @@ void Friction::direct(const FrictionPoint& point, dContact& contact) const {
   if (!(magnitude > share_without_direction * limit)) {
     if (!(contact.surface.mode & dContactRolling)) return;
     constexpr double least_spin = 1e-3;  // [rad/s]
-    const Vector3d rolling = point.spin.cross(point.normal);
+    const Vector3d rolling = patch.spin.cross(point.normal);
     if (rolling.norm() > least_spin) {
       direction = rolling;
       contact.surface.rho = std::numeric_limits<double>::min();  // it has no axis along its way

@@ -21,6 +21,8 @@ struct FrictionPatch {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // about the centre of the points [N·m]
   double load = 0.0;                                 // sum of the normal forces [N]
   // of the current step
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();  // angular velocity of the first link relative to the other [rad/s]
+  double mass = 0.0;                               // on which friction acts [kg]
   int points = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of the points [m]
   double spread = 0.0;                               // sum of the points' squared distances from the centre [m²]
@@ -32,8 +34,6 @@ struct FrictionPoint {
   Eigen::Vector3d position;  // [m]
   Eigen::Vector3d normal;    // unit
   Eigen::Vector3d velocity;  // of the pair's first link relative to the other before the step [m/s]
-  Eigen::Vector3d spin;      // angular velocity of the first link relative to the other before the step [rad/s]
-  double mass;               // on which the pair's friction acts [kg]
 };
 
 /// ODE limits friction along two directions separately, each to mu times the normal force: between them friction
@@ -47,8 +47,9 @@ class Friction {
   /// Before ODE's step: the contact points, and the centre and spread of those of each pair of links. The patches are
   /// valid until end().
   void begin();
-  FrictionPatch* add(const LinkPair& pair, const Eigen::Vector3d& position);
-  void add_spread(const FrictionPoint& point);
+  FrictionPatch* patch_of(const LinkPair& pair) { return &patches_[pair]; }
+  static void add(const Eigen::Vector3d& position, FrictionPatch& patch);
+  static void add_spread(const FrictionPoint& point);
   /// Sets the friction of a contact whose friction is equal in all directions.
   void direct(const FrictionPoint& point, dContact& contact) const;
 

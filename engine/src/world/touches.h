@@ -4,7 +4,6 @@
 #include <ode/ode.h>
 
 #include <Eigen/Core>
-#include <deque>
 #include <vector>
 
 #include "friction.h"
@@ -50,16 +49,16 @@ class Touches {
     dJointFeedback feedback{};  // ODE writes into it
   };
 
-  /// Before ODE's step.
+  /// Before ODE's step. The contact is valid until the next add().
   Contact& add(const dContactGeom& geom, const Party& a, const Party& b) { return contacts_.emplace_back(geom, a, b); }
-  std::deque<Contact>& contacts() { return contacts_; }
+  std::vector<Contact>& contacts() { return contacts_; }
   /// The contacts of the body's links for which feels() is true, in the order of add(). Call it after ODE's step,
   /// before velocities change. Places are those at the beginning of the step, where the contacts were found.
   std::vector<Touch> of(const SimulatedBody& body) const;
   void clear() { contacts_.clear(); }
 
  private:
-  std::deque<Contact> contacts_;  // ODE writes into them: they must not move
+  std::vector<Contact> contacts_;
 };
 
 }  // namespace rehearse
