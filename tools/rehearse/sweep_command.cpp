@@ -34,6 +34,7 @@ struct SweepSettings {
   SweepOptions sweep;
   std::string slice;  // "i/n"; empty: none
   bool golden = false, json = false;
+  bool plan = false;      // no case is run
   std::int64_t jobs = 0;  // 0: one for each processor
   std::string against;    // another campaign; empty: none
   std::int64_t number = 0;
@@ -57,19 +58,6 @@ Result<Slice> slice_of(const std::string& text) {
   if (slice.index > slice.count)
     return error(fmt::format("--slice: there is no slice {} of {}", slice.index, slice.count));
   return slice;
-}
-
-Json json_of(const CampaignSummary& summary) {
-  Json verdicts = Json::object();
-  for (std::size_t i = 0; i < case_verdict_count; ++i)
-    verdicts[std::string(to_string(static_cast<CaseVerdict>(i)))] = summary.verdicts[i];
-  return {{"verdict", verdict(summary)},
-          {"cases", summary.cases},
-          {"verdicts", verdicts},
-          {"missing", summary.missing},
-          {"interval", {summary.interval().low, summary.interval().high}},
-          {"repeated", summary.repeated},
-          {"unrepeated", summary.unrepeated}};
 }
 
 Json json_of(const Campaign& campaign, const CaseResult& result) {
@@ -111,7 +99,7 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
   if (!summary) return refuse(summary.errors());
   const fs::path page = campaign.folder() / "report.html";
   if (settings.json) {
-    Json object = json_of(*summary);
+    Json object = Json::parse(to_json(*summary));
     object["report"] = page.string();
     print(object);
   } else {
@@ -181,7 +169,9 @@ Exit run_new(SweepSettings& settings) {
   auto campaign = Campaign::create(settings.scenario, settings.folder, settings.campaign, simulation());
   if (!campaign) return refuse(campaign.errors());
   tell_warnings(campaign->scenario());
-  return work_and_finish(*campaign, settings);
+  if (!settings.plan) return work_and_finish(*campaign, settings);
+  fmt::print("{}: {}\n", campaign->folder().string(), count_text(campaign->options().cases, "case"));
+  return Exit::done;
 }
 
 Exit run_resume(SweepSettings& settings) {
@@ -206,7 +196,7 @@ Exit run_status(SweepSettings& settings) {
   const auto summary = summary_of(*campaign);
   if (!summary) return refuse(summary.errors());
   if (settings.json) {
-    print(json_of(*summary));
+    print(Json::parse(to_json(*summary)));
   } else {
     tell_verdicts(*summary);
     fmt::print("{}\n", verdict(*summary));
@@ -372,6 +362,7 @@ void declare_new(CLI::App& options, const Settings& settings) {
               [settings](std::int64_t cases) { settings->campaign.cases = cases; });
   add_integer(options, "--seed", "of the campaign's values (0)", 0, std::numeric_limits<std::int64_t>::max(),
               [settings](std::int64_t seed) { settings->campaign.seed = static_cast<std::uint64_t>(seed); });
+  options.add_flag("--plan", settings->plan, "write the plan, and run no case");
   options.add_flag("--golden", settings->golden, "compare each case with the scenario's golden, too");
   add_integer(options, "--keep", "how many traces to keep of each kind of failure (3)", 0, 1'000'000,
               [settings](std::int64_t keep) { settings->campaign.keep = static_cast<int>(keep); });

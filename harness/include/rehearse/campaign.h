@@ -187,6 +187,10 @@ Result<CampaignSummary> summary_of(const Campaign& campaign);
 /// A sentence, without a full stop: "981 of 1000 cases pass: 98.1 % (97.1 % to 98.8 %)".
 std::string verdict(const CampaignSummary& summary);
 
+/// A JSON object: verdict, cases, verdicts (counts by name), missing, share and interval of those that pass, repeated,
+/// unrepeated.
+std::string to_json(const CampaignSummary& summary);
+
 /// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
 /// the same plan, before a change; null: none. Fails if the plans differ, or a file can't be written.
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against = nullptr);
@@ -219,7 +223,8 @@ Result<Shrunk> shrink(const Campaign& campaign, std::int64_t number, const Shrin
                       const Simulation& simulation);
 
 /// Writes the shrunk scenario with comments on the values that differ, and its recording beside it (.mcap). Paths of
-/// models and libraries lead there from its folder. Fails if the written scenario doesn't fail like the case.
+/// models and libraries lead there from its folder. Fails if the written scenario doesn't fail like the case. Without
+/// Simulation::record it is written and not recorded.
 Result<void> write_shrunk(const Campaign& campaign, const Shrunk& shrunk, const std::filesystem::path& file,
                           const Simulation& simulation);
 

@@ -147,7 +147,7 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
   }
   CaseResult result = result_of(answer);
   result.again = phase == Phase::again;
-  if (phase == Phase::first) traces_.take(result, answer.folder / trace_name);
+  if (phase == Phase::first && answer.text) traces_.take(result, answer.folder / trace_name);
   if (auto written = file_.append(result); !written) return written;
   ++progress_.done;
   ++progress_.here;

@@ -329,6 +329,8 @@ std::string verdict(const CampaignSummary& summary) {
   return text;
 }
 
+std::string to_json(const CampaignSummary& summary) { return json_of_summary(summary).dump(); }
+
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();

@@ -90,6 +90,8 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
     result.reason = without_numbers(result.sentence);
     return made;
   };
+  std::error_code ignored;
+  std::filesystem::remove(trace, ignored);  // of the case before
   const auto scenario = Scenario::load_text(text, file);
   if (!scenario) return invalid(scenario.errors());
   RecordOptions recording;

@@ -247,6 +247,7 @@ Result<void> write_shrunk(const Campaign& campaign, const Shrunk& shrunk, const 
   if (!text) return text.errors();
   *text = comment_of(campaign, shrunk) + *text;
   if (auto written = replace_text(file, *text); !written) return written;
+  if (!simulation.record) return {};
   const auto again = run_alone(campaign, *text, file, fs::path(file).replace_extension(".mcap"), simulation);
   if (!again) return again.errors();
   if (again->result.verdict == shrunk.result.verdict && again->result.reason == shrunk.result.reason) return {};
