@@ -60,7 +60,7 @@ Json json_of_result(const CaseResult& result) {
               {"hash", result.hash},
               {"ticks", result.ticks},
               {"margins", std::move(margins)},
-              {"seconds", std::round(result.seconds * 1e6) * 1e-6}};
+              {"seconds", std::round(result.seconds * 1e6) / 1e6}};
   if (result.again) object["again"] = true;
   return object;
 }
