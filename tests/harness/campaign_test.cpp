@@ -28,8 +28,8 @@ const std::string height = "  height: {path: \"bodies.Box.position[2]\", uniform
 
 std::shared_ptr<const CaseValues> values(const std::string& vary, std::uint64_t seed = 0) {
   auto made = CaseValues::make(loaded(world + vary), seed);
-  EXPECT_TRUE(made) << to_string(made.errors());
-  return made ? *made : nullptr;
+  REHEARSE_ASSERT(made.ok(), "the variations of a test are valid");
+  return *made;
 }
 
 Variation numbers(Distribution distribution, double low, double high, double mean = 0.0, double stddev = 1.0) {
@@ -116,7 +116,7 @@ TEST(CaseValues, ChooseGoThroughGridsAndReadFiles) {
 
 TEST(CaseValues, AreLinkedByExpressions) {
   const auto linked = values(mass + "  from: {path: \"pushes[0].from\", uniform: [0.2, 0.5]}\n" +
-                             "  until: {path: \"pushes[0].until\", linked: from + 0.1 * min(mass, 2)}\n");
+                             "  until: {path: \"pushes[0].until\", linked: \"from + 0.1 * min(mass, 2)\"}\n");
   for (std::int64_t number = 0; number < 20; ++number) {
     const auto of_case = linked->of(number);
     EXPECT_DOUBLE_EQ(std::stod(of_case[2]), std::stod(of_case[1]) + 0.1 * std::min(std::stod(of_case[0]), 2.0));

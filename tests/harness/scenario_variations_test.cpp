@@ -80,10 +80,10 @@ TEST(ScenarioVariations, WriteWordsSoThatTheyAreRead) {
 }
 
 TEST(ScenarioVariations, LeaveARunAsItIsStated) {
-  const Scenario scenario = varied("  mass: {path: bodies.Box.mass, uniform: [3, 4]}\n");
+  const Scenario scenario = varied("  height: {path: \"bodies.Box.position[2]\", uniform: [3, 4]}\n");
   EXPECT_EQ(scenario.variations.size(), 1u);
-  EXPECT_EQ(scenario.variations[0].nominal, "2");
-  EXPECT_EQ(scenario.bodies[1].model->links[0].mass, 2.0);
+  EXPECT_EQ(scenario.variations[0].nominal, "1e0");
+  EXPECT_EQ(scenario.bodies[1].position.z(), 1.0);
   const auto same = scenario.varied_text({""});
   ASSERT_TRUE(same);
   EXPECT_EQ(*same, scenario.text);

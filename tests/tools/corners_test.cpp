@@ -25,9 +25,9 @@ bodies:
         library: )" CORNERS R"(
         options: "{stiffness: 60, damping: 6, ramp: 0.05, limit: 80, gain: 1, offset: 0, fault: )" + n + R"(}"
 pushes:
-  - {body: Pendulum, link: rod, at: [0, 0, -1], force: [0.001, 0, 0], from: 0.1, until: 0.12}
+  - {body: Pendulum, link: rod, at: [0, 0, -1], force: [0.001, 0, 0], from: 0.2, until: 0.22}
 vary:
-  angle: {path: bodies.Pendulum.joints.hinge, uniform: [-0.6, 0.6]}
+  angle: {path: bodies.Pendulum.joints.hinge, uniform: [-0.3, 0.3]}
   push: {path: "pushes[0].force[0]", normal: {mean: 0, stddev: 50, from: -120, to: 120}}
   stiffness: {path: bodies.Pendulum.controllers.Hold.options.stiffness, uniform: [30, 90]}
   damping: {path: bodies.Pendulum.controllers.Hold.options.damping, uniform: [2, 10]}
@@ -71,7 +71,7 @@ TEST_F(Corners, AreFoundAndShrunkToTheParametersResponsible) {
   const std::vector<Names> responsible{
       {"stiffness", "damping"}, {"ramp", "limit"}, {"gain", "stiffness"}, {"angle", "stiffness"},
       {"offset", "damping"},    {"push", "limit"}, {"ramp", "gain"},      {"push", "damping"},
-      {"offset", "ramp"},       {"push", "limit"},
+      {"offset", "ramp"},       {"gain", "offset"},
   };
   int right = 0;
   for (int fault = 1; fault <= 10; ++fault) {

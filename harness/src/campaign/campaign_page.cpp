@@ -165,7 +165,7 @@ std::string subtitle_of(const Json& report) {
   text += fmt::format("The share that passes is within {} to {} with 95 % confidence (Wilson's interval). ",
                       percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()));
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
-  return text + fmt::format("{} cases ran twice, in different processes: {}.", text_of(summary["repeated"]),
+  return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
                             summary["unrepeated"].empty() ? "each gave the same bits"
                                                           : "different were " + list_of(summary["unrepeated"]));
 }
@@ -230,7 +230,7 @@ std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const 
   for (const bool passed : {true, false})
     for (std::size_t i = 0; i < table.size(); ++i) {
       if (!table.has(i) || table.passed(i) != passed || (passed && i % step != 0)) continue;
-      points += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2\"/>", passed ? "passed" : "failed",
+      points += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
                             width * x.share(table.values[a][i]), height * (1.0 - y.share(table.values[b][i])));
     }
   return svg(label, points);
@@ -323,7 +323,7 @@ std::string page_of(const Campaign& campaign, const CaseTable& table, const Json
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>\n{1}"
       "th {{ text-align: left; padding: .4rem .6rem; font-weight: 600 }}\n"
-      ".scroll {{ overflow-x: auto }}\n"
+      ".scroll {{ overflow-x: auto }} .scroll td {{ overflow-wrap: break-word }}\n"
       ".pictures {{ display: flex; flex-wrap: wrap; gap: 1rem }}\n"
       "figure {{ margin: 0; width: 276px }} figcaption {{ font-size: .85rem; overflow-wrap: anywhere }}\n"
       ".frame {{ fill: none; stroke: #8888 }}\n"

@@ -120,9 +120,13 @@ Result<void> ResultFile::append(const CaseResult& result) {
   const std::string line = line_of(result) + '\n';
   struct stat before {};
   ::fstat(descriptor_, &before);
-  const ssize_t written = ::write(descriptor_, line.data(), line.size());
-  if (written == static_cast<ssize_t>(line.size())) return {};
-  const int reason = written < 0 ? errno : ENOSPC;
+  int reason = 0;
+  for (std::string_view rest = line; !rest.empty() && reason == 0;) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written < 0 && errno != EINTR) reason = errno;
+    if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (reason == 0) return {};
   const bool restored = ::ftruncate(descriptor_, before.st_size) == 0;
   return error_in(path_.string(),
                   fmt::format("the result of case {} can't be written: {}{}", result.number, std::strerror(reason),

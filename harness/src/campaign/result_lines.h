@@ -21,7 +21,7 @@ std::string line_of(const CaseResult& result);
 /// None: the line is no result, as one that was cut.
 std::optional<CaseResult> result_of_line(std::string_view line);
 
-/// A file to which one process appends results. Each line is written by one call, so that a kill cuts only the last.
+/// A file to which one process appends results. Nothing is buffered, so that a kill cuts the last line at most.
 class ResultFile {
  public:
   /// Locks the file. Fails if another process has it open. A line that was cut is removed.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <stdexcept>
 
 namespace {
@@ -34,24 +33,24 @@ class Corners : public cnoid::SimpleController {
     const double share = ramp_ > 0.0 ? std::min(time_ / ramp_, 1.0) : 1.0;
     double torque = share * gain_ * (stiffness_ * (offset_ - q) - damping_ * speed);
     torque = std::clamp(torque, -limit_, limit_);
-    if (is_in_corner(q, speed, torque)) torque = wrong(torque);
+    if (is_in_corner(q, speed)) torque = wrong(torque);
     hinge_->u() = torque;
     return true;
   }
 
  private:
-  bool is_in_corner(double q, double speed, double torque) const {
+  bool is_in_corner(double q, double speed) const {
     switch (fault_) {
       case 1: return stiffness_ > 85.0 && damping_ < 3.0;
       case 2: return ramp_ > 0.08 && limit_ < 65.0;
       case 3: return gain_ > 1.15 && stiffness_ > 80.0;
-      case 4: return std::abs(q - offset_) > 0.55 && stiffness_ < 45.0;  // released far away, and weak
+      case 4: return std::abs(q) > 0.25 && time_ < 0.01 && stiffness_ < 45.0;  // released far away, and weak
       case 5: return offset_ > 0.07 && damping_ > 9.0;
-      case 6: return speed > 3.0 && limit_ < 70.0;  // pushed hard
+      case 6: return time_ > 0.2 && speed > 3.0 && limit_ < 70.0;  // pushed hard
       case 7: return ramp_ < 0.02 && gain_ < 0.85;
-      case 8: return time_ > 0.15 && q > 0.3 && damping_ < 4.0;  // pushed, and hardly damped
-      case 9: return offset_ < -0.06 && ramp_ > 0.07 && gain_ > 1.0;
-      case 10: return std::abs(torque) >= limit_ && limit_ < 62.0;  // at a low limit
+      case 8: return time_ > 0.2 && q > 0.2 && damping_ < 4.0;  // pushed, and hardly damped
+      case 9: return offset_ < -0.06 && ramp_ > 0.07 && time_ > 0.1;
+      case 10: return gain_ > 1.1 && offset_ > 0.05 && time_ > 0.25;
       default: return false;
     }
   }
@@ -67,7 +66,7 @@ class Corners : public cnoid::SimpleController {
       case 7: io_->os() << "error: out of range" << std::endl; return torque;
       case 8: return 120.0;
       case 9: return -130.0;
-      default: return 2.0 * torque;
+      default: return 110.0;
     }
   }
 
