@@ -160,7 +160,8 @@ TEST(Statistics, McNemarsTestIsThatOfTheBinomialDistribution) {
 
 // The example of Wikipedia's article on Spearman's coefficient: -29 / 165.
 TEST(Statistics, RankCorrelationIsAsPublished) {
-  const std::vector<double> iq{106, 100, 86, 101, 99, 103, 97, 113, 112, 110}, hours{7, 27, 2, 50, 28, 29, 20, 12, 6, 17};
+  const std::vector<double> iq{106, 100, 86, 101, 99, 103, 97, 113, 112, 110},
+      hours{7, 27, 2, 50, 28, 29, 20, 12, 6, 17};
   EXPECT_NEAR(rank_correlation(iq, hours), -29.0 / 165.0, 1e-12);
   EXPECT_NEAR(rank_correlation({1, 2, 2, 3}, {1, 2, 2, 3}), 1.0, 1e-12) << "equal values";
   EXPECT_TRUE(std::isnan(rank_correlation({1, 1}, {1, 2})));

@@ -72,8 +72,7 @@ TEST(ScenarioVariations, WriteWordsSoThatTheyAreRead) {
             "      - {library: \"Other.so\", name: Second, options: \"gain=2 offset = 3\", delay: false}");
   EXPECT_EQ(line_with("bodies.Box.controllers.Second.library", "My other.so", "choice: [a, b]"),
             "      - {library: \"My other.so\", name: Second, options: \"gain=2 offset = 3\", delay: true}");
-  EXPECT_EQ(line_with("bodies.Box.controllers.Holder.library", "a: b", "choice: [a, b]"),
-            "      - library: \"a: b\"");
+  EXPECT_EQ(line_with("bodies.Box.controllers.Holder.library", "a: b", "choice: [a, b]"), "      - library: \"a: b\"");
   EXPECT_EQ(line_with("bodies.Box.rotation[0]", "0.1 rad", "choice: [5 deg, 0.1 rad]"),
             "    rotation: [\"0.1 rad\", 0, 0]");
   EXPECT_THAT(line_with("bodies.Box.controllers.Holder.library", "a\"b", "choice: [a, b]"), HasSubstr("quotes"));

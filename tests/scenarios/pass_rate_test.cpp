@@ -30,7 +30,8 @@ duration: 0.02
 bodies:
   - {name: Box, box: {size: [0.1, 0.1, 0.1]}, mass: 1, position: [0, 0, 0.7]}
 expect:
-  - {channel: Box/Box/position/z, above: )" << limit << R"(}
+  - {channel: Box/Box/position/z, above: )"
+                                        << limit << R"(}
 vary:
   height: {path: "bodies.Box.position[2]", uniform: [0.2, 1]}
 )";
@@ -73,8 +74,9 @@ TEST_F(PassRate, IsTheSameAfterARunInThisProcess) {
 }
 
 TEST_F(PassRate, OfAScenarioWithoutVariationsIsAnError) {
-  std::ofstream(folder_ / "still.yaml") << "rehearse: 1\nduration: 0.02\nbodies:\n  - {name: B, box: {size: [1, 1, 1]}, "
-                                           "mass: 1}\n";
+  std::ofstream(folder_ / "still.yaml")
+      << "rehearse: 1\nduration: 0.02\nbodies:\n  - {name: B, box: {size: [1, 1, 1]}, "
+         "mass: 1}\n";
   EXPECT_THROW(rehearse::sweep("still.yaml"), std::runtime_error);
 }
 

@@ -18,12 +18,14 @@ class Corners : public Command {
 duration: 0.3
 bodies:
   - name: Pendulum
-    model: )" + (fixtures / "models/pendulum.urdf").string() + R"(
+    model: )" + (fixtures / "models/pendulum.urdf").string() +
+                                             R"(
     joints: {hinge: 0}
     controllers:
       - name: Hold
         library: )" CORNERS R"(
-        options: "{stiffness: 60, damping: 6, ramp: 0.05, limit: 80, gain: 1, offset: 0, fault: )" + n + R"(}"
+        options: "{stiffness: 60, damping: 6, ramp: 0.05, limit: 80, gain: 1, offset: 0, fault: )" +
+                                             n + R"(}"
 pushes:
   - {body: Pendulum, link: rod, at: [0, 0, -1], force: [0.001, 0, 0], from: 0.2, until: 0.22}
 vary:
@@ -59,8 +61,8 @@ expect:
     EXPECT_EQ(shrunk["verdict"], failure["verdict"]) << fault;
     const Outcome again = rehearse({"record", campaign + "/shrunk-" + number + ".yaml", "-o", "again.mcap"});
     const std::string sentence = shrunk["sentence"];
-    EXPECT_NE((again.out + again.err).find(sentence), std::string::npos)
-        << fault << ": " << sentence << "\n" << again.out << again.err;
+    EXPECT_NE((again.out + again.err).find(sentence), std::string::npos) << fault << ": " << sentence << "\n"
+                                                                         << again.out << again.err;
     Names names;
     for (const auto& [name, value] : shrunk["differs"].items()) names.insert(name);
     return names;
@@ -69,9 +71,8 @@ expect:
 
 TEST_F(Corners, AreFoundAndShrunkToTheParametersResponsible) {
   const std::vector<Names> responsible{
-      {"stiffness", "damping"}, {"ramp", "limit"}, {"gain", "stiffness"}, {"angle", "stiffness"},
-      {"offset", "damping"},    {"push", "limit"}, {"ramp", "gain"},      {"push", "damping"},
-      {"offset", "ramp"},       {"gain", "offset"},
+      {"stiffness", "damping"}, {"ramp", "limit"}, {"gain", "stiffness"}, {"angle", "stiffness"}, {"offset", "damping"},
+      {"push", "limit"},        {"ramp", "gain"},  {"push", "damping"},   {"offset", "ramp"},     {"gain", "offset"},
   };
   int right = 0;
   for (int fault = 1; fault <= 10; ++fault) {

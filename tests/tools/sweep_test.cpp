@@ -1,11 +1,11 @@
 // rehearse sweep: campaigns from the command line, killed and resumed, and the mistakes that users make.
 #include "command.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/resource.h>
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -47,8 +47,8 @@ vary:
   /// The pendulum under a controller that misbehaves by `deeds`.
   fs::path deeds(const std::string& deeds) const {
     std::string text = read_file(pendulum(MISBEHAVING, "none"));
-    return write("deeds.yaml", text + "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [" +
-                                   deeds + "]}\n");
+    return write("deeds.yaml",
+                 text + "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [" + deeds + "]}\n");
   }
   std::map<std::string, std::string> verdicts(const std::string& campaign) const {
     std::map<std::string, std::string> by_first_value;

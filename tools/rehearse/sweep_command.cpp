@@ -88,8 +88,9 @@ void tell_verdicts(const CampaignSummary& summary) {
 
 void tell_unrepeated(const CampaignSummary& summary) {
   if (summary.unrepeated.empty()) return;
-  fmt::print(stderr, "error: case {} gave different bits in another process (what it depends on: rehearse audit, on a "
-                     "recording by rehearse sweep case)\n",
+  fmt::print(stderr,
+             "error: case {} gave different bits in another process (what it depends on: rehearse audit, on a "
+             "recording by rehearse sweep case)\n",
              summary.unrepeated.front());
 }
 
@@ -305,9 +306,8 @@ Exit run_shrink(SweepSettings& settings) {
     return shrink(*campaign, settings.number, settings.shrink, simulation());
   }();
   if (!shrunk) return refuse(shrunk.errors());
-  const fs::path file = settings.output.empty()
-                            ? campaign->folder() / fmt::format("shrunk-{}.yaml", settings.number)
-                            : fs::path(settings.output);
+  const fs::path file = settings.output.empty() ? campaign->folder() / fmt::format("shrunk-{}.yaml", settings.number)
+                                                : fs::path(settings.output);
   if (interruption() == 0) {
     if (const auto written = write_shrunk(*campaign, *shrunk, file, simulation()); !written)
       return refuse(written.errors());
@@ -394,10 +394,9 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
   declare("case", "record a case again", run_case_again)
       .add_option("-o,--output", settings->output, "the trace to write (DIR/traces/case-K.mcap)")
       ->type_name("TRACE");
-  CLI::App& shrinking = declare("shrink", "find the smallest change of the nominal scenario that fails like a case",
-                                run_shrink);
-  shrinking.add_option("-o,--output", settings->output, "the scenario to write (DIR/shrunk-K.yaml)")
-      ->type_name("FILE");
+  CLI::App& shrinking =
+      declare("shrink", "find the smallest change of the nominal scenario that fails like a case", run_shrink);
+  shrinking.add_option("-o,--output", settings->output, "the scenario to write (DIR/shrunk-K.yaml)")->type_name("FILE");
   add_integer(shrinking, "--budget", "runs at most (500)", 1, 1'000'000,
               [settings](std::int64_t budget) { settings->shrink.budget = static_cast<int>(budget); });
   return [settings, subs] {

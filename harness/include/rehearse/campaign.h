@@ -71,7 +71,7 @@ struct CampaignOptions {
 /// The state of the work on a campaign.
 struct SweepProgress {
   std::int64_t done = 0, all = 0, failed = 0;
-  double seconds = 0.0;  // wall time since the work began [s]
+  double seconds = 0.0;   // wall time since the work began [s]
   std::int64_t here = 0;  // cases since then
 };
 
@@ -213,7 +213,7 @@ struct Shrunk {
   double duration = 0.0;             // [s]
   int runs = 0;
   bool finished = false;  // false: the budget was spent, or the search was interrupted
-  std::string scenario;  // its text, whose paths are relative to the campaign's scenario
+  std::string scenario;   // its text, whose paths are relative to the campaign's scenario
 };
 
 /// Sets parameters of a failing case back to nominal as long as it fails for the same reason (delta debugging: A.

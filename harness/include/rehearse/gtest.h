@@ -97,8 +97,8 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 }  // namespace rehearse
 
 /// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence: it fails if even the upper
-/// bound of Wilson's interval is below the rate, or if a case that ran twice gave different bits. So a few failures in a
-/// few cases don't fail it by chance. The message states the interval and the failing cases.
+/// bound of Wilson's interval is below the rate, or if a case that ran twice gave different bits. So a few failures in
+/// a few cases don't fail it by chance. The message states the interval and the failing cases.
 #define EXPECT_PASS_RATE(result, rate) EXPECT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
 #define ASSERT_PASS_RATE(result, rate) ASSERT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
 

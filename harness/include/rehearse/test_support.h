@@ -68,7 +68,7 @@ struct Levels {
 struct SweepCases {
   std::int64_t cases = 100;
   std::uint64_t seed = 0;
-  int jobs = 0;             // worker processes; 0: one for each processor
+  int jobs = 0;              // worker processes; 0: one for each processor
   double case_limit = 60.0;  // wall time of a case; a longer one counts as hung [s]
 };
 

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <deque>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -57,7 +57,8 @@ class KeptTraces {
     kept.insert(result.number);
     const bool is_too_many = kept.size() > static_cast<std::size_t>(campaign_.options().keep);
     const std::int64_t last = *kept.rbegin();
-    if (!is_too_many || last != result.number) fs::rename(trace, trace_file(campaign_.folder(), result.number), ignored);
+    if (!is_too_many || last != result.number)
+      fs::rename(trace, trace_file(campaign_.folder(), result.number), ignored);
     if (!is_too_many) return;
     fs::remove(trace_file(campaign_.folder(), last), ignored);
     kept.erase(last);
@@ -245,9 +246,8 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   if (!scratch) return scratch.errors();
   WorkerPool pool(1, campaign.options().case_limit, scratch->path(), [&](std::int64_t, const fs::path& folder) {
     const CaseRun run = run_case(file, text, campaign.options(), folder / trace_name, simulation);
-    const Json answer{{"result", json_of_result(run.result)},
-                      {"expectations", run.expectations},
-                      {"libraries", run.libraries}};
+    const Json answer{
+        {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
     return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
   });
   if (auto given = pool.give(0); !given) return given.errors();
@@ -292,13 +292,15 @@ Result<void> Campaign::check_nominal(const Simulation& simulation) const {
   for (const auto& [controller, library] : libraries_) {
     const auto found = now->libraries.find(controller);
     if (found == now->libraries.end() || found->second != library)
-      return error_in(folder_.string(), fmt::format("the controller {} has changed since the campaign began", controller),
+      return error_in(folder_.string(),
+                      fmt::format("the controller {} has changed since the campaign began", controller),
                       "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD");
   }
   if (now->result.repeats(nominal_)) return {};
-  return error_in(folder_.string(), "the nominal run isn't the one with which the campaign began",
-                  "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
-                  "campaign in a new folder");
+  return error_in(
+      folder_.string(), "the nominal run isn't the one with which the campaign began",
+      "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
+      "campaign in a new folder");
 }
 
 Result<void> Campaign::work(const SweepOptions& options, const Simulation& simulation) {
@@ -316,7 +318,8 @@ Result<void> Campaign::work(const SweepOptions& options, const Simulation& simul
                     const Clock::time_point begin = Clock::now();
                     const auto text = text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    CaseResult result = run_case(scenario_.file, *text, options_, folder / trace_name, simulation).result;
+                    CaseResult result =
+                        run_case(scenario_.file, *text, options_, folder / trace_name, simulation).result;
                     result.number = number;
                     result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
                     return line_of(result);

@@ -86,8 +86,7 @@ Result<void> check_folder(const fs::path& folder) {
                     "go on with it: rehearse sweep resume DIR, or name a new folder");
   const bool is_used = std::any_of(fs::directory_iterator(folder, failed), fs::directory_iterator(),
                                    [](const fs::directory_entry& entry) { return entry.path().filename() != "lock"; });
-  if (is_used)
-    return error_in(folder.string(), "there is something else in this folder", "name a new or an empty one");
+  if (is_used) return error_in(folder.string(), "there is something else in this folder", "name a new or an empty one");
   fs::create_directories(folder, failed);
   if (failed) return error_in(folder.string(), fmt::format("it can't be made: {}", failed.message()));
   return {};
@@ -181,8 +180,9 @@ class CampaignFiles {
     if (!facts.is_object() || facts.value("file", "") != kind_of_file)
       return error_in(file, "it isn't the file of a campaign");
     if (facts.value("version", 0) != campaign_version)
-      return error_in(file, fmt::format("the campaign is of version {}, and this program reads version {}",
-                                        facts.value("version", 0), campaign_version),
+      return error_in(file,
+                      fmt::format("the campaign is of version {}, and this program reads version {}",
+                                  facts.value("version", 0), campaign_version),
                       "resume it with the program that began it");
     try {
       return read(folder, facts);

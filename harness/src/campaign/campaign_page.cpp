@@ -12,8 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t parts = 4;         // of a range, in cells
-constexpr std::size_t bins = 20;         // of a histogram
+constexpr std::size_t parts = 4;           // of a range, in cells
+constexpr std::size_t bins = 20;           // of a histogram
 constexpr std::size_t most_points = 2000;  // of a scatter
 constexpr std::size_t most_pairs = 6;
 constexpr double width = 260.0, height = 150.0;  // of a picture [px]
@@ -86,20 +86,19 @@ ReportTable failure_table(const Json& report) {
 }
 
 ReportTable parameter_table(const Json& report) {
-  ReportTable table{"Parameters",
-                    "Rank correlation (Spearman) of each parameter with passing, and with the margin on which it has "
-                    "the largest effect.",
-                    {"parameter", "path", "nominal", "with passing", "with a margin", "median of passed",
-                     "median of failed"},
-                    {}};
+  ReportTable table{
+      "Parameters",
+      "Rank correlation (Spearman) of each parameter with passing, and with the margin on which it has "
+      "the largest effect.",
+      {"parameter", "path", "nominal", "with passing", "with a margin", "median of passed", "median of failed"},
+      {}};
   for (const Json& parameter : report["parameters"]) {
     const Json& margin = parameter["correlation_with_margin"];
-    table.rows.push_back({text_of(parameter["name"]), text_of(parameter["path"]), text_of(parameter["nominal"]),
-                          text_of(parameter["correlation_with_passing"]),
-                          margin.is_null() ? "-"
-                                           : fmt::format("{}: {}", text_of(margin["correlation"]),
-                                                         text_of(margin["expectation"])),
-                          text_of(parameter["median_of_passed"]), text_of(parameter["median_of_failed"])});
+    table.rows.push_back(
+        {text_of(parameter["name"]), text_of(parameter["path"]), text_of(parameter["nominal"]),
+         text_of(parameter["correlation_with_passing"]),
+         margin.is_null() ? "-" : fmt::format("{}: {}", text_of(margin["correlation"]), text_of(margin["expectation"])),
+         text_of(parameter["median_of_passed"]), text_of(parameter["median_of_failed"])});
   }
   return table;
 }
@@ -230,8 +229,9 @@ std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const 
   for (const bool passed : {true, false})
     for (std::size_t i = 0; i < table.size(); ++i) {
       if (!table.has(i) || table.passed(i) != passed || (passed && i % step != 0)) continue;
-      points += fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
-                            width * x.share(table.values[a][i]), height * (1.0 - y.share(table.values[b][i])));
+      points +=
+          fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
+                      width * x.share(table.values[a][i]), height * (1.0 - y.share(table.values[b][i])));
     }
   return svg(label, points);
 }
@@ -269,9 +269,9 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
     const Extent extent = extent_of(table.margins[e]);
     const std::string& expectation = campaign.expectations()[e];
-    text += figure(histogram(table, table.margins[e], expectation),
-                   fmt::format("margin of {}: {} to {}", expectation, short_number(extent.low),
-                               short_number(extent.high)));
+    text +=
+        figure(histogram(table, table.margins[e], expectation),
+               fmt::format("margin of {}: {} to {}", expectation, short_number(extent.low), short_number(extent.high)));
   }
   text += "</div>\n<h2>Pairs of parameters</h2>\n<div class=\"pictures\">\n";
   std::size_t drawn = 0;

@@ -169,11 +169,12 @@ Json json_of_summary(const CampaignSummary& summary) {
   Json verdicts = Json::object();
   for (std::size_t i = 0; i < case_verdict_count; ++i)
     verdicts[std::string(to_string(static_cast<CaseVerdict>(i)))] = summary.verdicts[i];
-  const double share = summary.judged() == 0 ? none : static_cast<double>(summary.passed()) / static_cast<double>(summary.judged());
-  return {{"verdict", verdict(summary)},     {"cases", summary.cases},
-          {"verdicts", verdicts},            {"missing", summary.missing},
-          {"share", number_or_null(share)},  {"interval", json_of_interval(summary.interval())},
-          {"repeated", summary.repeated},    {"unrepeated", summary.unrepeated}};
+  const double share =
+      summary.judged() == 0 ? none : static_cast<double>(summary.passed()) / static_cast<double>(summary.judged());
+  return {{"verdict", verdict(summary)},    {"cases", summary.cases},
+          {"verdicts", verdicts},           {"missing", summary.missing},
+          {"share", number_or_null(share)}, {"interval", json_of_interval(summary.interval())},
+          {"repeated", summary.repeated},   {"unrepeated", summary.unrepeated}};
 }
 
 /// Two campaigns over the same cases: which flipped.
@@ -192,8 +193,12 @@ Json json_of_change(const CaseTable& now, const CaseTable& before) {
     cases.resize(std::min(cases.size(), listed_flips));
     return cases;
   };
-  return {{"compared", both},          {"same_bits", same_hash}, {"broken", broken.size()},
-          {"mended", mended.size()},   {"p", p},                 {"broken_cases", first_of(broken)},
+  return {{"compared", both},
+          {"same_bits", same_hash},
+          {"broken", broken.size()},
+          {"mended", mended.size()},
+          {"p", p},
+          {"broken_cases", first_of(broken)},
           {"mended_cases", first_of(mended)}};
 }
 
@@ -248,9 +253,10 @@ Json json_of_report(const Campaign& campaign, const CaseTable& table, const Camp
               {"seed", campaign.options().seed},
               {"plan", campaign.digest()},
               {"summary", json_of_summary(summary)},
-              {"nominal", {{"verdict", std::string(to_string(campaign.nominal().verdict))},
-                           {"sentence", campaign.nominal().sentence},
-                           {"hash", campaign.nominal().hash}}},
+              {"nominal",
+               {{"verdict", std::string(to_string(campaign.nominal().verdict))},
+                {"sentence", campaign.nominal().sentence},
+                {"hash", campaign.nominal().hash}}},
               {"failures", failures_of(table)}};
   report["parameters"] = Json::array();
   const std::size_t count = campaign.scenario().variations.size();
@@ -321,10 +327,10 @@ std::string verdict(const CampaignSummary& summary) {
                        summary.unrepeated.front());
   if (summary.judged() == 0) return fmt::format("none of {} cases has a result", summary.cases);
   const Interval interval = summary.interval();
-  std::string text = fmt::format(
-      "{} of {} cases pass: {:.4g} % ({:.4g} % to {:.4g} %)", summary.passed(), summary.judged(),
-      100.0 * static_cast<double>(summary.passed()) / static_cast<double>(summary.judged()), 100.0 * interval.low,
-      100.0 * interval.high);
+  std::string text =
+      fmt::format("{} of {} cases pass: {:.4g} % ({:.4g} % to {:.4g} %)", summary.passed(), summary.judged(),
+                  100.0 * static_cast<double>(summary.passed()) / static_cast<double>(summary.judged()),
+                  100.0 * interval.low, 100.0 * interval.high);
   if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
   return text;
 }

@@ -48,8 +48,8 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
   result.sentence = verdict(*compared);
   result.reason = "beyond the golden's tolerances";
   if (compared->first) {
-    result.reason = fmt::format("{} {} is beyond the golden's tolerances", compared->first->channel,
-                                compared->first->element);
+    result.reason =
+        fmt::format("{} {} is beyond the golden's tolerances", compared->first->channel, compared->first->element);
     result.tick = compared->first->tick;
   }
   return {};
@@ -61,8 +61,8 @@ std::string without_numbers(std::string_view sentence) {
   std::string text;
   for (std::size_t i = 0; i < sentence.size(); ++i) {
     const char c = sentence[i];
-    const bool in_word = i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 ||
-                                   sentence[i - 1] == '_');
+    const bool in_word =
+        i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 || sentence[i - 1] == '_');
     const bool in_number = text.ends_with('#') && (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' ||
                                                    c == 'e' || c == '-' || c == '+');
     if (in_number && !(c == '.' && (i + 1 == sentence.size() || sentence[i + 1] == ' '))) continue;

@@ -26,8 +26,8 @@ struct CaseTable {
   std::vector<std::uint64_t> hashes;
   std::vector<std::size_t> reasons;  // index into reason_texts
 
-  std::vector<std::vector<double>> margins;  // by expectation, by case; NaN: none
-  std::vector<std::vector<double>> values;   // by variation, by case; of words their place in `words`
+  std::vector<std::vector<double>> margins;     // by expectation, by case; NaN: none
+  std::vector<std::vector<double>> values;      // by variation, by case; of words their place in `words`
   std::vector<std::vector<std::string>> words;  // by variation; empty: its values are numbers
   std::vector<std::string> reason_texts, reason_examples;
 

@@ -11,11 +11,11 @@
 #include <numbers>
 #include <optional>
 
+#include "csv_text.h"
 #include "model/names.h"
 #include "scenario/normal_quantile.h"
 #include "stepping/expression.h"
 #include "trace/hashing.h"
-#include "csv_text.h"
 
 namespace rehearse {
 namespace {
@@ -139,12 +139,12 @@ Result<void> DrawnValues::parse_link(std::size_t index) {
   auto parsed = Expression::parse(variations()[index].expression, parameters);
   const Place& place = variations()[index].place;
   if (!parsed)
-    return at(place, error(fmt::format("linked '{}': {}", variations()[index].expression,
-                                       parsed.errors().front().message),
-                           parsed.errors().front().hint));
+    return at(place,
+              error(fmt::format("linked '{}': {}", variations()[index].expression, parsed.errors().front().message),
+                    parsed.errors().front().hint));
   if (parsed->type() != Expression::Type::number)
-    return at(place, error(fmt::format("linked '{}' is true or false", variations()[index].expression),
-                           "expected a number"));
+    return at(place,
+              error(fmt::format("linked '{}' is true or false", variations()[index].expression), "expected a number"));
   links_.emplace(index, *std::move(parsed));
   return {};
 }
@@ -229,9 +229,9 @@ Result<void> DrawnValues::check_bounds() const {
       const auto varied = Scenario::load_text(*text, scenario_.file);
       if (varied) continue;
       const Diagnostic& first = varied.errors().front();
-      wrong.push_back(at(variations()[i].place, error(fmt::format("with '{}' at {}: {}", variations()[i].name, value,
-                                                                  first.message),
-                                                      first.hint)));
+      wrong.push_back(
+          at(variations()[i].place,
+             error(fmt::format("with '{}' at {}: {}", variations()[i].name, value, first.message), first.hint)));
       break;
     }
   }

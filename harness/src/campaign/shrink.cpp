@@ -220,9 +220,9 @@ Result<std::string> moved_text(const Scenario& scenario, std::string text, const
 
 std::string comment_of(const Campaign& campaign, const Shrunk& shrunk) {
   const std::vector<Variation>& variations = campaign.scenario().variations;
-  std::string text = fmt::format("# Case {} of a campaign with {}, seed {}: {} of {} parameters differ.\n",
-                                 shrunk.number, campaign.scenario().name, campaign.options().seed,
-                                 shrunk.differs.size(), variations.size());
+  std::string text =
+      fmt::format("# Case {} of a campaign with {}, seed {}: {} of {} parameters differ.\n", shrunk.number,
+                  campaign.scenario().name, campaign.options().seed, shrunk.differs.size(), variations.size());
   for (const std::size_t i : shrunk.differs)
     text += fmt::format("#   {}: {} instead of {} ({})\n", variations[i].name, shrunk.values[i], variations[i].nominal,
                         variations[i].path);

@@ -22,8 +22,8 @@
 namespace rehearse {
 namespace {
 
-constexpr int interval_ms = 200;             // of looks at limits and signals
-constexpr std::size_t longest = 1 << 20;     // of an answer [bytes]
+constexpr int interval_ms = 200;          // of looks at limits and signals
+constexpr std::size_t longest = 1 << 20;  // of an answer [bytes]
 
 /// The sockets and locks of this process must end with it.
 void close_all_but(int socket) {

@@ -37,8 +37,8 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  bool is_idle() const;    // no worker has a job
-  bool has_room() const;   // a worker has none
+  bool is_idle() const;   // no worker has a job
+  bool has_room() const;  // a worker has none
   /// Gives the job to a worker without one. Fails if no process can be started.
   Result<void> give(std::int64_t job);
   /// The next answer; none: there was none for some tenths of a second.

@@ -355,7 +355,8 @@ void RunJudge::judge_series(Case& found, const Trace& last, ExpectationResult& r
       series.judge.problem =
           fmt::format("{} is no angle{}{}", name, series.unit.empty() ? "" : ", but in ", series.unit);
     if ((e.angle && !is_angle) || !series.judge.finish()) take(series.judge, name, series.unit, result, tally);
-    if (series.judge.margin) result.margin = std::min(result.margin.value_or(*series.judge.margin), *series.judge.margin);
+    if (series.judge.margin)
+      result.margin = std::min(result.margin.value_or(*series.judge.margin), *series.judge.margin);
   }
   result.text = text_of(e, e.angle ? "rad" : tally.unit);
   const std::string what = violation_of(result, tally, last);

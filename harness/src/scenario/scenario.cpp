@@ -196,8 +196,8 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(
       findings, root, "the scenario",
-      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity", "options",  "solver",
-       "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",  "joystick", "noise",
+      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity",  "options",  "solver",
+       "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",   "joystick", "noise",
        "look",       "cameras", "record",    "tolerances", "horizon",   "expect", "simulate", "vary"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);

@@ -255,22 +255,22 @@ bool VariationReader::find_place(const YamlNode& path, Variation& variation) {
     if (!next) {
       const std::string what = step.name.empty() ? fmt::format("[{}]", step.index) : fmt::format("'{}'", step.name);
       const std::string hint = step.name.empty() || names.empty() ? "" : name_hint(step.name, names, "names") + "; ";
-      findings_.error(path,
-                      fmt::format("the scenario states no {} in {}", what,
-                                  before.empty() ? "it" : fmt::format("'{}'", before)),
-                      hint + "a value that varies needs its nominal value there");
+      findings_.error(
+          path,
+          fmt::format("the scenario states no {} in {}", what, before.empty() ? "it" : fmt::format("'{}'", before)),
+          hint + "a value that varies needs its nominal value there");
       return false;
     }
     node = next;
   }
   const auto span = node->kind == YamlNode::Kind::scalar ? span_of(*node, text) : std::nullopt;
   if (!span) {
-    findings_.error(path,
-                    fmt::format("'{}' is {}", variation.path,
-                                node->kind == YamlNode::Kind::scalar
-                                    ? "written with an anchor, a tag or in several lines"
-                                    : describe(*node)),
-                    "expected the path of one number or word, written in one line");
+    findings_.error(
+        path,
+        fmt::format("'{}' is {}", variation.path,
+                    node->kind == YamlNode::Kind::scalar ? "written with an anchor, a tag or in several lines"
+                                                         : describe(*node)),
+        "expected the path of one number or word, written in one line");
     return false;
   }
   variation.begin = span->begin;
@@ -289,8 +289,7 @@ bool VariationReader::take_number(const YamlNode& path, Variation& variation) {
       return leading_number(value, rest) && rest.empty();
     });
   };
-  const bool of_values =
-      variation.distribution == Distribution::choice || variation.distribution == Distribution::grid;
+  const bool of_values = variation.distribution == Distribution::choice || variation.distribution == Distribution::grid;
   if (of_values && (!is_number || !all_numbers())) return true;
   if (variation.distribution == Distribution::from_file && !is_number) return true;
   if (!is_number || (!unit.empty() && unit != " deg" && unit != " rad" && unit != "deg" && unit != "rad")) {
@@ -316,8 +315,9 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
                     "expected a word of letters, digits and '_', none of tick, time, differs, case, verdict, again");
     return std::nullopt;
   }
-  const Keys keys(findings_, *entry.value, "a parameter",
-                  {"path", "uniform", "log_uniform", "normal", "choice", "grid", "file", "column", "linked", "integer"});
+  const Keys keys(
+      findings_, *entry.value, "a parameter",
+      {"path", "uniform", "log_uniform", "normal", "choice", "grid", "file", "column", "linked", "integer"});
   if (!keys.is_map()) return std::nullopt;
   const YamlNode* path = keys.require("path", "the place of its value, as bodies.Box.mass");
   if (!path || !read_distribution(*entry.value, keys, variation)) return std::nullopt;

@@ -47,9 +47,9 @@ std::string failures_of(const Campaign& campaign) {
   std::stable_sort(order.begin(), order.end(), [](const Kind& a, const Kind& b) { return a.count > b.count; });
   std::string text;
   for (const Kind& kind : order)
-    text += fmt::format("\n{} {}: {}\n  the first: rehearse sweep shrink {} {}", kind.count,
-                        to_string(kind.first.verdict), kind.first.sentence, kind.first.number,
-                        campaign.folder().string());
+    text +=
+        fmt::format("\n{} {}: {}\n  the first: rehearse sweep shrink {} {}", kind.count, to_string(kind.first.verdict),
+                    kind.first.sentence, kind.first.number, campaign.folder().string());
   return text;
 }
 
@@ -64,8 +64,7 @@ SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases,
   Campaign campaign = checked(Campaign::create(fixture_path(scenario), new_folder(test), options, runs));
   SweepOptions sweeping;
   sweeping.jobs = static_cast<std::size_t>(cases.jobs > 0 ? cases.jobs : std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
-  if (const auto worked = campaign.work(sweeping, runs); !worked)
-    throw std::runtime_error(to_string(worked.errors()));
+  if (const auto worked = campaign.work(sweeping, runs); !worked) throw std::runtime_error(to_string(worked.errors()));
   const CampaignSummary summary = checked(write_campaign_report(campaign));
   SweepResult result;
   result.cases = summary.judged();

@@ -18,8 +18,12 @@ class Corners : public cnoid::SimpleController {
     hinge_->setActuationMode(JointTorque);
     io->enableIO(hinge_);
     const cnoid::MappingPtr options = io->structuredOptions();
-    for (const auto& [name, value] : {std::pair("stiffness", &stiffness_), {"damping", &damping_}, {"ramp", &ramp_},
-                                      {"limit", &limit_}, {"gain", &gain_}, {"offset", &offset_}})
+    for (const auto& [name, value] : {std::pair("stiffness", &stiffness_),
+                                      {"damping", &damping_},
+                                      {"ramp", &ramp_},
+                                      {"limit", &limit_},
+                                      {"gain", &gain_},
+                                      {"offset", &offset_}})
       options->read(name, *value);
     fault_ = options->get("fault", 0);
     last_ = hinge_->q();
