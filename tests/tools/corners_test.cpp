@@ -15,7 +15,7 @@ class Corners : public Command {
   fs::path scenario(int fault) const {
     const std::string n = std::to_string(fault);
     return write("corner" + n + ".yaml", R"(rehearse: 1
-duration: 0.3
+duration: 0.4
 bodies:
   - name: Pendulum
     model: )" + (fixtures / "models/pendulum.urdf").string() +
@@ -27,7 +27,7 @@ bodies:
         options: "{stiffness: 60, damping: 6, ramp: 0.05, limit: 80, gain: 1, offset: 0, fault: )" +
                                              n + R"(}"
 pushes:
-  - {body: Pendulum, link: rod, at: [0, 0, -1], force: [0.001, 0, 0], from: 0.2, until: 0.22}
+  - {body: Pendulum, link: rod, at: [0, 0, -1], force: [0.001, 0, 0], from: 0.25, until: 0.27}
 vary:
   angle: {path: bodies.Pendulum.joints.hinge, uniform: [-0.3, 0.3]}
   push: {path: "pushes[0].force[0]", normal: {mean: 0, stddev: 50, from: -120, to: 120}}

@@ -50,9 +50,9 @@ class Corners : public cnoid::SimpleController {
       case 3: return gain_ > 1.15 && stiffness_ > 80.0;
       case 4: return std::abs(q) > 0.25 && time_ < 0.01 && stiffness_ < 45.0;  // released far away, and weak
       case 5: return offset_ > 0.07 && damping_ > 9.0;
-      case 6: return time_ > 0.2 && speed > 3.0 && limit_ < 70.0;  // pushed hard
+      case 6: return time_ > 0.25 && speed > 2.5 && limit_ < 70.0;  // pushed hard
       case 7: return ramp_ < 0.02 && gain_ < 0.85;
-      case 8: return time_ > 0.2 && q > 0.2 && damping_ < 4.0;  // pushed, and hardly damped
+      case 8: return time_ > 0.25 && q - offset_ > 0.15 && damping_ < 4.0;  // pushed, and hardly damped
       case 9: return offset_ < -0.06 && ramp_ > 0.07 && time_ > 0.1;
       case 10: return gain_ > 1.1 && offset_ > 0.05 && time_ > 0.25;
       default: return false;
@@ -64,7 +64,7 @@ class Corners : public cnoid::SimpleController {
       case 1:
       case 5: throw std::runtime_error("no solution");
       case 2: return 100.0;
-      case 3: return -3.0 * torque;
+      case 3: return -110.0;
       case 4: return 150.0;
       case 6: std::abort();
       case 7: io_->os() << "error: out of range" << std::endl; return torque;
