@@ -66,20 +66,22 @@ struct Levels {
 
 /// The cases of a test with variations (gtest.h: sweep).
 struct SweepCases {
-  std::int64_t cases = 100;
-  std::uint64_t seed = 0;
+  std::int64_t cases = 100;  // number of variations
+  std::uint64_t seed = 0;    // of their values
   int jobs = 0;              // worker processes; 0: one for each processor
   double case_limit = 60.0;  // wall time of a case; a longer one counts as hung [s]
 };
 
 /// The results of a test with variations.
 struct SweepResult {
-  std::int64_t cases = 0, passed = 0;
-  double low = 0.0, high = 1.0;  // Wilson's interval of the share that passes, with 95 % confidence
-  std::string verdict;           // a sentence: "197 of 200 cases pass: ..."
-  std::string failures;          // the kinds of failures, a line each, with the command that makes the first case again
-  bool repeats = true;           // cases that ran twice gave the same bits
-  std::string folder;            // of the campaign, with its report
+  std::int64_t cases = 0;   // that have a result
+  std::int64_t passed = 0;  // of them
+  double low = 0.0;         // lower bound of the share that passes: Wilson's interval with 95 % confidence
+  double high = 1.0;        // its upper bound
+  std::string verdict;      // a sentence: "197 of 200 cases pass: ..."
+  std::string failures;     // the kinds of failures, a line each, with the command that makes the first case again
+  bool repeats = true;      // cases that ran twice gave the same bits
+  std::string folder;       // of the campaign, with its report
 };
 
 namespace internal {
