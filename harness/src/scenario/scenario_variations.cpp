@@ -346,7 +346,8 @@ void read_variations(Findings& findings, const YamlNode& node, const YamlNode& r
     if (!variation) continue;
     for (const Variation& other : scenario.variations)
       if (variation->begin < other.end && other.begin < variation->end)
-        findings.error(*entry.key, fmt::format("'{}' and '{}' vary the same value", other.name, variation->name));
+        findings.error(*entry.key, fmt::format("'{}' and '{}' vary the same value", other.name, variation->name),
+                       "leave one of them out");
     scenario.variations.push_back(*std::move(variation));
   }
 }
