@@ -31,6 +31,8 @@ constexpr VerbSummary verbs[] = {
      Program::rehearse, Rounding::is_none},
     {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
      Program::simulate},
+    {"sweep", "run many variations of a scenario, report which fail and why, and shrink a failing one",
+     Program::simulate},
     {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit},
     {"info", "what stands in a trace", Program::rehearse, Rounding::is_none},
     {"cat", "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},

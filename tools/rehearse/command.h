@@ -55,6 +55,7 @@ extern const Verb render_verb;
 extern const Verb replay_verb;
 extern const Verb report_verb;
 extern const Verb step_verb;
+extern const Verb sweep_verb;
 
 /// The programs that contain verbs.
 enum class Program { rehearse, simulate, audit };

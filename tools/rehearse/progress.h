@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 namespace rehearse::tool {
 
@@ -20,6 +21,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(std::int64_t done, std::int64_t all);
+  /// Changes the text before the bar.
+  void set_text(std::string what) { what_ = std::move(what); }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -8,7 +8,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr const Verb* simulating_verbs[] = {&record_verb, &check_verb, &golden_verb, &render_verb};
+constexpr const Verb* simulating_verbs[] = {&record_verb, &check_verb, &golden_verb, &render_verb, &sweep_verb};
 
 Exit run(int argc, char** argv) {
   pin_process(argv);

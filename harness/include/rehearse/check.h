@@ -55,6 +55,9 @@ struct ExpectationResult {
   std::optional<ViolatingSample> first;  // none if no single sample violates it
   /// Worst sample of the same series; with `sometime` the sample nearest to the bounds.
   std::optional<ViolatingSample> worst;
+  /// Distance from a violation: of the worst sample of all series from the nearest bound, in their unit; with
+  /// `sometime` of the best sample. Below 0: violated. None: an event, or no sample.
+  std::optional<double> margin;
 };
 
 /// One result for each expectation, in their order.
@@ -65,6 +68,16 @@ std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>
 Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
                                                           const std::filesystem::path& recording,
                                                           std::size_t piece_size = Trace::usual_piece_size);
+
+/// A recording's expectations, and one number that identifies its messages.
+struct JudgedRecording {
+  std::vector<ExpectationResult> expectations;
+  std::uint64_t content = 0;  // hash of topics, times and bytes of all messages
+};
+
+/// Reads the recording once, in pieces.
+Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectations,
+                                        const std::filesystem::path& recording);
 
 /// The violation with the earliest known time. A violation without a sample is returned only if there is no other.
 /// Null: all hold.

@@ -62,6 +62,10 @@ inline ::testing::AssertionResult Holds(const char*, const Trace& trace) {
   return assertion_of(hold_expectations(trace, current_test()));
 }
 
+inline ::testing::AssertionResult HasPassRate(const char*, const char*, const SweepResult& result, double rate) {
+  return assertion_of(judge_pass_rate(result, rate));
+}
+
 inline ::testing::AssertionResult Replays(const char*, const std::string& name) {
   return assertion_of(replay_golden(name, current_test()));
 }
@@ -82,7 +86,21 @@ inline Trace record(const std::string& scenario) {
   return internal::record_for_test(scenario, internal::current_test());
 }
 
+/// Runs variations of a scenario (`vary:`, campaign.h) in processes of their own, and judges each by the scenario's
+/// expectations. The campaign is kept as campaigns/Suite.Test in the test's output folder, with a report. Throws
+/// std::runtime_error, which fails the test, if the campaign can't run. A case of one simulated second of a humanoid
+/// takes about 0.15 s: state `cases` so that the test ends within the time of ctest.
+inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = {}) {
+  return internal::sweep_for_test(scenario, cases, internal::current_test());
+}
+
 }  // namespace rehearse
+
+/// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence: it fails if even the upper
+/// bound of Wilson's interval is below the rate, or if a case that ran twice gave different bits. So a few failures in
+/// a few cases don't fail it by chance. The message states the interval and the failing cases.
+#define EXPECT_PASS_RATE(result, rate) EXPECT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
+#define ASSERT_PASS_RATE(result, rate) ASSERT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
 
 /// Passes if the recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its
 /// horizon. The expectations of the scenario must hold, too. More arguments change this: Exact{}, Near{"SR1/*/q",

@@ -216,6 +216,34 @@ struct Expectation {
   Place place;                   // of its pattern
 };
 
+/// The distribution of a varied value.
+enum class Distribution {
+  uniform,      // between two bounds
+  log_uniform,  // its logarithm is uniform
+  normal,       // truncated at two bounds
+  choice,       // one of several values, each as likely
+  grid,         // all combinations of the grids' values, in order of the cases
+  from_file,    // a row of a file, in order of the cases
+  linked,       // computed from other parameters
+};
+
+/// A parameter that a campaign varies (`vary:`, campaign.h). Runs by record() and checks use the nominal value.
+struct Variation {
+  std::string name;
+  std::string path;  // of the value in the scenario: bodies.Box.position[0]
+  Distribution distribution = Distribution::uniform;
+  bool integer = false;             // whole numbers only; uniform, log_uniform, normal, linked
+  double low = 0.0, high = 0.0;     // uniform, log_uniform, normal: both included
+  double mean = 0.0, stddev = 1.0;  // normal, before truncation
+  std::vector<std::string> values;  // choice, grid; as written
+  std::string file, column;         // from_file: a CSV beside the scenario, and a name in its first line
+  std::string expression;           // linked
+  std::string nominal;              // the value that the scenario states, as written, without a unit
+  std::size_t begin = 0, end = 0;   // its place in Scenario::text [bytes]
+  bool in_text = false;             // the place is within quotes, or in an option string
+  Place place;                      // of its name
+};
+
 struct Scenario {
   static constexpr double max_duration = 86400.0;  // [s]
   static constexpr double min_time_step = 1e-5;    // [s]
@@ -244,6 +272,7 @@ struct Scenario {
   std::vector<ToleranceRule> tolerances;  // in file order; the last that matches wins
   std::optional<double> horizon;  // values are compared with the golden's up to this time [s]; nullopt: not stated
   std::vector<Expectation> expectations;  // `expect:`, in file order
+  std::vector<Variation> variations;      // `vary:`, in file order
   Diagnostics warnings;                   // of the scenario and its models
 
   /// lround(duration / time_step), as Choreonoid counts ticks.
@@ -256,6 +285,12 @@ struct Scenario {
   /// of the scenario itself. A model that can't be used is one of them, followed by the model's mistakes. Repairs and
   /// warnings of the models are in `warnings`.
   static Result<Scenario> load(const std::filesystem::path& file);
+  /// As load() of a file with this text in the place of `file`.
+  static Result<Scenario> load_text(std::string text, const std::filesystem::path& file);
+
+  /// The text with other values in the places of the variations, one for each. An empty value leaves the nominal one.
+  /// All else, comments included, stays as written. Fails if a value can't be written there.
+  Result<std::string> varied_text(const std::vector<std::string>& values) const;
 
   /// The source of the models of a scenario. It gets `model:` as written in the scenario, and load options for the
   /// body; it returns the model, or an error. The directories of packages are as written in the scenario. A diagnostic

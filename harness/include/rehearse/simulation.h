@@ -28,6 +28,18 @@ struct RecordOptions : HostOptions {
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
+/// How a run ended.
+enum class RunEnding {
+  complete,
+  refused,   // a controller returned false from configure, initialize or start
+  threw,     // an exception left a controller
+  exited,    // a controller tried to end the process
+  crashed,   // a signal in a controller: segmentation fault, abort
+  hung,      // a call into a controller exceeded its limit
+  exploded,  // a position or velocity is no longer finite
+  interrupted,
+};
+
 /// The result of a run.
 struct RunSummary {
   std::int64_t ticks = 0;
@@ -36,6 +48,7 @@ struct RunSummary {
   std::uintmax_t bytes = 0;  // of the trace file
   /// A controller threw, crashed or hung, or the simulation exploded: the run ended there.
   std::optional<Diagnostic> failure;
+  RunEnding end = RunEnding::complete;
   bool controller_refused = false;  // a controller returned false from configure, initialize or start
   /// Misbehaviour of controllers, and World::remarks(); warnings and errors.
   Diagnostics remarks;

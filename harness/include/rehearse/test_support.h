@@ -4,6 +4,7 @@
 
 #include <rehearse/trace.h>
 
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -63,6 +64,26 @@ struct Levels {
   std::vector<Level> levels;  // that are compared
 };
 
+/// The cases of a test with variations (gtest.h: sweep).
+struct SweepCases {
+  std::int64_t cases = 100;  // number of variations
+  std::uint64_t seed = 0;    // of their values
+  int jobs = 0;              // worker processes; 0: one for each processor
+  double case_limit = 60.0;  // wall time of a case; a longer one counts as hung [s]
+};
+
+/// The results of a test with variations.
+struct SweepResult {
+  std::int64_t cases = 0;   // that have a result
+  std::int64_t passed = 0;  // of them
+  double low = 0.0;         // lower bound of the share that passes: Wilson's interval with 95 % confidence
+  double high = 1.0;        // its upper bound
+  std::string verdict;      // a sentence: "197 of 200 cases pass: ..."
+  std::string failures;     // the kinds of failures, a line each, with the command that makes the first case again
+  bool repeats = true;      // cases that ran twice gave the same bits
+  std::string folder;       // of the campaign, with its report
+};
+
 namespace internal {
 
 struct TestVerdict {
@@ -88,6 +109,8 @@ Trace record_for_test(const std::string& scenario, const std::string& test);
 TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options = {});
 TestVerdict hold_expectations(const Trace& trace, const std::string& test);
 TestVerdict replay_golden(const std::string& name, const std::string& test);
+SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases, const std::string& test);
+TestVerdict judge_pass_rate(const SweepResult& result, double rate);
 
 }  // namespace internal
 }  // namespace rehearse

@@ -13,6 +13,7 @@
 #include "compare/compare_parts.h"
 #include "mcap/glob.h"
 #include "model/clock.h"
+#include "trace/hashing.h"
 #include "trace/trace_windows.h"
 
 namespace rehearse {
@@ -112,6 +113,7 @@ class SeriesJudge {
   bool finish();
 
   std::optional<ViolatingSample> first, worst;
+  std::optional<double> margin;
   std::string problem;
 
  private:
@@ -160,6 +162,8 @@ void SeriesJudge::take(const TraceChannel& channel, std::size_t column, const Ti
 void SeriesJudge::take_sample(const ViolatingSample& sample) {
   any_ = true;
   const double excess = excess_of(*expectation_, *sample.value);
+  margin = expectation_->sometime ? std::max(margin.value_or(-excess), -excess)
+                                  : std::min(margin.value_or(-excess), -excess);
   if (is_right(*expectation_, *sample.value)) {
     any_right_ = true;
     return;
@@ -181,6 +185,7 @@ bool SeriesJudge::finish() {
     return false;
   }
   if (moment) {
+    margin = -excess_of(*expectation_, *latest_->value);
     if (is_right(*expectation_, *latest_->value)) return true;
     first = worst = latest_;
     return false;
@@ -350,6 +355,8 @@ void RunJudge::judge_series(Case& found, const Trace& last, ExpectationResult& r
       series.judge.problem =
           fmt::format("{} is no angle{}{}", name, series.unit.empty() ? "" : ", but in ", series.unit);
     if ((e.angle && !is_angle) || !series.judge.finish()) take(series.judge, name, series.unit, result, tally);
+    if (series.judge.margin)
+      result.margin = std::min(result.margin.value_or(*series.judge.margin), *series.judge.margin);
   }
   result.text = text_of(e, e.angle ? "rad" : tally.unit);
   const std::string what = violation_of(result, tally, last);
@@ -396,6 +403,45 @@ Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expe
       recording, [&](const Trace& piece) { judge.take(piece); }, piece_size);
   if (!last) return last.errors();
   return judge.finish(*last);
+}
+
+namespace {
+
+/// The hash of the messages of a recording that comes in pieces.
+class ContentHash {
+ public:
+  void take(const Trace& piece) {
+    for (const TraceChannel& channel : piece.channels()) {
+      RunningHash& hash = by_topic_[channel.topic];
+      hash.add(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
+      hash.add(channel.hashes.data(), channel.hashes.size() * sizeof(std::uint64_t));
+    }
+  }
+  std::uint64_t value() const {
+    std::uint64_t hash = 0;
+    for (const auto& [topic, of_channel] : by_topic_) {
+      const std::uint64_t messages = of_channel.value();
+      hash = hash_bytes(topic.data(), topic.size(), hash_bytes(&messages, sizeof messages, hash));
+    }
+    return hash;
+  }
+
+ private:
+  std::map<std::string, RunningHash> by_topic_;
+};
+
+}  // namespace
+
+Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectations,
+                                        const std::filesystem::path& recording) {
+  RunJudge judge(expectations);
+  ContentHash content;
+  const auto last = Trace::load_in_pieces(recording, [&](const Trace& piece) {
+    judge.take(piece);
+    content.take(piece);
+  });
+  if (!last) return last.errors();
+  return JudgedRecording{judge.finish(*last), content.value()};
 }
 
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {

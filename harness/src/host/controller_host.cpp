@@ -230,7 +230,10 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
       fmt::format("controller '{}' {} in {}() at tick {} ({} s){}", label, outcome.what, function, tick_,
                   time_of(tick_, scenario_->time_step), &label == &hosted.label ? last_words(hosted) : "");
   event(Severity::error, label, text);
-  if (!failure_) failure_ = error(std::move(text));
+  if (!failure_) {
+    failure_ = error(std::move(text));
+    failed_by_ = outcome.end;
+  }
   hosted.running = false;
   hosted.configured = false;
   if (outcome.end != CallEnd::threw) {
@@ -539,6 +542,7 @@ void ControllerHost::take_late_failure(const HostedController& hosted) {
   const CallOutcome late = guarded_call([] {}, options_.call_limit);
   if (late.end == CallEnd::returned) return;
   thread_failed_of_ = late.by_thread_of;
+  failed_by_ = late.end;
   const std::string& label = label_of_failed(hosted, late);
   failure_ = error(fmt::format("controller '{}' {} before tick {} ({} s)", label, late.what, tick_ + 1,
                                time_of(tick_ + 1, scenario_->time_step)));

@@ -105,6 +105,8 @@ class ControllerHost {
 
   /// The first failure that ends the run: a controller threw, crashed, hung or refused.
   const std::optional<Diagnostic>& failure() const { return failure_; }
+  /// How the call ended that is the failure; returned: it is no failed call.
+  CallEnd failed_by() const { return failed_by_; }
   /// True if a controller that isn't optional refused to configure, initialise or start; failure() then reports this.
   bool any_refused() const { return refused_; }
   /// True if a controller was given options different from the scenario's.
@@ -145,6 +147,7 @@ class ControllerHost {
   std::vector<HostedController> controllers_;  // in order of their calls
   std::vector<msg::Event> events_;
   std::optional<Diagnostic> failure_;
+  CallEnd failed_by_ = CallEnd::returned;
   const void* thread_failed_of_ = nullptr;  // thread count of the library whose thread failed
   bool refused_ = false;
   bool other_options_ = false;

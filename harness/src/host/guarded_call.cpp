@@ -102,9 +102,11 @@ extern "C" void leave_guarded_code(int signal_number) {
 class Watchdog {
  public:
   static Watchdog& instance() {
-    static auto& watchdog = *new Watchdog;
-    return watchdog;
+    if (!watchdog_) watchdog_ = new Watchdog;
+    return *watchdog_;
   }
+  /// A forked process has no thread of the one before.
+  static void forget() { watchdog_ = nullptr; }
 
   void begin(double limit) {
     limit_.store(limit, std::memory_order_relaxed);
@@ -143,6 +145,7 @@ class Watchdog {
     }
   }
 
+  static inline Watchdog* watchdog_ = nullptr;
   std::atomic<std::uint64_t> calls_{0};
   std::atomic<double> limit_{0.0};
 };
@@ -211,6 +214,8 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 }  // namespace
 
 void prepare_guarded_calls() { install_handlers(); }
+
+void watch_calls_after_fork() { Watchdog::forget(); }
 
 void guard_process_end() { on_exit(guard_rest, nullptr); }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "html_text.h"
 #include "mcap/replaceable.h"
 #include "report_blobs.h"
 
@@ -74,20 +75,6 @@ std::vector<Json> read_results(const fs::path& folder) {
   return results;
 }
 
-std::string html_text(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '&': safe += "&amp;"; break;
-      case '"': safe += "&quot;"; break;
-      default: safe += c;
-    }
-  }
-  return safe;
-}
-
 /// A row of the index. Links are relative, because the folder may be viewed on a different machine.
 std::string row_of(const Json& result) {
   const auto text = [&](const char* key) { return html_text(text_in(result, key)); };
@@ -117,10 +104,7 @@ std::string index_of(const std::vector<Json>& results) {
   return fmt::format(
       "{0}\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{1}</title>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>\n"
-      ":root {{ color-scheme: light dark; font: 15px/1.4 system-ui, sans-serif }}\n"
-      "body {{ margin: 1.5rem auto; max-width: 76rem; padding: 0 1rem }}\n"
-      "table {{ border-collapse: collapse; width: 100% }}\n"
-      "td {{ padding: .4rem .6rem; vertical-align: top; border-top: 1px solid #8884; overflow-wrap: anywhere }}\n"
+      "{3}"
       "td:nth-child(-n+2) {{ width: 1%; white-space: nowrap }}\n"
       "td:nth-child(3) {{ min-width: 14rem }}\n"
       "img {{ display: block; width: 160px; height: 120px; border-radius: 4px }}\n"
@@ -130,7 +114,7 @@ std::string index_of(const std::vector<Json>& results) {
       "@media (max-width: 600px) {{ tr {{ display: block }} td {{ display: inline-block; border: none }} "
       "td:last-child {{ display: block }} }}\n"
       "</style></head><body>\n<h1>{1}</h1>\n<table>\n{2}</table>\n</body></html>\n",
-      index_magic, title, rows);
+      index_magic, title, rows, html_style);
 }
 
 }  // namespace

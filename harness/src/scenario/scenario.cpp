@@ -196,9 +196,9 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(
       findings, root, "the scenario",
-      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity", "options",  "solver",
-       "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",  "joystick", "noise",
-       "look",       "cameras", "record",    "tolerances", "horizon",   "expect", "simulate"});
+      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity",  "options",  "solver",
+       "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",   "joystick", "noise",
+       "look",       "cameras", "record",    "tolerances", "horizon",   "expect", "simulate", "vary"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   read_seed(findings, keys, scenario);
@@ -221,6 +221,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("horizon")) read_horizon(findings, *node, scenario);
   if (const YamlNode* node = keys.find("expect")) read_expectations(findings, *node, scenario);
   if (const YamlNode* node = keys.find("simulate")) read_simulate(findings, *node);
+  if (const YamlNode* node = keys.find("vary")) read_variations(findings, *node, root, scenario);
   if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }
 
@@ -242,6 +243,10 @@ bool Scenario::runs_camera(const std::string& body, const std::string& camera) c
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
   Result<std::string> text = read_yaml_file(file, "a scenario");
   if (!text) return text.errors();
+  return load_text(std::move(*text), file);
+}
+
+Result<Scenario> Scenario::load_text(std::string text, const std::filesystem::path& file) {
   const auto beside = [folder = file.parent_path()](const std::string& model_file,
                                                     const UrdfOptions& options) -> Result<Model> {
     const std::filesystem::path path = folder / model_file;
@@ -259,7 +264,7 @@ Result<Scenario> Scenario::load(const std::filesystem::path& file) {
     return error(fmt::format("there is no file '{}'", shortened(name)),
                  fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
   };
-  return parse(std::move(*text), file.string(), beside, bytes);
+  return parse(std::move(text), file.string(), beside, bytes);
 }
 
 Result<Scenario> Scenario::parse(std::string text, const std::string& file, const ModelSource& models,

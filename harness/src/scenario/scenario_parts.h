@@ -56,6 +56,9 @@ void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenari
 /// The `expect` list. After the duration.
 void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario);
 
+/// The `vary` map. `root`: the whole scenario, which states the nominal values.
+void read_variations(Findings& findings, const YamlNode& node, const YamlNode& root, Scenario& scenario);
+
 /// The index of the body of that name in scenario.bodies; reports it if there is none.
 std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario);
 

@@ -12,9 +12,7 @@
 #include <system_error>
 
 namespace rehearse {
-namespace {
 
-// The longest prefix of `text` that is a number, as double; `rest` is the text after it.
 std::optional<double> leading_number(std::string_view text, std::string_view& rest) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0.0;
@@ -23,6 +21,8 @@ std::optional<double> leading_number(std::string_view text, std::string_view& re
   rest = text.substr(static_cast<std::size_t>(end - text.data()));
   return value;
 }
+
+namespace {
 
 std::optional<double> plain_number(const YamlNode& node) {
   if (node.kind != YamlNode::Kind::scalar || node.quoted) return std::nullopt;

@@ -51,6 +51,9 @@ std::string describe(const YamlNode& node);
 /// Reports the present value of `label` and the expected one. All messages on values have this form.
 void expected(Findings& findings, const YamlNode& node, std::string_view label, std::string_view what);
 
+/// The longest prefix of `text` that is a number; `rest` is the text after it.
+std::optional<double> leading_number(std::string_view text, std::string_view& rest);
+
 std::optional<double> read_number(Findings& findings, const YamlNode& node, std::string_view label, const Range& range);
 std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& node, std::string_view label,
                                          std::int64_t low, std::int64_t high);

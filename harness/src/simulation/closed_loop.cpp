@@ -59,6 +59,21 @@ Diagnostics ClosedLoop::stopped_recording(Diagnostics errors) const {
   return errors;
 }
 
+RunEnding ClosedLoop::end() const {
+  if (run->interruption()) return RunEnding::interrupted;
+  if (run->broke_down()) return RunEnding::exploded;
+  if (host->any_refused()) return RunEnding::refused;
+  if (!host->failure()) return RunEnding::complete;
+  switch (host->failed_by()) {
+    case CallEnd::threw: return RunEnding::threw;
+    case CallEnd::hung: return RunEnding::hung;
+    case CallEnd::exited: return RunEnding::exited;
+    case CallEnd::returned:
+    case CallEnd::crashed: break;
+  }
+  return RunEnding::crashed;
+}
+
 /// The failure that ended the run early.
 std::optional<Diagnostic> ClosedLoop::failure() const {
   if (run->interruption()) return run->interruption();
@@ -73,6 +88,7 @@ Result<RunSummary> ClosedLoop::finish() {
   const StandardFloatMode float_mode;
   host->stop(plant->tick());
   summary.failure = failure();
+  summary.end = end();
   if (!summary.failure)  // a complete run ends with the state after the last step
     if (auto done = run->close(); !done) return done.errors();
   if (auto done = sink->record_events(host->take_events()); !done) return done.errors();

@@ -53,6 +53,7 @@ struct ClosedLoop {
 
  private:
   std::optional<Diagnostic> failure() const;
+  RunEnding end() const;
   Result<void> close_file();
   Diagnostics stopped_recording(Diagnostics errors) const;
 };

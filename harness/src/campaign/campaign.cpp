@@ -1,0 +1,330 @@
+// The work on a campaign: cases are given to workers, and their results are appended.
+#include <fmt/format.h>
+#include <rehearse/campaign.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "campaign_folder.h"
+#include "case_values.h"
+#include "golden/run_folder.h"
+#include "host/interruption.h"
+#include "lone_run.h"
+#include "result_lines.h"
+#include "worker_pool.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr double share_of_twice = 0.02;
+constexpr const char* trace_name = "run.mcap";
+
+Diagnostic interrupted() { return error("interrupted: nothing was judged"); }
+
+std::string late_sentence(const CampaignOptions& options) {
+  return fmt::format("the case took longer than {} s", options.case_limit);
+}
+
+/// Keeps the traces of the lowest cases of each kind of failure.
+class KeptTraces {
+ public:
+  explicit KeptTraces(const Campaign& campaign) : campaign_(campaign) {
+    std::error_code ignored;
+    fs::create_directories(trace_file(campaign.folder(), 0).parent_path(), ignored);
+  }
+
+  /// Of an earlier process.
+  void remember(const CaseResult& result) {
+    std::error_code ignored;
+    if (!result.passed() && fs::exists(trace_file(campaign_.folder(), result.number), ignored))
+      kept_[result.verdict].insert(result.number);
+  }
+
+  void take(const CaseResult& result, const fs::path& trace) {
+    std::error_code ignored;
+    if (result.passed() || !fs::exists(trace, ignored)) return;
+    std::set<std::int64_t>& kept = kept_[result.verdict];
+    kept.insert(result.number);
+    const bool is_too_many = kept.size() > static_cast<std::size_t>(campaign_.options().keep);
+    const std::int64_t last = *kept.rbegin();
+    if (!is_too_many || last != result.number)
+      fs::rename(trace, trace_file(campaign_.folder(), result.number), ignored);
+    if (!is_too_many) return;
+    fs::remove(trace_file(campaign_.folder(), last), ignored);
+    kept.erase(last);
+  }
+
+ private:
+  const Campaign& campaign_;
+  std::map<CaseVerdict, std::set<std::int64_t>> kept_;
+};
+
+/// The cases of one process.
+class Work {
+ public:
+  Work(const Campaign& campaign, const SweepOptions& options, ResultFile& file, WorkerPool& pool)
+      : campaign_(campaign),
+        options_(options),
+        file_(file),
+        pool_(pool),
+        traces_(campaign),
+        done_(static_cast<std::size_t>(campaign.options().cases)),
+        done_again_(done_.size()) {}
+
+  Result<void> run();
+
+ private:
+  enum class Phase { first, again };
+  Result<void> read_results();
+  void make_queue(Phase phase);
+  Result<void> run_queue(Phase phase);
+  Result<void> take(const WorkerPool::Answer& answer, Phase phase);
+  CaseResult result_of(const WorkerPool::Answer& answer) const;
+  bool goes_on();
+
+  const Campaign& campaign_;
+  const SweepOptions& options_;
+  ResultFile& file_;
+  WorkerPool& pool_;
+  KeptTraces traces_;
+  std::vector<bool> done_, done_again_;  // by case
+  std::deque<std::int64_t> queue_;
+  std::set<std::int64_t> lost_;  // cases whose worker ended once
+  SweepProgress progress_;
+  Clock::time_point begin_ = Clock::now();
+};
+
+Result<void> Work::read_results() {
+  return campaign_.read_results([&](const CaseResult& result) {
+    std::vector<bool>& done = result.again ? done_again_ : done_;
+    const auto index = static_cast<std::size_t>(result.number);
+    if (!result.again) traces_.remember(result);
+    if (!done[index] && !result.again && !result.passed()) ++progress_.failed;
+    done[index] = true;
+  });
+}
+
+/// In slices of the numbers, so that the results of two processes never name the same case.
+void Work::make_queue(Phase phase) {
+  const Slice slice = options_.slice.value_or(Slice{});
+  for (std::int64_t number = slice.index - 1; number < campaign_.options().cases; number += slice.count) {
+    if (phase == Phase::again && !campaign_.runs_twice(number)) continue;
+    ++progress_.all;
+    if ((phase == Phase::again ? done_again_ : done_)[static_cast<std::size_t>(number)]) continue;
+    options_.backwards ? queue_.push_front(number) : queue_.push_back(number);
+  }
+}
+
+bool Work::goes_on() {
+  progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  return interruption() == 0 && (!options_.progress || options_.progress(progress_));
+}
+
+CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
+  if (answer.text)
+    if (auto result = result_of_line(*answer.text)) {
+      result->number = answer.job;
+      return *result;
+    }
+  if (answer.late) return ended_case(answer.job, CaseVerdict::hung, late_sentence(campaign_.options()));
+  return ended_case(answer.job, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer.end));
+}
+
+Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
+  // something outside of the case may have ended its process
+  if (!answer.text && !answer.late && lost_.insert(answer.job).second) {
+    queue_.push_front(answer.job);
+    return {};
+  }
+  CaseResult result = result_of(answer);
+  result.again = phase == Phase::again;
+  if (phase == Phase::first && answer.text) traces_.take(result, answer.folder / trace_name);
+  if (auto written = file_.append(result); !written) return written;
+  ++progress_.done;
+  ++progress_.here;
+  if (!result.passed() && !result.again) ++progress_.failed;
+  // interrupted code may have left anything in the memory
+  const bool is_sound = result.passed() || result.verdict == CaseVerdict::violated ||
+                        result.verdict == CaseVerdict::differs || result.verdict == CaseVerdict::exploded;
+  if (!is_sound) pool_.renew(answer.folder);
+  return {};
+}
+
+Result<void> Work::run_queue(Phase phase) {
+  for (;;) {
+    if (!goes_on()) {
+      queue_.clear();
+      return {};
+    }
+    while (!queue_.empty() && pool_.has_room()) {
+      const std::int64_t number = queue_.front();
+      queue_.pop_front();
+      if (auto given = pool_.give(number); !given) return given;
+    }
+    if (pool_.is_idle() && queue_.empty()) return {};
+    const auto answer = pool_.wait();
+    if (!answer) continue;
+    if (auto taken = take(*answer, phase); !taken) return taken;
+  }
+}
+
+Result<void> Work::run() {
+  if (auto read = read_results(); !read) return read;
+  const Slice slice = options_.slice.value_or(Slice{});
+  for (std::int64_t number = slice.index - 1; number < campaign_.options().cases; number += slice.count) {
+    const auto index = static_cast<std::size_t>(number);
+    progress_.done += (done_[index] ? 1 : 0) + (done_again_[index] ? 1 : 0);
+  }
+  make_queue(Phase::again);
+  const std::deque<std::int64_t> again = std::exchange(queue_, {});
+  make_queue(Phase::first);
+  if (auto run = run_queue(Phase::first); !run) return run;
+  if (!goes_on() || !pool_.is_idle()) return {};
+  pool_.renew_all();  // in processes that haven't run them
+  lost_.clear();
+  queue_ = again;
+  return run_queue(Phase::again);
+}
+
+}  // namespace
+
+std::vector<std::string> Campaign::values_of(std::int64_t number) const { return values_->of(number); }
+
+std::vector<std::string> Campaign::with_links(std::vector<std::string> values) const {
+  return values_->with_links(std::move(values));
+}
+
+bool Campaign::runs_twice(std::int64_t number) const {
+  return number == 0 || uniform_number(options_.seed, number, "") < share_of_twice;
+}
+
+Result<std::string> Campaign::text_of(std::int64_t number) const { return scenario_.varied_text(values_of(number)); }
+
+Result<void> Campaign::check_number(std::int64_t number) const {
+  if (number >= 0 && number < options_.cases) return {};
+  return error_in(folder_.string(), fmt::format("there is no case {}", number),
+                  fmt::format("expected a number from 0 to {}", options_.cases - 1));
+}
+
+Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>& take) const {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder_, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->path().filename().string().starts_with("results") && entry->path().extension() == ".jsonl")
+      files.push_back(entry->path());
+  if (failed) return error_in(folder_.string(), fmt::format("it can't be read: {}", failed.message()));
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    std::ifstream stream(file, std::ios::binary);
+    std::int64_t number = 0;
+    for (std::string line; std::getline(stream, line);) {
+      ++number;
+      const bool is_whole = !stream.eof();
+      const auto result = result_of_line(line);
+      if (result && check_number(result->number))
+        take(*result);
+      else if (is_whole)
+        return error_in(file.string(), fmt::format("line {} is no result of this campaign", number));
+    }
+  }
+  return {};
+}
+
+Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const fs::path& file,
+                          const fs::path& trace, const Simulation& simulation) {
+  const auto scratch = RunFolder::make(campaign.folder() / "running");
+  if (!scratch) return scratch.errors();
+  WorkerPool pool(1, campaign.options().case_limit, scratch->path(), [&](std::int64_t, const fs::path& folder) {
+    const CaseRun run = run_case(file, text, campaign.options(), folder / trace_name, simulation);
+    const Json answer{
+        {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
+    return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
+  });
+  if (auto given = pool.give(0); !given) return given.errors();
+  std::optional<WorkerPool::Answer> answer;
+  while (!answer && interruption() == 0) answer = pool.wait();
+  if (!answer) return interrupted();
+  CaseRun run;
+  const Json object = answer->text ? Json::parse(*answer->text, nullptr, false) : Json();
+  if (object.is_object()) {
+    run.result = result_of_json(object.at("result")).value_or(CaseResult{});
+    run.expectations = object.at("expectations").get<std::vector<std::string>>();
+    run.libraries = object.at("libraries").get<std::map<std::string, std::string>>();
+  } else if (answer->late) {
+    run.result = ended_case(-1, CaseVerdict::hung, late_sentence(campaign.options()));
+  } else {
+    run.result = ended_case(-1, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer->end));
+  }
+  run.result.number = -1;
+  if (trace.empty()) return run;
+  std::error_code failed;
+  const fs::path made = answer->folder / trace_name;
+  if (fs::exists(made, failed)) {
+    fs::create_directories(trace.parent_path().empty() ? fs::path(".") : trace.parent_path(), failed);
+    fs::rename(made, trace, failed);
+    if (failed) fs::copy_file(made, trace, fs::copy_options::overwrite_existing, failed);
+    if (failed) return error_in(trace.string(), fmt::format("it can't be written: {}", failed.message()));
+  }
+  return run;
+}
+
+Result<CaseResult> Campaign::run_text(const std::string& text, const fs::path& trace,
+                                      const Simulation& simulation) const {
+  auto run = run_alone(*this, text, scenario_.file, trace, simulation);
+  if (!run) return run.errors();
+  return run->result;
+}
+
+/// Results of different controllers, models or programs must not be counted together.
+Result<void> Campaign::check_nominal(const Simulation& simulation) const {
+  const auto now = run_alone(*this, scenario_.text, scenario_.file, {}, simulation);
+  if (!now) return now.errors();
+  for (const auto& [controller, library] : libraries_) {
+    const auto found = now->libraries.find(controller);
+    if (found == now->libraries.end() || found->second != library)
+      return error_in(folder_.string(),
+                      fmt::format("the controller {} has changed since the campaign began", controller),
+                      "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD");
+  }
+  if (now->result.repeats(nominal_)) return {};
+  return error_in(
+      folder_.string(), "the nominal run isn't the one with which the campaign began",
+      "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
+      "campaign in a new folder");
+}
+
+Result<void> Campaign::work(const SweepOptions& options, const Simulation& simulation) {
+  const auto lock = CampaignLock::take(folder_, options.slice.has_value());
+  if (!lock) return lock.errors();
+  auto file = ResultFile::open(result_file(folder_, options.slice));
+  if (!file) return file.errors();
+  if (!is_new_)
+    if (auto same = check_nominal(simulation); !same) return same;
+  is_new_ = false;
+  const auto scratch = RunFolder::make(folder_ / "running");
+  if (!scratch) return scratch.errors();
+  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), options_.case_limit, scratch->path(),
+                  [&](std::int64_t number, const fs::path& folder) {
+                    const Clock::time_point begin = Clock::now();
+                    const auto text = text_of(number);
+                    if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
+                    CaseResult result =
+                        run_case(scenario_.file, *text, options_, folder / trace_name, simulation).result;
+                    result.number = number;
+                    result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+                    return line_of(result);
+                  });
+  return Work(*this, options, *file, pool).run();
+}
+
+}  // namespace rehearse

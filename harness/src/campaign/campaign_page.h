@@ -1,0 +1,28 @@
+// The report of a campaign as a page and as Markdown. Internal.
+#pragma once
+
+#include <rehearse/campaign.h>
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "case_table.h"
+
+namespace rehearse {
+
+/// The values of two parameters in cells: four equal parts of the range that occurs, or the words of a choice.
+struct CellGrid {
+  CellGrid(const CaseTable& table, std::size_t a, std::size_t b);
+  std::size_t columns = 0, rows = 0;
+  std::vector<std::size_t> counts;  // cases with a result, by row (of `b`), then by column (of `a`)
+};
+/// A cell of a parameter: "0.2 to 0.4", or a word.
+std::string cell_text(const CaseTable& table, std::size_t parameter, std::size_t cell);
+
+/// `report`: the content of report.json.
+std::string markdown_of(const nlohmann::ordered_json& report);
+std::string page_of(const Campaign& campaign, const CaseTable& table, const nlohmann::ordered_json& report);
+
+}  // namespace rehearse

@@ -1,0 +1,31 @@
+// One run of a case, and its judgement. Internal.
+#pragma once
+
+#include <rehearse/campaign.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rehearse {
+
+struct CaseRun {
+  CaseResult result;
+  std::vector<std::string> expectations;         // as text
+  std::map<std::string, std::string> libraries;  // of controllers, with their hashes; by BODY/NAME
+};
+
+/// Runs a scenario in this process. `file`: the place to which its paths are relative. The recording is written to
+/// `trace`, and stays.
+CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                 const std::filesystem::path& trace, const Simulation& simulation);
+
+/// The result of a case whose process ended without a verdict.
+CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence);
+
+/// The sentence with # in the place of each number: failures of one kind have the same.
+std::string without_numbers(std::string_view sentence);
+
+}  // namespace rehearse

@@ -1,0 +1,18 @@
+// A run in a process of its own. Internal.
+#pragma once
+
+#include <rehearse/campaign.h>
+
+#include <filesystem>
+#include <string>
+
+#include "case_run.h"
+
+namespace rehearse {
+
+/// Runs a scenario with this text. `file`: the place to which its paths are relative. `trace`: its recording is kept
+/// there; empty: not. Fails if a signal interrupts it.
+Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const std::filesystem::path& file,
+                          const std::filesystem::path& trace, const Simulation& simulation);
+
+}  // namespace rehearse

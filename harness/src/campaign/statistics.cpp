@@ -1,0 +1,60 @@
+#include <rehearse/campaign.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace rehearse {
+namespace {
+
+/// Ranks from 1 on; equal values have the mean of their ranks.
+std::vector<double> ranks_of(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<double> ranks(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t i = begin; i < end; ++i) ranks[order[i]] = 0.5 * static_cast<double>(begin + end + 1);
+  }
+  return ranks;
+}
+
+}  // namespace
+
+Interval wilson_interval(std::int64_t passed, std::int64_t all) {
+  if (all == 0) return {};
+  constexpr double z = 1.959963984540054;  // the normal quantile of 0.975
+  const double n = static_cast<double>(all), share = static_cast<double>(passed) / n;
+  const double middle = share + z * z / (2.0 * n);
+  const double reach = z * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
+  const double scale = 1.0 / (1.0 + z * z / n);
+  return {passed == 0 ? 0.0 : (middle - reach) * scale, passed == all ? 1.0 : (middle + reach) * scale};
+}
+
+double mcnemar_exact(std::int64_t one_way, std::int64_t other_way) {
+  const std::int64_t n = one_way + other_way, fewer = std::min(one_way, other_way);
+  const double size = static_cast<double>(n);
+  double sum = 0.0;
+  for (std::int64_t k = 0; k <= fewer; ++k) {
+    const double some = static_cast<double>(k);
+    sum += std::exp(std::lgamma(size + 1.0) - std::lgamma(some + 1.0) - std::lgamma(size - some + 1.0) -
+                    size * std::log(2.0));
+  }
+  return std::min(1.0, 2.0 * sum);
+}
+
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  REHEARSE_ASSERT(a.size() == b.size(), "ranks of pairs");
+  const std::vector<double> x = ranks_of(a), y = ranks_of(b);
+  const double mean = 0.5 * static_cast<double>(a.size() + 1);
+  double xy = 0.0, xx = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xy += (x[i] - mean) * (y[i] - mean);
+    xx += (x[i] - mean) * (x[i] - mean);
+    yy += (y[i] - mean) * (y[i] - mean);
+  }
+  return xy / std::sqrt(xx * yy);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,70 @@
+// WorkerPool: processes that do many jobs each. Internal.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+/// The workers are forks of this process, made when a job needs them. They end with this process, even if it is killed.
+/// Their output is discarded.
+class WorkerPool {
+ public:
+  /// Makes a job, in a worker, and returns its answer. `folder`: of this worker alone.
+  using Work = std::function<std::string(std::int64_t job, const std::filesystem::path& folder)>;
+
+  /// The end of a job.
+  struct Answer {
+    std::int64_t job = 0;
+    std::filesystem::path folder;     // of its worker, who leaves it alone until the next job
+    std::optional<std::string> text;  // none: the worker ended
+    bool late = false;                // it was killed because the job took too long
+    std::string end;                  // how the worker ended: "by SIGKILL", "with exit status 1"
+  };
+
+  /// `limit`: wall time of a job [s].
+  WorkerPool(std::size_t size, double limit, std::filesystem::path folder, Work work);
+  /// Kills the workers.
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  bool is_idle() const;   // no worker has a job
+  bool has_room() const;  // a worker has none
+  /// Gives the job to a worker without one. Fails if no process can be started.
+  Result<void> give(std::int64_t job);
+  /// The next answer; none: there was none for some tenths of a second.
+  std::optional<Answer> wait();
+  /// The next job of the worker in that folder is made by a new process.
+  void renew(const std::filesystem::path& folder);
+  /// So for all workers, of which none may have a job.
+  void renew_all();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Worker {
+    pid_t process = 0;  // 0: none
+    int socket = -1;
+    std::filesystem::path folder;
+    std::optional<std::int64_t> job;
+    Clock::time_point since{};
+  };
+  Result<void> start(Worker& worker);
+  [[noreturn]] void serve(int socket, const std::filesystem::path& folder) const;
+  static std::string stop(Worker& worker, bool is_ending);
+  Answer end_of(Worker& worker, bool late);
+
+  const std::chrono::duration<double> limit_;
+  const Work work_;
+  std::vector<Worker> workers_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,421 @@
+// `vary:` of a scenario: the parameters that a campaign varies, and the text with other values in their places.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+#include "model/names.h"
+#include "scenario_parts.h"
+#include "scenario_values.h"
+#include "scenario_variations.h"
+
+namespace rehearse {
+namespace {
+
+constexpr Range any_number{-1e12, 1e12};
+constexpr std::string_view plain_letters = "_./+-";
+
+bool is_word_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// A step of a path: a key of a map, a name in a list, or an index.
+struct Step {
+  std::string name;  // empty: an index
+  std::size_t index = 0;
+  std::size_t end = 0;  // of the step in the path [bytes]
+};
+
+/// The steps of "bodies.Box.position[0]"; none: it isn't such a path.
+std::optional<std::vector<Step>> steps_of(std::string_view path) {
+  std::vector<Step> steps;
+  for (std::size_t at = 0; at < path.size();) {
+    Step step;
+    if (path[at] == '[') {
+      const char* const end = path.data() + path.size();
+      const auto [stop, status] = std::from_chars(path.data() + at + 1, end, step.index);
+      if (status != std::errc() || stop == end || *stop != ']') return std::nullopt;
+      at = static_cast<std::size_t>(stop - path.data()) + 1;
+    } else {
+      if ((path[at] == '.') == steps.empty()) return std::nullopt;
+      if (!steps.empty()) ++at;
+      const std::size_t stop = std::min(path.find_first_of(".[", at), path.size());
+      step.name = path.substr(at, stop - at);
+      if (step.name.empty()) return std::nullopt;
+      at = stop;
+    }
+    step.end = at;
+    steps.push_back(std::move(step));
+  }
+  return steps.empty() ? std::nullopt : std::optional(std::move(steps));
+}
+
+/// The name by which an element of a list is addressed; empty: by its index alone.
+std::string name_of(const YamlNode& element) {
+  for (const char* key : {"name", "library"})
+    if (const YamlNode* name = element.kind == YamlNode::Kind::map ? find_key(element, key) : nullptr)
+      return name->text;
+  return {};
+}
+
+/// The node below `node`; null: there is none, and `names` has those that are there.
+const YamlNode* node_below(const YamlNode& node, const Step& step, std::vector<std::string>& names) {
+  names.clear();
+  if (step.name.empty())
+    return node.kind == YamlNode::Kind::list && step.index < node.items.size() ? node.items[step.index].get() : nullptr;
+  if (node.kind == YamlNode::Kind::map) {
+    for (const YamlNodePtr& key : node.keys) names.push_back(key->text);
+    return find_key(node, step.name);
+  }
+  if (node.kind != YamlNode::Kind::list) return nullptr;
+  for (const YamlNodePtr& item : node.items) {
+    names.push_back(name_of(*item));
+    if (names.back() == step.name) return item.get();
+  }
+  std::erase(names, "");
+  return nullptr;
+}
+
+/// Bytes of the scenario's text.
+struct TextSpan {
+  std::size_t begin = 0, end = 0;
+};
+
+/// The place of a scalar in the text, without its quotes; none: it is written in another way than in one line.
+std::optional<TextSpan> span_of(const YamlNode& node, std::string_view text) {
+  std::size_t at = 0;
+  for (int line = 1; line < node.line; ++line) {
+    at = text.find('\n', at);
+    if (at == std::string_view::npos) return std::nullopt;
+    ++at;
+  }
+  at += static_cast<std::size_t>(node.column) - 1;
+  if (at < text.size() && (text[at] == '"' || text[at] == '\'')) ++at;
+  if (text.substr(std::min(at, text.size()), node.text.size()) != node.text) return std::nullopt;
+  return TextSpan{at, at + node.text.size()};
+}
+
+/// The place of the value of `key` in an option string: after "key:" or "key=", up to a blank, a comma or a brace.
+std::optional<TextSpan> option_in(std::string_view options, std::string_view key) {
+  for (std::size_t at = options.find(key); at != std::string_view::npos; at = options.find(key, at + 1)) {
+    std::size_t value = at + key.size();
+    if (at > 0 && is_word_letter(options[at - 1])) continue;
+    value = std::min(options.find_first_not_of(' ', value), options.size());
+    if (value == options.size() || (options[value] != ':' && options[value] != '=')) continue;
+    value = std::min(options.find_first_not_of(' ', value + 1), options.size());
+    const std::size_t end = std::min(options.find_first_of(" ,;}]", value), options.size());
+    if (end > value) return TextSpan{value, end};
+  }
+  return std::nullopt;
+}
+
+class VariationReader {
+ public:
+  VariationReader(Findings& findings, const YamlNode& root, const Scenario& scenario)
+      : findings_(findings), root_(root), scenario_(scenario) {}
+
+  std::optional<Variation> read(const NamedEntry& entry);
+  /// Finds the nominal value in the scenario's text.
+  bool find_place(const YamlNode& path, Variation& variation);
+
+ private:
+  void read_bounds(const Keys& keys, Variation& variation, Distribution distribution);
+  void read_normal(const YamlNode& node, Variation& variation);
+  void read_values(const YamlNode& node, const char* label, Variation& variation);
+  void read_steps(const YamlNode& node, Variation& variation);
+  bool read_distribution(const YamlNode& node, const Keys& keys, Variation& variation);
+  bool take_number(const YamlNode& path, Variation& variation);
+
+  Findings& findings_;
+  const YamlNode& root_;
+  const Scenario& scenario_;
+};
+
+constexpr std::string_view distribution_keys[] = {"uniform", "log_uniform", "normal", "choice",
+                                                  "grid",    "file",        "linked"};
+
+void VariationReader::read_bounds(const Keys& keys, Variation& variation, Distribution distribution) {
+  const bool logarithmic = distribution == Distribution::log_uniform;
+  const char* const label = logarithmic ? "log_uniform" : "uniform";
+  const YamlNode& node = *keys.find(label);
+  const Range range = logarithmic ? Range{0.0, any_number.high, "", true} : any_number;
+  variation.distribution = distribution;
+  const auto bounds = read_numbers(findings_, node, label, 2, 2, range);
+  if (!bounds) return;
+  variation.low = (*bounds)[0];
+  variation.high = (*bounds)[1];
+  if (variation.low >= variation.high)
+    findings_.error(node, fmt::format("{} ends at {}, where it begins or before", label, variation.high),
+                    "expected [LOW, HIGH]");
+}
+
+void VariationReader::read_normal(const YamlNode& node, Variation& variation) {
+  variation.distribution = Distribution::normal;
+  const Keys keys(findings_, node, "normal", {"mean", "stddev", "from", "to"});
+  if (!keys.is_map()) return;
+  keys.require("mean", "the mean before truncation");
+  keys.require("stddev", "the standard deviation before truncation");
+  keys.require("from", "the least value: physics has no infinite numbers");
+  keys.require("to", "the largest value: physics has no infinite numbers");
+  keys.number("mean", any_number, variation.mean);
+  keys.number("stddev", {0.0, any_number.high, "", true}, variation.stddev);
+  keys.number("from", any_number, variation.low);
+  keys.number("to", any_number, variation.high);
+  constexpr double farthest = 8.0;  // beyond it the normal distribution's tail has less than 1e-15
+  const bool is_empty = variation.low >= variation.high ||
+                        variation.low > variation.mean + farthest * variation.stddev ||
+                        variation.high < variation.mean - farthest * variation.stddev;
+  if (is_empty && keys.find("from") && keys.find("to"))
+    findings_.error(node,
+                    fmt::format("normal has nothing from {} to {}: its mean is {}, its deviation {}", variation.low,
+                                variation.high, variation.mean, variation.stddev),
+                    "expected from below to, within 8 deviations of the mean");
+}
+
+/// Equal steps from a number to another, both included.
+void VariationReader::read_steps(const YamlNode& node, Variation& variation) {
+  const Keys keys(findings_, node, "a grid", {"from", "to", "steps"});
+  double from = 0.0, to = 0.0;
+  int steps = 0;
+  for (const char* key : {"from", "to", "steps"}) keys.require(key, "a number");
+  keys.number("from", any_number, from);
+  keys.number("to", any_number, to);
+  keys.integer("steps", 2, 1'000'000, steps);
+  for (int i = 0; i < steps; ++i)
+    variation.values.push_back(fmt::format("{}", i + 1 == steps ? to : from + (to - from) * i / (steps - 1)));
+}
+
+void VariationReader::read_values(const YamlNode& node, const char* label, Variation& variation) {
+  const auto* list = read_list(findings_, node, label, "a list of values");
+  if (!list) return;
+  if (list->empty()) findings_.error(node, fmt::format("{} has no values", label), "expected at least one");
+  for (const YamlNodePtr& item : *list)
+    if (const auto text = read_text(findings_, *item, fmt::format("a value of {}", label)))
+      variation.values.push_back(*text);
+}
+
+/// False if the distribution isn't stated, or twice.
+bool VariationReader::read_distribution(const YamlNode& node, const Keys& keys, Variation& variation) {
+  const auto count = std::count_if(std::begin(distribution_keys), std::end(distribution_keys),
+                                   [&](std::string_view key) { return keys.find(key) != nullptr; });
+  if (count != 1) {
+    findings_.error(node, fmt::format("'{}' has {} distributions", variation.name, count),
+                    "expected one of uniform, log_uniform, normal, choice, grid, file, linked");
+    return false;
+  }
+  if (keys.find("uniform")) read_bounds(keys, variation, Distribution::uniform);
+  if (keys.find("log_uniform")) read_bounds(keys, variation, Distribution::log_uniform);
+  if (const YamlNode* normal = keys.find("normal")) read_normal(*normal, variation);
+  if (const YamlNode* choice = keys.find("choice")) {
+    variation.distribution = Distribution::choice;
+    read_values(*choice, "choice", variation);
+  }
+  if (const YamlNode* grid = keys.find("grid")) {
+    variation.distribution = Distribution::grid;
+    grid->kind == YamlNode::Kind::map ? read_steps(*grid, variation) : read_values(*grid, "grid", variation);
+  }
+  if (keys.find("file")) {
+    variation.distribution = Distribution::from_file;
+    keys.text("file", variation.file);
+    variation.column = variation.name;
+    keys.text("column", variation.column);
+  } else if (const YamlNode* column = keys.find("column")) {
+    findings_.error(*column, "column is given without file", "it names a column of a CSV file");
+  }
+  if (keys.find("linked")) {
+    variation.distribution = Distribution::linked;
+    keys.text("linked", variation.expression);
+  }
+  keys.flag("integer", variation.integer);
+  return true;
+}
+
+bool VariationReader::find_place(const YamlNode& path, Variation& variation) {
+  const auto steps = steps_of(variation.path);
+  if (!steps) {
+    expected(findings_, path, "path", "a path as bodies.Box.mass, bodies.Box.position[0] or pushes[0].force[1]");
+    return false;
+  }
+  const YamlNode* node = &root_;
+  const std::string_view text = scenario_.text;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < steps->size(); ++i) {
+    const Step& step = (*steps)[i];
+    const std::string_view before = std::string_view(variation.path).substr(0, i == 0 ? 0 : (*steps)[i - 1].end);
+    const bool is_option = node->kind == YamlNode::Kind::scalar && !step.name.empty() && i + 1 == steps->size();
+    const auto scalar = is_option ? span_of(*node, text) : std::nullopt;
+    if (const auto option = scalar ? option_in(node->text, step.name) : std::nullopt) {
+      variation.begin = scalar->begin + option->begin;
+      variation.end = scalar->begin + option->end;
+      variation.in_text = true;
+      return true;
+    }
+    const YamlNode* next = node_below(*node, step, names);
+    if (!next) {
+      const std::string what = step.name.empty() ? fmt::format("[{}]", step.index) : fmt::format("'{}'", step.name);
+      const std::string hint = step.name.empty() || names.empty() ? "" : name_hint(step.name, names, "names") + "; ";
+      findings_.error(
+          path,
+          fmt::format("the scenario states no {} in {}", what, before.empty() ? "it" : fmt::format("'{}'", before)),
+          hint + "a value that varies needs its nominal value there");
+      return false;
+    }
+    node = next;
+  }
+  const auto span = node->kind == YamlNode::Kind::scalar ? span_of(*node, text) : std::nullopt;
+  if (!span) {
+    findings_.error(
+        path,
+        fmt::format("'{}' is {}", variation.path,
+                    node->kind == YamlNode::Kind::scalar ? "written with an anchor, a tag or in several lines"
+                                                         : describe(*node)),
+        "expected the path of one number or word, written in one line");
+    return false;
+  }
+  variation.begin = span->begin;
+  variation.end = span->end;
+  variation.in_text = node->quoted;
+  return true;
+}
+
+/// Of a number with a unit the number alone is varied.
+bool VariationReader::take_number(const YamlNode& path, Variation& variation) {
+  std::string_view unit;
+  const bool is_number = leading_number(variation.nominal, unit).has_value();
+  const auto all_numbers = [&] {
+    return std::all_of(variation.values.begin(), variation.values.end(), [](const std::string& value) {
+      std::string_view rest;
+      return leading_number(value, rest) && rest.empty();
+    });
+  };
+  const bool of_values = variation.distribution == Distribution::choice || variation.distribution == Distribution::grid;
+  if (of_values && (!is_number || !all_numbers())) return true;
+  if (variation.distribution == Distribution::from_file && !is_number) return true;
+  if (!is_number || (!unit.empty() && unit != " deg" && unit != " rad" && unit != "deg" && unit != "rad")) {
+    findings_.error(path, fmt::format("'{}' is '{}', not a number", variation.path, shortened(variation.nominal)),
+                    "words and files vary by choice, grid or file");
+    return false;
+  }
+  variation.end -= unit.size();
+  variation.nominal.resize(variation.nominal.size() - unit.size());
+  return true;
+}
+
+std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
+  Variation variation;
+  variation.name = entry.name;
+  variation.place = {scenario_.file, entry.key->line, entry.key->column};
+  constexpr std::string_view reserved[] = {"tick", "time", "differs", "case", "verdict", "again"};
+  const bool is_word = std::all_of(variation.name.begin(), variation.name.end(), is_word_letter) &&
+                       std::isalpha(static_cast<unsigned char>(variation.name[0])) != 0;
+  if (variation.name.empty() || !is_word ||
+      std::find(std::begin(reserved), std::end(reserved), variation.name) != std::end(reserved)) {
+    findings_.error(*entry.key, fmt::format("a parameter is named '{}'", shortened(variation.name)),
+                    "expected a word of letters, digits and '_', none of tick, time, differs, case, verdict, again");
+    return std::nullopt;
+  }
+  const Keys keys(
+      findings_, *entry.value, "a parameter",
+      {"path", "uniform", "log_uniform", "normal", "choice", "grid", "file", "column", "linked", "integer"});
+  if (!keys.is_map()) return std::nullopt;
+  const YamlNode* path = keys.require("path", "the place of its value, as bodies.Box.mass");
+  if (!path || !read_distribution(*entry.value, keys, variation)) return std::nullopt;
+  keys.text("path", variation.path);
+  if (!find_place(*path, variation)) return std::nullopt;
+  variation.nominal = scenario_.text.substr(variation.begin, variation.end - variation.begin);
+  if (!take_number(*path, variation)) return std::nullopt;
+  return variation;
+}
+
+/// The text for a value that isn't in quotes or in an option string.
+std::string yaml_scalar(const std::string& value) {
+  const bool is_plain = !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
+    return is_word_letter(c) || plain_letters.find(c) != std::string_view::npos;
+  });
+  return is_plain ? value : '"' + value + '"';
+}
+
+}  // namespace
+
+void read_variations(Findings& findings, const YamlNode& node, const YamlNode& root, Scenario& scenario) {
+  if (node.kind != YamlNode::Kind::map) return expected(findings, node, "vary", "a map of NAME: {path: ..., ...}");
+  VariationReader reader(findings, root, scenario);
+  for (const NamedEntry& entry : read_entries(findings, node)) {
+    auto variation = reader.read(entry);
+    if (!variation) continue;
+    for (const Variation& other : scenario.variations)
+      if (variation->begin < other.end && other.begin < variation->end)
+        findings.error(*entry.key, fmt::format("'{}' and '{}' vary the same value", other.name, variation->name),
+                       "leave one of them out");
+    scenario.variations.push_back(*std::move(variation));
+  }
+}
+
+namespace {
+
+/// Puts a value into the place of a variation in the text.
+Result<void> put_value(const Variation& variation, const std::string& value, std::string& text) {
+  const bool can_be_written = std::none_of(value.begin(), value.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\'' || c == '\\';
+  });
+  if (!can_be_written)
+    return at(variation.place,
+              error(fmt::format("'{}' has a value with quotes, backslashes or control characters", variation.name)));
+  std::string_view rest;
+  const bool is_number = leading_number(value, rest) && rest.empty();
+  text.replace(variation.begin, variation.end - variation.begin,
+               is_number || variation.in_text ? value : yaml_scalar(value));
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> Scenario::varied_text(const std::vector<std::string>& values) const {
+  REHEARSE_ASSERT(values.size() == variations.size(), "a value for each variation");
+  std::vector<std::size_t> order(variations.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return variations[a].begin > variations[b].begin; });
+  std::string varied = text;
+  for (const std::size_t i : order) {  // from the end on, so that the other places stay
+    if (values[i].empty() || values[i] == variations[i].nominal) continue;
+    if (auto put = put_value(variations[i], values[i], varied); !put) return put.errors();
+  }
+  return varied;
+}
+
+Result<std::string> text_with(const std::string& text, const std::string& file, const std::string& path,
+                              const std::string& value) {
+  const auto root = parse_yaml(text, file);
+  if (!root) return root.errors();
+  Findings findings(file);
+  Scenario scenario;
+  scenario.file = file;
+  scenario.text = text;
+  Variation place;
+  place.name = place.path = path;
+  if (!VariationReader(findings, **root, scenario).find_place(**root, place)) return findings.errors();
+  std::string changed = text;
+  if (auto put = put_value(place, value, changed); !put) return put.errors();
+  return changed;
+}
+
+Result<std::string> text_without(const std::string& text, const std::string& file, const std::string& key) {
+  const auto root = parse_yaml(text, file);
+  if (!root) return root.errors();
+  const auto begin_of = [&](int line) {
+    std::size_t at = 0;
+    for (int i = 1; i < line && at != std::string::npos; ++i) at = text.find('\n', at) + 1;
+    return at;
+  };
+  for (std::size_t i = 0; i < (*root)->keys.size(); ++i) {
+    if ((*root)->keys[i]->text != key) continue;
+    const std::size_t begin = begin_of((*root)->keys[i]->line);
+    const bool is_last = i + 1 == (*root)->keys.size();
+    return text.substr(0, begin) + (is_last ? "" : text.substr(begin_of((*root)->keys[i + 1]->line)));
+  }
+  return text;
+}
+
+}  // namespace rehearse

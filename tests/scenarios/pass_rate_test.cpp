@@ -1,0 +1,83 @@
+// rehearse::sweep and EXPECT_PASS_RATE.
+#include <gmock/gmock.h>
+#include <gtest/gtest-spi.h>
+#include <rehearse/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class PassRate : public ::testing::Test {
+ protected:
+  PassRate() {
+    fs::create_directories(folder_);
+    rehearse::set_test_folders({folder_.string(), "", (folder_ / "output").string(), ""});
+  }
+  ~PassRate() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  /// A box falls 20 ms from a height of 0.2 m to 1 m: it must be above that limit.
+  std::string box(double limit) const {
+    std::ofstream(folder_ / "box.yaml") << R"(rehearse: 1
+duration: 0.02
+bodies:
+  - {name: Box, box: {size: [0.1, 0.1, 0.1]}, mass: 1, position: [0, 0, 0.7]}
+expect:
+  - {channel: Box/Box/position/z, above: )"
+                                        << limit << R"(}
+vary:
+  height: {path: "bodies.Box.position[2]", uniform: [0.2, 1]}
+)";
+    return "box.yaml";
+  }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / ("rehearse_pass_rate_" + std::to_string(getpid()));
+};
+
+TEST_F(PassRate, IsThatOfTheCases) {
+  const rehearse::SweepResult result = rehearse::sweep(box(0.25), {60, 1});
+  EXPECT_EQ(result.cases, 60);
+  EXPECT_GT(result.passed, 45);
+  EXPECT_LT(result.passed, 60);
+  EXPECT_LT(result.low, static_cast<double>(result.passed) / 60.0);
+  EXPECT_GT(result.high, static_cast<double>(result.passed) / 60.0);
+  EXPECT_PASS_RATE(result, 0.9);
+  EXPECT_TRUE(fs::exists(fs::path(result.folder) / "report.html"));
+  EXPECT_EQ(fs::path(result.folder).filename(), "PassRate.IsThatOfTheCases");
+}
+
+TEST_F(PassRate, FailsByItsUpperBoundAndNamesTheCases) {
+  const rehearse::SweepResult result = rehearse::sweep(box(0.6), {60, 1});
+  const auto judged = rehearse::internal::HasPassRate("", "", result, 0.99);
+  EXPECT_FALSE(judged);
+  EXPECT_THAT(judged.message(), HasSubstr("of 60 cases pass"));
+  EXPECT_THAT(judged.message(), HasSubstr("is below 99 %"));
+  EXPECT_THAT(judged.message(), HasSubstr("violated: expected Box/Box/position/z above 0.6 m: "));
+  EXPECT_THAT(judged.message(), HasSubstr("rehearse sweep shrink "));
+  EXPECT_THAT(judged.message(), HasSubstr("report.html"));
+  EXPECT_NONFATAL_FAILURE(EXPECT_PASS_RATE(result, 0.99), "is below 99 %");
+}
+
+TEST_F(PassRate, IsTheSameAfterARunInThisProcess) {
+  const rehearse::SweepResult before = rehearse::sweep(box(0.5), {20, 1});
+  const rehearse::Trace trace = rehearse::record(box(0.5));
+  EXPECT_GT(trace.ticks(), 0);
+  const rehearse::SweepResult after = rehearse::sweep(box(0.5), {20, 1, 1});
+  EXPECT_EQ(before.verdict, after.verdict);
+}
+
+TEST_F(PassRate, OfAScenarioWithoutVariationsIsAnError) {
+  std::ofstream(folder_ / "still.yaml")
+      << "rehearse: 1\nduration: 0.02\nbodies:\n  - {name: B, box: {size: [1, 1, 1]}, "
+         "mass: 1}\n";
+  EXPECT_THROW(rehearse::sweep("still.yaml"), std::runtime_error);
+}
+
+}  // namespace

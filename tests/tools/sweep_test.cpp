@@ -1,0 +1,352 @@
+// rehearse sweep: campaigns from the command line, killed and resumed, and the mistakes that users make.
+#include "command.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <set>
+#include <thread>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int bad_input = 2;
+
+class Sweep : public Command {
+ protected:
+  /// A box that falls 20 ms; the lower ones reach the floor.
+  fs::path box(const std::string& more = "", const std::string& name = "box.yaml") const {
+    return write(name, R"(rehearse: 1
+duration: 0.02
+bodies:
+  - name: Floor
+    box: {size: [2, 2, 0.2]}
+    fixed: true
+    position: [0, 0, -0.1]
+  - name: Box
+    box: {size: [0.2, 0.2, 0.2]}
+    mass: 2    # [kg]
+    position: [0, 0, 0.5]
+expect:
+  - {channel: Box/Box/position/z, above: 0.3}
+vary:
+  height: {path: "bodies.Box.position[2]", uniform: [0.25, 0.6]}
+  mass: {path: bodies.Box.mass, log_uniform: [0.5, 8]}
+)" + more);
+  }
+  /// The pendulum under a controller that misbehaves by `deeds`.
+  fs::path deeds(const std::string& deeds) const {
+    std::string text = read_file(pendulum(MISBEHAVING, "none"));
+    return write("deeds.yaml",
+                 text + "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [" + deeds + "]}\n");
+  }
+  std::map<std::string, std::string> verdicts(const std::string& campaign) const {
+    std::map<std::string, std::string> by_first_value;
+    std::istringstream stream(read_file(folder() / campaign / "results.csv"));
+    std::string line;
+    std::getline(stream, line);
+    while (std::getline(stream, line)) {
+      std::istringstream cells(line);
+      std::string number, value, verdict;
+      std::getline(cells, number, ',');
+      std::getline(cells, value, ',');
+      std::getline(cells, verdict, ',');
+      by_first_value[value] = verdict;
+    }
+    return by_first_value;
+  }
+  std::string results(const std::string& campaign) const { return read_file(folder() / campaign / "results.csv"); }
+  /// How often each case has a result line that isn't a second run.
+  std::map<int, int> counts(const std::string& campaign) const {
+    std::map<int, int> counts;
+    std::istringstream stream(read_file(folder() / campaign / "results.jsonl"));
+    for (std::string line; std::getline(stream, line);) {
+      const auto object = nlohmann::json::parse(line, nullptr, false);
+      if (!object.is_discarded() && !object.value("again", false)) ++counts[object["case"].get<int>()];
+    }
+    return counts;
+  }
+};
+
+TEST_F(Sweep, RunsJudgesAndReports) {
+  box();
+  const Outcome swept = rehearse({"sweep", "box.yaml", "--cases", "60", "--seed", "3", "-o", "run", "--json"});
+  EXPECT_EQ(swept.status, 1) << swept.err;
+  const auto summary = swept.json();
+  EXPECT_EQ(summary["cases"], 60);
+  EXPECT_EQ(summary["missing"], 0);
+  EXPECT_GE(summary["repeated"], 1);
+  EXPECT_EQ(summary["unrepeated"].size(), 0u);
+  EXPECT_EQ(summary["verdicts"]["passed"].get<int>() + summary["verdicts"]["violated"].get<int>(), 60);
+  const auto report = nlohmann::json::parse(read_file(folder() / "run/report.json"));
+  ASSERT_EQ(report["failures"].size(), 1u);
+  EXPECT_EQ(report["failures"][0]["reason"], "Box/Box/position/z above 0.3 m");
+  EXPECT_EQ(report["parameters"][0]["name"], "height");
+  EXPECT_NEAR(report["parameters"][0]["correlation_with_margin"]["correlation"].get<double>(), 1.0, 1e-9)
+      << "the margin is the height, less what it falls";
+  EXPECT_LT(std::abs(report["parameters"][1]["correlation_with_margin"]["correlation"].get<double>()), 0.5);
+  for (const char* file : {"run/report.html", "run/report.md", "run/results.csv", "run/plan.csv"})
+    EXPECT_GT(fs::file_size(folder() / file), 100u) << file;
+  EXPECT_THAT(read_file(folder() / "run/plan.csv"), HasSubstr("case,height,mass,again\n0,"));
+  int traces = 0;
+  for (const auto& entry : fs::directory_iterator(folder() / "run/traces")) traces += entry.is_regular_file() ? 1 : 0;
+  EXPECT_EQ(traces, 3) << "of the first failures";
+  EXPECT_FALSE(exists("run/running"));
+}
+
+TEST_F(Sweep, GivesTheSameResultsWithAnyWorkersInAnyOrder) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "one", "-j", "1"});
+  rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "two", "-j", "2"});
+  EXPECT_EQ(results("one"), results("two"));
+  // slices, as tasks of a cluster; the last before the first
+  done({"sweep", "box.yaml", "--cases", "40", "-o", "slices", "--plan"});
+  EXPECT_THAT(done({"sweep", "status", "slices"}).out, HasSubstr("none of 40 cases has a result"));
+  for (const char* slice : {"3/3", "1/3", "2/3"}) done({"sweep", "work", "slices", "--slice", slice});
+  rehearse({"sweep", "report", "slices"});
+  EXPECT_EQ(results("one"), results("slices"));
+  for (const auto& file : {"one", "two", "slices"}) {
+    std::set<std::string> kept;
+    for (const auto& entry : fs::directory_iterator(folder() / file / "traces"))
+      kept.insert(entry.path().filename().string());
+    EXPECT_FALSE(kept.empty()) << file;
+  }
+}
+
+TEST_F(Sweep, HasAColumnForEachWayToFail) {
+  deeds("none, refuse, throw 5, crash 5, hang 5, exit 5, close 5, kill 5");
+  const Outcome swept =
+      rehearse({"sweep", "deeds.yaml", "-o", "run", "--call-limit", "0.3", "--case-limit", "20", "--json"});
+  EXPECT_EQ(swept.status, 1) << swept.err;
+  const auto verdict = verdicts("run");
+  EXPECT_EQ(verdict.at("none"), "passed");
+  EXPECT_EQ(verdict.at("refuse"), "failed");
+  EXPECT_EQ(verdict.at("throw 5"), "failed");
+  EXPECT_EQ(verdict.at("exit 5"), "failed");
+  EXPECT_EQ(verdict.at("crash 5"), "crashed");
+  EXPECT_EQ(verdict.at("hang 5"), "hung");
+  EXPECT_EQ(verdict.at("kill 5"), "crashed") << "its process is gone";
+  EXPECT_EQ(verdict.at("close 5"), "passed") << "it can't close the socket of its worker";
+}
+
+TEST_F(Sweep, FailsIfACaseGivesOtherBitsInAnotherProcess) {
+  deeds("chance 5, none");
+  const Outcome swept = rehearse({"sweep", "deeds.yaml", "-o", "run", "--json"});
+  EXPECT_EQ(swept.status, 1);
+  EXPECT_EQ(swept.json()["unrepeated"], nlohmann::json::array({0})) << "the first case always runs twice";
+  EXPECT_THAT(swept.err, HasSubstr("case 0 gave different bits in another process"));
+  EXPECT_THAT(swept.err, HasSubstr("rehearse audit"));
+}
+
+TEST_F(Sweep, CountsACaseThatTakesTooLongAsHung) {
+  deeds("none, slow 1");  // each call takes 0.2 s
+  rehearse({"sweep", "deeds.yaml", "-o", "run", "--case-limit", "1", "-j", "2"});
+  EXPECT_EQ(verdicts("run").at("slow 1"), "hung");
+  EXPECT_EQ(verdicts("run").at("none"), "passed");
+}
+
+TEST_F(Sweep, LosesAndDoublesNoCaseWhenItIsKilled) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "600", "-o", "whole", "-j", "2"});
+  const std::string campaign = (folder() / "killed").string();
+  const auto start = [&](const std::vector<std::string>& words) {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (chdir(folder().c_str()) != 0) _exit(1);
+      const int nothing = open("/dev/null", O_RDWR);
+      dup2(nothing, STDOUT_FILENO);
+      dup2(nothing, STDERR_FILENO);
+      std::vector<char*> arguments;
+      for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+      arguments.push_back(nullptr);
+      execv(command.c_str(), arguments.data());
+      _exit(1);
+    }
+    return child;
+  };
+  const auto lines = [&] {
+    const std::string text = read_file(campaign + "/results.jsonl");
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  long wanted = 100;
+  std::vector<std::string> words{command.string(), "sweep", "box.yaml", "--cases", "600", "-o", campaign, "-j", "2"};
+  for (int kill_number = 0; kill_number < 3; ++kill_number, wanted += 120) {
+    const pid_t child = start(words);
+    for (int i = 0; i < 3000 && lines() < wanted; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ASSERT_GE(lines(), wanted);
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "it was still at work";
+    words = {command.string(), "sweep", "resume", campaign, "-j", "2"};
+  }
+  // the power failed in the middle of a line
+  std::ofstream(campaign + "/results.jsonl", std::ios::app) << R"({"case":599,"verdict":"pas)";
+  const Outcome resumed = rehearse({"sweep", "resume", "killed"});
+  EXPECT_EQ(resumed.status, 1) << resumed.err;
+  EXPECT_EQ(results("killed"), results("whole"));
+  const auto found = counts("killed");
+  EXPECT_EQ(found.size(), 600u);
+  for (const auto& [number, count] : found) EXPECT_EQ(count, 1) << number;
+}
+
+TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "300", "-o", "whole"});
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder().c_str()) != 0) _exit(9);
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{40000, 40000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const int log = open("log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    dup2(log, STDOUT_FILENO);
+    dup2(log, STDERR_FILENO);
+    execl(command.c_str(), "rehearse", "sweep", "box.yaml", "--cases", "300", "-o", "full", nullptr);
+    _exit(9);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), bad_input);
+  EXPECT_THAT(read_file(folder() / "log"), HasSubstr("can't be written: File too large"));
+  EXPECT_THAT(read_file(folder() / "log"), HasSubstr("sweep resume"));
+  rehearse({"sweep", "resume", "full"});
+  EXPECT_EQ(results("full"), results("whole"));
+}
+
+TEST_F(Sweep, MakesACaseAgainBitForBit) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run"});
+  const auto again = rehearse({"sweep", "case", "7", "run", "-o", "seven.mcap", "--json"}).json();
+  EXPECT_EQ(again["same"], true);
+  EXPECT_TRUE(exists("seven.mcap"));
+  const Outcome replayed = rehearse({"info", "seven.mcap"});
+  EXPECT_EQ(replayed.status, 0) << replayed.err;
+  EXPECT_THAT(rehearse({"sweep", "case", "7", "run", "-o", "seven.mcap"}).out,
+              HasSubstr("the same bits as in the campaign"));
+}
+
+TEST_F(Sweep, ComparesTwoCampaignsCaseByCase) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "50", "-o", "before"});
+  std::string text = read_file(folder() / "box.yaml");
+  text.replace(text.find("above: 0.3"), 10, "above: 0.4");
+  write("stricter.yaml", text);
+  rehearse({"sweep", "stricter.yaml", "--cases", "50", "-o", "after"});
+  const Outcome compared = rehearse({"sweep", "report", "after", "--against", "before"});
+  EXPECT_EQ(compared.status, 1) << compared.err;
+  const auto change = nlohmann::json::parse(read_file(folder() / "after/report.json"))["against"];
+  EXPECT_EQ(change["compared"], 50);
+  EXPECT_EQ(change["same_bits"], 50);
+  EXPECT_EQ(change["mended"], 0);
+  EXPECT_GT(change["broken"].get<int>(), 5);
+  EXPECT_LT(change["p"].get<double>(), 0.05);
+  rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "smaller"});
+  EXPECT_THAT(rehearse({"sweep", "report", "after", "--against", "smaller"}).err, HasSubstr("plan isn't that of"));
+}
+
+TEST_F(Sweep, ShrinksAFailingCaseToAScenario) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "30", "-o", "run"});
+  const auto report = nlohmann::json::parse(read_file(folder() / "run/report.json"));
+  const std::string number = std::to_string(report["failures"][0]["cases"][0].get<int>());
+  const auto shrunk = rehearse({"sweep", "shrink", number, "run", "-o", "small.yaml", "--json"}).json();
+  ASSERT_EQ(shrunk["differs"].size(), 1u) << shrunk.dump();
+  EXPECT_NEAR(std::stod(shrunk["differs"]["height"].get<std::string>()), 0.3, 0.01) << "bisected";
+  const std::string text = read_file(folder() / "small.yaml");
+  EXPECT_THAT(text, HasSubstr("#   height: "));
+  EXPECT_THAT(text, HasSubstr("mass: 2    # [kg]")) << "as written";
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("vary:")));
+  const Outcome checked = rehearse({"check", "small.yaml"});
+  EXPECT_EQ(checked.status, 1);
+  EXPECT_THAT(checked.out + checked.err, HasSubstr("expected Box/Box/position/z above 0.3 m"));
+  const std::string passing = std::to_string([&] {
+    for (int i = 0;; ++i)
+      if (rehearse({"sweep", "case", std::to_string(i), "run", "-o", "x.mcap", "--json"}).json()["verdict"] == "passed")
+        return i;
+  }());
+  EXPECT_THAT(rehearse({"sweep", "shrink", passing, "run"}).err, HasSubstr("case " + passing + " passes"));
+}
+
+TEST_F(Sweep, CutsTheDurationOfAFailure) {
+  deeds("none, throw 5");
+  rehearse({"sweep", "deeds.yaml", "-o", "run"});
+  const auto shrunk = rehearse({"sweep", "shrink", "1", "run", "--json"}).json();
+  EXPECT_EQ(shrunk["differs"], nlohmann::json({{"deed", "throw 5"}}));
+  EXPECT_LT(shrunk["duration"].get<double>(), 0.01) << "of 0.05 s";
+  EXPECT_EQ(shrunk["verdict"], "failed");
+  EXPECT_EQ(rehearse({"record", "run/shrunk-1.yaml", "-o", "again.mcap"}).status, 3);
+}
+
+TEST_F(Sweep, RefusesWhatItCantContinue) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run"});
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& message) {
+    const Outcome outcome = rehearse(words);
+    EXPECT_EQ(outcome.status, bad_input) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  };
+  refused({"sweep", "box.yaml", "--cases", "20", "-o", "run"}, "there is a campaign in this folder");
+  refused({"sweep", "box.yaml", "--cases", "20", "-o", "."}, "there is something else in this folder");
+  refused({"sweep", "box.yaml", "-o", "new"}, "number of cases isn't stated");
+  refused({"sweep", box_scenario.string(), "--cases", "5", "-o", "new"}, "varies nothing");
+  refused({"sweep", "status", "nowhere"}, "no campaign.json");
+  refused({"sweep", "case", "20", "run"}, "there is no case 20 (expected a number from 0 to 19)");
+  refused({"sweep", "work", "run", "--slice", "4/3"}, "no slice 4 of 3");
+  EXPECT_FALSE(exists("new"));
+
+  const std::string facts = read_file(folder() / "run/campaign.json"), plan = read_file(folder() / "run/plan.csv");
+  std::string other = facts;
+  other.replace(other.find("\"version\": 1"), 12, "\"version\": 9");
+  write("run/campaign.json", other);
+  refused({"sweep", "resume", "run"}, "the campaign is of version 9");
+  write("run/campaign.json", facts);
+  std::string changed = plan;
+  changed.replace(changed.find("\n5,") + 3, 1, "9");
+  write("run/plan.csv", changed);
+  refused({"sweep", "resume", "run"}, "the plan was changed");
+  write("run/plan.csv", plan);
+
+  const int lock = open((folder() / "run/lock").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(lock, LOCK_EX), 0);
+  refused({"sweep", "resume", "run"}, "another process works on this campaign");
+  close(lock);
+
+  std::string scenario = read_file(folder() / "box.yaml");
+  write("box.yaml", scenario + "# changed\n");
+  refused({"sweep", "resume", "run"}, "has changed since the campaign began");
+}
+
+TEST_F(Sweep, SaysWhichVariationIsWrong) {
+  const auto refused = [&](const std::string& vary, const std::string& message) {
+    box(vary, "wrong.yaml");
+    const Outcome outcome = rehearse({"sweep", "wrong.yaml", "--cases", "5", "-o", "new"});
+    EXPECT_EQ(outcome.status, bad_input) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(message)) << vary;
+    EXPECT_FALSE(exists("new"));
+  };
+  refused("  size: {path: \"bodies.Box.box.size[0]\", uniform: [-1, 1]}\n",
+          "wrong.yaml:17:3: error: with 'size' at -1: size[0] is -1");
+  refused("  size: {path: \"bodies.Box.box.size[0]\", file: sizes.csv}\n", "the table can't be read");
+  write("sizes.csv", "width\n0.1\n");
+  refused("  size: {path: \"bodies.Box.box.size[0]\", file: sizes.csv}\n", "no column 'size'");
+  refused("  size: {path: \"bodies.Box.box.size[0]\", linked: heigth / 2}\n", "did you mean 'height'");
+  std::string grids;
+  for (int axis = 0; axis < 3; ++axis)
+    grids += "  size" + std::to_string(axis) + ": {path: \"bodies.Box.box.size[" + std::to_string(axis) +
+             "]\", grid: {from: 0.1, to: 0.2, steps: 10000}}\n";
+  refused(grids, "the grids have 1e+12 or more combinations");
+}
+
+}  // namespace
+}  // namespace rehearse::test

@@ -1,0 +1,419 @@
+// rehearse sweep: runs many variations of a scenario, and reports, repeats and shrinks them.
+#include <fmt/format.h>
+#include <rehearse/campaign.h>
+#include <rehearse/golden.h>
+#include <rehearse/report.h>
+#include <rehearse/session.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+#include "host/interruption.h"
+#include "options.h"
+#include "output.h"
+#include "progress.h"
+#include "scenario_text.h"
+#include "side_by_side.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SweepSettings {
+  std::string scenario, folder;
+  CampaignOptions campaign;
+  SweepOptions sweep;
+  std::string slice;  // "i/n"; empty: none
+  bool golden = false, json = false;
+  bool plan = false;      // no case is run
+  std::int64_t jobs = 0;  // 0: one for each processor
+  std::string against;    // another campaign; empty: none
+  std::int64_t number = 0;
+  std::string output;  // of case and shrink; empty: in the campaign's folder
+  ShrinkOptions shrink;
+};
+
+Simulation simulation() { return {record, run_plant, describe_plant, record_from}; }
+
+std::string resume_advice(const std::string& folder) { return fmt::format("rehearse sweep resume {}", folder); }
+
+/// "2/8" as a slice.
+Result<Slice> slice_of(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  Slice slice;
+  constexpr std::int64_t most = 1'000'000;
+  if (slash == std::string::npos)
+    return error(fmt::format("--slice: '{}' is not I/N", text), "as 2/8, the second of eight");
+  slice.index = parse_integer("--slice", text.substr(0, slash), 1, most);
+  slice.count = parse_integer("--slice", text.substr(slash + 1), 1, most);
+  if (slice.index > slice.count)
+    return error(fmt::format("--slice: there is no slice {} of {}", slice.index, slice.count));
+  return slice;
+}
+
+Json json_of(const Campaign& campaign, const CaseResult& result) {
+  Json margins = Json::array();
+  for (std::size_t i = 0; i < std::min(result.margins.size(), campaign.expectations().size()); ++i)
+    margins.push_back({{"expectation", campaign.expectations()[i]},
+                       {"margin", result.margins[i] ? tool::json_of(*result.margins[i]) : Json(nullptr)}});
+  return {{"verdict", std::string(to_string(result.verdict))},
+          {"sentence", result.sentence},
+          {"tick", result.tick ? Json(*result.tick) : Json(nullptr)},
+          {"ticks", result.ticks},
+          {"hash", result.hash},
+          {"margins", margins}};
+}
+
+Exit exit_of(const CampaignSummary& summary) {
+  return summary.failed() == 0 && summary.unrepeated.empty() ? Exit::done : Exit::differs;
+}
+
+void tell_verdicts(const CampaignSummary& summary) {
+  std::vector<TableRow> rows{{"verdict", "cases"}};
+  for (std::size_t i = 0; i < case_verdict_count; ++i)
+    if (summary.verdicts[i] > 0)
+      rows.push_back({std::string(to_string(static_cast<CaseVerdict>(i))), fmt::format("{}", summary.verdicts[i])});
+  if (summary.missing > 0) rows.push_back({"missing", fmt::format("{}", summary.missing)});
+  print_table(rows);
+}
+
+void tell_unrepeated(const CampaignSummary& summary) {
+  if (summary.unrepeated.empty()) return;
+  fmt::print(stderr,
+             "error: case {} gave different bits in another process (what it depends on: rehearse audit, on a "
+             "recording by rehearse sweep case)\n",
+             summary.unrepeated.front());
+}
+
+/// Writes the report and prints the summary.
+Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campaign* against) {
+  const auto summary = write_campaign_report(campaign, against);
+  if (!summary) return refuse(summary.errors());
+  const fs::path page = campaign.folder() / "report.html";
+  if (settings.json) {
+    Json object = Json::parse(to_json(*summary));
+    object["report"] = page.string();
+    print(object);
+  } else {
+    tell_verdicts(*summary);
+    fmt::print("{}\n", verdict(*summary));
+    if (campaign.nominal().verdict != CaseVerdict::passed)
+      fmt::print("the nominal scenario fails: {}\n", plain_text(campaign.nominal().sentence));
+    fmt::print("report: {}\n", page.string());
+  }
+  std::fflush(stdout);
+  tell_unrepeated(*summary);
+  return exit_of(*summary);
+}
+
+Exit work_on(Campaign& campaign, SweepSettings& settings) {
+  settings.sweep.jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
+  {
+    Progress progress("sweeping");
+    settings.sweep.progress = [&](const SweepProgress& now) {
+      const double rate = now.seconds > 0.0 ? static_cast<double>(now.here) / now.seconds : 0.0;
+      progress.set_text(fmt::format("{} of {}, {} failed, {:.3g} cases/s", now.done, now.all, now.failed, rate));
+      progress.show(now.here, now.here + now.all - now.done);
+      return true;
+    };
+    if (auto worked = campaign.work(settings.sweep, simulation()); !worked) return refuse(worked.errors());
+  }
+  if (interruption() == 0) return Exit::done;
+  fmt::print(stderr, "interrupted; the results so far are kept ({})\n", resume_advice(settings.folder));
+  return static_cast<Exit>(128 + interruption());
+}
+
+Exit work_and_finish(Campaign& campaign, SweepSettings& settings) {
+  const Exit worked = work_on(campaign, settings);
+  return worked == Exit::done ? finish(campaign, settings, nullptr) : worked;
+}
+
+Result<fs::path> golden_of(const std::string& file) {
+  const auto scenario = Scenario::load(file);
+  if (!scenario) return scenario.errors();
+  if (scenario->golden.empty()) return error_in(file, "--golden: the scenario names no golden");
+  const auto folder = find_golden_folder(file);
+  if (!folder) return folder.errors();
+  const fs::path trace = GoldenStore(*folder).trace_file(scenario->golden);
+  std::error_code ignored;
+  if (!fs::exists(trace, ignored)) return error_in(trace.string(), "there is no such golden");
+  return fs::absolute(trace, ignored);
+}
+
+/// Libraries that are named by a path are found from any folder.
+void make_libraries_absolute(HostOptions& host) {
+  std::error_code ignored;
+  for (auto& [controller, library] : host.libraries)
+    if (library.find('/') != std::string::npos) library = fs::absolute(library, ignored).string();
+}
+
+Exit run_new(SweepSettings& settings) {
+  if (settings.scenario.empty())
+    return refuse(error("rehearse sweep: SCENARIO is required", "or resume, work, status, report, case, shrink"));
+  if (settings.folder.empty()) return refuse(error("-o is required", "expected -o DIR, a new folder"));
+  end_runs_on_signals();
+  make_libraries_absolute(settings.campaign.host);
+  if (settings.golden) {
+    auto golden = golden_of(settings.scenario);
+    if (!golden) return refuse(golden.errors());
+    settings.campaign.golden = *std::move(golden);
+  }
+  auto campaign = Campaign::create(settings.scenario, settings.folder, settings.campaign, simulation());
+  if (!campaign) return refuse(campaign.errors());
+  tell_warnings(campaign->scenario());
+  if (!settings.plan) return work_and_finish(*campaign, settings);
+  fmt::print("{}: {}\n", campaign->folder().string(), count_text(campaign->options().cases, "case"));
+  return Exit::done;
+}
+
+Exit run_resume(SweepSettings& settings) {
+  end_runs_on_signals();
+  auto campaign = Campaign::open(settings.folder);
+  return campaign ? work_and_finish(*campaign, settings) : refuse(campaign.errors());
+}
+
+Exit run_work(SweepSettings& settings) {
+  end_runs_on_signals();
+  auto slice = slice_of(settings.slice);
+  if (!slice) return refuse(slice.errors());
+  settings.sweep.slice = *slice;
+  if (settings.jobs == 0) settings.jobs = 1;
+  auto campaign = Campaign::open(settings.folder);
+  return campaign ? work_on(*campaign, settings) : refuse(campaign.errors());
+}
+
+Exit run_status(SweepSettings& settings) {
+  const auto campaign = Campaign::open(settings.folder);
+  if (!campaign) return refuse(campaign.errors());
+  const auto summary = summary_of(*campaign);
+  if (!summary) return refuse(summary.errors());
+  if (settings.json) {
+    print(Json::parse(to_json(*summary)));
+  } else {
+    tell_verdicts(*summary);
+    fmt::print("{}\n", verdict(*summary));
+    if (summary->missing > 0) fmt::print("go on: {}\n", resume_advice(settings.folder));
+  }
+  std::fflush(stdout);
+  tell_unrepeated(*summary);
+  return Exit::done;
+}
+
+Exit run_report(SweepSettings& settings) {
+  const auto campaign = Campaign::open(settings.folder);
+  if (!campaign) return refuse(campaign.errors());
+  if (settings.against.empty()) return finish(*campaign, settings, nullptr);
+  const auto against = Campaign::open(settings.against);
+  return against ? finish(*campaign, settings, &*against) : refuse(against.errors());
+}
+
+/// The first result of a case; none: it has none.
+Result<std::optional<CaseResult>> kept_result(const Campaign& campaign, std::int64_t number) {
+  std::optional<CaseResult> found;
+  auto read = campaign.read_results([&](const CaseResult& result) {
+    if (result.number == number && !result.again && !found) found = result;
+  });
+  if (!read) return read.errors();
+  return found;
+}
+
+void tell_values(const Campaign& campaign, const std::vector<std::string>& values) {
+  const std::vector<Variation>& variations = campaign.scenario().variations;
+  std::vector<TableRow> rows{{"parameter", "value", "nominal"}};
+  for (std::size_t i = 0; i < values.size(); ++i)
+    rows.push_back({variations[i].name, plain_text(values[i].empty() ? variations[i].nominal : values[i]),
+                    plain_text(variations[i].nominal)});
+  print_table(rows);
+}
+
+Json json_of_values(const Campaign& campaign, const std::vector<std::string>& values) {
+  Json object = Json::object();
+  for (std::size_t i = 0; i < values.size(); ++i) object[campaign.scenario().variations[i].name] = values[i];
+  return object;
+}
+
+/// "the same bits as in the campaign", or what differs.
+std::string agreement(const std::optional<CaseResult>& kept, const CaseResult& now) {
+  if (!kept) return "the campaign has no result of it yet";
+  if (kept->repeats(now)) return "the same bits as in the campaign";
+  return fmt::format("other bits than in the campaign ({})",
+                     kept->hash.empty() ? std::string(to_string(kept->verdict)) : kept->hash);
+}
+
+Exit run_case_again(SweepSettings& settings) {
+  end_runs_on_signals();
+  const auto campaign = Campaign::open(settings.folder);
+  if (!campaign) return refuse(campaign.errors());
+  if (const auto there = campaign->check_number(settings.number); !there) return refuse(there.errors());
+  const auto kept = kept_result(*campaign, settings.number);
+  if (!kept) return refuse(kept.errors());
+  const auto text = campaign->text_of(settings.number);
+  if (!text) return refuse(text.errors());
+  const fs::path trace = settings.output.empty()
+                             ? campaign->folder() / "traces" / fmt::format("case-{}.mcap", settings.number)
+                             : fs::path(settings.output);
+  const auto result = campaign->run_text(*text, trace, simulation());
+  if (!result) return refuse(result.errors());
+  const std::string same = agreement(*kept, *result);
+  if (settings.json) {
+    Json object = json_of(*campaign, *result);
+    object["case"] = settings.number;
+    object["values"] = json_of_values(*campaign, campaign->values_of(settings.number));
+    object["trace"] = trace.string();
+    object["same"] = *kept ? Json((*kept)->repeats(*result)) : Json(nullptr);
+    print(object);
+  } else {
+    tell_values(*campaign, campaign->values_of(settings.number));
+    fmt::print("case {}: {}{}\n{}\n{}\n", settings.number, to_string(result->verdict),
+               result->sentence.empty() ? "" : ": " + plain_text(result->sentence), same, trace.string());
+  }
+  return *kept && !(*kept)->repeats(*result) ? Exit::differs : Exit::done;
+}
+
+void tell_shrunk(const Campaign& campaign, const Shrunk& shrunk, const fs::path& file) {
+  std::vector<TableRow> rows{{"parameter", "value", "nominal"}};
+  for (const std::size_t i : shrunk.differs)
+    rows.push_back({campaign.scenario().variations[i].name, plain_text(shrunk.values[i]),
+                    plain_text(campaign.scenario().variations[i].nominal)});
+  print_table(rows);
+  fmt::print("{} of {} parameters differ, {:g} s of simulation, after {} runs{}\n", shrunk.differs.size(),
+             campaign.scenario().variations.size(), shrunk.duration, shrunk.runs,
+             shrunk.finished ? "" : "; the search isn't finished");
+  fmt::print("{}: {}\n", to_string(shrunk.result.verdict), plain_text(shrunk.result.sentence));
+  fmt::print("{}\n{}\n", file.string(), fs::path(file).replace_extension(".mcap").string());
+}
+
+Exit run_shrink(SweepSettings& settings) {
+  end_runs_on_signals();
+  const auto campaign = Campaign::open(settings.folder);
+  if (!campaign) return refuse(campaign.errors());
+  const auto shrunk = [&] {
+    Progress progress("shrinking");
+    settings.shrink.progress = [&](int runs, std::size_t differing) {
+      progress.set_text(fmt::format("shrinking: {} runs, {} differ", runs, count_text(differing, "parameter")));
+      progress.show(runs, settings.shrink.budget);
+      return true;
+    };
+    return shrink(*campaign, settings.number, settings.shrink, simulation());
+  }();
+  if (!shrunk) return refuse(shrunk.errors());
+  const fs::path file = settings.output.empty() ? campaign->folder() / fmt::format("shrunk-{}.yaml", settings.number)
+                                                : fs::path(settings.output);
+  if (interruption() == 0) {
+    if (const auto written = write_shrunk(*campaign, *shrunk, file, simulation()); !written)
+      return refuse(written.errors());
+  } else if (const auto written = write_shrunk(*campaign, *shrunk, file, {}); !written) {
+    return refuse(written.errors());
+  }
+  if (settings.json) {
+    Json object = json_of(*campaign, shrunk->result);
+    object["case"] = settings.number;
+    Json values = Json::object();
+    for (const std::size_t i : shrunk->differs) values[campaign->scenario().variations[i].name] = shrunk->values[i];
+    object["differs"] = values;
+    object["duration"] = shrunk->duration;
+    object["runs"] = shrunk->runs;
+    object["finished"] = shrunk->finished;
+    object["scenario"] = file.string();
+    print(object);
+  } else {
+    tell_shrunk(*campaign, *shrunk, file);
+  }
+  return Exit::done;
+}
+
+using Settings = std::shared_ptr<SweepSettings>;
+
+void add_jobs(CLI::App& options, const Settings& settings) {
+  add_integer(options, "-j,--jobs", "worker processes (one for each processor)", 1, 1024,
+              [settings](std::int64_t jobs) { settings->jobs = jobs; });
+}
+
+CLI::App& declare_sub(CLI::App& options, const Settings& settings, const char* name, const char* help) {
+  CLI::App& sub = *options.add_subcommand(name, help);
+  if (std::string_view(name) == "case" || std::string_view(name) == "shrink") {
+    sub.add_option_function<std::string>(
+           "K",
+           [settings](const std::string& text) {
+             settings->number = parse_integer("K", text, 0, std::numeric_limits<std::int64_t>::max());
+           },
+           "number of the case")
+        ->required()
+        ->type_name("");
+  }
+  sub.add_option("DIR", settings->folder, "the campaign's folder")->required()->type_name("");
+  if (std::string_view(name) != "work") add_json_flag(sub, settings->json);
+  return sub;
+}
+
+void declare_new(CLI::App& options, const Settings& settings) {
+  options.add_option("SCENARIO", settings->scenario, "a YAML file with vary:")->type_name("");
+  options.add_option("-o,--output", settings->folder, "the folder of the campaign, a new one")->type_name("DIR");
+  add_integer(options, "--cases", "how many (all combinations of the grids)", 1, 100'000'000,
+              [settings](std::int64_t cases) { settings->campaign.cases = cases; });
+  add_integer(options, "--seed", "of the campaign's values (0)", 0, std::numeric_limits<std::int64_t>::max(),
+              [settings](std::int64_t seed) { settings->campaign.seed = static_cast<std::uint64_t>(seed); });
+  options.add_flag("--plan", settings->plan, "write the plan, and run no case");
+  options.add_flag("--golden", settings->golden, "compare each case with the scenario's golden, too");
+  add_integer(options, "--keep", "how many traces to keep of each kind of failure (3)", 0, 1'000'000,
+              [settings](std::int64_t keep) { settings->campaign.keep = static_cast<int>(keep); });
+  add_number(options, "--case-limit", "wall time of a case [s]; a longer one counts as hung (600)", 0.1, 1e6,
+             [settings](double limit) { settings->campaign.case_limit = limit; });
+  add_host_options(options, settings->campaign.host);
+  add_jobs(options, settings);
+  add_json_flag(options, settings->json);
+}
+
+std::function<Exit()> declare_sweep(CLI::App& options) {
+  const auto settings = std::make_shared<SweepSettings>();
+  declare_new(options, settings);
+  options.require_subcommand(0, 1);
+  std::vector<std::pair<CLI::App*, Exit (*)(SweepSettings&)>> subs;
+  const auto declare = [&](const char* name, const char* help, Exit (*run)(SweepSettings&)) -> CLI::App& {
+    CLI::App& sub = declare_sub(options, settings, name, help);
+    subs.emplace_back(&sub, run);
+    return sub;
+  };
+  add_jobs(declare("resume", "run the cases that have no result", run_resume), settings);
+  CLI::App& work = declare("work", "run a slice of the cases, as a task of a cluster does", run_work);
+  work.add_option("--slice", settings->slice, "the Ith of N slices")->required()->type_name("I/N");
+  add_jobs(work, settings);
+  declare("status", "count the results so far", run_status);
+  declare("report", "write report.html, report.md, report.json and results.csv", run_report)
+      .add_option("--against", settings->against, "a campaign with the same plan, before a change")
+      ->type_name("DIR");
+  declare("case", "record a case again", run_case_again)
+      .add_option("-o,--output", settings->output, "the trace to write (DIR/traces/case-K.mcap)")
+      ->type_name("TRACE");
+  CLI::App& shrinking =
+      declare("shrink", "find the smallest change of the nominal scenario that fails like a case", run_shrink);
+  shrinking.add_option("-o,--output", settings->output, "the scenario to write (DIR/shrunk-K.yaml)")->type_name("FILE");
+  add_integer(shrinking, "--budget", "runs at most (500)", 1, 1'000'000,
+              [settings](std::int64_t budget) { settings->shrink.budget = static_cast<int>(budget); });
+  return [settings, subs] {
+    for (const auto& [sub, run] : subs)
+      if (sub->parsed()) return run(*settings);
+    return run_new(*settings);
+  };
+}
+
+}  // namespace
+
+const Verb sweep_verb{"sweep",
+                      "  rehearse sweep fixtures/campaigns/push.yaml --cases 200 -o pushed\n"
+                      "  rehearse sweep status pushed\n"
+                      "  rehearse sweep case 17 pushed\n"
+                      "  rehearse sweep shrink 17 pushed -o smallest.yaml\n"
+                      "  rehearse sweep report after --against before\n",
+                      declare_sweep};
+
+}  // namespace rehearse::tool
