@@ -332,6 +332,7 @@ struct LoopJoint {
   int other_link = 0;                                             // likewise
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();        // of the joint in the link's frame
   Eigen::Isometry3d other_frame = Eigen::Isometry3d::Identity();  // of the joint in the other link's frame
+  bool has_other_frame = true;                                    // false: it is where the joint is when a run begins
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();                // unit vector in the joint's frame
 };
 

@@ -196,11 +196,13 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (!check_version(findings, root)) return;
   const Keys keys(
       findings, root, "the scenario",
-      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity", "options",  "solver",
+      {"rehearse",   "name",    "golden",    "duration",   "ends_when_done", "planar", "time_step", "seed",   "gravity", "options",  "solver",
        "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",  "joystick", "noise",
        "look",       "cameras", "record",    "tolerances", "horizon",   "expect", "simulate"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
+  keys.flag("ends_when_done", scenario.ends_when_done);
+  keys.flag("planar", scenario.planar);
   read_seed(findings, keys, scenario);
   keys.vector3("gravity", any_acceleration, scenario.gravity);
   keys.text("options", scenario.options);
