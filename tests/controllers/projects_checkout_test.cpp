@@ -64,7 +64,8 @@ class ProjectOfChoreonoid : public testing::TestWithParam<Sample> {
 };
 
 TEST_P(ProjectOfChoreonoid, RunsForItsWholeLengthAsItIs) {
-  const fs::path project = fs::path(checkout()) / "sample" / "SimpleController" / (std::string(GetParam().name) + ".cnoid");
+  const fs::path project =
+      fs::path(checkout()) / "sample" / "SimpleController" / (std::string(GetParam().name) + ".cnoid");
   const auto imported = rehearse::import_project(project, options_for(folder_));
   ASSERT_TRUE(imported.ok()) << rehearse::to_string(imported.errors());
   for (const auto& [name, text] : imported->files) std::ofstream(folder_ / name) << text;
@@ -153,7 +154,8 @@ TEST(ProjectsOfChoreonoid, AreImportedOrRefusedWithAPlace) {
     EXPECT_EQ(first.file, project.string());
     EXPECT_GT(first.line, 0);
     ++refusals[std::regex_replace(first.message, std::regex("'[^']*'"), "'...'")];
-    if (is_told()) std::cout << project.lexically_relative(checkout()).string() << ": " << rehearse::to_string(first) << "\n";
+    if (is_told())
+      std::cout << project.lexically_relative(checkout()).string() << ": " << rehearse::to_string(first) << "\n";
   }
   std::cout << imported << " of " << projects.size() << " projects are imported\n";
   for (const auto& [message, count] : refusals) std::cout << "  refused " << count << ": " << message << "\n";

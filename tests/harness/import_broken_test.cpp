@@ -91,9 +91,8 @@ TEST_P(OddProject, IsImportedWithARemark) {
   std::string warnings;
   for (const Diagnostic& remark : imported->remarks)
     if (remark.severity == Severity::warning) warnings += to_string(remark) + "\n";
-  EXPECT_THAT(warnings, ::testing::ContainsRegex(std::string("project_") + GetParam().name +
-                                                 ".cnoid:" + std::to_string(GetParam().line) + ": warning: " +
-                                                 GetParam().message));
+  EXPECT_THAT(warnings, ::testing::ContainsRegex(std::string("project_") + GetParam().name + ".cnoid:" +
+                                                 std::to_string(GetParam().line) + ": warning: " + GetParam().message));
 }
 INSTANTIATE_TEST_SUITE_P(All, OddProject, ::testing::ValuesIn(remarked),
                          [](const auto& info) { return std::string(info.param.name); });
@@ -116,7 +115,8 @@ TEST(BrokenProjects, NameTheMistakesOfTheirModels) {
 TEST(BrokenProjects, ThatAreMissingAreNamed) {
   const auto imported = import("nowhere");
   ASSERT_FALSE(imported.ok());
-  EXPECT_THAT(to_string(imported.errors().front()), ::testing::HasSubstr("project_nowhere.cnoid: error: there is no such file"));
+  EXPECT_THAT(to_string(imported.errors().front()),
+              ::testing::HasSubstr("project_nowhere.cnoid: error: there is no such file"));
 }
 
 }  // namespace

@@ -104,7 +104,8 @@ TEST_F(Import, TakesControllersWithOptionsAndDelay) {
   ASSERT_EQ(scenario.bodies[0].controllers.size(), 1u);
   const ScenarioController& drive = scenario.bodies[0].controllers[0];
   EXPECT_EQ(drive.name, "Drive");
-  EXPECT_EQ(fs::weakly_canonical(folder_ / drive.library), fs::weakly_canonical(project.parent_path() / "WagonController.so"));
+  EXPECT_EQ(fs::weakly_canonical(folder_ / drive.library),
+            fs::weakly_canonical(project.parent_path() / "WagonController.so"));
   EXPECT_EQ(drive.options, "2 s");
   EXPECT_FALSE(drive.delay);
 }
@@ -185,7 +186,8 @@ TEST_F(Import, KeepsTwoDimensionsAndJointLimits) {
 
 TEST_F(Import, SaysThatFrictionIsAHalfWithoutChoreonoidsTable) {
   options_.share.clear();
-  const ImportedProject without = imported("        default_material_table_file: \"${PROJECT_DIR}/materials.yaml\"\n", "");
+  const ImportedProject without =
+      imported("        default_material_table_file: \"${PROJECT_DIR}/materials.yaml\"\n", "");
   EXPECT_THAT(without.scenario, HasSubstr("friction: 0.5"));
   EXPECT_THAT(to_string(without.remarks), HasSubstr("--share DIR"));
   EXPECT_THAT(without.scenario, Not(HasSubstr("between: [Default, Default]")));

@@ -175,8 +175,8 @@ DeviceKind read_holder(Mapping& keys) {
 
 /// Devices that measure nothing and act on nothing here.
 bool is_passive(const std::string& type) {
-  for (const char* known : {"MarkerDevice", "Attachment", "AttachmentDevice", "Conveyor",
-                            "ConveyorDevice", "DigitalIO", "ZmpDevice", "RotorDevice", "Link", "Marker"})
+  for (const char* known : {"MarkerDevice", "Attachment", "AttachmentDevice", "Conveyor", "ConveyorDevice", "DigitalIO",
+                            "ZmpDevice", "RotorDevice", "Link", "Marker"})
     if (type == known) return true;
   return false;
 }

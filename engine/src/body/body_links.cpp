@@ -39,9 +39,8 @@ class LinkReader {
   CollisionRules sub_rules_;  // of the first sub-body that has any
 };
 
-constexpr std::pair<std::string_view, LoopJoint::Type> loop_types[] = {{"fixed", LoopJoint::Type::fixed},
-                                                                       {"hinge", LoopJoint::Type::revolute},
-                                                                       {"ball", LoopJoint::Type::spherical}};
+constexpr std::pair<std::string_view, LoopJoint::Type> loop_types[] = {
+    {"fixed", LoopJoint::Type::fixed}, {"hinge", LoopJoint::Type::revolute}, {"ball", LoopJoint::Type::spherical}};
 
 /// Keys that are read by Choreonoid's other simulators, by its GUI, or by nobody.
 const std::vector<std::string_view> link_keys_without_effect = {"density",
@@ -87,8 +86,7 @@ BodyDraft LinkReader::read() {
 /// The joint's place and axis in its first link; what the file says of the second has no effect in Choreonoid.
 void LinkReader::read_loop_frame(Mapping& keys, LoopJoint& joint) {
   joint.has_other_frame = false;
-  joint.frame.translation() =
-      keys.vector({"translation_in_link1", "link1LocalPos"}).value_or(Eigen::Vector3d::Zero());
+  joint.frame.translation() = keys.vector({"translation_in_link1", "link1LocalPos"}).value_or(Eigen::Vector3d::Zero());
   if (const YamlNode* node = keys.find({"rotation_in_link1"}))
     joint.frame.linear() = read_rotation(*node, document_).value_or(Eigen::Matrix3d::Identity());
   const Eigen::Vector3d axis = keys.vector({"axis", "jointAxis"}).value_or(Eigen::Vector3d::UnitX());

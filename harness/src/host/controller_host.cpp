@@ -448,9 +448,8 @@ void ControllerHost::output(Timing timing, Command& command) {
 }
 
 bool ControllerHost::all_done() const {
-  return !controllers_.empty() && std::none_of(controllers_.begin(), controllers_.end(), [](const auto& hosted) {
-    return hosted.running && hosted.tick.result;
-  });
+  return !controllers_.empty() && std::none_of(controllers_.begin(), controllers_.end(),
+                                               [](const auto& hosted) { return hosted.running && hosted.tick.result; });
 }
 
 bool ControllerHost::is_delayed(const HostedController& hosted) const {

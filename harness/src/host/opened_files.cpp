@@ -4,9 +4,9 @@
 
 #include <array>
 #include <atomic>
+#include <cnoid/ExecutablePath>
 #include <cstddef>
 #include <cstring>
-#include <cnoid/ExecutablePath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>

@@ -17,10 +17,10 @@
 namespace rehearse {
 
 struct ImportOptions {
-  std::filesystem::path folder;     // of the scenario: paths in it are relative to it
-  std::string simulator;            // name of the simulator item; empty: the first of ODE, else the first
-  std::optional<double> duration;   // [s], instead of the project's
-  std::filesystem::path share;      // what ${SHARE} stands for; empty: searched for above the project
+  std::filesystem::path folder;    // of the scenario: paths in it are relative to it
+  std::string simulator;           // name of the simulator item; empty: the first of ODE, else the first
+  std::optional<double> duration;  // [s], instead of the project's
+  std::filesystem::path share;     // what ${SHARE} stands for; empty: searched for above the project
 };
 
 /// An item of the project.

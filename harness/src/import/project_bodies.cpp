@@ -167,11 +167,11 @@ void ProjectReader::read_root(Mapping& keys, ProjectBody& body) {
   body.is_fixed_by_model = model.links.front().joint.type == JointType::fixed;
   const auto stated = keys.flag({"fix_root"});
   const auto is_static = keys.flag({"staticModel", "static_model"});
-  const bool never_moves = std::none_of(model.links.begin() + 1, model.links.end(), [](const Link& link) {
-    return link.joint.type != JointType::fixed;
-  });
+  const bool never_moves = std::none_of(model.links.begin() + 1, model.links.end(),
+                                        [](const Link& link) { return link.joint.type != JointType::fixed; });
   body.fixed = stated.value_or(is_static.value_or(false)) || body.is_fixed_by_model;
-  const bool is_freed = body.is_fixed_by_model && ((stated && !*stated) || (!stated && is_static && !*is_static && never_moves));
+  const bool is_freed =
+      body.is_fixed_by_model && ((stated && !*stated) || (!stated && is_static && !*is_static && never_moves));
   if (is_freed)
     document().warning(*body.item->node,
                        fmt::format("the project sets {} free, and its model fixes the root link: it stays fixed",
@@ -181,8 +181,8 @@ void ProjectReader::read_root(Mapping& keys, ProjectBody& body) {
 
 /// A body below another that is attached to it is where the project shows it.
 void ProjectReader::attach(const ProjectItem& item, Mapping& keys, ProjectBody& body) {
-  const bool is_attached = keys.flag({"enable_attachment"}).value_or(false) ||
-                           keys.text({"parent_body_linkage"}).value_or("") == "attached";
+  const bool is_attached =
+      keys.flag({"enable_attachment"}).value_or(false) || keys.text({"parent_body_linkage"}).value_or("") == "attached";
   const std::string link = keys.text({"parent_link"}).value_or("");
   const YamlNode* shown = keys.find({"root_translation", "rootPosition"});
   const YamlNode* turned = keys.find({"root_rotation"});
@@ -238,9 +238,10 @@ ProjectController ProjectReader::read_controller(const ProjectItem& item, std::s
   controller.options = keys.text({"controller_options", "controllerOptions"}).value_or("");
   controller.delay = !keys.flag({"no_delay_mode", "isNoDelayMode", "isImmediateMode"}).value_or(false);
   if (keys.flag({"is_old_target_variable_mode"}).value_or(false))
-    document().warning(*item.node, fmt::format("the controller {} is run in the old target variable mode in Choreonoid; "
-                                               "here targets are q_target and dq_target",
-                                               in_quotes(item.name)));
+    document().warning(*item.node,
+                       fmt::format("the controller {} is run in the old target variable mode in Choreonoid; "
+                                   "here targets are q_target and dq_target",
+                                   in_quotes(item.name)));
   keys.finish();
   for (const auto& child : item.children) {
     if (child->type != "SimpleControllerItem") continue;
@@ -250,8 +251,9 @@ ProjectController ProjectReader::read_controller(const ProjectItem& item, std::s
     else
       controller.children.push_back(read_controller(*child, names));
   }
-  taken(item, fmt::format("controller {}: {}{}", controller.name, controller.library,
-                          controller.options.empty() ? "" : fmt::format(", options {}", in_quotes(controller.options))));
+  taken(item,
+        fmt::format("controller {}: {}{}", controller.name, controller.library,
+                    controller.options.empty() ? "" : fmt::format(", options {}", in_quotes(controller.options))));
   return controller;
 }
 

@@ -27,7 +27,8 @@ void read_item(const YamlNode& node, ProjectFile& file, ProjectItem& item) {
   const YamlNode* children = keys.find({"children"});
   if (children == nullptr) return;
   if (children->kind != YamlNode::Kind::list)
-    return file.document.error(*children, fmt::format("the children of the item {} aren't a list", in_quotes(item.name)));
+    return file.document.error(*children,
+                               fmt::format("the children of the item {} aren't a list", in_quotes(item.name)));
   for (const YamlNodePtr& child : children->items) {
     item.children.push_back(std::make_unique<ProjectItem>());
     item.children.back()->parent = &item;

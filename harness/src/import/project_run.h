@@ -64,6 +64,7 @@ struct ProjectSettings {
   std::vector<std::pair<std::string, std::string>> solver;  // keys of a scenario's solver, as they are written
   std::optional<Eigen::Vector3d> gravity;                   // [m/s²]; nullopt: the usual one
   double friction = 1.0;                                    // of the simulator item: of belts
+  double belt_depth = 0.005;                                // belts don't drive deeper contacts [m]; 0: they do
   bool joint_limits = false;
   bool is_planar = false;
   bool is_kinematic = false;

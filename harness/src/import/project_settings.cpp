@@ -139,8 +139,7 @@ void ProjectReader::read_ode(Mapping& keys) {
     document().note(keys.node(), "rotors resist the acceleration of their joints; their inertia isn't added to links");
   if (keys.flag({"use_world_collision_detector", "useWorldCollisionDetector"}).value_or(false))
     document().warning(keys.node(), "contacts are found by ODE, not by the world's collision detector");
-  if (const auto depth = keys.number({"surface_drive_culling_depth"}); depth && *depth != 0.005)
-    document().warning(keys.node(), "surface_drive_culling_depth has no effect: belts run at any depth");
+  settings_.belt_depth = keys.number({"surface_drive_culling_depth"}).value_or(settings_.belt_depth);
 }
 
 void ProjectReader::read_vision() {

@@ -12,9 +12,9 @@
 namespace rehearse::import {
 namespace {
 
-constexpr std::size_t widest = 110;      // columns of a line
-constexpr const char* belt = "Belt";     // the material of belts, whose friction is the simulator item's
-constexpr double least_angle = 1e-9;     // [rad]
+constexpr std::size_t widest = 110;   // columns of a line
+constexpr const char* belt = "Belt";  // the material of belts, whose friction is the simulator item's
+constexpr double least_angle = 1e-9;  // [rad]
 
 std::string vector_text(const Eigen::Vector3d& v) {
   const auto clean = [](double x) { return std::abs(x) < 1e-15 ? 0.0 : x; };
@@ -89,7 +89,8 @@ void ScenarioDraft::write_run(const std::string& name, const std::string& projec
   if (settings_.ends_when_done) line("ends_when_done: true    # in the step in which every control() returns false");
   if (settings_.gravity) line(fmt::format("gravity: {}", vector_text(*settings_.gravity)));
   if (settings_.is_planar) line("planar: true    # root links stay in the plane of x and z");
-  if (!settings_.options.empty()) line(fmt::format("options: {}    # for every controller", yaml_text(settings_.options)));
+  if (!settings_.options.empty())
+    line(fmt::format("options: {}    # for every controller", yaml_text(settings_.options)));
   const auto measures_acceleration = [](const ProjectBody& body) {
     return std::any_of(body.model.devices.begin(), body.model.devices.end(), [](const Device& device) {
       return std::holds_alternative<Accelerometer>(device.kind) || std::holds_alternative<Imu>(device.kind);
@@ -103,6 +104,8 @@ void ScenarioDraft::write_solver() {
   line("");
   line("solver:");
   for (const auto& [key, value] : settings_.solver) line(fmt::format("  {}: {}", key, value));
+  if (used().contains(belt) && settings_.belt_depth > 0.0)
+    line(fmt::format("  belt_depth: {}    # [m]: belts don't drive deeper contacts", settings_.belt_depth));
   line(fmt::format("  friction: {}    # of materials without a pair", between("Default", "Default").friction));
 }
 

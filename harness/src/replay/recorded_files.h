@@ -23,7 +23,7 @@ class RecordedFiles {
  private:
   void set(const char* variable, const std::filesystem::path& value);
 
-  std::filesystem::path folder_;                             // empty: nothing is missing
+  std::filesystem::path folder_;                              // empty: nothing is missing
   std::map<std::string, std::optional<std::string>> before_;  // environment variables that were changed
 };
 
