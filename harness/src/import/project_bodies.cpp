@@ -1,5 +1,6 @@
 // The bodies below the world, with their poses, postures and controllers.
 #include <rehearse/body.h>
+#include <rehearse/urdf.h>
 
 #include <fmt/format.h>
 
@@ -73,7 +74,8 @@ void ProjectReader::read_body(const ProjectItem& item) {
   read_root(keys, body);
   attach(item, keys, body);
   keys.find({"format"});
-  keys.finish();
+  keys.finish({"collision_detection", "collisionDetection", "current_base_link", "currentBaseLink", "lock_location",
+               "location_editable", "isEditable", "scene_sensitive", "link_kinematics", "zmp"});
   std::set<std::string> names;
   for (const auto& child : item.children) {
     if (child->type != "SimpleControllerItem") continue;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "body/body_mapping.h"
+#include "yaml/yaml_tree.h"
 
 namespace rehearse::import {
 
