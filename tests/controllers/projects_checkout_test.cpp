@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -35,7 +36,7 @@ void compile(const std::string& library, const fs::path& folder) {
   const fs::path source = fs::path(checkout()) / "sample" / "SimpleController" / (library + ".cpp");
   const fs::path file = folder / (library + ".so");
   if (!fs::exists(source) || (fs::exists(file) && fs::last_write_time(file) > fs::last_write_time(source))) return;
-  const std::string whole = file.string(), part = whole + ".part";
+  const std::string whole = file.string(), part = whole + "." + std::to_string(getpid());
   const std::string command = std::string(COMPILE) + " -o '" + part + "' '" + source.string() + "'";
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   fs::rename(part, whole);
@@ -58,9 +59,12 @@ class ProjectOfChoreonoid : public testing::TestWithParam<Sample> {
     for (const char* pattern : {"SR1WalkPattern1.seq", "SR1WalkPattern2.seq", "SR1WalkPattern3.seq"})
       fs::copy_file(fs::path(checkout()) / "sample" / "SimpleController" / pattern,
                     folder_ / "share" / "motion" / "SR1" / pattern, fs::copy_options::overwrite_existing);
+    fs::create_directories(libraries_);
+    setenv("REHEARSE_CONTROLLER_PATH", libraries_.c_str(), 1);
     setenv("REHEARSE_CHOREONOID_SHARE", (folder_ / "share").c_str(), 1);
   }
   fs::path folder_ = fs::path(OUTPUT) / GetParam().name;
+  fs::path libraries_ = fs::path(OUTPUT) / "libraries";
 };
 
 TEST_P(ProjectOfChoreonoid, RunsForItsWholeLengthAsItIs) {
@@ -76,15 +80,17 @@ TEST_P(ProjectOfChoreonoid, RunsForItsWholeLengthAsItIs) {
   ASSERT_TRUE(scenario.ok()) << rehearse::to_string(scenario.errors());
   for (const auto& body : scenario->bodies) {
     for (const auto& controller : body.controllers) {
-      compile(controller.library, folder_);
-      for (const auto& child : controller.children) compile(child.library, folder_);
+      compile(controller.library, libraries_);
+      for (const auto& child : controller.children) compile(child.library, libraries_);
     }
   }
   const fs::path trace = folder_ / "run.mcap";
   const auto summary = rehearse::record(*scenario, trace);
   ASSERT_TRUE(summary.ok()) << rehearse::to_string(summary.errors());
   EXPECT_FALSE(summary->failure) << summary->failure->message;
-  if (!scenario->ends_when_done) EXPECT_EQ(summary->ticks, scenario->ticks());
+  if (!scenario->ends_when_done) {
+    EXPECT_EQ(summary->ticks, scenario->ticks());
+  }
   const auto run = rehearse::Trace::load(trace);
   ASSERT_TRUE(run.ok()) << rehearse::to_string(run.errors());
   double lowest = 0.0;

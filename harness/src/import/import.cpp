@@ -81,7 +81,12 @@ std::optional<fs::path> ProjectReader::find_file(const std::string& written, con
   const std::string variable = written.substr(2, end - 2);
   const std::string rest = written.substr(std::min(written.find_first_not_of('/', end + 1), written.size()));
   if (variable == "PROJECT_DIR") return project_.parent_path() / rest;
-  if (variable == "SHARE" && !options_.share.empty()) return options_.share / rest;
+  if (variable == "SHARE" && !options_.share.empty()) {
+    std::error_code ignored;
+    const fs::path in_checkout = options_.share.parent_path() / "sample" / rest;  // installation moves it
+    return !fs::exists(options_.share / rest, ignored) && fs::exists(in_checkout, ignored) ? in_checkout
+                                                                                           : options_.share / rest;
+  }
   document().error(at, fmt::format("{} is below ${{{}}}, and where that is isn't known", in_quotes(written), variable),
                    variable == "SHARE" ? "--share DIR: Choreonoid's share folder, which has default/materials.yaml"
                                        : "only ${SHARE} and ${PROJECT_DIR} are known here");
