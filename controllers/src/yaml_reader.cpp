@@ -7,6 +7,8 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -116,8 +118,17 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<ValueNode::SyntaxException> problems_;
 };
 
+/// The file, or the copy of it that a recording contains: a replay names the folder of the copies.
+std::string presentFile(const std::string& filename) {
+  std::error_code ignored;
+  const char* copies = std::getenv("REHEARSE_RECORDED_FILES");
+  if (!copies || std::filesystem::exists(filename, ignored)) return filename;
+  const std::filesystem::path copy = std::filesystem::path(copies) / std::filesystem::path(filename).filename();
+  return std::filesystem::exists(copy, ignored) ? copy.string() : filename;
+}
+
 std::string readFile(const std::string& filename) {
-  std::ifstream file(filename, std::ios::binary);
+  std::ifstream file(presentFile(filename), std::ios::binary);
   std::ostringstream text;
   if (file) text << file.rdbuf();
   if (file) file.peek();  // a folder can be opened like a file; only reading it fails

@@ -1,8 +1,8 @@
 # Compiles every SimpleController under SOURCE to an object, and reports how many succeed.
 # cmake -D SOURCE=checkout -D OUTPUT=folder -D COMPILER=command -D FLAGS=flags -P compile_controllers.cmake
 #
-# Two of Choreonoid's 34 fail: FireController and HoseNozzleController need its Qt interface and its particle systems.
-set(least_of_all 32)
+# All 34 of Choreonoid's compile; FireController and HoseNozzleController by headers whose particles and sliders do nothing.
+set(least_of_all 34)
 set(of_all 34)
 set(least_in_folder 21)
 set(folder sample/SimpleController)

@@ -74,6 +74,7 @@ const objects = [
   ['diff', golden, golden],
   ['doctor', golden],
   ['inspect', join(source, 'fixtures/models/pendulum.urdf')],
+  ['import', join(source, 'fixtures/projects/wagon.cnoid'), '-o', 'imported'],
   ['golden', 'list'],
   ['filter', golden, '-o', 'part.mcap', '--until', '1'],
   ['export', golden, '-o', 'tables'],

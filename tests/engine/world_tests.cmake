@@ -20,6 +20,7 @@ rehearse_add_test(world_tests LABEL sim SHARDS 8
     world/mimic_test.cpp
     world/own_contacts_test.cpp
     world/passive_joints_test.cpp
+    world/planar_test.cpp
     world/range_sensor_meshes_test.cpp
     world/range_sensor_test.cpp
     world/residual_test.cpp

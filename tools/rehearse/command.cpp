@@ -41,6 +41,7 @@ constexpr VerbSummary verbs[] = {
     {"merge", "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
     {"recover", "save what can be saved of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
     {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none},
+    {"import", "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse, Rounding::is_none},
     {"doctor", "find all that is wrong with trace files, each with its place", Program::rehearse, Rounding::is_none},
     {"inspect", "load a robot model and report what was understood of it", Program::rehearse},
     {"render", "draw a picture of a scenario or a model", Program::simulate},

@@ -44,6 +44,7 @@ extern const Verb doctor_verb;
 extern const Verb export_verb;
 extern const Verb filter_verb;
 extern const Verb golden_verb;
+extern const Verb import_verb;
 extern const Verb info_verb;
 extern const Verb inspect_verb;
 extern const Verb map_verb;

@@ -18,9 +18,9 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr const Verb* own_verbs[] = {&replay_verb,  &diff_verb, &info_verb,   &cat_verb,     &export_verb,
-                                     &filter_verb,  &map_verb,  &merge_verb,  &recover_verb, &doctor_verb,
-                                     &inspect_verb, &new_verb,  &report_verb, &step_verb,    &doc_verb};
+constexpr const Verb* own_verbs[] = {
+    &replay_verb, &diff_verb,    &info_verb,   &cat_verb,     &export_verb, &filter_verb, &import_verb, &map_verb,
+    &merge_verb,  &recover_verb, &doctor_verb, &inspect_verb, &new_verb,    &report_verb, &step_verb,   &doc_verb};
 
 /// Executes a different program of Rehearse, at a fixed place relative to this one. Returns only on failure.
 Exit become(const char* program, char** argv) {

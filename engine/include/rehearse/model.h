@@ -179,14 +179,14 @@ struct Joint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit vector in the joint frame
   double lower = -unlimited;                                 // [rad] or [m]
   double upper = unlimited;                                  // [rad] or [m]
-  double start = 0.0;  // displacement at which a body starts if nobody states another [rad] or [m]
-  double effort = unlimited;                                 // [N·m] or [N], magnitude
-  double velocity = unlimited;                               // [rad/s] or [m/s], magnitude
-  double damping = 0.0;                                      // [N·m·s/rad] or [N·s/m]
-  double friction = 0.0;                                     // [N·m] or [N]
-  double spring_stiffness = 0.0;                             // [N·m/rad] or [N/m]
-  double spring_reference = 0.0;                             // displacement at which the spring exerts no effort
-  double armature = 0.0;  // inertia of the drive's rotor, as it acts at the joint [kg·m²] or [kg]
+  double start = 0.0;             // displacement at which a body starts if nobody states another [rad] or [m]
+  double effort = unlimited;      // [N·m] or [N], magnitude
+  double velocity = unlimited;    // [rad/s] or [m/s], magnitude
+  double damping = 0.0;           // [N·m·s/rad] or [N·s/m]
+  double friction = 0.0;          // [N·m] or [N]
+  double spring_stiffness = 0.0;  // [N·m/rad] or [N/m]
+  double spring_reference = 0.0;  // displacement at which the spring exerts no effort
+  double armature = 0.0;          // inertia of the drive's rotor, as it acts at the joint [kg·m²] or [kg]
   std::optional<Mimic> mimic;
   int line = 0;  // of the model's file; 0: the file doesn't contain this joint
 };
@@ -332,6 +332,7 @@ struct LoopJoint {
   int other_link = 0;                                             // likewise
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();        // of the joint in the link's frame
   Eigen::Isometry3d other_frame = Eigen::Isometry3d::Identity();  // of the joint in the other link's frame
+  bool has_other_frame = true;                                    // false: it is where the joint is when a run begins
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();                // unit vector in the joint's frame
 };
 

@@ -29,6 +29,7 @@ struct SolverSettings {
   double surface_layer = 1e-4;            // contacts rest this deep [m]
   double friction = 1.0;                  // coefficient of every contact
   int max_contacts = 100;                 // per pair of shapes
+  double belt_depth = unlimited;          // belts don't drive deeper contacts [m]
 };
 
 /// The friction and restitution between two materials, in place of those of the surfaces.

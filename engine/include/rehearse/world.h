@@ -56,6 +56,7 @@ struct WorldBody {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // of the root link, world [rad/s]
   std::vector<double> joint_velocities = {};                   // by joint id [rad/s] or [m/s]; empty: zero
   std::vector<std::string> materials = {};  // by link index, for pairs; empty names and an empty list: none
+  bool planar = false;  // a root link that isn't fixed stays in the plane of x and z in which it begins
 };
 
 /// How far the quick solver stopped from its solution in a step: the force that is missing at the joint that is worst

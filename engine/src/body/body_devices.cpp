@@ -161,10 +161,22 @@ DeviceKind read_light(Mapping& keys, bool is_spot) {
   return light;
 }
 
+DeviceKind read_holder(Mapping& keys) {
+  Holder holder;
+  const std::string condition = keys.text({"hold_condition", "holdCondition"}).value_or("distance");
+  holder.target = keys.text({"hold_target_name", "holdTargetName"}).value_or("");
+  holder.max_distance = read_positive(keys, {"max_hold_distance", "maxHoldDistance"}, holder.max_distance);
+  if (condition == "collision")
+    holder.condition = Holder::Condition::touch;
+  else if (condition == "name")
+    holder.condition = Holder::Condition::name;
+  return holder;
+}
+
 /// Devices that measure nothing and act on nothing here.
 bool is_passive(const std::string& type) {
-  for (const char* known : {"MarkerDevice", "Holder", "HolderDevice", "Attachment", "AttachmentDevice", "Conveyor",
-                            "ConveyorDevice", "DigitalIO", "ZmpDevice", "RotorDevice", "Link", "Marker"})
+  for (const char* known : {"MarkerDevice", "Attachment", "AttachmentDevice", "Conveyor", "ConveyorDevice", "DigitalIO",
+                            "ZmpDevice", "RotorDevice", "Link", "Marker"})
     if (type == known) return true;
   return false;
 }
@@ -199,6 +211,8 @@ bool ElementReader::read_device(const std::string& type, Mapping& keys, const Pl
     is_vision = true;
   } else if (type == "PointLight" || type == "SpotLight") {
     kind = read_light(keys, type == "SpotLight");
+  } else if (type == "Holder" || type == "HolderDevice") {
+    kind = read_holder(keys);
   } else if (is_passive(type)) {
     document.note(keys.node(), fmt::format("{} has no effect here; it is left out", name));
   } else {

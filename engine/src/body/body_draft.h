@@ -25,11 +25,10 @@ struct LinkDraft {
   std::vector<Device> devices;
 };
 
-/// A joint that closes a loop.
+/// A joint that closes a loop. Its second frame is that of the initial posture, as for Choreonoid's ODE item.
 struct LoopDraft {
-  std::string kind;  // fixed, hinge, ball or piston
+  LoopJoint joint;  // without links
   std::string link1, link2;
-  int line = 0;
 };
 
 /// What the file says of links that don't touch each other; null nodes: nothing.

@@ -21,6 +21,7 @@ class LinkReader {
  private:
   void check_head(Mapping& keys);
   void read_loops(const YamlNode& loops);
+  void read_loop_frame(Mapping& keys, LoopJoint& joint);
   void read_rest(Mapping& keys);
   void read_all(const YamlNode& links);
   void read_entry(const YamlNode& node, std::string type);
@@ -37,6 +38,9 @@ class LinkReader {
   BodyDraft draft_;
   CollisionRules sub_rules_;  // of the first sub-body that has any
 };
+
+constexpr std::pair<std::string_view, LoopJoint::Type> loop_types[] = {
+    {"fixed", LoopJoint::Type::fixed}, {"hinge", LoopJoint::Type::revolute}, {"ball", LoopJoint::Type::spherical}};
 
 /// Keys that are read by Choreonoid's other simulators, by its GUI, or by nobody.
 const std::vector<std::string_view> link_keys_without_effect = {"density",
@@ -79,33 +83,51 @@ BodyDraft LinkReader::read() {
   return std::move(draft_);
 }
 
+/// The joint's place and axis in its first link; what the file says of the second has no effect in Choreonoid.
+void LinkReader::read_loop_frame(Mapping& keys, LoopJoint& joint) {
+  joint.has_other_frame = false;
+  joint.frame.translation() = keys.vector({"translation_in_link1", "link1LocalPos"}).value_or(Eigen::Vector3d::Zero());
+  if (const YamlNode* node = keys.find({"rotation_in_link1"}))
+    joint.frame.linear() = read_rotation(*node, document_).value_or(Eigen::Matrix3d::Identity());
+  const Eigen::Vector3d axis = keys.vector({"axis", "jointAxis"}).value_or(Eigen::Vector3d::UnitX());
+  if (axis.isZero(0.0))
+    document_.error(keys.node(), "the axis of an extra joint is zero", "as in [0, 0, 1]");
+  else
+    joint.axis = axis.stableNormalized();
+  if (const YamlNode* node = keys.find({"rotation_in_link2"})) read_rotation(*node, document_);
+  keys.vector({"translation_in_link2", "link2LocalPos"});
+}
+
 void LinkReader::read_loops(const YamlNode& loops) {
   if (loops.kind != YamlNode::Kind::list) return document_.error(loops, "extra_joints isn't a list");
   for (const YamlNodePtr& item : loops.items) {
     Mapping keys(*item, "an extra joint", document_);
     if (!keys.is_map()) continue;
     LoopDraft loop;
-    loop.kind = keys.text({"joint_type", "jointType"}).value_or("");
+    const std::string kind = keys.text({"joint_type", "jointType"}).value_or("");
     loop.link1 = keys.text({"link1_name", "link1Name"}).value_or("");
     loop.link2 = keys.text({"link2_name", "link2Name"}).value_or("");
-    loop.line = item->line;
-    keys.find({"name"});
-    keys.vector({"axis", "jointAxis"});
-    for (const char* rotation : {"rotation_in_link1", "rotation_in_link2"})
-      if (const YamlNode* node = keys.find({rotation})) read_rotation(*node, document_);
-    keys.vector({"translation_in_link1", "link1LocalPos"});
-    keys.vector({"translation_in_link2", "link2LocalPos"});
+    const auto name = keys.text({"name"});
+    loop.joint.name = name && !name->empty() ? *name : fmt::format("{}-{}", loop.link1, loop.link2);
+    read_loop_frame(keys, loop.joint);
     keys.finish();
-    if (loop.kind != "fixed" && loop.kind != "hinge" && loop.kind != "ball" && loop.kind != "piston")
-      document_.error(*item, fmt::format("the type of an extra joint is {}", in_quotes(loop.kind)),
+    const auto known = std::find_if(std::begin(loop_types), std::end(loop_types),
+                                    [&kind](const auto& type) { return type.first == kind; });
+    if (known == std::end(loop_types) && kind != "piston")
+      document_.error(*item, fmt::format("the type of an extra joint is {}", in_quotes(kind)),
                       "fixed, hinge, ball or piston");
     for (const std::string& name : {loop.link1, loop.link2})
       if (std::none_of(draft_.links.begin(), draft_.links.end(),
                        [&name](const LinkDraft& draft) { return draft.link.name == name; }))
         document_.error(*item, fmt::format("an extra joint is on {}, which is not a link", in_quotes(name)));
-    document_.warning(*item, fmt::format("the {} that closes a loop between links {} and {} isn't simulated: the links "
-                                         "move freely against each other",
-                                         loop.kind, in_quotes(loop.link1), in_quotes(loop.link2)));
+    if (loop.link1 == loop.link2)
+      document_.error(*item, fmt::format("an extra joint connects {} to itself", in_quotes(loop.link1)));
+    if (kind == "piston")
+      document_.warning(*item, fmt::format("the piston that closes a loop between links {} and {} isn't simulated: the "
+                                           "links move freely against each other",
+                                           in_quotes(loop.link1), in_quotes(loop.link2)));
+    if (known == std::end(loop_types)) continue;
+    loop.joint.type = known->second;
     draft_.loops.push_back(std::move(loop));
   }
 }
@@ -283,7 +305,8 @@ void LinkReader::add_sub_body(Mapping& keys, BodyDraft sub) {
     draft_.links.push_back(std::move(draft));
   }
   for (LoopDraft& loop : sub.loops)
-    draft_.loops.push_back({loop.kind, renamed(loop.link1), renamed(loop.link2), keys.node().line});
+    loop.joint.name = renamed(loop.joint.name), loop.link1 = renamed(loop.link1), loop.link2 = renamed(loop.link2);
+  std::move(sub.loops.begin(), sub.loops.end(), std::back_inserter(draft_.loops));
 }
 
 /// A belt of AGX: a chain of links, the first of them free.

@@ -95,6 +95,7 @@ std::optional<Model> join(BodyDraft draft, Files& files) {
   }
   const Joint root_joint = root->link.joint;
   const CollisionRules rules = draft.rules;
+  const std::vector<LoopDraft> loops = std::move(draft.loops);
   std::optional<Model> model = urdf::join(urdf_draft_of(draft, files), findings);
   if (!model) return std::nullopt;
   Joint& joint = model->links.front().joint;
@@ -102,6 +103,11 @@ std::optional<Model> join(BodyDraft draft, Files& files) {
   joint.origin = root_joint.origin;
   joint.controller_id = root_joint.controller_id;
   number_joints(*model, findings);
+  for (const LoopDraft& loop : loops) {
+    LoopJoint& closing = model->loops.emplace_back(loop.joint);
+    closing.link = model->find_link(loop.link1);
+    closing.other_link = model->find_link(loop.link2);
+  }
   apply_collision_rules(rules, *model);
   return model;
 }

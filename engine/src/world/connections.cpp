@@ -53,7 +53,7 @@ Connections::Connections(dWorldID world, const Bodies& bodies, std::vector<Conne
     for (const LoopJoint& loop : body.model->loops) {
       const int index = static_cast<int>(i);
       wanted.push_back({body.name + "/" + loop.name, loop.type, index, loop.link, index, loop.other_link, loop.frame,
-                        loop.other_frame, loop.axis});
+                        loop.has_other_frame ? std::optional(loop.other_frame) : std::nullopt, loop.axis});
     }
   }
   for (Connection& each : wanted) slots_.emplace_back().wanted = std::move(each);

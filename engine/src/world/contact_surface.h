@@ -27,6 +27,9 @@ class ContactLaw {
   /// surface states a limit or stiffness, ODE's limit is infinite, and apply() limits each contact.
   double ode_correcting_velocity() const;
 
+  /// True if a belt drives a contact of that depth [m].
+  bool drives(double depth) const { return depth <= solver_.belt_depth; }
+
   /// Sets the contact's surface parameters, and changes the depth of contact.geom so that ODE applies the wanted
   /// correcting velocity.
   void apply(const TouchedSurface& a, const TouchedSurface& b, dContact& contact) const;

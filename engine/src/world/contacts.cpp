@@ -115,7 +115,7 @@ void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const
   dContact contact{};
   contact.geom = touch.geom;
   law.apply(surface_of(touch.a), surface_of(touch.b), contact);
-  if (touch.a.has_belt() || touch.b.has_belt()) run_belts(touch, contact);
+  if ((touch.a.has_belt() || touch.b.has_belt()) && law.drives(touch.geom.depth)) run_belts(touch, contact);
   if (!(contact.surface.mode & dContactFDir1)) friction.direct(touch.friction, contact);
   const dJointID joint = dJointCreateContact(world, group, &contact);
   dJointAttach(joint, touch.a.ode, touch.b.ode);

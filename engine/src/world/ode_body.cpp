@@ -32,6 +32,7 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   pair_own_shapes();
   const auto posture = forward_kinematics(model(), root, description().joints);
   set_posture(posture);
+  if (description().planar && groups_.front().body) plane_.emplace(world, groups_.front().body);
   set_velocities(initial_motions(description(), posture));
   for (std::size_t id = 0; id < slots_.size(); ++id)
     if (!slots_[id].is_track) joints_[slots_[id].index].count_turns(description().joints[id]);
@@ -208,6 +209,7 @@ void OdeBody::begin_motions() {
 void OdeBody::drive(const BodyCommand& command) {
   REHEARSE_ASSERT(command.joints.size() == slots_.size(), "a command has an entry for each joint");
   hold_up_weightless();
+  if (plane_) plane_->correct(time_step_);
   turn_freely();
   apply_rotors();
   if (has_resistance_) resist_motions();

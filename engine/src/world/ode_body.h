@@ -3,12 +3,14 @@
 
 #include <ode/ode.h>
 
+#include <optional>
 #include <vector>
 
 #include "cut.h"
 #include "initial_motion.h"
 #include "model/rigid_groups.h"
 #include "ode_joint.h"
+#include "plane_constraint.h"
 #include "simulated_body.h"
 
 namespace rehearse {
@@ -107,6 +109,7 @@ class OdeBody final : public SimulatedBody {
   double moving_mass_ = 0.0;                           // of all groups that aren't fixed to the world [kg]
   bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
   std::vector<Track> tracks_;                          // by joint id
+  std::optional<PlaneConstraint> plane_;               // of the root
   std::vector<CutSensor> cuts_;                        // by device index
   std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step
 };

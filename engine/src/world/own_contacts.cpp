@@ -22,6 +22,15 @@ std::set<Pair> joined_groups(const std::vector<Link>& links, const std::vector<i
   return joined;
 }
 
+/// By link: the nearest link above it, or itself, that no joint connects to its parent.
+std::vector<int> free_links(const std::vector<Link>& links) {
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < links.size(); ++i)
+    roots.push_back(links[i].parent < 0 || links[i].joint.type == JointType::free ? static_cast<int>(i)
+                                                                                  : roots[links[i].parent]);
+  return roots;
+}
+
 }  // namespace
 
 void SimulatedBody::pair_own_shapes() {
@@ -33,7 +42,8 @@ void SimulatedBody::pair_own_shapes() {
     if (std::binary_search(model().apart.begin(), model().apart.end(), pair)) return false;
     return wanted && !move_together(a, b) && !joined.count(std::minmax(groups_[a], groups_[b]));
   };
-  std::set<Pair> overlapping;  // links
+  const std::vector<int> roots = free_links(links);  // bodies of their own may lie on each other from the start
+  std::set<Pair> overlapping;                        // links
   std::vector<std::pair<std::size_t, std::size_t>> wanted;
   std::vector<dContactGeom> one(1);
   for (std::size_t a = 0; a < shapes_.size(); ++a) {
@@ -41,7 +51,8 @@ void SimulatedBody::pair_own_shapes() {
       const int link = shapes_[a].link, other = shapes_[b].link;
       if (!may_touch(link, other)) continue;
       wanted.emplace_back(a, b);
-      if (collide_shapes(shapes_[a], shapes_[b], one) > 0) overlapping.emplace(link, other);
+      if (roots[link] == roots[other] && collide_shapes(shapes_[a], shapes_[b], one) > 0)
+        overlapping.emplace(link, other);
     }
   }
   for (const auto& [a, b] : wanted)

@@ -5,6 +5,7 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -226,6 +227,21 @@ Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file)
   TreeBuilder builder;
   if (auto problem = build(text, file, false, 0, builder)) return *problem;
   return builder.root() ? builder.root() : std::make_shared<YamlNode>();
+}
+
+std::string yaml_text(std::string_view text) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const bool is_plain = !text.empty() && (is_letter(text[0]) || text[0] == '_' || text[0] == '/' || text[0] == '.') &&
+                        std::all_of(text.begin(), text.end(), [&](char c) {
+                          return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '/' || c == '.' || c == '-';
+                        });
+  if (is_plain) return std::string(text);
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c == '\n' ? std::string("\\n") : std::string(1, c);
+  }
+  return out + "\"";
 }
 
 }  // namespace rehearse

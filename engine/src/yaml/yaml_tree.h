@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rehearse {
@@ -51,5 +52,8 @@ Result<YamlDocument> parse_yaml_document(const std::string& text, const std::str
 /// Parses one YAML document; never null. `file` is used in messages. Text without a document is an empty node. Fails if
 /// the text isn't YAML, contains a second document, nests too deep, or if its aliases unfold to over a million nodes.
 Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file);
+
+/// The text as a scalar of YAML: as it is if it is a plain word, else in double quotes.
+std::string yaml_text(std::string_view text);
 
 }  // namespace rehearse

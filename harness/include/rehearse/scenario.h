@@ -249,15 +249,17 @@ struct Scenario {
   static constexpr double min_time_step = 1e-5;    // [s]
   static constexpr double max_time_step = 0.1;     // [s]
 
-  std::string file;          // as the user named it
-  std::string text;          // the file's bytes
-  std::string name;          // `name:`, or the file's name without .yaml
-  std::string golden;        // `golden:` Suite.Test, or empty
-  double duration = 0.0;     // [s]
-  double time_step = 0.001;  // [s]
+  std::string file;             // as the user named it
+  std::string text;             // the file's bytes
+  std::string name;             // `name:`, or the file's name without .yaml
+  std::string golden;           // `golden:` Suite.Test, or empty
+  double duration = 0.0;        // [s]
+  bool ends_when_done = false;  // the run ends after the step in which every control() returned false
+  double time_step = 0.001;     // [s]
   std::uint32_t seed = 0;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
   SolverSettings solver;
+  bool planar = false;     // root links that aren't fixed stay in the plane of x and z in which they begin
   bool lever_arms = true;  // accelerometers and IMUs measure at their own place, not at their link's origin
   std::string options;     // option string of the simulator, before each controller's option string
   std::vector<ScenarioBody> bodies;

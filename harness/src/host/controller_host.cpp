@@ -10,6 +10,7 @@
 #include "controller_watch.h"
 #include "debug_hook.h"
 #include "info_text.h"
+#include "input_copies.h"
 #include "model/clock.h"
 #include "opened_files.h"
 #include "supervisor.h"
@@ -260,7 +261,10 @@ void ControllerHost::refuse(HostedController& hosted, const char* function) {
 }
 
 void ControllerHost::take_opened_files(HostedController& hosted) {
-  for (OpenedFile& file : take_files_opened()) hosted.files.emplace(std::move(file.name), std::move(file.content));
+  for (OpenedFile& file : take_files_opened()) {
+    copy_input(file, input_copies_);
+    hosted.files.emplace(std::move(file.name), std::move(file.content));
+  }
 }
 
 std::map<std::string, std::string> ControllerHost::files_read() const {
@@ -444,6 +448,11 @@ void ControllerHost::output(Timing timing, Command& command) {
     const Timing own = is_delayed(hosted) ? Timing::next_step : Timing::same_step;
     if (own == timing) apply(hosted, command);
   }
+}
+
+bool ControllerHost::all_done() const {
+  return !controllers_.empty() && std::none_of(controllers_.begin(), controllers_.end(),
+                                               [](const auto& hosted) { return hosted.running && hosted.tick.result; });
 }
 
 bool ControllerHost::is_delayed(const HostedController& hosted) const {

@@ -86,6 +86,8 @@ class ControllerHost {
   void start();
   /// Copies the inputs, calls control() and reads the outputs of all. False if one failed: the run ends here.
   bool control(std::int64_t tick, const Observation& seen);
+  /// True if there is a controller, and control() of all that take part returned false in this tick.
+  bool all_done() const;
   /// True if its commands act one tick late: neither it nor its parent requested no-delay mode.
   bool is_delayed(const HostedController& hosted) const;
   /// Writes the outputs of the controllers without (or with) delay into the command, in order. The last controller
@@ -99,6 +101,8 @@ class ControllerHost {
   const std::vector<HostedController>& controllers() const { return controllers_; }
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
   std::map<std::string, std::string> files_read() const;
+  /// The content of those that a recording contains, by the names of the attachments (input_copies.h).
+  const std::map<std::string, std::string>& input_copies() const { return input_copies_; }
   /// Hashes of all inputs and of all outputs of the controllers in this tick.
   std::uint64_t input_hash(const Observation& seen) const;
   std::uint64_t output_hash() const;
@@ -145,6 +149,7 @@ class ControllerHost {
   std::vector<std::shared_ptr<ControllerLibrary>> libraries_;
   std::vector<cnoid::BodyPtr> bodies_before_;  // by scenario body: the bodies for configure()
   std::vector<HostedController> controllers_;  // in order of their calls
+  std::map<std::string, std::string> input_copies_;
   std::vector<msg::Event> events_;
   std::optional<Diagnostic> failure_;
   CallEnd failed_by_ = CallEnd::returned;

@@ -4,11 +4,15 @@
 
 #include <array>
 #include <atomic>
+#include <cnoid/ExecutablePath>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "controller_library.h"
+#include "input_copies.h"
 
 namespace rehearse {
 namespace {
@@ -62,11 +66,25 @@ std::vector<OpenedFile> take_files_opened() {
     if (is_made_up(path) || (fs::exists(status) && !fs::is_regular_file(status))) continue;
     const bool is_there = fs::is_regular_file(status);
     opened.push_back(
-        {fs::path(path).filename().string(),
+        {fs::path(path).filename().string(), path,
          is_there ? fmt::format("{} bytes, {}", fs::file_size(path, failed), content_hash_of(path)) : missing_file});
   }
   files.used.store(0);
   return opened;
+}
+
+void copy_input(const OpenedFile& file, std::map<std::string, std::string>& copies) {
+  std::error_code failed;
+  const fs::path path = fs::weakly_canonical(file.path, failed);
+  const fs::path below = path.lexically_relative(fs::weakly_canonical(cnoid::shareDirPath(), failed));
+  const bool is_shared = !below.empty() && *below.begin() != "..";
+  if ((!is_shared && path.extension() != ".seq") || file.content == missing_file) return;
+  const std::uintmax_t size = fs::file_size(path, failed);
+  if (failed || size > max_input_copy) return;
+  std::ifstream stream(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string name = is_shared ? "share/" + below.string() : path.filename().string();
+  copies.emplace(std::string(input_copies_prefix) + name, std::move(text));
 }
 
 }  // namespace rehearse

@@ -13,6 +13,7 @@ namespace rehearse {
 
 struct OpenedFile {
   std::string name;     // without its folders, which differ between machines
+  std::string path;     // as it was opened
   std::string content;  // size and hash: "1234 bytes, 0123456789abcdef"; or missing_file
 };
 

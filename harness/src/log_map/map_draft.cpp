@@ -12,6 +12,7 @@
 
 #include "log_contents.h"
 #include "log_map.h"
+#include "yaml/yaml_tree.h"
 
 namespace rehearse {
 namespace {
@@ -56,21 +57,6 @@ bool has_word(std::string_view name, std::initializer_list<std::string_view> wan
 bool is_of_commands(const TopicContents& topic) {
   return has_word(topic.topic.name, {"command", "commands", "cmd", "desired", "target", "targets", "reference",
                                      "setpoint", "output", "goal"});
-}
-
-/// A scalar of YAML.
-std::string yaml_text(std::string_view text) {
-  const bool plain =
-      !text.empty() &&
-      std::all_of(text.begin(), text.end(),
-                  [](char c) {
-                    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '/' || c == '.' || c == '-';
-                  }) &&
-      !std::isdigit(static_cast<unsigned char>(text[0])) && text[0] != '-';
-  if (plain) return std::string(text);
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
-  return out + "\"";
 }
 
 /// A time step near the median interval: a whole rate, if there is one.

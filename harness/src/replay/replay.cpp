@@ -10,6 +10,7 @@
 #include "host/float_mode.h"
 #include "mcap/whole_input.h"
 #include "model/clock.h"
+#include "recorded_files.h"
 #include "recording_source.h"
 #include "replay_comparison.h"
 #include "replay_conditions.h"
@@ -109,6 +110,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
 Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& scenario, const ReplayOptions& options,
                                       Damage damage) {
   const StandardFloatMode float_mode;
+  const RecordedFiles files(recording);  // outlives the controllers
   auto host = ControllerHost::create(scenario, options);
   if (!host) return host.errors();
   auto report = replay_into(recording, scenario, options, damage, **host);

@@ -95,6 +95,8 @@ class Run {
 
   /// From now on, up to the new end, observations come from `source`, and ticks go to `sink`.
   void change(ObservationSource& source, Sink& sink, std::int64_t end);
+  /// The tick of the last step() is the last.
+  void end() { end_ = tick_; }
   /// `report` is called about every hundredth of `all` ticks with the number of ticks done since this call; null: not.
   void report_progress(Progress report, std::int64_t all);
 

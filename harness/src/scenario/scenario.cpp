@@ -98,7 +98,7 @@ void read_iterations(Findings& findings, const YamlNode& node, SolverSettings& s
 void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
   const Keys keys(findings, node, "the solver",
                   {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
-                   "friction", "max_contacts"});
+                   "friction", "max_contacts", "belt_depth"});
   if (const YamlNode* method = keys.find("method")) read_method(findings, *method, solver);
   if (const YamlNode* iterations = keys.find("iterations")) read_iterations(findings, *iterations, solver);
   keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
@@ -108,6 +108,7 @@ void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solve
   keys.number("surface_layer", {0.0, 1.0, "[m]"}, solver.surface_layer);
   keys.number("friction", {0.0, 1e6}, solver.friction);
   keys.integer("max_contacts", 1, 1000, solver.max_contacts);
+  keys.number("belt_depth", {0.0, 1e6, "[m]", true}, solver.belt_depth);
 }
 
 void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {
@@ -194,13 +195,15 @@ bool check_version(Findings& findings, const YamlNode& root) {
 void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models,
                    const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(
-      findings, root, "the scenario",
-      {"rehearse",   "name",    "golden",    "duration",   "time_step", "seed",   "gravity",  "options",  "solver",
-       "lever_arms", "bodies",  "materials", "pairs",      "joints",    "welds",  "pushes",   "joystick", "noise",
-       "look",       "cameras", "record",    "tolerances", "horizon",   "expect", "simulate", "vary"});
+  const Keys keys(findings, root, "the scenario",
+                  {"rehearse", "name",    "golden",     "duration", "ends_when_done", "planar",   "time_step",
+                   "seed",     "gravity", "options",    "solver",   "lever_arms",     "bodies",   "materials",
+                   "pairs",    "joints",  "welds",      "pushes",   "joystick",       "noise",    "look",
+                   "cameras",  "record",  "tolerances", "horizon",  "expect",         "simulate", "vary"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
+  keys.flag("ends_when_done", scenario.ends_when_done);
+  keys.flag("planar", scenario.planar);
   read_seed(findings, keys, scenario);
   keys.vector3("gravity", any_acceleration, scenario.gravity);
   keys.text("options", scenario.options);

@@ -46,6 +46,7 @@ Result<bool> ClosedLoop::step() {
   const StandardFloatMode float_mode;
   const auto going_on = run->step();
   if (!going_on) return stopped_recording(going_on.errors());
+  if (*going_on && scenario.ends_when_done && host->all_done()) run->end();
   return going_on;
 }
 
@@ -111,6 +112,8 @@ Result<void> ClosedLoop::close_file() {
   descriptor.reset();
   if (const auto files = host->files_read(); !files.empty())
     if (auto done = recorder->add_metadata(records::files, files); !done) return done;
+  for (const auto& [name, text] : host->input_copies())
+    if (auto done = recorder->attach(name, "application/octet-stream", text); !done) return done;
   if (auto done = recorder->close(outcome); !done) return done;
   note_recording({});
   return {};

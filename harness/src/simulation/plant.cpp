@@ -36,7 +36,7 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   for (const ScenarioBody& body : scenario.bodies)
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
                       body.joint_limits.value_or(true), body.effort_limits, body.self_collision, body.linear_velocity,
-                      body.angular_velocity, body.joint_velocities, body.materials});
+                      body.angular_velocity, body.joint_velocities, body.materials, scenario.planar});
   return bodies;
 }
 

@@ -245,6 +245,37 @@ collision_detection_rules:
   EXPECT_FALSE(model.links[3].visuals.empty());
 }
 
+/// What the file says of the second link has no effect: the joint is there where it is when a run begins.
+TEST(Body, ClosesLoopsByItsExtraJoints) {
+  const auto model = parse_body(R"(format: ChoreonoidBody
+format_version: 2.0
+name: Loop
+links:
+  - { name: A, joint_type: free, mass: 1, inertia: [1, 0, 0, 0, 1, 0, 0, 0, 1] }
+  - { name: B, parent: A, joint_type: revolute, mass: 1, inertia: [1, 0, 0, 0, 1, 0, 0, 0, 1] }
+  - { name: C, parent: A, joint_type: revolute, mass: 1, inertia: [1, 0, 0, 0, 1, 0, 0, 0, 1] }
+extra_joints:
+  - { link1_name: B, link2_name: C, joint_type: hinge, axis: [0, 0, 2], translation_in_link1: [0.1, 0.2, 0],
+      translation_in_link2: [9, 9, 9] }
+  - { name: ball, link1_name: C, link2_name: A, joint_type: ball }
+  - { link1_name: A, link2_name: C, joint_type: piston }
+)",
+                                "loop.body");
+  ASSERT_TRUE(model.ok()) << to_string(model.errors());
+  ASSERT_EQ(model->loops.size(), 2u);
+  const LoopJoint& hinge = model->loops[0];
+  EXPECT_EQ(hinge.name, "B-C");
+  EXPECT_EQ(hinge.type, LoopJoint::Type::revolute);
+  EXPECT_EQ(model->links[static_cast<std::size_t>(hinge.link)].name, "B");
+  EXPECT_EQ(model->links[static_cast<std::size_t>(hinge.other_link)].name, "C");
+  EXPECT_EQ(hinge.frame.translation(), Eigen::Vector3d(0.1, 0.2, 0));
+  EXPECT_EQ(hinge.axis, Eigen::Vector3d::UnitZ());
+  EXPECT_FALSE(hinge.has_other_frame);
+  EXPECT_EQ(model->loops[1].type, LoopJoint::Type::spherical);
+  EXPECT_EQ(model->loops[1].name, "ball");
+  EXPECT_THAT(to_string(model->report), ::testing::HasSubstr("the piston that closes a loop"));
+}
+
 TEST(Body, TheWagonOfTheFixturesStandsOnItsWheels) {
   const auto wagon = load_body(FIXTURES_DIR "/models/wagon.body", {.strict = true});
   ASSERT_TRUE(wagon.ok()) << to_string(wagon.errors());

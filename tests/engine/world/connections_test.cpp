@@ -113,6 +113,17 @@ double gap(const World& world) {
       .norm();
 }
 
+/// Without a second frame the loop is closed where it begins.
+TEST_P(Connecting, ALoopWithoutASecondFrameStaysAsItBegins) {
+  Model model = *four_bar();
+  model.loops.front().other_frame = at(7.0, 0.0, 0.0);
+  model.loops.front().has_other_frame = false;
+  const auto world = make_world(settings(), {body_of(std::make_shared<const Model>(model))});
+  run(*world, 1000, velocity(1.0));
+  EXPECT_LT(gap(*world), 1e-4);
+  EXPECT_NEAR(joint_of(*world, 2).q, joint_of(*world, 0).q, 2e-3);
+}
+
 TEST_P(Connecting, AFourBarLinkageStaysClosedAndRepeats) {
   const auto world = make_world(settings(), {body_of(four_bar())});
   double worst = 0.0;

@@ -40,6 +40,20 @@ TEST_P(FloatingJoints, LetItTouchItsOwnBody) {
   EXPECT_NEAR(link_of(*world, 1).position.z(), 1.0, 1e-3);
 }
 
+/// A box that begins a micrometre deep in the base lies on it; a link that a joint connects to the box would not.
+TEST_P(FloatingJoints, LetItLieOnItsOwnBodyFromTheStart) {
+  RobotBuilder robot(JointType::fixed, inertial(1.0, {1, 1, 1}));
+  robot.add("BLOCK", 0, JointType::free, Vector3d::UnitX(), inertial(2.0, {0.02, 0.03, 0.04}), at(0, 0, 1.0 - 1e-6));
+  robot.add_collision(0, Box{{1, 1, 1}});
+  robot.add_collision(1, Box{{1, 1, 1}});
+  WorldBody body = body_of(robot.build());
+  body.self_collision = true;
+  const auto world = make_world(settings(), {body});
+  EXPECT_TRUE(world->remarks().empty());
+  run(*world, 1000);
+  EXPECT_NEAR(link_of(*world, 1).position.z(), 1.0, 1e-3);
+}
+
 TEST_P(FloatingJoints, CarryNoForce) {
   RobotBuilder robot = base_and_block();
   robot.add_device("Force", 1, ForceSensor{});

@@ -78,6 +78,17 @@ TEST_P(Tracks, SlipSidewaysMoreEasilyThanTheyPull) {
   EXPECT_LT(turn(1.4), 0.01);
 }
 
+/// The vehicle comes up from a millimetre, and rests in the surface layer, 0.1 mm deep.
+TEST_P(Tracks, DontDriveContactsBeyondTheirDepth) {
+  WorldSettings shallow = settings();
+  shallow.solver.belt_depth = 5e-5;
+  WorldBody deep = vehicle();
+  deep.position.z() = 0.099;
+  const auto world = make_world(shallow, {deep, floor_body()});
+  drive(*world, 1000, 0.5, 0.5);
+  EXPECT_NEAR(link_of(*world).velocity.x(), 0.0, 0.01);
+}
+
 TEST_P(Tracks, HoldStillWithoutACommand) {
   const auto world = make_world(settings(), {vehicle(), floor_body()});
   drive(*world, 500, 0.5, 0.5);

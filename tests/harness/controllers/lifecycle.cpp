@@ -1,5 +1,7 @@
 // Controllers that log their calls: the order, the results, the time.
 
+#include <cnoid/ExecutablePath>
+#include <cnoid/YAMLReader>
 #include <fstream>
 #include <iomanip>
 
@@ -97,6 +99,34 @@ class FileReader : public Pusher {
   std::string path_;
 };
 const Add<FileReader> file_reader("file");
+
+/// share NAME: as `file`, of a file below shareDirPath().
+class SharedFileReader : public Pusher {
+ public:
+  explicit SharedFileReader(const Words& words) : Pusher(0.0), name_(words.at(0)) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    std::ifstream stream(cnoid::shareDirPath() / name_);
+    return stream >> effort_ && Pusher::initialize(io);
+  }
+
+ private:
+  std::string name_;
+};
+const Add<SharedFileReader> shared_file_reader("share");
+
+/// yaml PATH: commands the `effort` in the file, which the API reads.
+class YamlReader : public Pusher {
+ public:
+  explicit YamlReader(const Words& words) : Pusher(0.0), path_(words.at(0)) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    cnoid::YAMLReader reader;
+    return reader.load(path_) && reader.document()->toMapping()->read("effort", effort_) && Pusher::initialize(io);
+  }
+
+ private:
+  std::string path_;
+};
+const Add<YamlReader> yaml_reader("yaml");
 
 /// add EFFORT: adds to the command of a different controller of the body.
 class Adder : public Pusher {

@@ -65,6 +65,57 @@ TEST_F(OpenedFiles, ThatAreMissingAreNamedByTheRefusal) {
             "controller 'Rig/C' refuses to take part: initialize() returned false; gain.txt wasn't there");
 }
 
+/// What is below shareDirPath() is in the recording, so a replay elsewhere finds it.
+TEST_F(OpenedFiles, OfTheShareAreFoundByAReplayWithoutThem) {
+  std::filesystem::create_directories(path("share/motion"));
+  write("share/motion/gain.txt", "1.5\n");
+  setenv("REHEARSE_CHOREONOID_SHARE", path("share").c_str(), 1);
+  const Trace trace = record_run(rig_with("share motion/gain.txt"));
+  ASSERT_FALSE(summary_.failure) << summary_.failure->message;
+  const auto* copy = trace.find_attachment("inputs/share/motion/gain.txt");
+  ASSERT_NE(copy, nullptr);
+  EXPECT_EQ(copy->text(), "1.5\n");
+  std::filesystem::remove_all(path("share"));
+  setenv("REHEARSE_CHOREONOID_SHARE", path("elsewhere").c_str(), 1);
+  const ReplayReport report = replayed();
+  EXPECT_TRUE(report.equal());
+  EXPECT_FALSE(report.failure);
+  EXPECT_THAT(report.changed_files, IsEmpty());
+  EXPECT_EQ(getenv("REHEARSE_CHOREONOID_SHARE"), path("elsewhere").string());
+  unsetenv("REHEARSE_CHOREONOID_SHARE");
+}
+
+/// A file that is there is read as it is.
+TEST_F(OpenedFiles, OfTheShareThatHaveChangedAreNamedByAReplay) {
+  std::filesystem::create_directories(path("share"));
+  write("share/gain.txt", "1.5\n");
+  setenv("REHEARSE_CHOREONOID_SHARE", path("share").c_str(), 1);
+  record_run(rig_with("share gain.txt"));
+  write("share/gain.txt", "1.6\n");
+  const ReplayReport report = replayed();
+  EXPECT_FALSE(report.equal());
+  EXPECT_THAT(report.changed_files, ElementsAre("Rig/C: gain.txt has changed since the recording"));
+  unsetenv("REHEARSE_CHOREONOID_SHARE");
+}
+
+TEST_F(OpenedFiles, ThatAreMotionsAreFoundByAReplayWithoutThem) {
+  write("walk.seq", "effort: 1.5\n");
+  const Trace trace = record_run(rig_with("yaml " + path("walk.seq").string()));
+  ASSERT_FALSE(summary_.failure) << summary_.failure->message;
+  ASSERT_NE(trace.find_attachment("inputs/walk.seq"), nullptr);
+  std::filesystem::remove(path("walk.seq"));
+  const ReplayReport report = replayed();
+  EXPECT_TRUE(report.equal());
+  EXPECT_FALSE(report.failure);
+}
+
+TEST_F(OpenedFiles, ThatAreLargeAreRecordedByTheirDigestOnly) {
+  write("walk.seq", "effort: 1.5\n# " + std::string(1 << 20, 'x') + "\n");
+  const Trace trace = record_run(rig_with("yaml " + path("walk.seq").string()));
+  EXPECT_EQ(trace.find_attachment("inputs/walk.seq"), nullptr);
+  EXPECT_NE(trace.find_metadata("rehearse.files"), nullptr);
+}
+
 TEST_F(OpenedFiles, ThatAreMissingNowAreNamedByAReplay) {
   write("gain.txt", "1.5\n");
   record_run(reader());

@@ -34,6 +34,19 @@ TEST_F(Traps, ControlReturningFalseDoesNotEndTheRun) {
   EXPECT_GT(trace.last("Rig/SHOULDER/dq"), 0.03);  // the command was effective to the end
 }
 
+/// As in Choreonoid's active control period: the step in which the last one says so is made.
+TEST_F(Traps, ControlReturningFalseEndsTheRunIfTheScenarioSaysSo) {
+  const std::string head = "cameras: none\nends_when_done: true\n";
+  const Trace trace = record_run(rig(behaviour("C", "push 1 false"), head));
+  EXPECT_EQ(summary_.ticks, 1);
+  EXPECT_FALSE(summary_.failure.has_value());
+  EXPECT_EQ(trace.values("Rig/SHOULDER/dq").size(), 2u);  // the state after the step is there
+  record_run(rig(behaviour("C", "push 1 false") + ", " + behaviour("D", "push 1"), head));
+  EXPECT_EQ(summary_.ticks, 20) << "one isn't done";
+  record_run(rig("", head));
+  EXPECT_EQ(summary_.ticks, 20) << "nobody is done where nobody is";
+}
+
 TEST_F(Traps, CommandsActOneTickLate) {
   const std::vector<double> dq = speed(record_run(rig_with("push 1")));
   EXPECT_EQ(dq[0], 0.0);

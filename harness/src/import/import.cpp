@@ -1,0 +1,180 @@
+#include "import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/text.h"
+#include "project_run.h"
+
+namespace rehearse::import {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The folder that ${SHARE} stands for: the share folder of a checkout that contains the project, or of the
+/// installation that contains it; empty: none was found.
+fs::path find_share(const fs::path& project) {
+  std::error_code ignored;
+  const fs::path sample = fs::path("default") / "materials.yaml";
+  for (fs::path above = fs::absolute(project, ignored).parent_path(); above.has_relative_path();
+       above = above.parent_path())
+    for (const fs::path& share : {above / "share", above})
+      if (fs::exists(share / sample, ignored)) return share;
+  return {};
+}
+
+/// Letters, digits and a few marks; others are not valid in a scenario's names.
+std::string plain_name(const std::string& wanted) {
+  std::string name;
+  for (const char c : wanted)
+    name += (c > ' ' && std::string_view("/*?[]:#{},&!|>'\"%@`\\\x7f").find(c) == std::string_view::npos) ? c : '_';
+  constexpr std::size_t longest = 60;
+  return name.empty() ? "Body" : name.substr(0, longest);
+}
+
+struct Reason {
+  std::string_view ending;  // of the class
+  std::string_view why;
+  bool changes_the_run;
+};
+
+constexpr Reason reasons[] = {
+    {"WorldItem", "another world of the project", false},
+    {"MultiSE3MatrixSeqItem", "a recorded motion", false},
+    {"MulticopterSimulatorItem", "the forces of rotors and of air aren't simulated", true},
+    {"SubmersibleSimulatorItem", "the forces of water aren't simulated", true},
+    {"SimulatorItem", "another simulator item is taken", false},
+    {"SceneItem", "is drawn and never touched", false},
+    {"LightingItem", "belongs to the display", false},
+    {"CameraItem", "belongs to the display", false},
+    {"VisualizerItem", "belongs to the display", false},
+    {"Visualizer", "belongs to the display", false},
+    {"FrameItem", "a frame for editing", false},
+    {"FrameListItem", "a frame for editing", false},
+    {"PoseSeqItem", "a motion for editing", false},
+    {"SeqItem", "a recorded motion", false},
+    {"LoggerItem", "a recording has contacts anyway", false},
+    {"SubProjectItem", "a project within the project; import it by itself", true},
+    {"SpringDamperContactItem", "contacts of springs and dampers aren't read", true},
+    {"ControllerItem", "only SimpleControllers are run", true},
+    {"ScriptItem", "scripts aren't run", true},
+};
+
+const Reason& reason_of(const std::string& type) {
+  static constexpr Reason unknown{"", "its class is not known here", true};
+  const auto found = std::find_if(std::begin(reasons), std::end(reasons),
+                                  [&](const Reason& reason) { return type.ends_with(reason.ending); });
+  return found == std::end(reasons) ? unknown : *found;
+}
+
+}  // namespace
+
+ProjectReader::ProjectReader(ProjectFile& file, fs::path project, const ImportOptions& options)
+    : file_(file), project_(std::move(project)), options_(options) {
+  if (options_.share.empty()) options_.share = find_share(project_);
+}
+
+std::optional<fs::path> ProjectReader::find_file(const std::string& written, const YamlNode& at) {
+  const std::size_t end = written.starts_with("${") ? written.find('}') : std::string::npos;
+  if (end == std::string::npos) return project_.parent_path() / written;
+  const std::string variable = written.substr(2, end - 2);
+  const std::string rest = written.substr(std::min(written.find_first_not_of('/', end + 1), written.size()));
+  if (variable == "PROJECT_DIR") return project_.parent_path() / rest;
+  if (variable == "SHARE" && !options_.share.empty()) {
+    std::error_code ignored;
+    const fs::path in_checkout = options_.share.parent_path() / "sample" / rest;  // installation moves it
+    return !fs::exists(options_.share / rest, ignored) && fs::exists(in_checkout, ignored) ? in_checkout
+                                                                                           : options_.share / rest;
+  }
+  document().error(at, fmt::format("{} is below ${{{}}}, and where that is isn't known", in_quotes(written), variable),
+                   variable == "SHARE" ? "--share DIR: Choreonoid's share folder, which has default/materials.yaml"
+                                       : "only ${SHARE} and ${PROJECT_DIR} are known here");
+  return std::nullopt;
+}
+
+std::string ProjectReader::seen_from_folder(const fs::path& file) const {
+  std::error_code ignored;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(options_.folder, ignored), ignored);
+  return fs::weakly_canonical(fs::absolute(file, ignored), ignored).lexically_proximate(folder).string();
+}
+
+std::string ProjectReader::unique_name(const std::string& wanted, std::set<std::string>& names) const {
+  const std::string base = plain_name(wanted);
+  std::string name = base;
+  for (int i = 2; !names.insert(name).second; ++i) name = fmt::format("{}_{}", base, i);
+  return name;
+}
+
+void ProjectReader::leave_out_the_rest() {
+  for (const ProjectItem* item : file_.all()) {
+    if (outcomes_.contains(item) || item->type == "FolderItem" || item->type == "RootItem" || item->type.empty())
+      continue;
+    const Reason& reason = reason_of(item->type);
+    left_out(*item, std::string(reason.why));
+    if (reason.changes_the_run)
+      document().warning(*item->node,
+                         fmt::format("{} {} is left out: {}", item->type, in_quotes(item->name), reason.why));
+  }
+}
+
+Result<ImportedProject> ProjectReader::read() {
+  const std::vector<const ProjectItem*> items = file_.all();
+  choose_simulator();
+  const ProjectItem* above = settings_.simulator == nullptr ? nullptr : settings_.simulator->above("WorldItem");
+  const auto world = std::find_if(items.begin(), items.end(), [&](const ProjectItem* item) {
+    return item->type == "WorldItem" && (above == nullptr || item == above);
+  });
+  if (world == items.end()) {
+    document().error(*file_.root.node, "the project has no WorldItem, so nothing is simulated",
+                     "it may be a part of a project: Choreonoid loads several files into one project");
+    return document().findings().errors();
+  }
+  world_ = *world;
+  taken(*world_, "the scenario");
+  read_settings();
+  read_materials();
+  read_bodies();
+  if (bodies_.empty() && !document().findings().has_error())
+    document().error(*world_->node, "no BodyItem is below the world, so nothing is simulated");
+  read_vision();
+  leave_out_the_rest();
+  if (document().findings().has_error()) {
+    Diagnostics all = document().findings().errors();
+    all.insert(all.end(), model_errors_.begin(), model_errors_.end());
+    return all;
+  }
+  ImportedProject imported;
+  imported.name = plain_name(project_.stem().string());
+  imported.scenario =
+      scenario_text(imported.name, project_.filename().string(), settings_, materials_, bodies_, attachments_);
+  imported.files = std::move(files_);
+  for (const ProjectItem* item : items) {
+    const auto outcome = outcomes_.find(item);
+    if (outcome != outcomes_.end())
+      imported.items.push_back(
+          {item->type, item->name, outcome->second.is_taken, outcome->second.text, item->node->line});
+  }
+  document().tell_passed();
+  imported.remarks = document().findings().report();
+  return imported;
+}
+
+}  // namespace rehearse::import
+
+namespace rehearse {
+
+Result<ImportedProject> import_project_text(const std::string& text, const std::filesystem::path& project,
+                                            const ImportOptions& options) {
+  const auto file = import::read_project_file(text, project.string());
+  if (file->document.findings().has_error()) return file->document.findings().errors();
+  return import::ProjectReader(*file, project, options).read();
+}
+
+Result<ImportedProject> import_project(const std::filesystem::path& project, const ImportOptions& options) {
+  const Result<std::string> text = read_yaml_file(project, "a Choreonoid project");
+  if (!text) return text.errors();
+  return import_project_text(*text, project, options);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,216 @@
+// The simulator item's settings, the cameras that a vision simulator runs, and the tables of materials.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/names.h"
+#include "model/text.h"
+#include "project_run.h"
+
+namespace rehearse::import {
+namespace {
+
+using body::Mapping;
+
+constexpr const char* ode = "ODESimulatorItem";
+constexpr double longest_until_done = 60.0;  // [s], where a project leaves the end to its controllers
+constexpr double endless = 10.0;             // [s], where a project runs until somebody stops it
+
+bool is_below(const ProjectItem& item, const ProjectItem& other) {
+  for (const ProjectItem* above = item.parent; above != nullptr; above = above->parent)
+    if (above == &other) return true;
+  return false;
+}
+
+/// Words of a list, or one word.
+std::vector<std::string> words_of(const YamlNode& node) {
+  std::vector<std::string> words;
+  if (node.kind == YamlNode::Kind::scalar) words.push_back(node.text);
+  for (const YamlNodePtr& item : node.items) words.push_back(item->text);
+  return words;
+}
+
+}  // namespace
+
+void ProjectReader::choose_simulator() {
+  std::vector<const ProjectItem*> simulators;
+  std::vector<std::string> names;
+  for (const ProjectItem* item : file_.all()) {
+    if (!item->is_simulator()) continue;
+    simulators.push_back(item);
+    names.push_back(item->name);
+  }
+  const auto wanted = [&](const auto& test) {
+    const auto found = std::find_if(simulators.begin(), simulators.end(), test);
+    return found == simulators.end() ? nullptr : *found;
+  };
+  if (!options_.simulator.empty()) {
+    settings_.simulator = wanted([&](const ProjectItem* item) { return item->name == options_.simulator; });
+    if (settings_.simulator == nullptr)
+      document().error(*file_.root.node,
+                       fmt::format("the project has no simulator item {}", in_quotes(options_.simulator)),
+                       name_hint(options_.simulator, names, "simulator items"));
+    return;
+  }
+  settings_.simulator = wanted([](const ProjectItem* item) { return item->type == ode; });
+  if (settings_.simulator == nullptr && !simulators.empty()) settings_.simulator = simulators.front();
+}
+
+void ProjectReader::read_settings() {
+  settings_.time_step = 1.0 / file_.frame_rate;
+  if (settings_.simulator == nullptr) {
+    settings_.duration = options_.duration.value_or(file_.max_time);
+    settings_.why_so_long = options_.duration ? "" : "as the time bar says";
+    if (options_.simulator.empty())
+      document().warning(*world_->node, "the project has no simulator item; step and length are those of the time bar",
+                         "--duration S changes the length");
+    return;
+  }
+  const ProjectItem& item = *settings_.simulator;
+  Mapping keys = data_of(item, file_);
+  const auto rate = keys.number({"frame_rate", "frameRate"});
+  if (rate && *rate > 0.0) settings_.time_step = 1.0 / *rate;
+  settings_.time_step = keys.number({"time_step", "timeStep", "timestep"}).value_or(settings_.time_step);
+  settings_.options = keys.text({"controller_options", "controllerOptions"}).value_or("");
+  if (settings_.time_step < 1e-5 || settings_.time_step > 0.1)
+    document().error(*item.node, fmt::format("the time step is {} s", settings_.time_step),
+                     "a scenario's is from 0.00001 to 0.1 s");
+  read_time_range(keys);
+  const auto gravity = keys.vector({"gravity", "Gravity"});
+  if (gravity && !gravity->isApprox(Eigen::Vector3d(0.0, 0.0, -9.80665), 1e-12)) settings_.gravity = gravity;
+  settings_.is_planar = keys.flag({"use_2d_mode", "2Dmode"}).value_or(false);
+  settings_.is_kinematic = item.type == "KinematicSimulatorItem";
+  if (item.type == ode)
+    read_ode(keys);
+  else if (!settings_.is_kinematic)
+    document().warning(*item.node,
+                       fmt::format("{} {} is simulated by ODE here: forces and contacts differ from its own", item.type,
+                                   in_quotes(item.name)));
+  keys.finish({"realtime_sync", "recording", "record_collision_data"});
+  taken(item, fmt::format("time step {} s, {}", settings_.time_step,
+                          item.type == ode ? "gravity, solver, options" : "gravity, options"));
+}
+
+void ProjectReader::read_time_range(Mapping& keys) {
+  const std::string mode = keys.text({"time_range_mode", "timeRangeMode"}).value_or("unlimited");
+  const double length = keys.number({"time_length", "timeLength"}).value_or(300.0);
+  settings_.ends_when_done =
+      keys.flag({"is_active_control_time_range_mode", "active_control_time_range_mode", "isActiveControlTimeRangeMode"})
+          .value_or(false) ||
+      mode == "Active control period" || mode == "Active control time";
+  if (options_.duration) {
+    settings_.duration = *options_.duration;
+  } else if (mode == "specified" || mode == "Specified time") {
+    settings_.duration = length;
+  } else if (mode == "timebar" || mode == "Time bar range") {
+    settings_.duration = file_.max_time;
+  } else if (settings_.ends_when_done) {
+    settings_.duration = longest_until_done;
+    settings_.why_so_long = "at most: the project leaves it to its controllers";
+  } else {
+    settings_.duration = endless;
+    settings_.why_so_long = "the project runs until somebody stops it";
+    document().warning(keys.node(), fmt::format("the project has no end; the scenario has {} s", endless),
+                       "--duration S changes the length");
+  }
+  if (settings_.duration <= 0.0 || settings_.duration > 86400.0)
+    document().error(keys.node(), fmt::format("the run lasts {} s", settings_.duration),
+                     "a scenario's duration is above 0 and at most 86400 s");
+}
+
+/// The keys of the ODE item whose values differ from the defaults, which scenarios share.
+void ProjectReader::read_ode(Mapping& keys) {
+  const auto state = [this](const char* key, const std::optional<double>& value, double otherwise) {
+    if (value && *value != otherwise) settings_.solver.emplace_back(key, fmt::format("{}", *value));
+  };
+  if (keys.text({"step_mode", "stepMode"}).value_or("").starts_with("Big"))
+    settings_.solver.emplace_back("method", "exact");
+  state("iterations", keys.number({"num_iterations", "numIterations"}), 50.0);
+  state("over_relaxation", keys.number({"over_relaxation", "overRelaxation"}), 1.3);
+  state("erp", keys.number({"global_erp", "globalERP"}), 0.4);
+  state("cfm", keys.number({"global_cfm", "globalCFM"}), 1e-10);
+  const auto velocity = keys.number({"max_correcting_velocity", "maxCorrectingVel"});
+  const bool is_limited = keys.flag({"limit_correcting_velocity", "limitCorrectingVel"}).value_or(true);
+  state("max_correcting_velocity", is_limited ? velocity : std::optional(1e6), 0.01);
+  settings_.friction = keys.number({"friction"}).value_or(1.0);
+  settings_.joint_limits = keys.flag({"enable_joint_limit", "jointLimitMode"}).value_or(false);
+  const bool has_rotors = keys.flag({"add_joint_axis_inertia_to_link_inertia"}).value_or(false);
+  if (has_rotors)
+    document().note(keys.node(), "rotors resist the acceleration of their joints; their inertia isn't added to links");
+  if (keys.flag({"use_world_collision_detector", "useWorldCollisionDetector"}).value_or(false))
+    document().warning(keys.node(), "contacts are found by ODE, not by the world's collision detector");
+  settings_.belt_depth = keys.number({"surface_drive_culling_depth"}).value_or(settings_.belt_depth);
+}
+
+void ProjectReader::read_vision() {
+  if (settings_.simulator == nullptr) return;
+  for (const ProjectItem* item : file_.all()) {
+    if (item->type != "GLVisionSimulatorItem" || !is_below(*item, *settings_.simulator)) continue;
+    Mapping keys = data_of(*item, file_);
+    if (!keys.flag({"enabled"}).value_or(true)) {
+      left_out(*item, "it is not enabled");
+      continue;
+    }
+    std::vector<std::string> bodies, sensors;
+    if (const YamlNode* node = keys.find({"target_bodies", "targetBodies"})) bodies = words_of(*node);
+    if (const YamlNode* node = keys.find({"target_sensors", "targetSensors"})) sensors = words_of(*node);
+    settings_.has_vision = true;
+    settings_.cameras.emplace();
+    const auto is_meant = [](const std::vector<std::string>& words, const std::string& name) {
+      return words.empty() || std::find(words.begin(), words.end(), name) != words.end();
+    };
+    for (const ProjectBody& body : bodies_)
+      for (const Device& device : body.model.devices)
+        if (std::holds_alternative<Camera>(device.kind) && is_meant(bodies, body.item->name) &&
+            is_meant(sensors, device.name))
+          settings_.cameras->push_back(body.name + "/" + device.name);
+    if (bodies.empty() && sensors.empty()) settings_.cameras.reset();
+    keys.finish();
+    taken(*item, "the cameras take pictures");
+  }
+}
+
+void ProjectReader::read_materials() {
+  Mapping keys = data_of(*world_, file_);
+  const YamlNode* file = keys.find({"default_material_table_file", "materialTableFile"});
+  read_table(file == nullptr ? "${SHARE}/default/materials.yaml" : file->text, file == nullptr ? *world_->node : *file);
+  keys.finish();
+  for (const ProjectItem* item : file_.all()) {
+    if (item->type != "MaterialTableItem" || !is_below(*item, *world_)) continue;
+    Mapping table = data_of(*item, file_);
+    const YamlNode* name = table.find({"file"});
+    if (name == nullptr) {
+      document().error(*item->node, fmt::format("the {} {} names no file", item->type, in_quotes(item->name)));
+      continue;
+    }
+    read_table(name->text, *name);
+    table.finish();
+    taken(*item, fmt::format("materials of {}", std::filesystem::path(name->text).filename().string()));
+  }
+}
+
+void ProjectReader::read_table(const std::string& written, const YamlNode& at) {
+  const bool is_default = written == "${SHARE}/default/materials.yaml";
+  if (is_default && options_.share.empty()) {
+    document().warning(at, "Choreonoid's own table of materials isn't found: friction is 0.5 everywhere",
+                       "--share DIR: Choreonoid's share folder, which has default/materials.yaml");
+    materials_.add_default_pair();
+    return;
+  }
+  const auto path = find_file(written, at);
+  if (!path) return;
+  const auto text = read_yaml_file(*path, "a table of materials");
+  const auto root = text ? parse_yaml_document(*text, path->string()) : Result<YamlDocument>(text.errors());
+  if (!root) {
+    document().error(at, fmt::format("the table of materials {} can't be used: {}", in_quotes(written),
+                                     root.errors().front().message));
+    return;
+  }
+  body::Document table(path->string(), false);
+  materials_.read(*root->root, table);
+  for (const Diagnostic& mistake : table.findings().errors()) model_errors_.push_back(mistake);
+  if (table.findings().has_error())
+    document().error(at, fmt::format("the table of materials {} can't be used", in_quotes(written)));
+}
+
+}  // namespace rehearse::import

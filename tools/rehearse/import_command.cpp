@@ -1,0 +1,135 @@
+// rehearse import: writes the scenario that a Choreonoid project runs.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/scenario.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+#include "import/import.h"
+#include "options.h"
+#include "output.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ImportSettings {
+  std::string project;
+  std::string folder;
+  std::string share;
+  ImportOptions options;
+  bool json = false;
+};
+
+Result<void> write(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) return error_in(file.string(), "it can't be written", "is there room on the disk?");
+  return {};
+}
+
+/// Writes the files; those that are there may have been changed by hand.
+Result<void> write_all(const fs::path& folder, const ImportedProject& imported) {
+  std::map<std::string, std::string> files = imported.files;
+  files[imported.name + ".yaml"] = imported.scenario;
+  std::error_code problem;
+  for (const auto& [name, text] : files)
+    if (fs::exists(folder / name, problem))
+      return error_in((folder / name).string(), "it exists, and may have been changed by hand",
+                      "name another folder, or remove it");
+  fs::create_directories(folder, problem);
+  if (problem) return error_in(folder.string(), "the folder can't be made: " + problem.message());
+  for (const auto& [name, text] : files)
+    if (auto done = write(folder / name, text); !done) return done;
+  return {};
+}
+
+/// Items of one class with one outcome share a row.
+void print_items(const std::vector<ImportedItem>& items, bool is_taken, const std::string& heading) {
+  std::vector<TableRow> rows{{heading, "item", is_taken ? "became" : "why"}};
+  std::map<std::pair<std::string, std::string>, std::size_t> known;
+  for (const ImportedItem& item : items) {
+    if (item.is_taken != is_taken) continue;
+    const auto [row, is_new] = known.emplace(std::pair(item.type, item.outcome), rows.size());
+    if (is_new || is_taken)
+      rows.push_back({item.type, plain_text(item.name), plain_text(item.outcome)});
+    else
+      rows[row->second][1] += ", " + plain_text(item.name);
+  }
+  if (rows.size() > 1) print_table(rows);
+}
+
+Json json_of_import(const ImportedProject& imported, const std::string& scenario) {
+  Json items = Json::array();
+  for (const ImportedItem& item : imported.items)
+    items.push_back({{"class", item.type},
+                     {"name", item.name},
+                     {"line", item.line},
+                     {"taken", item.is_taken},
+                     {"outcome", item.outcome}});
+  return {{"scenario", scenario}, {"items", items}, {"remarks", json_of(imported.remarks)}};
+}
+
+Exit run_import(ImportSettings& settings) {
+  settings.options.folder = settings.folder;
+  settings.options.share = settings.share;
+  const auto imported = import_project(settings.project, settings.options);
+  if (!imported) return refuse(imported.errors());
+  if (const auto written = write_all(settings.folder, *imported); !written) return refuse(written.errors());
+  const std::string file = (fs::path(settings.folder) / (imported->name + ".yaml")).string();
+  if (settings.json) {
+    print(json_of_import(*imported, file));
+  } else {
+    print_items(imported->items, true, "taken");
+    fmt::print("\n");
+    print_items(imported->items, false, "left out");
+    fmt::print("\nwrote {}; run it with: rehearse record {}\n", file, file);
+  }
+  std::fflush(stdout);  // before related output on stderr
+  fmt::print(stderr, "{}", to_string(imported->remarks));
+  // What the project says may be right, and yet no scenario.
+  if (const auto scenario = Scenario::load(file); !scenario) return refuse(scenario.errors());
+  return Exit::done;
+}
+
+std::function<Exit()> declare_import(CLI::App& options) {
+  const auto settings = std::make_shared<ImportSettings>();
+  options.add_option("PROJECT", settings->project, "a project of Choreonoid, *.cnoid")->required()->type_name("");
+  options.add_option("-o,--output", settings->folder, "the folder for the scenario, PROJECT.yaml (this one)")
+      ->type_name("DIR")
+      ->default_val(".");
+  options
+      .add_option("--simulator", settings->options.simulator,
+                  "the simulator item to take, by its name (the first of ODE, else the first)")
+      ->type_name("NAME");
+  add_number(options, "--duration", "simulated time [s], instead of the project's", 0.0, Scenario::max_duration,
+             [=](double duration) { settings->options.duration = duration; });
+  options
+      .add_option("--share", settings->share,
+                  "what ${SHARE} stands for (the share folder of the checkout or installation around the project)")
+      ->type_name("DIR");
+  add_json_flag(options, settings->json);
+  return [settings] { return run_import(*settings); };
+}
+
+}  // namespace
+
+const Verb import_verb{"import",
+                       "  rehearse import choreonoid/sample/SimpleController/SR1Walk.cnoid -o walk\n"
+                       "  rehearse record walk/SR1Walk.yaml --controller SR1WalkController=build/SR1WalkPattern.so\n"
+                       "\n"
+                       "Bodies, poses, controllers, settings of the simulator and materials are taken. Models and "
+                       "controllers stay where they are.\n",
+                       declare_import};
+
+}  // namespace rehearse::tool
