@@ -81,8 +81,9 @@ void ProjectReader::read_body(const ProjectItem& item) {
     if (child->type != "SimpleControllerItem") continue;
     body.controllers.push_back(read_controller(*child, names));
   }
-  taken(item, fmt::format("body {}: {}, {} links, {} joints", body.name, fs::path(body.model_file).filename().string(),
-                          body.model.links.size(), body.model.joints.size()));
+  const std::size_t links = body.model.links.size();
+  taken(item, fmt::format("body {}: {}, {} link{}, {} joints", body.name, fs::path(body.model_file).filename().string(),
+                          links, links == 1 ? "" : "s", body.model.joints.size()));
   bodies_.push_back(std::move(body));
 }
 

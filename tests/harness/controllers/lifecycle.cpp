@@ -100,7 +100,7 @@ class FileReader : public Pusher {
 };
 const Add<FileReader> file_reader("file");
 
-/// share NAME: as `file`, of a file below shareDirPath().
+/// shared_file NAME: as `file`, of a file below shareDirPath().
 class SharedFileReader : public Pusher {
  public:
   explicit SharedFileReader(const Words& words) : Pusher(0.0), name_(words.at(0)) {}
@@ -112,7 +112,7 @@ class SharedFileReader : public Pusher {
  private:
   std::string name_;
 };
-const Add<SharedFileReader> shared_file_reader("share");
+const Add<SharedFileReader> shared_file_reader("shared_file");
 
 /// yaml PATH: commands the `effort` in the file, which the API reads.
 class YamlReader : public Pusher {

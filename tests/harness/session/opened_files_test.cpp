@@ -70,7 +70,7 @@ TEST_F(OpenedFiles, OfTheShareAreFoundByAReplayWithoutThem) {
   std::filesystem::create_directories(path("share/motion"));
   write("share/motion/gain.txt", "1.5\n");
   setenv("REHEARSE_CHOREONOID_SHARE", path("share").c_str(), 1);
-  const Trace trace = record_run(rig_with("share motion/gain.txt"));
+  const Trace trace = record_run(rig_with("shared_file motion/gain.txt"));
   ASSERT_FALSE(summary_.failure) << summary_.failure->message;
   const auto* copy = trace.find_attachment("inputs/share/motion/gain.txt");
   ASSERT_NE(copy, nullptr);
@@ -90,7 +90,7 @@ TEST_F(OpenedFiles, OfTheShareThatHaveChangedAreNamedByAReplay) {
   std::filesystem::create_directories(path("share"));
   write("share/gain.txt", "1.5\n");
   setenv("REHEARSE_CHOREONOID_SHARE", path("share").c_str(), 1);
-  record_run(rig_with("share gain.txt"));
+  record_run(rig_with("shared_file gain.txt"));
   write("share/gain.txt", "1.6\n");
   const ReplayReport report = replayed();
   EXPECT_FALSE(report.equal());
