@@ -4,6 +4,7 @@
 #include <rehearse/check.h>
 
 #include <bit>
+#include <functional>
 #include <limits>
 
 #include "small_traces.h"
@@ -54,6 +55,7 @@ class Expectations : public ::testing::Test {
     EXPECT_EQ(a.series, b.series);
     expect_same(a.first, b.first);
     expect_same(a.worst, b.worst);
+    EXPECT_EQ(a.margin, b.margin);
   }
   static void expect_same(const std::optional<ViolatingSample>& a, const std::optional<ViolatingSample>& b) {
     ASSERT_EQ(a.has_value(), b.has_value());
@@ -100,6 +102,21 @@ TEST_F(Expectations, TellTheFirstAndTheWorstSampleThatViolates) {
   EXPECT_EQ(result.first->time, 0.002);
   EXPECT_NEAR(*result.first->value, 0.5, 1e-12);
   EXPECT_EQ(result.worst->tick, 4);
+}
+
+TEST_F(Expectations, HaveAMarginToTheirViolation) {
+  const auto margin = [&](const std::function<void(Expectation&)>& set) {
+    Expectation expectation = of(height_);
+    set(expectation);
+    return judged(expectation).margin.value_or(1e9);
+  };
+  EXPECT_NEAR(margin([](Expectation& e) { e.above = 0.25; }), 0.05, 1e-12) << "of the lowest sample, 0.3 m";
+  EXPECT_NEAR(margin([](Expectation& e) { e.above = 0.55; }), -0.25, 1e-12) << "violated";
+  EXPECT_NEAR(margin([](Expectation& e) { e.above = 0.25, e.below = 0.75; }), 0.05, 1e-12) << "of the nearer bound";
+  EXPECT_NEAR(margin([](Expectation& e) { e.near = 0.5, e.within = 0.3; }), 0.1, 1e-12);
+  EXPECT_NEAR(margin([](Expectation& e) { e.above = 0.55, e.sometime = true; }), 0.15, 1e-12) << "of the best sample";
+  EXPECT_NEAR(margin([](Expectation& e) { e.above = 0.35, e.at = 0.001; }), 0.25, 1e-12) << "of that moment alone";
+  EXPECT_FALSE(judged(of_event("*goal*", Expectation::Subject::event)).margin);
 }
 
 TEST_F(Expectations, CountOnlyTheSpanWithBothItsEnds) {

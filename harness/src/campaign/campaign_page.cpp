@@ -221,18 +221,20 @@ std::string histogram(const CaseTable& table, const std::vector<double>& column,
   return svg(label, bars);
 }
 
-/// Failed cases are drawn above passed ones.
+/// Failed cases are drawn above passed ones; of many of a kind only some.
 std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const std::string& label) {
   const Extent x = extent_of(table.values[a]), y = extent_of(table.values[b]);
-  const std::size_t step = std::max<std::size_t>(1, table.size() / most_points);
   std::string points;
-  for (const bool passed : {true, false})
-    for (std::size_t i = 0; i < table.size(); ++i) {
-      if (!table.has(i) || table.passed(i) != passed || (passed && i % step != 0)) continue;
+  for (const bool passed : {true, false}) {
+    std::vector<std::size_t> cases;
+    for (std::size_t i = 0; i < table.size(); ++i)
+      if (table.has(i) && table.passed(i) == passed) cases.push_back(i);
+    const std::size_t step = std::max<std::size_t>(1, cases.size() / most_points);
+    for (std::size_t i = 0; i < cases.size(); i += step)
       points +=
           fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
-                      width * x.share(table.values[a][i]), height * (1.0 - y.share(table.values[b][i])));
-    }
+                      width * x.share(table.values[a][cases[i]]), height * (1.0 - y.share(table.values[b][cases[i]])));
+  }
   return svg(label, points);
 }
 
