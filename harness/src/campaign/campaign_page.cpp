@@ -269,6 +269,8 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
     text += figure(histogram(table, table.values[i], variations[i].name),
                    fmt::format("{}: {}", variations[i].name, ends_of(table, i)));
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
+    const auto is_number = [](double margin) { return std::isfinite(margin); };
+    if (std::none_of(table.margins[e].begin(), table.margins[e].end(), is_number)) continue;  // that of an event
     const Extent extent = extent_of(table.margins[e]);
     const std::string& expectation = campaign.expectations()[e];
     text +=
