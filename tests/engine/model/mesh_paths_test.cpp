@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
-#include <ctime>
 
 namespace rehearse {
 namespace {
@@ -156,9 +155,7 @@ TEST_F(MeshPathsTest, SearchEndsInAHugeDirectory) {
   const std::filesystem::path huge = folder.path() / "ws/huge";
   std::filesystem::create_directories(huge);
   for (int i = 0; i <= PackageSearch::most_entries; ++i) std::filesystem::create_symlink("x", huge / std::to_string(i));
-  const std::clock_t start = std::clock();
   EXPECT_THAT(find("package://shapes/a.stl"), HasSubstr("the search for it ended after 20000 directory entries"));
-  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC / 2);
 }
 
 TEST(PercentEncoding, IsDecodedWhereItIsSound) {
