@@ -1,12 +1,12 @@
 // For any bytes, the loader returns a model or errors, and none takes it long.
 #include <rehearse/urdf.h>
 
+#include "../../sound_input.h"
 #include "urdf_texts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -27,25 +27,10 @@ std::string sr1_text() {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// Processor time of one load of SR1's model. [clocks]
-double time_of_sr1() {
-  static const double time = [] {
-    const std::string text = sr1_text();
-    const std::clock_t start = std::clock();
-    for (int i = 0; i < 20; ++i) EXPECT_TRUE(parse_urdf(text, "test.urdf").ok());
-    return static_cast<double>(std::clock() - start) / 20;
-  }();
-  return time;
-}
-
-/// The result of `work`, if it takes less processor time than 1,000 loads of SR1's model. The slowest takes 360, on any
-/// machine, with and without sanitizers.
+/// The result of `work`, which takes at most three times as long as the slowest of these tests.
 auto quickly(const auto& work) {
-  const double bound = 1000 * time_of_sr1();
-  const std::clock_t start = std::clock();
-  auto result = work();
-  EXPECT_LT(static_cast<double>(std::clock() - start), bound);
-  return result;
+  static const SoundInput sr1([text = sr1_text()] { EXPECT_TRUE(parse_urdf(text, "test.urdf").ok()); });
+  return sr1.bounds(1000, work);
 }
 
 std::string quick_refusal(const std::string& text) {
