@@ -240,6 +240,20 @@ TEST(ScenarioBodies, GivesAShapeItsSurface) {
             Eigen::Vector3d::UnitY());
 }
 
+TEST(ScenarioBodies, GivesLinksOtherMassesAndSurfaces) {
+  const auto changed = load_slider("    links: {CART: {mass: 3}, TOP: {friction: 0.2, restitution: 0.1}}\n");
+  ASSERT_TRUE(changed) << to_string(changed.errors());
+  const Model& model = *changed->bodies[0].model;
+  const Link& cart = model.links[static_cast<std::size_t>(model.find_link("CART"))];
+  EXPECT_EQ(cart.inertial.mass, 3.0);
+  EXPECT_EQ(cart.inertial.inertia, Eigen::Matrix3d(3.0 * Eigen::Matrix3d::Identity())) << "of the same shape";
+  EXPECT_EQ(model.links[0].inertial.mass, 1.0);
+  const Surface& top = model.links[static_cast<std::size_t>(model.find_link("TOP"))].surface;
+  EXPECT_EQ(top.friction, 0.2);
+  EXPECT_EQ(top.restitution, 0.1);
+  EXPECT_FALSE(cart.surface.friction);
+}
+
 TEST(ScenarioMaterials, AreOfBodiesAndOfLinks) {
   write_file("slider.urdf", slider);
   const Scenario scenario = loaded(

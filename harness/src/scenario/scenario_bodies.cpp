@@ -78,7 +78,8 @@ void BodyReader::read(const YamlNode& node) {
                                               "fdir1",          "restitution",
                                               "position",       "rotation",
                                               "joints",         "velocity",
-                                              "controllers",    "joint_velocities"});
+                                              "controllers",    "joint_velocities",
+                                              "links"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -95,6 +96,7 @@ void BodyReader::read(const YamlNode& node) {
   read_contact(keys, body);
   read_model(keys, body);
   if (body.model != nullptr) place_as_model(body);
+  if (const YamlNode* links = body.model ? keys.find("links") : nullptr) read_links(findings_, *links, body);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
@@ -222,11 +224,14 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     body.model = load_model(node, *file, options);
   }
   if (const YamlNode* mass = keys.find("mass"))
-    findings_.error(*mass, "mass is given for a body with a model file", "the masses of a model stand in its file");
+    findings_.error(*mass, "mass is given for a body with a model file",
+                    "the masses of a model are in its file; links: {LINK: {mass: ...}} replaces one");
   for (const char* key : {"friction", "mu2", "fdir1", "restitution"})
     if (const YamlNode* found = keys.find(key))
       findings_.error(*found, fmt::format("{} is given for a body with a model file", key),
-                      "the surfaces of a model stand in its file: <gazebo reference=\"LINK\"> or <contact>");
+                      "the surfaces of a model are in its file: <gazebo reference=\"LINK\"> or <contact>; links: "
+                      "{LINK: {friction: ...}} "
+                      "replaces one");
 }
 
 std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file,
@@ -365,11 +370,10 @@ void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBod
 
 // The surface of a shape; nothing if it has a mistake.
 std::optional<Surface> BodyReader::read_surface(const Keys& keys) {
-  constexpr Range any_friction{0.0, 1e6};
   Surface surface;
   keys.number("friction", any_friction, surface.friction);
   keys.number("mu2", any_friction, surface.second_friction);
-  keys.number("restitution", {0.0, 1.0}, surface.restitution);
+  keys.number("restitution", any_restitution, surface.restitution);
   const YamlNode* direction = keys.find("fdir1");
   if (direction != nullptr && keys.find("mu2") == nullptr) {
     findings_.error(*direction, "fdir1 is given without mu2", "mu2 is the friction across that direction");

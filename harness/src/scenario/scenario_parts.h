@@ -25,6 +25,9 @@ void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* 
 /// Initial velocities of joints, a map by name. body.model must not be null.
 void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBody& body);
 
+/// The `links` map: masses and surfaces that replace those of the model. body.model must not be null.
+void read_links(Findings& findings, const YamlNode& node, ScenarioBody& body);
+
 /// `materials`, a map from bodies and links to names, and the `pairs` list; null: the scenario has none. After the
 /// bodies.
 void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario);

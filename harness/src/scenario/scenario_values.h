@@ -35,6 +35,8 @@ struct Range {
 inline constexpr Range any_position{-1e6, 1e6, "[m]"};
 inline constexpr Range any_length{1e-6, 1e6, "[m]"};
 inline constexpr Range any_mass{1e-9, 1e9, "[kg]"};
+inline constexpr Range any_friction{0.0, 1e6};
+inline constexpr Range any_restitution{0.0, 1.0};
 inline constexpr Range any_force{-1e9, 1e9, "[N]"};
 inline constexpr Range any_torque{-1e9, 1e9, "[N·m]"};
 inline constexpr Range any_acceleration{-1e6, 1e6, "[m/s²]"};
